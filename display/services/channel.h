@@ -1,0 +1,50 @@
+// Display channels: what can be written to during a render, and how it becomes pixels.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "lpe/event.h"
+
+namespace raylex::display {
+
+/// Handle of a channel for every display-services call. Negative ids are invalid and refused.
+using ChannelId = std::int32_t;
+inline constexpr ChannelId invalid_channel = -1;
+
+enum class ChannelStyle : std::uint8_t { name, expression };  ///< a plain AOV by name, or a light path expression
+enum class ChannelType : std::uint8_t { real, rgb, point, normal, vector, integer };
+
+/// Numbers per sample: 1 for real and integer, 3 for the others.
+[[nodiscard]] constexpr int component_count(ChannelType type) {
+    return type == ChannelType::real || type == ChannelType::integer ? 1 : 3;
+}
+
+/// How the samples of a pixel become its value: the render's pixel filter, or a rule that ignores it.
+/// zmin and zmax copy the value of the sample nearest to / farthest from the camera.
+enum class FilterRule : std::uint8_t { filter, zmin, zmax, min, max, average, sum };
+
+/// What GetDisplayChannels shows to patterns, bxdfs and integrators.
+struct DisplayChannel {
+    ChannelId id = invalid_channel;
+    ChannelStyle style = ChannelStyle::name;
+    ChannelType type = ChannelType::rgb;
+    std::string name;
+};
+
+/// A channel as the job declares it. The index in the render's list is its ChannelId.
+struct ChannelDefinition {
+    std::string name;
+    ChannelStyle style = ChannelStyle::name;
+    ChannelType type = ChannelType::rgb;
+    std::string expression;                       ///< style expression: the text as the user wrote it
+    lpe::Dialect dialect = lpe::Dialect::renderman;
+    std::vector<std::size_t> rest_of;             ///< not empty: accepts what none of these channels (by index) accepts
+    FilterRule rule = FilterRule::filter;
+    std::string space;                            ///< "camera", "world", "raster", "rendering colour space", ...
+    bool statistics = false;                      ///< also keep the per-pixel second moment
+    float miss_value = 0.0f;                      ///< value of a sample to which nothing was written
+};
+
+}  // namespace raylex::display

@@ -1,0 +1,117 @@
+// The LPE services: they follow light paths for the integrator and splat every contribution to each display channel
+// whose expression accepts the path. An integrator moves a tracker and reports contributions; it never asks which
+// channels exist, so adding an AOV never means editing an integrator.
+//
+// Attribution (Law 5). A tracker carries pairs (automaton state, share). When a direction was sampled from a mixture of
+// lobes, each lobe's part of the scattering value moves along its own transition, so a contribution reaches each channel
+// with exactly the fraction of it that those lobes carried, and the fractions of one contribution sum to 1 in every
+// colour. Equal states merge, dead ones drop out. Beauty takes the full value and never looks at the states (Law 2).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "display/services/channel.h"
+#include "display/services/rgb.h"
+#include "display/services/sample_table.h"
+#include "lpe/program.h"
+
+namespace raylex::display {
+
+/// How a contribution was found; recorded for technique splits and diagnostics, never part of the word (an emitter is L
+/// by what it is, not by how it was hit).
+enum class Technique : std::uint8_t { scattering, light_sampling };
+
+/// One lobe's part of a scattering value f(wo, wi) |cos|, in any common scale: only ratios within one move matter.
+struct LobePart {
+    lpe::EventClass event = 0;
+    Rgb value;
+};
+
+/// Opaque, fixed capacity, trivially copyable: copy it to look one event ahead (a light sample), then drop the copy.
+class Tracker {
+  public:
+    static constexpr int capacity = 16;
+
+  private:
+    friend class LpeServices;
+    std::uint64_t key_ = 0;      // (pixel, sample) hash: the source of the overflow choice
+    std::int32_t row_ = 0;
+    std::uint16_t moves_ = 0;
+    std::uint8_t count_ = 0;
+    bool whole_ = true;          // every pair's share is 1: one pair per group, nothing was split yet
+    std::array<lpe::State, capacity> state_;
+    std::array<RgbD, capacity> share_;
+};
+
+/// What all threads share: the compiled program and where its channels stand in the sample table. Immutable.
+class LpeSetup {
+  public:
+    /// Compiles every expression channel of `channels`. `beauty` is the id that takes the whole of every contribution,
+    /// or invalid_channel when beauty was not asked for.
+    static Result<LpeSetup> build(std::span<const ChannelDefinition> channels, ChannelId beauty,
+                                  const lpe::CompileOptions& options = {});
+    [[nodiscard]] lpe::EventClass classify(const lpe::Event& event) const { return program_.classify(event); }
+    [[nodiscard]] const lpe::Program& program() const { return program_; }
+    [[nodiscard]] ChannelId beauty() const { return beauty_; }
+
+  private:
+    friend class LpeServices;
+    lpe::Program program_;
+    std::vector<lpe::State> first_states_;        // after the camera event, dead ones removed
+    std::vector<ChannelId> channel_of_accept_;    // program channel -> display channel
+    ChannelId beauty_ = invalid_channel;
+};
+
+/// A rejected contribution, with what it takes to render the sample again (Law 6).
+struct InvalidSample {
+    std::int32_t pixel_x = 0, pixel_y = 0;
+    std::uint64_t sample = 0;
+    Rgb value;
+};
+
+/// Per thread. All calls are inline-cheap when no expression channel exists.
+class LpeServices {
+  public:
+    static constexpr std::size_t invalid_samples_kept = 16;
+
+    /// How lobes are attributed: `exact` is Law 5; `picked` labels each scattering by one lobe drawn in proportion to its
+    /// part, the common practice, kept to measure against.
+    enum class Attribution : std::uint8_t { exact, picked };
+
+    LpeServices(const LpeSetup& setup, SampleTable& table, std::uint64_t seed, Attribution attribution = Attribution::exact);
+
+    /// A tracker at the camera of `row`, the camera event read.
+    [[nodiscard]] Tracker begin(int row) const;
+
+    void move(Tracker& tracker, lpe::EventClass event) const;
+    /// A scattering whose value is the sum of `parts` (at most Tracker::capacity of them).
+    void move(Tracker& tracker, std::span<const LobePart> parts);
+
+    /// Adds `value` (radiance times throughput, filter weight not applied) to beauty and to every channel whose
+    /// expression accepts the path; the terminal event must have been moved along. Non-finite values are rejected for
+    /// beauty and splits alike, counted and logged.
+    void contribute(const Rgb& value, Technique technique, const Tracker& tracker);
+
+    /// Whether anything could still accept: false means that the path may end (Law 4).
+    [[nodiscard]] bool live(const Tracker& tracker) const { return setup_.beauty_ >= 0 || tracker.count_ != 0; }
+    /// The same, one event ahead: whether contributing after `event` could reach any channel.
+    [[nodiscard]] bool live_after(const Tracker& tracker, lpe::EventClass event) const;
+
+    [[nodiscard]] std::uint64_t overflow_count() const { return overflow_count_; }
+    [[nodiscard]] std::uint64_t invalid_count() const { return invalid_count_; }
+    [[nodiscard]] std::span<const InvalidSample> invalid_samples() const { return invalid_samples_; }
+
+  private:
+    void merge_overflow(Tracker& tracker);
+    const LpeSetup& setup_;
+    SampleTable& table_;
+    std::uint64_t seed_ = 0;
+    Attribution attribution_ = Attribution::exact;
+    std::uint64_t overflow_count_ = 0, invalid_count_ = 0;
+    std::vector<InvalidSample> invalid_samples_;
+};
+
+}  // namespace raylex::display

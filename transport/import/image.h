@@ -1,0 +1,25 @@
+// Image files for textures and image lights: PNG, EXR, HDR, PFM, JPEG, TGA.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lpe/result.h"
+
+namespace raylex::transport {
+
+/// Row-major from the top, channels interleaved (1 = grey, 2 = grey+alpha, 3 = RGB, 4 = RGBA), linear values.
+struct Image {
+    int width = 0, height = 0, channels = 0;
+    std::vector<float> pixels;
+
+    [[nodiscard]] float at(int x, int y, int c) const {
+        return pixels[(static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) *
+                          static_cast<std::size_t>(channels) + static_cast<std::size_t>(c)];
+    }
+};
+
+/// `encoding`: "sRGB" (the default for 8-bit files), "linear", or "gamma <exponent>"; ignored for float formats.
+Result<Image> read_image(const std::string& path, const std::string& encoding = {});
+
+}  // namespace raylex::transport

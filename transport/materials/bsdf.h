@@ -1,0 +1,72 @@
+// Scattering at a surface point: plain closures, filled per batch by materials, evaluated without virtual calls.
+//
+// Every evaluation says what each lobe contributed, so that a path can be attributed exactly (Law 5).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "display/services/rgb.h"
+#include "lpe/event.h"
+#include "transport/math/vec.h"
+
+namespace raylex::transport {
+
+/// Index into lobe_kinds(): one row of the normative event table (lpe/README.md).
+using LobeId = std::uint8_t;
+
+struct LobeKind {
+    lpe::EventType type = lpe::EventType::reflection;
+    lpe::Scatter scatter = lpe::Scatter::diffuse;
+    std::uint8_t lobe_number = 0;
+    const char* name = "";            ///< lobe label slot: "diffuse", "conductor", "coat", "glass", ...
+};
+
+/// All lobes that any registered material can give, in LobeId order.
+std::span<const LobeKind> lobe_kinds();
+
+inline constexpr int max_lobes = 4;
+
+/// Value of one lobe: f |cos|, its share of the whole.
+struct LobeValue {
+    LobeId lobe = 0;
+    Rgb value;
+};
+
+struct LobeList {
+    std::array<LobeValue, max_lobes> entry;
+    int count = 0;
+
+    void add(LobeId lobe, const Rgb& value) { entry[static_cast<std::size_t>(count++)] = {lobe, value}; }
+};
+
+/// f(wo, wi) |cos theta_i| over all non-delta lobes, and the density with which sample() would choose wi (per steradian).
+struct BsdfEvaluation {
+    Rgb value;
+    float pdf = 0;
+    LobeList lobes;        ///< their values sum to `value`
+};
+
+struct BsdfSample {
+    Vec3 wi;
+    Rgb weight;            ///< f |cos| / pdf over all lobes that could have produced wi
+    float pdf = 0;         ///< per steradian; 0 marks failure (path ends); for delta lobes the discrete probability
+    LobeList lobes;        ///< the lobes' parts of f |cos|; for a delta lobe just that one
+    float eta = 1;         ///< relative index crossed; 1 unless transmitted through an interface
+    bool delta = false;
+    bool transmitted = false;
+    bool pdf_is_proportional = false;  ///< stochastic (layered) closures: `pdf` serves `weight` only, MIS asks pdf()
+};
+
+/// What geometry knows of a hit; materials turn a batch of these into closures.
+struct SurfacePoint {
+    Vec3 position, geometric_normal, shading_normal;   ///< world; normals unit; geometric normal on the shape's outside
+    Vec3 dpdu;
+    Vec3 wo;                                            ///< unit, away from the surface, towards where the path came from
+    float u = 0, v = 0;
+    std::int32_t material = 0;
+    std::uint32_t random_key = 0;                       ///< counter-based key for stochastic closures and `mix`
+};
+
+}  // namespace raylex::transport

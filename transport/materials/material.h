@@ -1,0 +1,56 @@
+// Materials: registered by name, compiled once per scene, run on batches of hits of one material at a time.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "display/services/registry.h"
+#include "transport/materials/bsdf.h"
+#include "transport/materials/closure.h"
+#include "transport/materials/texture.h"
+#include "transport/scene/scene_description.h"
+
+namespace raylex::transport {
+
+/// A compiled material. One virtual call serves a whole run of hits of this material.
+class Material {
+  public:
+    virtual ~Material() = default;
+    /// Fills `closures[i]` from `points[i]`. No allocation; texture look-ups only.
+    virtual void shade(const TextureTable& textures, std::span<const SurfacePoint> points, std::span<Bsdf> closures) const = 0;
+    /// Lobes this material can give: the scene's alphabet.
+    virtual void append_lobes(std::vector<LobeId>& lobes) const = 0;
+};
+
+class MaterialTable;
+
+/// What a material's factory may use.
+struct MaterialContext {
+    const SceneDescription& scene;
+    TextureTable& textures;                     ///< a factory resolves texture parameters here, once
+    const MaterialTable& materials;             ///< materials before this one in the list, and by name (for mix)
+};
+
+using MaterialFactory = std::function<Result<std::unique_ptr<Material>>(const SceneEntity&, const MaterialContext&)>;
+
+/// diffuse, conductor, dielectric, thindielectric, coateddiffuse, coatedconductor, mix, interface; plugins add theirs.
+Registry<MaterialFactory>& material_registry();
+
+/// All materials of a scene, in the order of SceneDescription::materials.
+class MaterialTable {
+  public:
+    static Result<MaterialTable> build(const SceneDescription& scene, TextureTable& textures);
+
+    /// Turns hits into closures; sorts by material internally, so any order is fine. `points.size() == closures.size()`.
+    void shade(const TextureTable& textures, std::span<const SurfacePoint> points, std::span<Bsdf> closures) const;
+    [[nodiscard]] const Material* material(std::size_t index) const { return materials_[index].get(); }
+    [[nodiscard]] std::size_t size() const { return materials_.size(); }
+
+  private:
+    std::vector<std::unique_ptr<Material>> materials_;
+};
+
+}  // namespace raylex::transport

@@ -1,0 +1,50 @@
+// Textures: constant, scale, mix, checkerboard, imagemap; float and colour alike, evaluated by index.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "display/services/registry.h"
+#include "display/services/rgb.h"
+#include "transport/color/spectrum.h"
+#include "transport/scene/scene_description.h"
+
+namespace raylex::transport {
+
+/// Index of a texture; constants are textures too.
+using TextureId = std::int32_t;
+
+/// Where a texture is looked up.
+struct TexturePoint {
+    float u = 0, v = 0;
+    Vec3 position;          ///< world
+};
+
+class TextureTable {
+  public:
+    static Result<TextureTable> build(const SceneDescription& scene);
+
+    TextureTable();
+    ~TextureTable();
+    TextureTable(TextureTable&&) noexcept;
+    TextureTable& operator=(TextureTable&&) noexcept;
+
+    [[nodiscard]] TextureId add_constant(const Rgb& value);
+    /// The texture behind a "texture"-typed parameter, or a constant from its value, or from `fallback` when absent.
+    Result<TextureId> rgb_parameter(const ParameterSet& set, std::string_view name, const Rgb& fallback, SpectrumRole role,
+                                    const ColorContext& color);
+    Result<TextureId> real_parameter(const ParameterSet& set, std::string_view name, float fallback);
+    /// By the texture's own name (SceneShape::alpha_texture).
+    Result<TextureId> named_real(std::string_view name, const SourceLocation& where) const;
+
+    [[nodiscard]] Rgb rgb(TextureId id, const TexturePoint& at) const;
+    [[nodiscard]] float real(TextureId id, const TexturePoint& at) const;
+
+  private:
+    struct Storage;
+    std::unique_ptr<Storage> storage_;
+};
+
+}  // namespace raylex::transport

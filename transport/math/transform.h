@@ -1,0 +1,40 @@
+// Affine transforms with their inverse, in double: scene files multiply many of them before a vertex is touched.
+#pragma once
+
+#include <array>
+
+#include "transport/math/vec.h"
+
+namespace raylex::transport {
+
+using Matrix4 = std::array<std::array<double, 4>, 4>;   ///< row-major; points are columns
+
+class Transform {
+  public:
+    Transform();                                        ///< identity
+    explicit Transform(const Matrix4& matrix);          ///< inverse computed; `invertible()` tells whether there is one
+    Transform(const Matrix4& matrix, const Matrix4& inverse) : m_(matrix), inverse_(inverse) {}
+
+    static Transform translate(double x, double y, double z);
+    static Transform scale(double x, double y, double z);
+    static Transform rotate(double degrees, double x, double y, double z);
+    /// World to camera, left-handed, +z towards `look` (pbrt's LookAt).
+    static Transform look_at(const std::array<double, 3>& eye, const std::array<double, 3>& look, const std::array<double, 3>& up);
+
+    friend Transform operator*(const Transform& a, const Transform& b);  ///< b is applied first
+    [[nodiscard]] Transform inverse() const { return {inverse_, m_}; }
+    [[nodiscard]] const Matrix4& matrix() const { return m_; }
+    [[nodiscard]] bool invertible() const { return invertible_; }
+    [[nodiscard]] bool is_identity() const;
+    [[nodiscard]] bool swaps_handedness() const;
+
+    [[nodiscard]] Vec3 point(const Vec3& p) const;
+    [[nodiscard]] Vec3 vector(const Vec3& v) const;
+    [[nodiscard]] Vec3 normal(const Vec3& n) const;     ///< by the inverse transpose; not normalised
+
+  private:
+    Matrix4 m_, inverse_;
+    bool invertible_ = true;
+};
+
+}  // namespace raylex::transport

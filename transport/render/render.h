@@ -1,0 +1,80 @@
+// One call from a scene and settings to a filled frame buffer.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "display/buffer/frame_buffer.h"
+#include "display/services/channel.h"
+#include "display/services/lpe_services.h"
+#include "lpe/result.h"
+#include "transport/scene/scene_description.h"
+
+namespace raylex::transport {
+
+/// What overrides the scene file. Unset means: as the scene says, else pbrt's default.
+struct RenderSettings {
+    std::optional<std::uint64_t> samples_per_pixel;
+    std::uint64_t seed = 0;
+    int threads = 0;                                ///< 0 = all the machine offers
+    std::optional<std::array<int, 2>> resolution;
+    std::optional<SceneEntity> integrator, sampler, filter;    ///< type and parameters replace the scene's
+    std::optional<std::int64_t> max_depth;          ///< overrides the integrator's "maxdepth"
+    std::optional<SceneEntity> sample_filter;       ///< applied to raw samples before pixel filtering
+    std::string isa;                                ///< "", "sse2", "sse4.2", "avx", "avx2", "avx512": what Embree may use
+    bool beauty = true;                             ///< false: only what the channels below accept is simulated
+    bool picked_lobes = false;                      ///< label by one drawn lobe instead of exact shares
+    /// LPE channels, rest layers and geometric AOVs by name. `rest_of` counts in this list.
+    std::vector<display::ChannelDefinition> channels;
+};
+
+struct RenderProgress {
+    std::uint64_t samples_done = 0, samples_total = 0;      ///< camera samples
+    double seconds = 0;                                     ///< wall, since rendering began
+};
+
+struct RenderStatistics {
+    double build_seconds = 0, build_cpu_seconds = 0;        ///< scene tables and acceleration structure
+    double render_seconds = 0, render_cpu_seconds = 0;
+    std::uint64_t camera_samples = 0, camera_rays = 0, scattering_rays = 0, shadow_rays = 0;
+    std::vector<std::uint64_t> path_length_histogram;       ///< [scattering events of the path]
+    std::uint64_t attribution_overflow = 0;                 ///< trackers that had to merge by choice
+    std::uint64_t invalid_samples = 0;
+    std::vector<display::InvalidSample> invalid_log;
+    std::uint64_t refused_services_calls = 0;
+};
+
+struct RenderOutput {
+    display::FrameBuffer frame_buffer;
+    display::ChannelId beauty = display::invalid_channel;   ///< id in frame_buffer.channels(); LPEs and AOVs follow it
+    RenderStatistics statistics;
+    bool complete = true;                                   ///< false after an interrupt: fewer samples than asked for
+    int width = 0, height = 0, threads = 0;
+    std::uint64_t samples_per_pixel = 0;                    ///< asked for, after the sampler's rounding
+    std::uint64_t seed = 0;
+    std::string integrator, sampler, filter, isa;           ///< what was really used
+    Matrix4 world_to_camera, world_to_screen;
+    std::vector<Error> warnings;                            ///< fallbacks (integrator not there yet), unused parameters
+};
+
+/// Renders. `progress` is called from one thread, a few times a second. Setting `*stop` ends the render after the current
+/// blocks and returns what there is, marked incomplete.
+Result<RenderOutput> render(const SceneDescription& scene, const RenderSettings& settings,
+                            const std::function<void(const RenderProgress&)>& progress = {},
+                            const std::atomic<bool>* stop = nullptr);
+
+/// Labels, light groups, lobes and terminals that this scene can produce: the words that proofs and near misses use.
+struct SceneAlphabet {
+    std::vector<std::string> object_labels, light_groups;
+    bool has_lights = false, has_background = false, has_straight = false;
+    std::vector<lpe::Event> scattering;     ///< one per distinct event of the scene
+    std::vector<lpe::Event> terminals;
+};
+Result<SceneAlphabet> scene_alphabet(const SceneDescription& scene);
+
+}  // namespace raylex::transport

@@ -1,0 +1,116 @@
+// A scene as its file describes it: the importer's output and the scene builder's input. Plain data.
+//
+// Materials, textures, lights, camera, film, filter, sampler and integrator stay (type name, parameters): the registries
+// give them meaning, so that a plugin's material needs no change here. Geometry is already loaded and transformed.
+// All rgb parameters are in `color.scene_space`, scene-linear.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "display/services/parameters.h"
+#include "transport/math/transform.h"
+#include "transport/math/vec.h"
+
+namespace raylex::transport {
+
+/// Anything named by a type and a list of parameters.
+struct SceneEntity {
+    std::string name;            ///< of a named material or texture; else empty
+    std::string type;            ///< "diffuse", "imagemap", "path", ...
+    ParameterSet parameters;
+    SourceLocation location;
+};
+
+struct SceneTexture : SceneEntity {
+    bool spectrum = false;       ///< colour-valued; false: a single float
+    Transform to_world;          ///< current transform at its definition (planar, spherical ... mappings)
+};
+
+enum class ShapeKind : std::uint8_t { triangle_mesh, bilinear_mesh, sphere, disk, cylinder };
+
+/// One Shape directive. Meshes hold vertices in world space (in the object's space inside an ObjectBegin block);
+/// quadrics hold their parameters and the transform.
+struct SceneShape {
+    ShapeKind kind = ShapeKind::triangle_mesh;
+    std::string source_file;                    ///< base name of a plymesh file; else empty
+    SourceLocation location;
+
+    std::vector<Vec3> positions, normals;       ///< normals: one per position, or none
+    std::vector<Vec2> uvs;                      ///< one per position, or none
+    std::vector<std::uint32_t> indices;         ///< 3 per triangle, 4 per bilinear patch (pbrt's order: p00 p10 p01 p11)
+
+    float radius = 1, z_min = -1, z_max = 1, phi_max = 360;    ///< sphere, cylinder; degrees
+    float height = 0, inner_radius = 0;                        ///< disk
+    Transform object_to_world;                                 ///< quadrics
+
+    bool flip_normal = false;                   ///< ReverseOrientation xor a transform that swaps handedness
+    int material = -1;                          ///< index into materials
+    int area_light = -1;                        ///< index into area_lights
+    float alpha = 1;                            ///< constant opacity
+    std::string alpha_texture;                  ///< name of a float texture; overrides alpha
+    std::string label;                          ///< LPE object label; empty = unlabelled
+};
+
+struct SceneObject {
+    std::string name;
+    std::vector<SceneShape> shapes;
+};
+
+struct SceneInstance {
+    int object = -1;                            ///< index into objects
+    Transform to_world;
+    std::string label;                          ///< set by a label rule: overrides the shapes' own labels
+    SourceLocation location;
+};
+
+/// LightSource: point, spot, distant, infinite, ...
+struct SceneLight : SceneEntity {
+    Transform to_world;
+    std::string group;                          ///< LPE light group; empty = none
+};
+
+/// AreaLightSource: one per directive, shared by the shapes that follow it.
+struct SceneAreaLight : SceneEntity {
+    std::string group;
+};
+
+enum class ColorSpace : std::uint8_t { srgb, dci_p3, rec2020, aces2065_1 };
+
+/// From what the scene's numbers mean to what transport computes in. rgb values and textures of the scene stand in
+/// `scene_space`; `rendering_from_scene` (row-major) takes them to the rendering space, the identity by default.
+struct ColorContext {
+    ColorSpace scene_space = ColorSpace::srgb;
+    std::array<std::array<double, 3>, 3> rendering_from_scene{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+};
+
+struct SceneDescription {
+    std::string file;
+    SceneEntity camera, film, filter, sampler, integrator;     ///< type empty: not given, defaults apply
+    Transform camera_to_world;
+    ColorContext color;
+    std::vector<SceneEntity> materials;                        ///< [0] is the default diffuse material
+    std::vector<SceneTexture> textures;
+    std::vector<SceneShape> shapes;
+    std::vector<SceneObject> objects;
+    std::vector<SceneInstance> instances;
+    std::vector<SceneLight> lights;
+    std::vector<SceneAreaLight> area_lights;
+    std::vector<Error> warnings;                               ///< unknown but harmless: printed once, kept for --stats
+};
+
+/// Gives labels to objects and groups to lights of an unmodified scene. Exactly one selector is set; globs (* and ?).
+struct LabelRule {
+    enum class Selector : std::uint8_t { material, mesh_file, instance, light, area_light_material };
+    Selector selector = Selector::material;
+    std::string pattern;         ///< light: "infinite", "spot:1", "area:0" (kind, or kind:index in file order), globs
+    std::string label;           ///< object label, or light group for the light selectors
+    SourceLocation location;
+};
+
+/// First matching rule wins; a rule that matches nothing is an Error that lists near misses.
+Status apply_label_rules(SceneDescription& scene, const std::vector<LabelRule>& rules);
+
+}  // namespace raylex::transport
