@@ -1,0 +1,51 @@
+// OpenColorIO behind one file: the config, scene-linear conversions, and the view transform for previews.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "display/output/exr_writer.h"
+#include "lpe/result.h"
+
+namespace raylex::display {
+
+class ColorManager {
+  public:
+    /// `config_path`, else $OCIO, else the config that ships with raylex.
+    static Result<ColorManager> open(const std::string& config_path = {});
+    ~ColorManager();
+    ColorManager(ColorManager&&) noexcept;
+    ColorManager& operator=(ColorManager&&) noexcept;
+
+    [[nodiscard]] std::string description() const;                        ///< file and name, for headers and reports
+    [[nodiscard]] std::vector<std::string> scene_linear_spaces() const;
+    [[nodiscard]] std::vector<std::string> displays() const;
+    [[nodiscard]] std::vector<std::string> views(const std::string& display) const;
+    [[nodiscard]] std::string default_display() const;
+    [[nodiscard]] std::string default_view(const std::string& display) const;
+
+    /// Row-major 3x3 from linear RGB with `from` chromaticities to the named scene-linear space of the config.
+    [[nodiscard]] Result<std::array<std::array<double, 3>, 3>> matrix_to(const std::string& space, const Chromaticities& from) const;
+    /// Chromaticities of a named scene-linear space (through the config's CIE interchange).
+    [[nodiscard]] Result<Chromaticities> chromaticities(const std::string& space) const;
+
+    /// Linear RGB triples with the given primaries through a display and view to 8-bit RGB. Non-finite values come out
+    /// as 0. Empty display or view: the defaults.
+    [[nodiscard]] Result<std::vector<unsigned char>> to_display(std::span<const float> rgb, const Chromaticities& primaries,
+                                                                const std::string& display, const std::string& view) const;
+
+  private:
+    struct Config;
+    explicit ColorManager(std::unique_ptr<Config> config);
+    std::unique_ptr<Config> config_;
+};
+
+/// 8-bit RGB PNG, written to a temporary name and renamed.
+Status write_png(const std::string& path, int width, int height, std::span<const unsigned char> rgb);
+/// The same as bytes, for pages that embed images.
+Result<std::vector<unsigned char>> encode_png(int width, int height, std::span<const unsigned char> rgb);
+
+}  // namespace raylex::display
