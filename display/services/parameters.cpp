@@ -1,0 +1,156 @@
+#include "display/services/parameters.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+namespace raylex {
+namespace {
+
+const char* type_name(ParameterType type) {
+    switch (type) {
+        case ParameterType::boolean: return "bool";
+        case ParameterType::integer: return "integer";
+        case ParameterType::real: return "float";
+        case ParameterType::string: return "string";
+        case ParameterType::rgb: return "rgb";
+        case ParameterType::blackbody: return "blackbody";
+        case ParameterType::spectrum: return "spectrum";
+        case ParameterType::point2: return "point2";
+        case ParameterType::vector2: return "vector2";
+        case ParameterType::point3: return "point3";
+        case ParameterType::vector3: return "vector3";
+        case ParameterType::normal: return "normal";
+        case ParameterType::texture: return "texture";
+    }
+    return "value";
+}
+
+std::size_t value_count(const Parameter& parameter) {
+    if (parameter.type == ParameterType::boolean) return parameter.booleans.size();
+    return parameter.numbers.size() + parameter.strings.size();
+}
+
+/// An Error unless `parameter` holds exactly one value of a type that `accepted` allows.
+Status require_single(const Parameter& parameter, const SourceLocation& set_location, ParameterType expected,
+                      bool type_fits) {
+    const SourceLocation& where = parameter.location.line != 0 ? parameter.location : set_location;
+    if (!type_fits)
+        return error_at(where, "parameter '" + parameter.name + "' has type " + type_name(parameter.type) +
+                                   "; expected one " + type_name(expected));
+    if (value_count(parameter) != 1)
+        return error_at(where, "parameter '" + parameter.name + "' has " + std::to_string(value_count(parameter)) +
+                                   " values; expected one " + type_name(expected));
+    return success();
+}
+
+char lower(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
+
+/// Optimal string alignment distance (insert, delete, replace, swap neighbours), letter case ignored.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+    const std::size_t columns = b.size() + 1;
+    std::vector<std::size_t> before(columns), above(columns), row(columns);
+    std::iota(above.begin(), above.end(), std::size_t{0});
+    for (std::size_t i = 1; i <= a.size(); ++i) {
+        row[0] = i;
+        for (std::size_t j = 1; j <= b.size(); ++j) {
+            const bool same = lower(a[i - 1]) == lower(b[j - 1]);
+            row[j] = std::min({above[j] + 1, row[j - 1] + 1, above[j - 1] + (same ? 0 : 1)});
+            if (i > 1 && j > 1 && lower(a[i - 1]) == lower(b[j - 2]) && lower(a[i - 2]) == lower(b[j - 1]))
+                row[j] = std::min(row[j], before[j - 2] + 1);
+        }
+        before.swap(above);
+        above.swap(row);
+    }
+    return above[b.size()];
+}
+
+}  // namespace
+
+Error error_at(const SourceLocation& where, std::string message, std::string hint) {
+    Error error;
+    error.message = std::move(message);
+    error.file = where.file;
+    error.line = where.line;
+    error.column = where.column;
+    error.hint = std::move(hint);
+    return error;
+}
+
+const Parameter* ParameterSet::find(std::string_view name) const {
+    for (const Parameter& parameter : parameters) {
+        if (parameter.name != name) continue;
+        parameter.used = true;
+        return &parameter;
+    }
+    return nullptr;
+}
+
+// An integer is taken where a real is wanted: "radius = 2" in TOML means 2.0.
+Result<double> ParameterSet::real_or(std::string_view name, double fallback) const {
+    const Parameter* parameter = find(name);
+    if (parameter == nullptr) return fallback;
+    const bool fits = parameter->type == ParameterType::real || parameter->type == ParameterType::integer;
+    if (Status status = require_single(*parameter, location, ParameterType::real, fits); !status) return status.error();
+    return parameter->numbers.front();
+}
+
+Result<std::int64_t> ParameterSet::integer_or(std::string_view name, std::int64_t fallback) const {
+    const Parameter* parameter = find(name);
+    if (parameter == nullptr) return fallback;
+    if (Status status = require_single(*parameter, location, ParameterType::integer,
+                                       parameter->type == ParameterType::integer);
+        !status)
+        return status.error();
+    const double value = parameter->numbers.front();
+    // 2^53: the largest range in which a double holds every integer.
+    if (!(std::abs(value) <= 9007199254740992.0) || value != std::floor(value))
+        return error_at(parameter->location.line != 0 ? parameter->location : location,
+                        "parameter '" + parameter->name + "' is out of range; expected an integer of at most 2^53");
+    return static_cast<std::int64_t>(value);
+}
+
+Result<bool> ParameterSet::boolean_or(std::string_view name, bool fallback) const {
+    const Parameter* parameter = find(name);
+    if (parameter == nullptr) return fallback;
+    if (Status status = require_single(*parameter, location, ParameterType::boolean,
+                                       parameter->type == ParameterType::boolean);
+        !status)
+        return status.error();
+    return parameter->booleans.front() != 0;
+}
+
+Result<std::string> ParameterSet::string_or(std::string_view name, std::string_view fallback) const {
+    const Parameter* parameter = find(name);
+    if (parameter == nullptr) return std::string(fallback);
+    if (Status status = require_single(*parameter, location, ParameterType::string,
+                                       parameter->type == ParameterType::string);
+        !status)
+        return status.error();
+    return parameter->strings.front();
+}
+
+std::vector<const Parameter*> ParameterSet::unused() const {
+    std::vector<const Parameter*> result;
+    for (const Parameter& parameter : parameters)
+        if (!parameter.used) result.push_back(&parameter);
+    return result;
+}
+
+// A likely slip costs at most a third of the word's letters, and always at least one is allowed. Ties go to the
+// candidate listed first.
+std::string nearest_name(std::string_view word, const std::vector<std::string>& candidates) {
+    std::string best;
+    std::size_t best_distance = std::max<std::size_t>(1, word.size() / 3) + 1;
+    for (const std::string& candidate : candidates) {
+        const std::size_t distance = edit_distance(word, candidate);
+        if (distance >= best_distance) continue;
+        best_distance = distance;
+        best = candidate;
+    }
+    return best;
+}
+
+}  // namespace raylex
