@@ -18,11 +18,12 @@ class Transform {
     static Transform translate(double x, double y, double z);
     static Transform scale(double x, double y, double z);
     static Transform rotate(double degrees, double x, double y, double z);
-    /// World to camera, left-handed, +z towards `look` (pbrt's LookAt).
+    /// World to camera, left-handed, +z towards `look` (pbrt's LookAt). Not invertible when `up` and the view direction
+    /// are parallel or null; so is a rotation about a null axis.
     static Transform look_at(const std::array<double, 3>& eye, const std::array<double, 3>& look, const std::array<double, 3>& up);
 
     friend Transform operator*(const Transform& a, const Transform& b);  ///< b is applied first
-    [[nodiscard]] Transform inverse() const { return {inverse_, m_}; }
+    [[nodiscard]] Transform inverse() const;
     [[nodiscard]] const Matrix4& matrix() const { return m_; }
     [[nodiscard]] bool invertible() const { return invertible_; }
     [[nodiscard]] bool is_identity() const;
