@@ -1,0 +1,39 @@
+#!/usr/bin/env bash
+# Makes sure that every Debian package in packages.txt is installed: the one place that the quickstart, the tests and CI
+# share. Does nothing, and asks for nothing, when all are there. Exit 2 with the exact command when it may not install.
+set -uo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+mapfile -t wanted < <(sed 's/#.*//' "$here/packages.txt" | tr -s ' \t' '\n' | sed '/^$/d')
+
+missing=()
+for package in "${wanted[@]}"; do
+    status=$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null) || status=""
+    [ "$status" = installed ] || missing+=("$package")
+done
+[ ${#missing[@]} -eq 0 ] && exit 0
+
+command=(apt-get install -y --no-install-recommends "${missing[@]}")
+if [ "$(id -u)" = 0 ]; then
+    as_root=()
+elif command -v sudo >/dev/null 2>&1 && sudo -n true 2>/dev/null; then
+    as_root=(sudo)
+elif command -v sudo >/dev/null 2>&1 && [ -t 0 ]; then
+    as_root=(sudo)
+else
+    echo "These packages are missing and installing them needs root. Please run:" >&2
+    echo "  sudo apt-get update && sudo ${command[*]}" >&2
+    exit 2
+fi
+
+echo "Installing ${#missing[@]} packages: ${missing[*]}"
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+export DEBIAN_FRONTEND=noninteractive
+# A package list that was never fetched makes the first try fail; then, and only then, it is fetched.
+if ! "${as_root[@]}" "${command[@]}" >"$log" 2>&1; then
+    if ! { "${as_root[@]}" apt-get update && "${as_root[@]}" "${command[@]}"; } >"$log" 2>&1; then
+        tail -n 20 "$log" >&2
+        echo "Installing failed. The command was: ${as_root[*]} ${command[*]}" >&2
+        exit 2
+    fi
+fi
