@@ -1,0 +1,195 @@
+// Agreement with reference images by pbrt-v4.
+//
+// The short test holds the scenes that ship with raylex against their published mean luminance. The long one needs the
+// reference images, which do not ship: RAYLEX_REFERENCES names their folder (else ../shared/data/scenes beside the
+// project), and it says so when they are not there.
+//
+// Structure is looked for in blocks of 16 x 16 pixels: z = (own - reference) / sqrt(own variance of the mean from
+// independent replicates + reference variance). The reference's variance is known over the image (its RMSE, as published
+// with it) and is spread over the blocks in proportion to ours, which comes from the same estimator. Over B blocks the
+// two-sided Sidak threshold at 0.01 is asked of max |z|, from Student's t with R - 1 degrees of freedom, approximated by
+// the normal distribution for pooled variances (the variances are pooled over 9 neighbouring blocks: 9 (R - 1) >= 63).
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "display/output/exr_reader.h"
+#include "endtoend/analytic.h"
+#include "support/skip.h"
+
+using namespace raylex;
+using namespace raylex::test;
+namespace fs = std::filesystem;
+
+namespace {
+
+struct ReferenceScene {
+    const char* name;
+    bool shipped;                ///< the scene file is in experiments/scenes
+    bool grey;
+    double mean_luminance;       ///< 0: not published
+    double luminance_rmse;       ///< of the reference image; 0: only relMSE published
+    double reference_relmse;
+};
+
+// Published with the references (data README): mean luminance, RMSE of luminance, relMSE.
+const ReferenceScene scenes[] = {
+    {"point-plane", true, true, 0.22134, 0.00009, 6.7e-6},      {"furnace-sphere", true, true, 0.71992, 0.0007, 9.7e-6},
+    {"furnace-box", true, true, 1.99587, 0.058, 1.0e-3},        {"cornell-grey", true, true, 0.23711, 0.0043, 7.4e-4},
+    {"cornell-color", true, false, 0.23075, 0.0056, 1.1e-3},    {"mis-plates", true, true, 0.59076, 0.17, 5.8e-4},
+    {"displaced-sphere-1m", false, true, 0.55752, 0.0094, 6.3e-4}, {"still-life", true, true, 0, 0, 8e-4},
+    {"sky-image", true, true, 0, 0, 3e-3},                      {"bitterli-cornell-box", false, false, 0.13031, 0.0035, 4.6e-4},
+    {"bitterli-veach-mis", false, false, 0.93147, 0.50, 4.1e-3}, {"bitterli-veach-bidir", false, false, 0.35630, 0.072, 1.5e-3},
+};
+
+fs::path reference_folder() {
+    if (const char* given = std::getenv("RAYLEX_REFERENCES")) return given;
+    return fs::path(RAYLEX_SOURCE_DIR) / ".." / "shared" / "data" / "scenes";
+}
+
+transport::SceneDescription load(const fs::path& file) {
+    auto scene = transport::import_pbrt(file.string());
+    INFO((scene ? std::string() : scene.error().to_string()));
+    REQUIRE(scene.ok());
+    return std::move(*scene);
+}
+
+std::vector<double> luminance_of(const std::vector<double>& rgb) {
+    std::vector<double> result(rgb.size() / 3);
+    for (std::size_t i = 0; i < result.size(); ++i)
+        result[i] = luminance(RgbD(rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2]));
+    return result;
+}
+
+double mean_of(const std::vector<double>& values) {
+    double sum = 0;
+    for (const double value : values) sum += value;
+    return sum / double(values.size());
+}
+
+/// Means over 16 x 16 blocks; incomplete blocks at the right and bottom are left out.
+std::vector<double> block_means(const std::vector<double>& image, int width, int height) {
+    std::vector<double> result;
+    for (int by = 0; by + 16 <= height; by += 16)
+        for (int bx = 0; bx + 16 <= width; bx += 16) {
+            double sum = 0;
+            for (int y = by; y < by + 16; ++y)
+                for (int x = bx; x < bx + 16; ++x) sum += image[std::size_t(y) * std::size_t(width) + std::size_t(x)];
+            result.push_back(sum / 256);
+        }
+    return result;
+}
+
+/// Inverse of the standard normal distribution function by bisection on erfc.
+double normal_quantile(double p) {
+    double low = 0, high = 10;
+    for (int i = 0; i < 80; ++i) {
+        const double middle = (low + high) / 2;
+        (0.5 * std::erfc(-middle / std::sqrt(2.0)) < p ? low : high) = middle;
+    }
+    return low;
+}
+
+}  // namespace
+
+TEST_CASE("Shipped scenes have the mean luminance of pbrt-v4's references", "[reference][statistical]") {
+    for (const ReferenceScene& each : scenes) {
+        if (!each.shipped || each.mean_luminance == 0) continue;
+        const auto scene = load(fs::path(RAYLEX_SOURCE_DIR) / "experiments" / "scenes" / each.name / "scene.pbrt");
+        transport::RenderSettings settings;
+        settings.samples_per_pixel = 16;
+        const auto output = render_or_fail(scene, settings);
+        const auto pixels = luminance_of(output.frame_buffer.resolve(output.beauty));
+        const double mean = mean_of(pixels);
+        const auto variance = output.frame_buffer.resolve_variance_of_mean(output.beauty);
+        double own = 0;
+        for (const double v : variance) own += v / 3;
+        const double own_error = std::sqrt(own) / double(pixels.size());
+        const double reference_error = each.luminance_rmse / std::sqrt(double(pixels.size()));
+        // 1 % (grey) or 3 % (coloured: pbrt is spectral) as the systematic allowance, plus 4 standard errors of both.
+        const double allowance = (each.grey ? 0.01 : 0.03) * each.mean_luminance;
+        CAPTURE(each.name, mean, each.mean_luminance, own_error, reference_error);
+        CHECK(std::abs(mean - each.mean_luminance) <= allowance + 4 * std::hypot(own_error, reference_error));
+    }
+}
+
+TEST_CASE("Every reference scene agrees with its pbrt-v4 image in mean and in blocks", "[.full][reference]") {
+    if (!fs::exists(reference_folder())) RAYLEX_SKIP("no reference images; set RAYLEX_REFERENCES to their folder");
+    constexpr int replicates = 8;
+    for (const ReferenceScene& each : scenes) {
+        const fs::path folder = reference_folder() / each.name;
+        const auto scene = load(folder / "scene.pbrt");
+        auto reference_file = display::read_exr((folder / "reference.exr").string());
+        INFO((reference_file ? std::string() : reference_file.error().to_string()));
+        REQUIRE(reference_file.ok());
+        const auto* layer = reference_file->layer("");
+        REQUIRE(layer != nullptr);
+        const auto planes = layer->triple();
+        std::vector<double> reference(planes[0]->values.size());
+        for (std::size_t i = 0; i < reference.size(); ++i)
+            reference[i] = luminance(RgbD(planes[0]->values[i], planes[1]->values[i], planes[2]->values[i]));
+        const int width = reference_file->width, height = reference_file->height;
+
+        std::vector<std::vector<double>> blocks;
+        std::vector<double> sum(reference.size()), sum_of_squares(reference.size());
+        for (int r = 0; r < replicates; ++r) {
+            transport::RenderSettings settings;
+            settings.samples_per_pixel = 64;
+            settings.seed = std::uint64_t(r) + 1;
+            const auto output = render_or_fail(scene, settings);
+            REQUIRE(output.width == width);
+            REQUIRE(output.height == height);
+            const auto pixels = luminance_of(output.frame_buffer.resolve(output.beauty));
+            blocks.push_back(block_means(pixels, width, height));
+            for (std::size_t i = 0; i < pixels.size(); ++i) {
+                sum[i] += pixels[i];
+                sum_of_squares[i] += pixels[i] * pixels[i];
+            }
+        }
+        double own_pixel_variance = 0;   // of one replicate, averaged over the image
+        for (std::size_t i = 0; i < sum.size(); ++i)
+            own_pixel_variance += (sum_of_squares[i] - sum[i] * sum[i] / replicates) / (replicates - 1) / double(sum.size());
+        for (double& value : sum) value /= replicates;
+        const double ratio = mean_of(sum) / mean_of(reference);
+
+        const auto reference_blocks = block_means(reference, width, height);
+        const int across = width / 16, down = height / 16;
+        std::vector<double> variance(reference_blocks.size());
+        for (std::size_t b = 0; b < variance.size(); ++b) {
+            double mean = 0, squares = 0;
+            for (const auto& each_block : blocks) mean += each_block[b] / replicates;
+            for (const auto& each_block : blocks) squares += (each_block[b] - mean) * (each_block[b] - mean);
+            variance[b] = squares / (replicates - 1);
+        }
+        double relmse_scale = 0;   // luminance RMSE from relMSE where only that is published
+        for (const double r : reference) relmse_scale += (r * r + 0.01) / double(reference.size());
+        const double reference_pixel_variance = each.luminance_rmse > 0 ? each.luminance_rmse * each.luminance_rmse
+                                                                        : each.reference_relmse * relmse_scale;
+        const double reference_share = own_pixel_variance > 0 ? reference_pixel_variance / own_pixel_variance : 0;
+        double worst = 0;
+        int worst_block = 0;
+        for (int by = 0; by < down; ++by)
+            for (int bx = 0; bx < across; ++bx) {
+                double pooled = 0;
+                int count = 0;
+                for (int y = std::max(by - 1, 0); y <= std::min(by + 1, down - 1); ++y)
+                    for (int x = std::max(bx - 1, 0); x <= std::min(bx + 1, across - 1); ++x, ++count)
+                        pooled += variance[std::size_t(y * across + x)];
+                pooled /= count;
+                const auto b = std::size_t(by * across + bx);
+                double own = 0;
+                for (const auto& each_block : blocks) own += each_block[b] / replicates;
+                const double error = std::sqrt(pooled / replicates + pooled * reference_share);
+                // 1e-5 relative: both renderers compute in float, and noise-free blocks have no other error bar.
+                const double z = std::abs(own - reference_blocks[b]) / (error + 1e-5 * reference_blocks[b]);
+                if (z > worst) worst = z, worst_block = int(b);
+            }
+        const double threshold = normal_quantile(0.5 + 0.5 * std::pow(0.99, 1.0 / double(variance.size())));
+        std::cout << each.name << ": mean ratio " << ratio << ", worst block z " << worst << " at " << worst_block % across * 16
+                  << "," << worst_block / across * 16 << " (threshold " << threshold << ")" << std::endl;
+        CAPTURE(each.name, ratio, worst, worst_block, threshold);
+        CHECK(std::abs(ratio - 1) <= (each.grey ? 0.01 : 0.03));
+        // Coloured albedos are upsampled to spectra by pbrt, so RGB products differ systematically by a few per cent.
+        if (each.grey) CHECK(worst <= threshold);
+    }
+}
