@@ -1,0 +1,34 @@
+// Events as text, and one expression against one path.
+//
+//     events := event { blank event }        blanks and tabs separate events
+//     event  := type ',' scatter { ',' label }
+//     type   := C R T V L B O, or U1..U12
+//     scatter:= '-' (none) or D G S s, D and S with an optional lobe number (D1..D4, S1..S8, G1..G8)
+//     label  := text without blanks, commas and quotes, or 'text' or "text" (a backslash takes the next byte as it is)
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lpe/event.h"
+#include "lpe/result.h"
+
+namespace raylex::lpe {
+
+/// Reads "C,- R,D,floor L,-,key". An empty text is the empty path. Errors carry line 1 and the byte column.
+Result<std::vector<Event>> parse_events(std::string_view text);
+
+/// The inverse of parse_events: trailing empty labels are left out, labels are quoted where they must be.
+std::string to_text(const Event& event);
+std::string to_text(std::span<const Event> events);
+
+/// The path as a person would say it: "camera, diffuse reflection off 'floor', light 'key'".
+std::string to_sentence(std::span<const Event> events);
+
+/// Whether the expression accepts the whole path. To `renderman` labels that an event lacks are empty; to `osl` they are
+/// absent. Errors: the expression does not parse or is too large.
+Result<bool> match(std::string_view expression, std::span<const Event> events, Dialect dialect);
+
+}  // namespace raylex::lpe

@@ -1,0 +1,27 @@
+// W, the words a scene can produce: C scatter* (L | O | B). Every proof of the algebra is relative to W, cut to what can
+// occur, so that a split is judged by the paths that exist and not by sequences of events no renderer makes.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "lpe/event.h"
+
+namespace raylex::lpe {
+
+/// The events that can occur, when they are known (from a scene, say). Labels are compared exactly.
+struct Alphabet {
+    std::vector<Event> scattering;  ///< R, T and V events
+    std::vector<Event> terminals;   ///< L, O and B events
+};
+
+/// What W is cut to. The default is everything: every lobe, any label in either slot, every terminal.
+struct Words {
+    bool volume = true;      ///< V events occur
+    bool straight = true;    ///< Ts events occur (to `renderman` channels they never leave an event)
+    bool background = true;  ///< B terminals occur
+    bool emission = true;    ///< O terminals occur
+    std::optional<Alphabet> alphabet;  ///< exactly these scattering and terminal events, further cut by the flags above
+};
+
+}  // namespace raylex::lpe
