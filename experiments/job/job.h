@@ -1,0 +1,61 @@
+// What one render is asked to do: the sum of a job file and the command line.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "display/services/parameters.h"
+#include "lpe/event.h"
+#include "transport/render/render.h"
+#include "transport/scene/scene_description.h"
+
+namespace raylex::experiments {
+
+/// One light path expression channel, as --lpe or a [[channel]] table gives it.
+struct ExpressionRequest {
+    std::string name;
+    std::string expression;
+    lpe::Dialect dialect = lpe::Dialect::renderman;
+    SourceLocation location;       ///< of the expression's first character, for errors
+};
+
+/// A geometric AOV by its standard name.
+struct AovRequest {
+    std::string name;
+    SourceLocation location;
+};
+
+/// A partition that the job declares; proved before a ray is traced.
+struct PartitionRequest {
+    std::string name;
+    std::string of;                        ///< channel that is split; empty = beauty
+    std::vector<std::string> channels;
+    std::string rest;                      ///< not empty: a layer of this name takes what the channels leave
+    SourceLocation location;
+};
+
+struct Job {
+    std::string scene_file;
+    std::string job_file, job_text;        ///< the TOML this came from; empty for a bare scene
+    std::string output, preview, statistics;
+    std::string ocio_config, rendering_space, display, view;
+    bool shipped_partition = false;        ///< adds the shipped partition's channels
+    bool light_groups = false;             ///< adds one layer per light group and one for the unlabelled lights
+    transport::RenderSettings settings;    ///< `channels` is filled by plan_channels()
+    std::vector<ExpressionRequest> expressions;
+    std::vector<AovRequest> aovs;
+    std::vector<PartitionRequest> partitions;
+    std::vector<transport::LabelRule> label_rules;
+};
+
+/// "renderman" or "osl"; anything else is an Error at `where` that says so.
+Result<lpe::Dialect> parse_dialect(const std::string& name, const SourceLocation& where);
+
+/// "WxH" with both between 1 and 65536.
+Result<std::array<int, 2>> parse_resolution(const std::string& text, const SourceLocation& where);
+
+/// Names that can be a layer: letters, digits and _ - . : in any order, beginning with a letter or _; at most 128 bytes.
+/// The names of the beauty (beauty, rgba, R, G, B, A, Y) are taken.
+Status check_layer_name(const std::string& name, const SourceLocation& where);
+
+}  // namespace raylex::experiments

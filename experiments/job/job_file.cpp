@@ -1,0 +1,228 @@
+#include "experiments/job/job_file.h"
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include "experiments/job/toml_table.h"
+
+namespace raylex::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::int64_t any_count = std::numeric_limits<std::int32_t>::max();
+
+std::string beside(const std::string& job_path, const std::string& path) {
+    if (path.empty() || fs::path(path).is_absolute()) return path;
+    return (fs::path(job_path).parent_path() / path).lexically_normal().string();
+}
+
+void read_files(TomlTable& root, const std::string& job_path, Job& job) {
+    if (const toml::table* table = root.take_table("scene")) {
+        TomlTable scene(root.source(), *table, "[scene]");
+        if (scene.require("file", job.scene_file)) job.scene_file = beside(job_path, job.scene_file);
+        scene.close();
+    } else if (!root.has("scene")) {
+        root.source().fail(SourceLocation{job_path, 1, 1}, "the job names no scene; expected [scene] with file = \"...\"");
+    }
+    if (const toml::table* table = root.take_table("output")) {
+        TomlTable output(root.source(), *table, "[output]");
+        if (output.read("file", job.output)) job.output = beside(job_path, job.output);
+        if (output.read("preview", job.preview)) job.preview = beside(job_path, job.preview);
+        if (output.read("stats", job.statistics)) job.statistics = beside(job_path, job.statistics);
+        output.close();
+    }
+    if (const toml::table* table = root.take_table("color")) {
+        TomlTable color(root.source(), *table, "[color]");
+        if (color.read("ocio", job.ocio_config)) job.ocio_config = beside(job_path, job.ocio_config);
+        color.read("rendering_space", job.rendering_space);
+        color.read("display", job.display);
+        color.read("view", job.view);
+        color.close();
+    }
+}
+
+void read_resolution(TomlTable& render, Job& job) {
+    const toml::node* node = render.take("resolution");
+    if (node == nullptr) return;
+    const SourceLocation where = render.location_of("resolution");
+    if (const auto* text = node->as_string()) {
+        auto size = parse_resolution(text->get(), where);
+        if (size) job.settings.resolution = *size;
+        else render.source().fail(size.error());
+        return;
+    }
+    const toml::array* list = node->as_array();
+    const auto number = [&](std::size_t i) { return list->get(i)->value_exact<std::int64_t>().value_or(0); };
+    const bool fits = list != nullptr && list->size() == 2 && number(0) >= 1 && number(0) <= 65536 && number(1) >= 1 && number(1) <= 65536;
+    if (fits) job.settings.resolution = {{static_cast<int>(number(0)), static_cast<int>(number(1))}};
+    else render.source().fail(where, "'resolution' in [render] is no pair of pixel counts; expected [width, height], each from 1 to 65536");
+}
+
+void read_render(TomlTable& root, Job& job) {
+    const toml::table* table = root.take_table("render");
+    if (table == nullptr) return;
+    TomlTable render(root.source(), *table, "[render]");
+    std::int64_t number = 0;
+    if (render.read("spp", number, 1, any_count)) job.settings.samples_per_pixel = static_cast<std::uint64_t>(number);
+    if (render.read("seed", number, 0, std::numeric_limits<std::int64_t>::max())) job.settings.seed = static_cast<std::uint64_t>(number);
+    if (render.read("threads", number, 0, 4096)) job.settings.threads = static_cast<int>(number);
+    if (render.read("max_depth", number, 0, any_count)) job.settings.max_depth = number;
+    read_resolution(render, job);
+    render.read("beauty", job.settings.beauty);
+    render.read("isa", job.settings.isa);
+    std::string lobes;
+    if (render.read("lobes", lobes)) {
+        job.settings.picked_lobes = lobes == "picked";
+        if (lobes != "picked" && lobes != "exact")
+            root.source().fail(render.location_of("lobes"), "'lobes' in [render] is '" + lobes + "'; expected \"exact\" or \"picked\"");
+    }
+    render.close();
+}
+
+/// [integrator], [sampler], [filter], [sample_filter]: a type, and parameters that the object itself judges.
+void read_entity(TomlTable& root, const char* key, std::optional<transport::SceneEntity>& entity) {
+    const toml::table* table = root.take_table(key);
+    if (table == nullptr) return;
+    TomlTable reader(root.source(), *table, "[" + std::string(key) + "]");
+    transport::SceneEntity result;
+    if (!reader.require("type", result.type)) return;
+    result.location = reader.location_of("type");
+    result.parameters = reader.take_parameters();
+    entity = std::move(result);
+}
+
+std::optional<lpe::Dialect> read_dialect(TomlTable& table) {
+    std::string name;
+    if (!table.read("dialect", name)) return std::nullopt;
+    auto dialect = parse_dialect(name, table.location_of("dialect"));
+    if (dialect) return *dialect;
+    table.source().fail(dialect.error());
+    return std::nullopt;
+}
+
+void read_channels(TomlTable& root, Job& job) {
+    lpe::Dialect usual = lpe::Dialect::renderman;
+    if (const toml::table* table = root.take_table("channels")) {
+        TomlTable channels(root.source(), *table, "[channels]");
+        std::vector<std::string> names;
+        std::vector<SourceLocation> places;
+        channels.read("aovs", names, &places);
+        for (std::size_t i = 0; i < names.size(); ++i) job.aovs.push_back({names[i], places[i]});
+        channels.read("shipped_partition", job.shipped_partition);
+        channels.read("light_groups", job.light_groups);
+        usual = read_dialect(channels).value_or(usual);
+        channels.close();
+    }
+    for (const toml::table* table : root.take_tables("channel")) {
+        TomlTable channel(root.source(), *table, "a [[channel]] table");
+        ExpressionRequest request;
+        if (channel.require("name", request.name)) {
+            Status status = check_layer_name(request.name, channel.location_of("name"));
+            if (!status) root.source().fail(status.error());
+        }
+        channel.require("lpe", request.expression);
+        request.location = channel.content_location_of("lpe");
+        request.dialect = read_dialect(channel).value_or(usual);
+        channel.close();
+        job.expressions.push_back(std::move(request));
+    }
+    for (const toml::table* table : root.take_tables("partition")) {
+        TomlTable partition(root.source(), *table, "a [[partition]] table");
+        PartitionRequest request;
+        request.location = partition.location();
+        if (partition.require("name", request.name)) {
+            Status status = check_layer_name(request.name, partition.location_of("name"));
+            if (!status) root.source().fail(status.error());
+        }
+        partition.read("of", request.of);
+        if (request.of == "beauty") request.of.clear();
+        if (!partition.read("channels", request.channels) || request.channels.empty())
+            root.source().fail(partition.location_of("channels"), "a [[partition]] table has no channels; expected channels = [\"name\", ...]");
+        if (partition.read("rest", request.rest)) {
+            Status status = check_layer_name(request.rest, partition.location_of("rest"));
+            if (!status) root.source().fail(status.error());
+        }
+        partition.close();
+        job.partitions.push_back(std::move(request));
+    }
+}
+
+using Selector = transport::LabelRule::Selector;
+struct SelectorKey {
+    const char* key;
+    Selector selector;
+};
+
+void read_rules(TomlTable& root, const char* kind, const char* target, std::initializer_list<SelectorKey> selectors, Job& job) {
+    for (const toml::table* table : root.take_tables(kind)) {
+        TomlTable reader(root.source(), *table, "a [[" + std::string(kind) + "]] table");
+        transport::LabelRule rule;
+        rule.location = reader.location();
+        int found = 0;
+        std::string keys;
+        for (const SelectorKey& each : selectors) {
+            keys += (keys.empty() ? "" : ", ") + std::string(each.key);
+            if (!reader.has(each.key)) continue;
+            reader.require(each.key, rule.pattern);
+            rule.selector = each.selector;
+            rule.location = reader.location_of(each.key);
+            ++found;
+        }
+        for (const SelectorKey& each : selectors) reader.take(each.key);
+        reader.require(target, rule.label);
+        if (found != 1)
+            root.source().fail(reader.location(), reader.description() + " has " + std::to_string(found) + " selectors; expected exactly one of: " + keys);
+        reader.close();
+        job.label_rules.push_back(std::move(rule));
+    }
+}
+
+}  // namespace
+
+Result<Job> parse_job(const std::string& text, const std::string& path) {
+    Job job;
+    job.job_file = path;
+    job.job_text = text;
+    TomlSource source(path, text);
+    toml::table table;
+    try {
+        table = toml::parse(std::string_view(text), std::string_view(path));
+    } catch (const toml::parse_error& error) {
+        source.fail(source.location(error.source()), "this is no valid TOML: " + std::string(error.description()));
+        return *source.error();
+    }
+    TomlTable root(source, table, "the job");
+    read_files(root, path, job);
+    read_render(root, job);
+    read_entity(root, "integrator", job.settings.integrator);
+    read_entity(root, "sampler", job.settings.sampler);
+    read_entity(root, "filter", job.settings.filter);
+    read_entity(root, "sample_filter", job.settings.sample_filter);
+    read_channels(root, job);
+    read_rules(root, "label", "label",
+               {{"material", Selector::material}, {"mesh", Selector::mesh_file}, {"instance", Selector::instance}}, job);
+    read_rules(root, "light_group", "group",
+               {{"light", Selector::light}, {"area_light_material", Selector::area_light_material}}, job);
+    root.close();
+    if (source.error()) return *source.error();
+    return job;
+}
+
+Result<Job> read_job(const std::string& path) {
+    std::error_code failed;
+    if (fs::is_directory(path, failed)) return error_at({path, 0, 0}, "this is a directory; expected a TOML job file");
+    std::ifstream file(path, std::ios::binary);
+    if (!file) return error_at({path, 0, 0}, "cannot read the job file: " + std::string(std::strerror(errno)));
+    const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    return parse_job(text, path);
+}
+
+}  // namespace raylex::experiments
