@@ -1,4 +1,9 @@
 // OpenColorIO behind one file: the config, scene-linear conversions, and the view transform for previews.
+//
+// How chromaticities meet a config's spaces: through the space of the config whose primaries are known. That is the
+// role aces_interchange (or a space called ACES2065-1), else the role cie_xyz_d65_interchange. A config with neither
+// (most of version 1) says nowhere what its spaces mean: its scene_linear role is then taken to have Rec. 709 primaries,
+// as version 1 configs for film and games mostly do, and description() says so. Whites are adapted by Bradford.
 #pragma once
 
 #include <array>
@@ -27,13 +32,16 @@ class ColorManager {
     [[nodiscard]] std::string default_display() const;
     [[nodiscard]] std::string default_view(const std::string& display) const;
 
-    /// Row-major 3x3 from linear RGB with `from` chromaticities to the named scene-linear space of the config.
+    /// Row-major 3x3 from linear RGB with `from` chromaticities to the named scene-linear space of the config (a name,
+    /// alias or role). A result within 1e-5 of the identity is the identity, so that equal spaces change no bit.
+    /// Errors: no such space (with near misses), a space that is data or not linear.
     [[nodiscard]] Result<std::array<std::array<double, 3>, 3>> matrix_to(const std::string& space, const Chromaticities& from) const;
-    /// Chromaticities of a named scene-linear space (through the config's CIE interchange).
+    /// Chromaticities of a named scene-linear space. A matrix only fixes them up to the adaptation of the white: published
+    /// sets (Rec. 709, Rec. 2020, P3-D65, Adobe RGB, AP0, AP1) are recognised, anything else is given relative to D65.
     [[nodiscard]] Result<Chromaticities> chromaticities(const std::string& space) const;
 
-    /// Linear RGB triples with the given primaries through a display and view to 8-bit RGB. Non-finite values come out
-    /// as 0. Empty display or view: the defaults.
+    /// Linear RGB triples with the given primaries through a display and view to 8-bit RGB. A non-finite component counts
+    /// as 0. Empty display or view: the defaults. A view of data (Raw) shows the values as they are.
     [[nodiscard]] Result<std::vector<unsigned char>> to_display(std::span<const float> rgb, const Chromaticities& primaries,
                                                                 const std::string& display, const std::string& view) const;
 
@@ -43,7 +51,7 @@ class ColorManager {
     std::unique_ptr<Config> config_;
 };
 
-/// 8-bit RGB PNG, written to a temporary name and renamed.
+/// 8-bit RGB PNG, rows from the top, written to a temporary name and renamed.
 Status write_png(const std::string& path, int width, int height, std::span<const unsigned char> rgb);
 /// The same as bytes, for pages that embed images.
 Result<std::vector<unsigned char>> encode_png(int width, int height, std::span<const unsigned char> rgb);

@@ -1,0 +1,54 @@
+// A file that appears whole or not at all (Law 7): written under a temporary name beside its target, synced, renamed.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "lpe/result.h"
+
+namespace raylex::display {
+
+/// The temporary file is `target` + ".<process>-<number>.partial". Until commit() succeeds an earlier file at the target
+/// is untouched; destroying an uncommitted AtomicFile removes the temporary one.
+///
+/// A symbolic link is followed: what it points at is replaced, the link stays. A target that exists and is not a regular
+/// file (a directory, a device) is refused.
+class AtomicFile {
+  public:
+    static Result<AtomicFile> create(const std::string& path);
+    AtomicFile(AtomicFile&& other) noexcept;
+    AtomicFile& operator=(AtomicFile&& other) noexcept;
+    ~AtomicFile();
+
+    /// Appends at the current position. After a failure (disk full, quota) every later call fails with the same error.
+    [[nodiscard]] bool write(const void* bytes, std::size_t size);
+    [[nodiscard]] bool seek(std::uint64_t position);
+    [[nodiscard]] std::uint64_t position() const { return position_; }
+
+    /// Syncs the file, renames it to the target and syncs the folder.
+    Status commit();
+    /// The first failure so far, as an Error that names the target; what commit() would return after it.
+    [[nodiscard]] Error failure() const;
+    [[nodiscard]] bool failed() const { return error_number_ != 0; }
+    [[nodiscard]] const std::string& target() const { return target_; }
+
+  private:
+    AtomicFile() = default;
+    void discard() noexcept;
+    bool flush();
+
+    std::string target_, temporary_;
+    std::string buffer_;            // bytes not yet handed to the system, standing at position_ - buffer_.size()
+    std::uint64_t position_ = 0;
+    int descriptor_ = -1;
+    int error_number_ = 0;
+};
+
+/// Whether a file could be made at `path` now: makes a temporary one and removes it. Ask before a long render.
+Status check_writable(const std::string& path);
+
+/// Text in one go.
+Status write_text_file(const std::string& path, const std::string& text);
+
+}  // namespace raylex::display

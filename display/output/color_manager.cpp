@@ -1,0 +1,312 @@
+#include "display/output/color_manager.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+#include <optional>
+#include <sstream>
+#include <thread>
+
+#include <OpenColorIO/OpenColorIO.h>
+
+#include "display/output/primaries.h"
+#include "display/output/shipped_config.h"
+#include "display/services/parameters.h"
+
+namespace ocio = OCIO_NAMESPACE;
+
+namespace raylex::display {
+
+namespace {
+
+// Brighter than any view distinguishes; the ACES views turn values near the end of float range into black.
+constexpr float brightest = 1e6f;
+
+std::string list(const std::vector<std::string>& names) {
+    std::string text;
+    for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+    return text.empty() ? "(none)" : text;
+}
+
+// OpenColorIO's text is in its own words; the file and what was expected are ours.
+Error config_error(const std::string& file, const std::string& what, const std::string& why) {
+    Error error;
+    error.file = file;
+    error.message = what + ": " + why;
+    while (!error.message.empty() && error.message.back() == '\n') error.message.pop_back();
+    return error;
+}
+
+Error unknown_name(const std::string& file, const std::string& kind, const std::string& name, const std::vector<std::string>& known) {
+    Error error;
+    error.file = file;
+    error.message = "the OpenColorIO config has no " + kind + " '" + name + "'; expected one of: " + list(known);
+    const std::string near = nearest_name(name, known);
+    if (!near.empty()) error.hint = "did you mean '" + near + "'?";
+    return error;
+}
+
+std::array<double, 3> through(const ocio::ConstCPUProcessorRcPtr& processor, std::array<double, 3> colour) {
+    float rgb[3] = {static_cast<float>(colour[0]), static_cast<float>(colour[1]), static_cast<float>(colour[2])};
+    processor->applyRGB(rgb);
+    return {rgb[0], rgb[1], rgb[2]};
+}
+
+// The processor as a matrix; nothing when it is not linear, which probes on and off the axes show.
+std::optional<Matrix3> as_matrix(const ocio::ConstProcessorRcPtr& processor) {
+    // Lossless: the fast approximations would cost digits.
+    const auto cpu = processor->getOptimizedCPUProcessor(ocio::OPTIMIZATION_LOSSLESS);
+    Matrix3 matrix{};
+    for (std::size_t j = 0; j < 3; ++j) {
+        std::array<double, 3> unit{};
+        unit[j] = 1;
+        const std::array<double, 3> column = through(cpu, unit);
+        for (std::size_t i = 0; i < 3; ++i) matrix[i][j] = column[i];
+    }
+    for (const std::array<double, 3>& probe : {std::array{0.0, 0.0, 0.0}, std::array{0.18, 0.18, 0.18}, std::array{4.0, 0.5, 0.02}}) {
+        const std::array<double, 3> direct = through(cpu, probe), linear = transform_colour(matrix, probe);
+        for (std::size_t i = 0; i < 3; ++i)
+            if (!(std::abs(direct[i] - linear[i]) <= 1e-4 * (1e-3 + std::abs(probe[0]) + std::abs(probe[1]) + std::abs(probe[2]))))
+                return std::nullopt;
+    }
+    return matrix;
+}
+
+// Runs `part(first, last)` over [0, count) on as many threads as pay: the ACES views take about 0.2 s per megapixel.
+void in_parallel(std::size_t count, const std::function<void(std::size_t, std::size_t)>& part) {
+    const std::size_t worthwhile = count / 65536 + 1;
+    const std::size_t threads = std::min<std::size_t>(std::max(1u, std::thread::hardware_concurrency()), worthwhile);
+    std::vector<std::thread> others;
+    for (std::size_t i = 1; i < threads; ++i) others.emplace_back(part, count * i / threads, count * (i + 1) / threads);
+    part(0, count / threads);
+    for (std::thread& each : others) each.join();
+}
+
+}  // namespace
+
+struct ColorManager::Config {
+    ocio::ConstConfigRcPtr config;
+    std::string file;               // for messages: the path, or what the shipped one is called
+    std::string interchange;        // a scene-linear (or XYZ) space of the config ...
+    Matrix3 interchange_to_xyz{};   // ... and its matrix to XYZ D65
+    bool assumed = false;           // the interchange is a guess
+
+    void find_interchange();
+    [[nodiscard]] bool has_space(const std::string& name) const { return config->getColorSpace(name.c_str()) != nullptr; }
+    [[nodiscard]] bool is_scene_linear(const ocio::ConstColorSpaceRcPtr& space) const;
+    [[nodiscard]] std::vector<std::string> scene_linear_spaces() const;
+    /// From XYZ D65 to a space.
+    [[nodiscard]] Result<Matrix3> from_xyz(const std::string& space) const;
+    /// Runs `action`, turning what OpenColorIO throws into an Error about `what`.
+    template <class Action>
+    auto guarded(const std::string& what, Action action) const -> decltype(action()) {
+        try {
+            return action();
+        } catch (const std::exception& exception) {
+            return config_error(file, what, exception.what());
+        }
+    }
+};
+
+void ColorManager::Config::find_interchange() {
+    for (const char* name : {"aces_interchange", "ACES2065-1", "ACES - ACES2065-1"})
+        if (has_space(name)) {
+            interchange = name;
+            interchange_to_xyz = rgb_to_xyz_d65(aces_ap0_primaries());
+            return;
+        }
+    if (has_space("cie_xyz_d65_interchange")) {
+        interchange = "cie_xyz_d65_interchange";
+        interchange_to_xyz = identity_matrix();
+        return;
+    }
+    assumed = true;
+    interchange_to_xyz = rgb_to_xyz_d65(rec709_primaries());
+    for (const char* name : {"scene_linear", "rendering", "reference", "default"})
+        if (has_space(name)) {
+            interchange = name;
+            return;
+        }
+    interchange = config->getColorSpaceNameByIndex(0);
+}
+
+bool ColorManager::Config::is_scene_linear(const ocio::ConstColorSpaceRcPtr& space) const {
+    if (!space || space->isData() || space->getReferenceSpaceType() != ocio::REFERENCE_SPACE_SCENE) return false;
+    const std::string encoding = space->getEncoding();
+    if (!encoding.empty()) return encoding == "scene-linear";
+    // Version 1 configs do not say: look at the numbers.
+    try {
+        return as_matrix(config->getProcessor(space->getName(), interchange.c_str())).has_value();
+    } catch (const std::exception&) {
+        return false;   // a missing look-up table makes a space unusable, not the config
+    }
+}
+
+std::vector<std::string> ColorManager::Config::scene_linear_spaces() const {
+    std::vector<std::string> names;
+    for (int i = 0; i < config->getNumColorSpaces(); ++i) {
+        const char* name = config->getColorSpaceNameByIndex(i);
+        if (is_scene_linear(config->getColorSpace(name))) names.emplace_back(name);
+    }
+    return names;
+}
+
+Result<Matrix3> ColorManager::Config::from_xyz(const std::string& space) const {
+    return guarded("cannot convert to colour space '" + space + "'", [&]() -> Result<Matrix3> {
+        const ocio::ConstColorSpaceRcPtr found = config->getColorSpace(space.c_str());
+        if (!found) return unknown_name(file, "colour space", space, scene_linear_spaces());
+        if (!is_scene_linear(found)) {
+            Error error;
+            error.file = file;
+            error.message = "colour space '" + space + "' is " + (found->isData() ? "data" : "not scene-linear") +
+                            "; expected one of: " + list(scene_linear_spaces());
+            return error;
+        }
+        const std::optional<Matrix3> matrix = as_matrix(config->getProcessor(interchange.c_str(), space.c_str()));
+        if (!matrix) return config_error(file, "cannot convert to colour space '" + space + "'", "the conversion is not linear");
+        return multiply(*matrix, inverse(interchange_to_xyz));
+    });
+}
+
+ColorManager::ColorManager(std::unique_ptr<Config> config) : config_(std::move(config)) {}
+ColorManager::~ColorManager() = default;
+ColorManager::ColorManager(ColorManager&&) noexcept = default;
+ColorManager& ColorManager::operator=(ColorManager&&) noexcept = default;
+
+Result<ColorManager> ColorManager::open(const std::string& config_path) {
+    auto config = std::make_unique<Config>();
+    const char* environment = std::getenv("OCIO");
+    const std::string path = !config_path.empty() ? config_path : environment != nullptr ? environment : "";
+    const bool from_environment = config_path.empty() && !path.empty();
+    config->file = path.empty() ? "the config shipped with raylex" : path;
+    try {
+        if (path.empty()) {
+            std::istringstream text{std::string(shipped_config_text())};
+            config->config = ocio::Config::CreateFromStream(text);
+        } else {
+            config->config = ocio::Config::CreateFromFile(path.c_str());
+        }
+        if (config->config->getNumColorSpaces() == 0)
+            return config_error(config->file, "the OpenColorIO config is of no use", "it defines no colour space; expected at least one");
+        config->find_interchange();
+    } catch (const std::exception& exception) {
+        Error error = config_error(config->file, std::string("cannot read the OpenColorIO config") + (from_environment ? " that $OCIO names" : ""),
+                                   exception.what());
+        error.message += "; expected a config file of profile version 1, 2.0 or 2.1 (OpenColorIO " + std::string(ocio::GetVersion()) + ")";
+        error.hint = from_environment ? "unset OCIO or name a file with --ocio to override it" : "without --ocio and $OCIO the shipped config is used";
+        return error;
+    }
+    return ColorManager(std::move(config));
+}
+
+std::string ColorManager::description() const {
+    const std::string name = config_->config->getName();
+    std::string text = config_->file + (name.empty() ? "" : " (" + name + ")");
+    if (config_->assumed) text += ", which has no interchange role: '" + config_->interchange + "' is taken to have Rec. 709 primaries";
+    return text;
+}
+
+std::vector<std::string> ColorManager::scene_linear_spaces() const { return config_->scene_linear_spaces(); }
+
+std::vector<std::string> ColorManager::displays() const {
+    std::vector<std::string> names;
+    for (int i = 0; i < config_->config->getNumDisplays(); ++i) names.emplace_back(config_->config->getDisplay(i));
+    return names;
+}
+
+std::vector<std::string> ColorManager::views(const std::string& display) const {
+    std::vector<std::string> names;
+    for (int i = 0; i < config_->config->getNumViews(display.c_str()); ++i) names.emplace_back(config_->config->getView(display.c_str(), i));
+    return names;
+}
+
+std::string ColorManager::default_display() const { return config_->config->getDefaultDisplay(); }
+
+std::string ColorManager::default_view(const std::string& display) const {
+    return config_->config->getDefaultView((display.empty() ? default_display() : display).c_str());
+}
+
+Result<Matrix3> ColorManager::matrix_to(const std::string& space, const Chromaticities& from) const {
+    const Result<Matrix3> from_xyz = config_->from_xyz(space);
+    if (!from_xyz) return from_xyz.error();
+    const Matrix3 matrix = multiply(*from_xyz, rgb_to_xyz_d65(from));
+    double difference = 0;
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j) difference = std::max(difference, std::abs(matrix[i][j] - (i == j ? 1.0 : 0.0)));
+    return difference <= 1e-5 ? identity_matrix() : matrix;
+}
+
+Result<Chromaticities> ColorManager::chromaticities(const std::string& space) const {
+    const Result<Matrix3> from_xyz = config_->from_xyz(space);
+    if (!from_xyz) return from_xyz.error();
+    const Matrix3 to_xyz = inverse(*from_xyz);
+    for (const Chromaticities& known : {rec709_primaries(), rec2020_primaries(), p3d65_primaries(), adobe_rgb_primaries(),
+                                        aces_ap0_primaries(), aces_ap1_primaries()}) {
+        const Matrix3 expected = rgb_to_xyz_d65(known);
+        double difference = 0;
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t j = 0; j < 3; ++j) difference = std::max(difference, std::abs(to_xyz[i][j] - expected[i][j]));
+        // Configs carry such matrices to four digits or more; the published sets differ in the second.
+        if (difference < 5e-4) return known;
+    }
+    const auto xy = [&to_xyz](const std::array<double, 3>& colour) {
+        const std::array<double, 3> xyz = transform_colour(to_xyz, colour);
+        const double sum = xyz[0] + xyz[1] + xyz[2];
+        return std::array<double, 2>{xyz[0] / sum, xyz[1] / sum};
+    };
+    return Chromaticities{xy({1, 0, 0}), xy({0, 1, 0}), xy({0, 0, 1}), xy({1, 1, 1})};
+}
+
+Result<std::vector<unsigned char>> ColorManager::to_display(std::span<const float> rgb, const Chromaticities& primaries,
+                                                            const std::string& display, const std::string& view) const {
+    const std::string chosen_display = display.empty() ? default_display() : display;
+    const std::string chosen_view = view.empty() ? default_view(chosen_display) : view;
+    const std::vector<std::string> known_displays = displays(), known_views = views(chosen_display);
+    if (std::find(known_displays.begin(), known_displays.end(), chosen_display) == known_displays.end())
+        return unknown_name(config_->file, "display", chosen_display, known_displays);
+    if (std::find(known_views.begin(), known_views.end(), chosen_view) == known_views.end())
+        return unknown_name(config_->file, "view of display '" + chosen_display + "' called", chosen_view, known_views);
+
+    const std::string what = "cannot apply view '" + chosen_view + "' of display '" + chosen_display + "'";
+    return config_->guarded(what, [&]() -> Result<std::vector<unsigned char>> {
+        const char* target = config_->config->getDisplayViewColorSpaceName(chosen_display.c_str(), chosen_view.c_str());
+        const ocio::ConstColorSpaceRcPtr target_space = config_->config->getColorSpace(target);
+        const bool data = target_space && target_space->isData();
+        const Matrix3 matrix = data ? identity_matrix() : multiply(inverse(config_->interchange_to_xyz), rgb_to_xyz_d65(primaries));
+
+        const auto transform = ocio::DisplayViewTransform::Create();
+        transform->setSrc(config_->interchange.c_str());
+        transform->setDisplay(chosen_display.c_str());
+        transform->setView(chosen_view.c_str());
+        const auto processor = config_->config->getProcessor(transform)->getOptimizedCPUProcessor(
+            ocio::BIT_DEPTH_F32, ocio::BIT_DEPTH_UINT8, ocio::OPTIMIZATION_DEFAULT);
+
+        const std::size_t pixels = rgb.size() / 3;
+        std::vector<unsigned char> result(pixels * 3);
+        in_parallel(pixels, [&](std::size_t first, std::size_t last) {
+            constexpr std::size_t strip = 4096;     // pixels: the copy stays in the cache
+            std::vector<float> linear(std::min(strip, last - first) * 3);
+            for (std::size_t begin = first; begin < last; begin += strip) {
+                const std::size_t count = std::min(strip, last - begin);
+                for (std::size_t i = 0; i < count; ++i) {
+                    std::array<double, 3> colour{};
+                    for (std::size_t c = 0; c < 3; ++c) {
+                        const float value = rgb[(begin + i) * 3 + c];
+                        colour[c] = std::isfinite(value) ? std::clamp(value, -brightest, brightest) : 0.0f;
+                    }
+                    colour = transform_colour(matrix, colour);
+                    for (std::size_t c = 0; c < 3; ++c) linear[i * 3 + c] = static_cast<float>(colour[c]);
+                }
+                const ocio::PackedImageDesc source(linear.data(), static_cast<long>(count), 1, ocio::CHANNEL_ORDERING_RGB,
+                                                   ocio::BIT_DEPTH_F32, ocio::AutoStride, ocio::AutoStride, ocio::AutoStride);
+                ocio::PackedImageDesc target_pixels(result.data() + begin * 3, static_cast<long>(count), 1, ocio::CHANNEL_ORDERING_RGB,
+                                                    ocio::BIT_DEPTH_UINT8, ocio::AutoStride, ocio::AutoStride, ocio::AutoStride);
+                processor->apply(source, target_pixels);
+            }
+        });
+        return result;
+    });
+}
+
+}  // namespace raylex::display
