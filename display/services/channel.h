@@ -45,6 +45,8 @@ struct ChannelDefinition {
     std::string space;                            ///< "camera", "world", "raster", "rendering colour space", ...
     bool statistics = false;                      ///< also keep the per-pixel second moment
     float miss_value = 0.0f;                      ///< value of a sample to which nothing was written
+    std::string origin;                           ///< for errors: the file or option the expression stands in
+    int origin_line = 0, origin_column = 0;       ///< of the expression's first character, 0 = not known
 };
 
 }  // namespace raylex::display

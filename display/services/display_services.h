@@ -21,8 +21,9 @@ struct ExtraSample {
 
 /// `row` is the index of the camera ray in the current integrator call, or a row that add_sample returned.
 ///
-/// Invalid ids, invalid rows and values of the wrong type are refused: the call returns false, nothing is written, and
-/// one warning per channel is counted (`refused()`), never one per call.
+/// Invalid ids, invalid rows, values of the wrong type and values that are not finite (Law 6) are refused: the call
+/// returns false and nothing is written. Refusals are counted per channel (`refused()`), so that the caller can warn once
+/// per channel and never once per call.
 class DisplayServices {
   public:
     explicit DisplayServices(SampleTable& table);
@@ -34,7 +35,8 @@ class DisplayServices {
     bool splat_multi(std::span<const ChannelId> ids, int row, float value);
     bool splat_multi(std::span<const ChannelId> ids, int row, const Rgb& value);
 
-    /// Overwrites the table entry (never the frame buffer).
+    /// Overwrites the table entry (never the frame buffer). Rgb stands for the three numbers of any rgb, point, normal or
+    /// vector channel; float goes to real channels and int32 to integer ones.
     bool write(ChannelId id, int row, float value);
     bool write(ChannelId id, int row, const Rgb& value);
     bool write(ChannelId id, int row, std::int32_t value);
@@ -45,7 +47,8 @@ class DisplayServices {
     bool write_opacity(int row, const Rgb& opacity);
     bool splat_opacity(int row, const Rgb& opacity);
 
-    /// Adds a row on the camera ray of `row`; returns it, or -1 when the table is full (counted).
+    /// Adds a row on the camera ray of `row`; returns it, or -1 when the table is full, the row is none or the depth is
+    /// not a number (counted).
     int add_sample(int row, const ExtraSample& sample);
 
     [[nodiscard]] std::span<const DisplayChannel> get_display_channels() const { return channels_; }
@@ -57,7 +60,9 @@ class DisplayServices {
     [[nodiscard]] std::span<const std::uint64_t> refused() const { return refused_; }
 
   private:
-    bool accept(ChannelId id, int row, bool type_fits);
+    bool accept(ChannelId id, int row, bool fits);
+    bool accept_row(int row, bool fits);
+    double* entry(ChannelId id, int row, SampleTable::RowState state);
     SampleTable& table_;
     std::vector<DisplayChannel> channels_;
     std::vector<std::uint64_t> refused_;

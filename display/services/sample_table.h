@@ -26,47 +26,65 @@ struct CameraRow {
 
 class SampleTable {
   public:
+    /// How a row of a plain channel got its value. Expression channels and beauty stay `untouched`: they start at 0 and
+    /// add up. Splatted values of a camera ray's rows add up, written ones are composited (see FrameBuffer).
+    enum class RowState : std::uint8_t { untouched, splatted, written };
+
     /// `max_rows` camera rays and `max_extra_rows` rows from add_sample fit in; more extra rows are refused and counted.
     SampleTable(std::span<const ChannelDefinition> channels, int max_rows, int max_extra_rows);
 
-    /// Empties the table for a new batch: rows() are cleared only where the last batch touched them.
+    /// Empties the table for a new batch of at most max_rows() rays: rows are cleared only where the last batch touched
+    /// them.
     void begin(std::span<const CameraRow> rows);
     /// Drops everything sent since begin(); the batch then leaves no trace in the frame buffer.
     void discard();
     [[nodiscard]] bool discarded() const { return discarded_; }
 
+    [[nodiscard]] int max_rows() const { return max_rows_; }
     [[nodiscard]] int camera_row_count() const { return camera_row_count_; }
     [[nodiscard]] int row_count() const { return row_count_; }   ///< camera rows and extra rows
     [[nodiscard]] int channel_count() const { return static_cast<int>(channels_.size()); }
+    [[nodiscard]] std::span<const ChannelDefinition> channels() const { return channels_; }
     [[nodiscard]] const ChannelDefinition& channel(ChannelId id) const { return channels_[static_cast<std::size_t>(id)]; }
     [[nodiscard]] const CameraRow& camera_row(int row) const { return camera_rows_[static_cast<std::size_t>(original(row))]; }
     /// The camera row that an extra row belongs to; a camera row's own index.
     [[nodiscard]] int original(int row) const { return originals_[static_cast<std::size_t>(row)]; }
     int add_row(int original);                                   ///< -1 when the table is full
 
-    /// Values of one channel, component-interleaved per row. Writable for sample filters.
+    /// Values of one channel, component-interleaved per row. Writable for sample filters. A row nothing was sent to holds
+    /// 0 in an expression channel and the channel's miss value in a plain one.
     [[nodiscard]] double* values(ChannelId id) { return values_.data() + offset_[static_cast<std::size_t>(id)]; }
     [[nodiscard]] const double* values(ChannelId id) const { return values_.data() + offset_[static_cast<std::size_t>(id)]; }
     [[nodiscard]] bool touched(ChannelId id) const { return touched_[static_cast<std::size_t>(id)] != 0; }
     void touch(ChannelId id) { touched_[static_cast<std::size_t>(id)] = 1; }
-    /// Whether a Write (not a Splat) set this row: rows without one keep the channel's miss value.
-    [[nodiscard]] bool written(ChannelId id, int row) const;
-    void mark_written(ChannelId id, int row);
+    /// What the channel's rows hold before anything is sent to them.
+    [[nodiscard]] double fill_value(ChannelId id) const { return fill_[static_cast<std::size_t>(id)]; }
+    /// Whether a Write or a Splat through DisplayServices set this row: rows without one keep the channel's miss value.
+    [[nodiscard]] bool written(ChannelId id, int row) const { return row_state(id, row) != RowState::untouched; }
+    [[nodiscard]] RowState row_state(ChannelId id, int row) const {
+        return row_states_[static_cast<std::size_t>(id) * row_capacity_ + static_cast<std::size_t>(row)];
+    }
+    void set_row_state(ChannelId id, int row, RowState state) {
+        row_states_[static_cast<std::size_t>(id) * row_capacity_ + static_cast<std::size_t>(row)] = state;
+    }
 
     std::vector<float> depth;          ///< [row] hit distance or what WriteDistance said; +inf for a miss
     std::vector<std::uint8_t> is_volume;
     std::vector<RgbD> opacity;         ///< [row] 0 = nothing hit, 1 = opaque
-    std::vector<std::uint8_t> valid;   ///< [row] 0 marks a row whose camera ray could not be traced
+    std::vector<std::uint8_t> valid;   ///< [row] 0 marks a camera ray that could not be traced: it counts as a black miss
 
   private:
+    void clear_rows(int count);
     std::vector<ChannelDefinition> channels_;
     std::vector<std::size_t> offset_;      // [channel] into values_
     std::vector<double> values_;
+    std::vector<double> fill_;             // [channel]
     std::vector<std::uint8_t> touched_;    // [channel]
-    std::vector<std::uint8_t> written_;    // [channel * row_capacity_ + row], plain AOVs only
+    std::vector<RowState> row_states_;     // [channel * row_capacity_ + row]
     std::vector<CameraRow> camera_rows_;
     std::vector<std::int32_t> originals_;
-    int row_capacity_ = 0, camera_row_count_ = 0, row_count_ = 0;
+    std::size_t row_capacity_ = 0;
+    int max_rows_ = 0, camera_row_count_ = 0, row_count_ = 0;
     bool discarded_ = false;
 };
 

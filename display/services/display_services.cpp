@@ -1,0 +1,134 @@
+#include "display/services/display_services.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace raylex::display {
+namespace {
+
+using RowState = SampleTable::RowState;
+
+bool holds_triples(ChannelType type) { return component_count(type) == 3; }
+
+}  // namespace
+
+DisplayServices::DisplayServices(SampleTable& table) : table_(table) {
+    for (int i = 0; i < table.channel_count(); ++i) {
+        const ChannelDefinition& definition = table.channel(i);
+        channels_.push_back({i, definition.style, definition.type, definition.name});
+    }
+    refused_.assign(channels_.size() + 1, 0);
+}
+
+bool DisplayServices::accept(ChannelId id, int row, bool fits) {
+    const bool known = id >= 0 && id < table_.channel_count();
+    if (known && fits && row >= 0 && row < table_.row_count()) return true;
+    ++refused_[known ? static_cast<std::size_t>(id) : channels_.size()];
+    return false;
+}
+
+bool DisplayServices::accept_row(int row, bool fits) {
+    if (fits && row >= 0 && row < table_.row_count()) return true;
+    ++refused_[channels_.size()];
+    return false;
+}
+
+/// Where the values of an accepted (id, row) stand, ready to be added to (splatted) or replaced (written).
+double* DisplayServices::entry(ChannelId id, int row, RowState state) {
+    const int components = component_count(table_.channel(id).type);
+    double* values = table_.values(id) + static_cast<std::size_t>(row) * static_cast<std::size_t>(components);
+    table_.touch(id);
+    if (table_.channel(id).style == ChannelStyle::expression) return values;
+    // The first splat into a row replaces the miss value, which may be infinite.
+    if (state == RowState::splatted && table_.row_state(id, row) == RowState::untouched && table_.fill_value(id) != 0)
+        std::fill_n(values, components, 0.0);
+    if (state == RowState::written || table_.row_state(id, row) == RowState::untouched)
+        table_.set_row_state(id, row, state);
+    return values;
+}
+
+bool DisplayServices::splat(ChannelId id, int row, float value) {
+    const bool known = id >= 0 && id < table_.channel_count();
+    if (!accept(id, row, known && table_.channel(id).type == ChannelType::real && std::isfinite(value))) return false;
+    *entry(id, row, RowState::splatted) += static_cast<double>(value);
+    return true;
+}
+
+bool DisplayServices::splat(ChannelId id, int row, const Rgb& value) {
+    const bool known = id >= 0 && id < table_.channel_count();
+    if (!accept(id, row, known && holds_triples(table_.channel(id).type) && is_finite(value))) return false;
+    double* values = entry(id, row, RowState::splatted);
+    for (int c = 0; c < 3; ++c) values[c] += static_cast<double>(value[c]);
+    return true;
+}
+
+bool DisplayServices::splat_multi(std::span<const ChannelId> ids, int row, float value) {
+    bool all = true;
+    for (const ChannelId id : ids) all &= splat(id, row, value);
+    return all;
+}
+
+bool DisplayServices::splat_multi(std::span<const ChannelId> ids, int row, const Rgb& value) {
+    bool all = true;
+    for (const ChannelId id : ids) all &= splat(id, row, value);
+    return all;
+}
+
+bool DisplayServices::write(ChannelId id, int row, float value) {
+    const bool known = id >= 0 && id < table_.channel_count();
+    if (!accept(id, row, known && table_.channel(id).type == ChannelType::real && std::isfinite(value))) return false;
+    *entry(id, row, RowState::written) = static_cast<double>(value);
+    return true;
+}
+
+bool DisplayServices::write(ChannelId id, int row, const Rgb& value) {
+    const bool known = id >= 0 && id < table_.channel_count();
+    if (!accept(id, row, known && holds_triples(table_.channel(id).type) && is_finite(value))) return false;
+    double* values = entry(id, row, RowState::written);
+    for (int c = 0; c < 3; ++c) values[c] = static_cast<double>(value[c]);
+    return true;
+}
+
+bool DisplayServices::write(ChannelId id, int row, std::int32_t value) {
+    const bool known = id >= 0 && id < table_.channel_count();
+    if (!accept(id, row, known && table_.channel(id).type == ChannelType::integer)) return false;
+    *entry(id, row, RowState::written) = static_cast<double>(value);
+    return true;
+}
+
+bool DisplayServices::write_distance(int row, float distance, bool is_volume) {
+    if (!accept_row(row, !std::isnan(distance))) return false;
+    table_.depth[static_cast<std::size_t>(row)] = distance;
+    table_.is_volume[static_cast<std::size_t>(row)] = is_volume ? 1 : 0;
+    return true;
+}
+
+bool DisplayServices::write_opacity(int row, const Rgb& opacity) {
+    if (!accept_row(row, is_finite(opacity))) return false;
+    table_.opacity[static_cast<std::size_t>(row)] = RgbD(opacity);
+    return true;
+}
+
+bool DisplayServices::splat_opacity(int row, const Rgb& opacity) {
+    if (!accept_row(row, is_finite(opacity))) return false;
+    table_.opacity[static_cast<std::size_t>(row)] += RgbD(opacity);
+    return true;
+}
+
+int DisplayServices::add_sample(int row, const ExtraSample& sample) {
+    if (!accept_row(row, !std::isnan(sample.depth) && is_finite(sample.opacity))) return -1;
+    const int added = table_.add_row(row);
+    if (added < 0) {
+        ++refused_.back();
+        return -1;
+    }
+    const auto index = static_cast<std::size_t>(added);
+    table_.depth[index] = sample.depth;
+    table_.opacity[index] = sample.opacity;
+    table_.is_volume[index] = sample.is_volume ? 1 : 0;
+    return added;
+}
+
+void DisplayServices::discard_iteration() { table_.discard(); }
+
+}  // namespace raylex::display

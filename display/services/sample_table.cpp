@@ -1,0 +1,77 @@
+#include "display/services/sample_table.h"
+
+#include <algorithm>
+#include <cassert>
+#include <limits>
+#include <numeric>
+
+namespace raylex::display {
+
+SampleTable::SampleTable(std::span<const ChannelDefinition> channels, int max_rows, int max_extra_rows)
+    : channels_(channels.begin(), channels.end()),
+      row_capacity_(static_cast<std::size_t>(max_rows) + static_cast<std::size_t>(max_extra_rows)),
+      max_rows_(max_rows) {
+    std::size_t size = 0;
+    for (const ChannelDefinition& channel : channels_) {
+        offset_.push_back(size);
+        size += row_capacity_ * static_cast<std::size_t>(component_count(channel.type));
+        fill_.push_back(channel.style == ChannelStyle::name ? static_cast<double>(channel.miss_value) : 0.0);
+    }
+    values_.resize(size);
+    touched_.assign(channels_.size(), 1);  // so that the first begin() fills in the miss values
+    row_states_.assign(channels_.size() * row_capacity_, RowState::untouched);
+    camera_rows_.resize(static_cast<std::size_t>(max_rows));
+    originals_.resize(row_capacity_);
+    std::iota(originals_.begin(), originals_.end(), 0);
+    depth.resize(row_capacity_);
+    is_volume.resize(row_capacity_);
+    opacity.resize(row_capacity_);
+    valid.resize(row_capacity_);
+    clear_rows(static_cast<int>(row_capacity_));
+}
+
+void SampleTable::clear_rows(int count) {
+    const auto rows = static_cast<std::size_t>(count);
+    for (std::size_t channel = 0; channel < channels_.size(); ++channel) {
+        if (touched_[channel] == 0) continue;
+        touched_[channel] = 0;
+        double* first = values_.data() + offset_[channel];
+        std::fill(first, first + rows * static_cast<std::size_t>(component_count(channels_[channel].type)), fill_[channel]);
+        if (channels_[channel].style == ChannelStyle::name)
+            std::fill_n(row_states_.begin() + static_cast<std::ptrdiff_t>(channel * row_capacity_), rows,
+                        RowState::untouched);
+    }
+}
+
+void SampleTable::begin(std::span<const CameraRow> rows) {
+    assert(rows.size() <= static_cast<std::size_t>(max_rows_));
+    clear_rows(row_count_);
+    discarded_ = false;
+    const std::size_t count = std::min(rows.size(), static_cast<std::size_t>(max_rows_));
+    camera_row_count_ = row_count_ = static_cast<int>(count);
+    std::copy_n(rows.begin(), count, camera_rows_.begin());
+    std::iota(originals_.begin(), originals_.begin() + static_cast<std::ptrdiff_t>(count), 0);
+    std::fill_n(depth.begin(), count, std::numeric_limits<float>::infinity());
+    std::fill_n(is_volume.begin(), count, std::uint8_t{0});
+    std::fill_n(opacity.begin(), count, RgbD{});
+    std::fill_n(valid.begin(), count, std::uint8_t{1});
+}
+
+void SampleTable::discard() {
+    clear_rows(row_count_);
+    discarded_ = true;
+}
+
+int SampleTable::add_row(int original) {
+    if (static_cast<std::size_t>(row_count_) == row_capacity_) return -1;
+    const int row = row_count_++;
+    const auto index = static_cast<std::size_t>(row);
+    originals_[index] = originals_[static_cast<std::size_t>(original)];
+    depth[index] = std::numeric_limits<float>::infinity();
+    is_volume[index] = 0;
+    opacity[index] = RgbD{};
+    valid[index] = 1;
+    return row;
+}
+
+}  // namespace raylex::display
