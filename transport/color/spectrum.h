@@ -1,4 +1,22 @@
 // Spectra to RGB. raylex transports RGB; what a scene gives as a spectrum is mapped once, at load.
+//
+// All sums run over 380 ... 780 nm at 1 nm with the CIE 1931 2-degree functions x, y, z (5 nm table, linear between).
+// M is the matrix from XYZ to the linear RGB of the scene's colour space, from its primaries and from its white W as a
+// spectrum (D65; D60 for ACES2065-1) integrated by the same sums, so that white is exactly grey.
+//
+//   albedo      S:  rgb = M sum(S W xyz) / sum(W y), clamped to [0, 1]. A flat S gives that grey.
+//   unbounded   S:  each channel is the mean of S under that channel's response to the white, (M xyz) W. A flat S gives
+//                   exactly its value. The response has negative lobes, which is what makes a conductor's Fresnel
+//                   reflectance come out near the spectral one (copper at normal incidence: .961 .634 .540, spectral
+//                   .952 .639 .538); a mean is never let below a quarter of the smallest sample.
+//   illuminant  S:  rgb = M sum(S xyz) / sum(S y), negative channels (colours outside the space) raised to 0 and the
+//                   whole scaled back to Y = 1. pbrt-v4 divides every light by the luminance of its spectrum, so a
+//                   spectrum gives the colour alone and "scale" (or "power") the amount: doubling all samples
+//                   changes nothing.
+//
+// rgb parameters stand in the scene's space and are used as they are. A blackbody is Planck's law at that temperature.
+// Sampled spectra are linear between their samples and 0 outside them as in pbrt; unbounded ones keep their end values,
+// since an index of refraction of 0 means nothing. Albedos and lights then go through `rendering_from_scene`.
 #pragma once
 
 #include <string_view>
@@ -17,7 +35,7 @@ enum class SpectrumRole : std::uint8_t {
 };
 
 /// Reads an rgb, blackbody or spectrum parameter (named, file, or wavelength-value pairs), or a single real as grey,
-/// into the rendering space.
+/// into the rendering space. Errors: negative rgb, an albedo above 1, odd or unsorted pairs, an unknown name or file.
 Result<Rgb> resolve_spectrum(const Parameter& parameter, SpectrumRole role, const ColorContext& context);
 
 /// The parameter called `name`, resolved, or `fallback` when absent. The parameter is marked as used.

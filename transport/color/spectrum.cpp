@@ -1,0 +1,206 @@
+#include "transport/color/spectrum.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "transport/color/color_space.h"
+#include "transport/color/spectral_data.h"
+
+namespace raylex::transport {
+
+namespace {
+
+struct SampledSpectrum {
+    std::vector<double> wavelengths, values;    ///< nm, strictly increasing
+};
+
+Rgb to_rgb(const Triple& v) { return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])}; }
+
+/// Takes scene-space RGB to the rendering space, within what the role allows.
+Rgb to_rendering(Triple rgb, SpectrumRole role, const ColorContext& context) {
+    if (role == SpectrumRole::unbounded) return to_rgb(rgb);
+    rgb = multiply(context.rendering_from_scene, rgb);
+    for (double& c : rgb) c = role == SpectrumRole::albedo ? std::clamp(c, 0.0, 1.0) : std::max(c, 0.0);
+    return to_rgb(rgb);
+}
+
+Triple project_albedo(const VisibleSpectrum& s, ColorSpace space) {
+    VisibleSpectrum white{}, seen{};
+    find_named_spectrum(white_spectrum_name(space), white);
+    for (std::size_t i = 0; i < visible_samples; ++i) seen[i] = s[i] * white[i];
+    Triple xyz = integrate_xyz(seen);
+    const double norm = integrate_xyz(white)[1];
+    for (double& c : xyz) c /= norm;
+    Triple rgb = multiply(rgb_from_xyz(space), xyz);
+    for (double& c : rgb) c = std::clamp(c, 0.0, 1.0);
+    return rgb;
+}
+
+Triple project_unbounded(const VisibleSpectrum& s, ColorSpace space) {
+    VisibleSpectrum white{};
+    find_named_spectrum(white_spectrum_name(space), white);
+    const MatchingFunctions& f = matching_functions();
+    const Matrix3& m = rgb_from_xyz(space);
+    const double floor = 0.25 * *std::min_element(s.begin(), s.end());
+    Triple mean{};
+    for (std::size_t c = 0; c < 3; ++c) {
+        double sum = 0, weight = 0;
+        for (std::size_t i = 0; i < visible_samples; ++i) {
+            const double response = (m[c][0] * f.x[i] + m[c][1] * f.y[i] + m[c][2] * f.z[i]) * white[i];
+            sum += response * s[i];
+            weight += response;
+        }
+        mean[c] = std::max(sum / weight, floor);
+    }
+    return mean;
+}
+
+/// RGB with Y = 1; black for a spectrum without luminance.
+Triple project_illuminant(const VisibleSpectrum& s, ColorSpace space) {
+    const Triple xyz = integrate_xyz(s);
+    if (!(xyz[1] > 0)) return {0, 0, 0};
+    Triple rgb = multiply(rgb_from_xyz(space), Triple{xyz[0] / xyz[1], 1, xyz[2] / xyz[1]});
+    for (double& c : rgb) c = std::max(c, 0.0);
+    const auto& luminance_row = xyz_from_rgb(space)[1];
+    const double luminance = luminance_row[0] * rgb[0] + luminance_row[1] * rgb[1] + luminance_row[2] * rgb[2];
+    for (double& c : rgb) c /= luminance;
+    return rgb;
+}
+
+Rgb project(const VisibleSpectrum& s, SpectrumRole role, const ColorContext& context) {
+    // A flat spectrum is exactly grey, not grey up to the rounding of four hundred products.
+    const bool flat = std::all_of(s.begin(), s.end(), [&s](double v) { return v == s[0]; });
+    if (role == SpectrumRole::illuminant) return to_rendering(project_illuminant(s, context.scene_space), role, context);
+    if (flat) return to_rendering({s[0], s[0], s[0]}, role, context);
+    return to_rendering(role == SpectrumRole::albedo ? project_albedo(s, context.scene_space) : project_unbounded(s, context.scene_space),
+                        role, context);
+}
+
+Result<Rgb> project_samples(const SampledSpectrum& samples, SpectrumRole role, const ColorContext& context) {
+    return project(resample(samples.wavelengths, samples.values, role == SpectrumRole::unbounded), role, context);
+}
+
+/// `numbers` are wavelength, value, wavelength, value ...
+Result<SampledSpectrum> from_pairs(const std::vector<double>& numbers, const SourceLocation& where, const std::string& what) {
+    if (numbers.empty() || numbers.size() % 2 != 0)
+        return error_at(where, what + " has " + std::to_string(numbers.size()) +
+                                   " numbers; expected pairs of wavelength (nm) and value");
+    SampledSpectrum samples;
+    for (std::size_t i = 0; i < numbers.size(); i += 2) {
+        if (!std::isfinite(numbers[i]) || !std::isfinite(numbers[i + 1]))
+            return error_at(where, what + ": pair " + std::to_string(i / 2) + " is not finite");
+        if (i > 0 && !(numbers[i] > numbers[i - 2])) {
+            std::ostringstream text;
+            text << what << ": wavelength " << numbers[i] << " follows " << numbers[i - 2] << "; expected increasing wavelengths";
+            return error_at(where, text.str());
+        }
+        samples.wavelengths.push_back(numbers[i]);
+        samples.values.push_back(numbers[i + 1]);
+    }
+    return samples;
+}
+
+/// A file of wavelength-value pairs; '#' starts a comment.
+Result<SampledSpectrum> read_spd(const std::string& path) {
+    std::ifstream file(path);
+    if (!file) return Error{"cannot read spectrum file", path, 0, 0, {}, {}};
+    std::vector<double> numbers;
+    std::string line, word;
+    for (int number = 1; std::getline(file, line); ++number) {
+        if (const auto comment = line.find('#'); comment != std::string::npos) line.resize(comment);
+        std::istringstream words(line);
+        while (words >> word) {
+            const char* begin = word.data() + (word[0] == '+' ? 1 : 0);
+            const char* end = word.data() + word.size();
+            double value = 0;
+            const auto [stop, status] = std::from_chars(begin, end, value);
+            if (status != std::errc() || stop != end)
+                return Error{"found '" + word + "'; expected a number: wavelength (nm) and value by turns", path, number, 0, line, {}};
+            numbers.push_back(value);
+        }
+    }
+    return from_pairs(numbers, {path, 0, 0}, "spectrum file");
+}
+
+std::string known_names_hint(std::string_view name) {
+    const std::string near = nearest_name(name, named_spectra());
+    std::string hint = near.empty() ? "" : "did you mean '" + near + "'? ";
+    hint += "Known spectra:";
+    for (const std::string& known : named_spectra()) hint += " " + known;
+    return hint;
+}
+
+Result<Rgb> resolve_rgb(const Parameter& parameter, SpectrumRole role, const ColorContext& context) {
+    if (parameter.numbers.size() != 3)
+        return error_at(parameter.location, "'rgb " + parameter.name + "' has " + std::to_string(parameter.numbers.size()) +
+                                                " numbers; expected 3");
+    for (const double c : parameter.numbers) {
+        if (!std::isfinite(c) || c < 0)
+            return error_at(parameter.location, "'rgb " + parameter.name + "' has a negative or infinite component; expected numbers of at least 0");
+        if (role == SpectrumRole::albedo && c > 1)
+            return error_at(parameter.location, "'rgb " + parameter.name + "' has a component above 1; expected a reflectance in [0, 1]");
+    }
+    return to_rendering({parameter.numbers[0], parameter.numbers[1], parameter.numbers[2]}, role, context);
+}
+
+Result<Rgb> resolve_text(const Parameter& parameter, SpectrumRole role, const ColorContext& context) {
+    if (parameter.strings.size() != 1)
+        return error_at(parameter.location, "'spectrum " + parameter.name + "' has " + std::to_string(parameter.strings.size()) +
+                                                " names; expected one");
+    const std::string& name = parameter.strings.front();
+    VisibleSpectrum named{};
+    if (find_named_spectrum(name, named)) return project(named, role, context);
+    const bool file = std::ifstream(name).good();
+    if (!file)
+        return error_at(parameter.location, "'" + name + "' is neither a named spectrum nor a readable file", known_names_hint(name));
+    Result<SampledSpectrum> samples = read_spd(name);
+    if (!samples) return samples.error();
+    return project_samples(*samples, role, context);
+}
+
+}  // namespace
+
+Result<Rgb> resolve_spectrum(const Parameter& parameter, SpectrumRole role, const ColorContext& context) {
+    parameter.used = true;
+    switch (parameter.type) {
+        case ParameterType::rgb: return resolve_rgb(parameter, role, context);
+        case ParameterType::blackbody:
+            if (parameter.numbers.size() != 1 || !(parameter.numbers[0] > 0) || !std::isfinite(parameter.numbers[0]))
+                return error_at(parameter.location, "'blackbody " + parameter.name + "' expects one temperature in kelvin, above 0");
+            return project(blackbody_spectrum(parameter.numbers[0]), role, context);
+        case ParameterType::spectrum: {
+            if (!parameter.strings.empty()) return resolve_text(parameter, role, context);
+            Result<SampledSpectrum> samples = from_pairs(parameter.numbers, parameter.location, "'spectrum " + parameter.name + "'");
+            if (!samples) return samples.error();
+            return project_samples(*samples, role, context);
+        }
+        case ParameterType::real:
+        case ParameterType::integer: {
+            if (parameter.numbers.size() != 1 || !std::isfinite(parameter.numbers[0]) || parameter.numbers[0] < 0)
+                return error_at(parameter.location, "'" + parameter.name + "' expects one number of at least 0, or a colour");
+            const double grey = parameter.numbers[0];
+            return to_rendering({grey, grey, grey}, role, context);
+        }
+        default: break;
+    }
+    return error_at(parameter.location, "'" + parameter.name + "' is no colour; expected rgb, blackbody, spectrum or float");
+}
+
+Result<Rgb> spectrum_or(const ParameterSet& parameters, std::string_view name, const Rgb& fallback, SpectrumRole role,
+                        const ColorContext& context) {
+    const Parameter* parameter = parameters.find(name);
+    if (parameter == nullptr) return fallback;
+    return resolve_spectrum(*parameter, role, context);
+}
+
+Result<Rgb> resolve_named_spectrum(std::string_view name, SpectrumRole role, const ColorContext& context) {
+    VisibleSpectrum spectrum{};
+    if (!find_named_spectrum(name, spectrum))
+        return Error{"no spectrum is called '" + std::string(name) + "'", {}, 0, 0, {}, known_names_hint(name)};
+    return project(spectrum, role, context);
+}
+
+}  // namespace raylex::transport
