@@ -1,0 +1,366 @@
+#include "transport/geometry/embree_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <mutex>
+
+#include <embree3/rtcore.h>
+#include <pmmintrin.h>
+#include <xmmintrin.h>
+
+namespace raylex::transport {
+namespace {
+
+constexpr unsigned opaque_mask = 1, alpha_mask = 2, any_mask = opaque_mask | alpha_mask;
+
+/// What Embree's callback gets for a user geometry.
+struct UserShape {
+    const ShapeGeometry* shape = nullptr;
+    unsigned mask = opaque_mask;
+};
+
+struct ErrorLog {
+    std::mutex mutex;
+    std::string message;
+};
+
+void report_error(void* user, RTCError, const char* text) {
+    auto* log = static_cast<ErrorLog*>(user);
+    const std::lock_guard lock(log->mutex);
+    if (log->message.empty()) log->message = text ? text : "unknown error";
+}
+
+RTCBounds outward(const DVec3& lower, const DVec3& upper) {
+    const auto down = [](double v) { return next_down(static_cast<float>(v)); };
+    const auto up = [](double v) { return next_up(static_cast<float>(v)); };
+    RTCBounds b{};
+    b.lower_x = down(lower.x); b.lower_y = down(lower.y); b.lower_z = down(lower.z);
+    b.upper_x = up(upper.x); b.upper_y = up(upper.y); b.upper_z = up(upper.z);
+    return b;
+}
+
+void bound_user_shape(const RTCBoundsFunctionArguments* args) {
+    const ShapeGeometry& shape = *static_cast<const UserShape*>(args->geometryUserPtr)->shape;
+    DVec3 lower, upper;
+    if (shape.kind == ShapeKind::bilinear_mesh) {
+        const BilinearPatch patch = shape.patch(args->primID);
+        lower = upper = patch.p00;
+        for (const DVec3& p : {patch.p10, patch.p01, patch.p11}) {
+            lower = {std::min(lower.x, p.x), std::min(lower.y, p.y), std::min(lower.z, p.z)};
+            upper = {std::max(upper.x, p.x), std::max(upper.y, p.y), std::max(upper.z, p.z)};
+        }
+    } else {
+        shape.quadric.bounds(lower, upper);
+    }
+    *args->bounds_o = outward(lower, upper);
+}
+
+bool intersect_user_shape(const ShapeGeometry& shape, unsigned primitive, const RTCRay& ray, double& t, double& u, double& v) {
+    const DVec3 o{ray.org_x, ray.org_y, ray.org_z}, d{ray.dir_x, ray.dir_y, ray.dir_z};
+    if (shape.kind == ShapeKind::bilinear_mesh) return shape.patch(primitive).intersect(o, d, ray.tnear, ray.tfar, t, u, v);
+    return shape.quadric.intersect(o, d, ray.tnear, ray.tfar, t, u, v);
+}
+
+void intersect_user(const RTCIntersectFunctionNArguments* args) {
+    if (!args->valid[0]) return;
+    const auto* user = static_cast<const UserShape*>(args->geometryUserPtr);
+    auto* rayhit = reinterpret_cast<RTCRayHit*>(args->rayhit);     // N is 1: only single-ray calls are made
+    if (!(rayhit->ray.mask & user->mask)) return;
+    double t, u, v;
+    if (!intersect_user_shape(*user->shape, args->primID, rayhit->ray, t, u, v)) return;
+    rayhit->ray.tfar = static_cast<float>(t);
+    rayhit->hit.u = static_cast<float>(u);
+    rayhit->hit.v = static_cast<float>(v);
+    rayhit->hit.primID = args->primID;
+    rayhit->hit.geomID = args->geomID;
+    rayhit->hit.instID[0] = args->context->instID[0];
+}
+
+void occlude_user(const RTCOccludedFunctionNArguments* args) {
+    if (!args->valid[0]) return;
+    const auto* user = static_cast<const UserShape*>(args->geometryUserPtr);
+    auto* ray = reinterpret_cast<RTCRay*>(args->ray);
+    if (!(ray->mask & user->mask)) return;
+    double t, u, v;
+    if (intersect_user_shape(*user->shape, args->primID, *ray, t, u, v)) ray->tfar = -infinity;
+}
+
+RTCRay to_embree(const Ray& ray, unsigned mask) {
+    RTCRay r;
+    r.org_x = ray.origin.x; r.org_y = ray.origin.y; r.org_z = ray.origin.z;
+    r.tnear = 0;
+    r.dir_x = ray.direction.x; r.dir_y = ray.direction.y; r.dir_z = ray.direction.z;
+    r.time = 0;
+    r.tfar = ray.t_max;
+    r.mask = mask;
+    r.id = 0;
+    r.flags = 0;
+    return r;
+}
+
+bool finite(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+Status check_mesh(const SceneShape& shape, std::size_t per_primitive) {
+    for (std::size_t i = 0; i < shape.positions.size(); ++i)
+        if (!finite(shape.positions[i]))
+            return error_at(shape.location, "vertex " + std::to_string(i) + " of the mesh is not finite; expected real numbers");
+    for (const std::uint32_t index : shape.indices)
+        if (index >= shape.positions.size())
+            return error_at(shape.location, "vertex index " + std::to_string(index) + " is out of range; the mesh has " +
+                                                std::to_string(shape.positions.size()) + " vertices");
+    if (shape.indices.size() % per_primitive != 0)
+        return error_at(shape.location, "the number of indices is " + std::to_string(shape.indices.size()) +
+                                            "; expected a multiple of " + std::to_string(per_primitive));
+    if (!shape.normals.empty() && shape.normals.size() != shape.positions.size())
+        return error_at(shape.location, std::to_string(shape.normals.size()) + " normals for " +
+                                            std::to_string(shape.positions.size()) + " vertices; expected one each or none");
+    if (!shape.uvs.empty() && shape.uvs.size() != shape.positions.size())
+        return error_at(shape.location, std::to_string(shape.uvs.size()) + " uv pairs for " +
+                                            std::to_string(shape.positions.size()) + " vertices; expected one each or none");
+    return success();
+}
+
+Status check_quadric(const SceneShape& shape) {
+    if (!shape.object_to_world.invertible()) return error_at(shape.location, "the shape's transform has no inverse");
+    for (const float v : {shape.radius, shape.z_min, shape.z_max, shape.phi_max, shape.height, shape.inner_radius})
+        if (std::isnan(v)) return error_at(shape.location, "a parameter of the shape is not a number");
+    if (!(shape.radius > 0) || !std::isfinite(shape.radius))
+        return error_at(shape.location, "the shape's radius is " + std::to_string(shape.radius) + "; expected a positive number");
+    return success();
+}
+
+}  // namespace
+
+struct EmbreeScene::Device {
+    RTCDevice device = nullptr;
+    RTCScene scene = nullptr;
+    std::vector<RTCScene> objects;
+    std::vector<std::unique_ptr<UserShape>> users;
+    std::vector<RTCGeometry> geometries;      // [shape]; null for empty meshes
+    ErrorLog log;
+
+    ~Device() {
+        for (RTCGeometry g : geometries)
+            if (g) rtcReleaseGeometry(g);
+        if (scene) rtcReleaseScene(scene);
+        for (RTCScene s : objects) rtcReleaseScene(s);
+        if (device) rtcReleaseDevice(device);
+    }
+    RTCScene new_scene() const {
+        RTCScene s = rtcNewScene(device);
+        rtcSetSceneFlags(s, RTC_SCENE_FLAG_ROBUST);
+        rtcSetSceneBuildQuality(s, RTC_BUILD_QUALITY_MEDIUM);
+        return s;
+    }
+};
+
+EmbreeScene::EmbreeScene() : labels_{std::string()} {}
+EmbreeScene::~EmbreeScene() = default;
+EmbreeScene::EmbreeScene(EmbreeScene&&) noexcept = default;
+EmbreeScene& EmbreeScene::operator=(EmbreeScene&&) noexcept = default;
+
+BilinearPatch ShapeGeometry::patch(std::uint32_t primitive) const {
+    const std::uint32_t* i = patch_indices.data() + 4 * static_cast<std::size_t>(primitive);
+    return {DVec3(patch_positions[i[0]]), DVec3(patch_positions[i[1]]), DVec3(patch_positions[i[2]]), DVec3(patch_positions[i[3]])};
+}
+
+int EmbreeScene::label_index(const std::string& label) {
+    const auto found = std::find(labels_.begin(), labels_.end(), label);
+    if (found != labels_.end()) return static_cast<int>(found - labels_.begin());
+    labels_.push_back(label);
+    return static_cast<int>(labels_.size()) - 1;
+}
+
+Status EmbreeScene::add_shape(const SceneShape& shape, TextureTable& textures, bool instanced) {
+    ShapeGeometry g;
+    g.kind = shape.kind;
+    g.flip_normal = shape.flip_normal;
+    g.material = std::max(shape.material, 0);
+    g.area_light = instanced ? -1 : shape.area_light;
+    g.label = label_index(shape.label);
+    if (!shape.alpha_texture.empty()) {
+        auto id = textures.named_real(shape.alpha_texture, shape.location);
+        if (!id) return id.error();
+        g.alpha = *id;
+    } else if (shape.alpha < 1) {
+        g.alpha = textures.add_constant(Rgb(std::max(shape.alpha, 0.0f)));
+    }
+    has_alpha_ = has_alpha_ || g.alpha >= 0;
+    g.normals = shape.normals;
+    g.uvs = shape.uvs;
+    const bool mesh = shape.kind == ShapeKind::triangle_mesh || shape.kind == ShapeKind::bilinear_mesh;
+    const std::size_t corners = shape.kind == ShapeKind::triangle_mesh ? 3 : 4;
+    const Status checked = mesh ? check_mesh(shape, corners) : check_quadric(shape);
+    if (!checked) return checked.error();
+    g.primitive_count = mesh ? static_cast<std::uint32_t>(shape.indices.size() / corners) : 1;
+    if (shape.kind == ShapeKind::bilinear_mesh) {
+        g.patch_positions = shape.positions;
+        g.patch_indices = shape.indices;
+    } else if (!mesh) {
+        g.quadric = Quadric(shape);
+    }
+
+    RTCGeometry geometry = nullptr;
+    if (g.primitive_count > 0 && shape.kind == ShapeKind::triangle_mesh) {
+        geometry = rtcNewGeometry(device_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+        void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3),
+                                                 shape.positions.size());
+        void* indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                                3 * sizeof(std::uint32_t), g.primitive_count);
+        if (!vertices || !indices) {
+            rtcReleaseGeometry(geometry);
+            return error_at(shape.location, "not enough memory for the mesh");
+        }
+        std::memcpy(vertices, shape.positions.data(), shape.positions.size() * sizeof(Vec3));
+        std::memcpy(indices, shape.indices.data(), shape.indices.size() * sizeof(std::uint32_t));
+        g.positions = static_cast<const Vec3*>(vertices);
+        g.indices = static_cast<const std::uint32_t*>(indices);
+    } else if (g.primitive_count > 0) {
+        geometry = rtcNewGeometry(device_->device, RTC_GEOMETRY_TYPE_USER);
+        rtcSetGeometryUserPrimitiveCount(geometry, g.primitive_count);
+        rtcSetGeometryBoundsFunction(geometry, bound_user_shape, nullptr);
+        rtcSetGeometryIntersectFunction(geometry, intersect_user);
+        rtcSetGeometryOccludedFunction(geometry, occlude_user);
+    }
+    if (geometry) rtcSetGeometryMask(geometry, g.alpha >= 0 ? alpha_mask : opaque_mask);
+    shapes_.push_back(std::move(g));
+    device_->geometries.push_back(geometry);
+    return success();
+}
+
+Result<EmbreeScene> EmbreeScene::build(const SceneDescription& scene, TextureTable& textures, const Options& options) {
+    static const std::vector<std::string> known = {"sse2", "sse4.2", "avx", "avx2", "avx512"};
+    if (!options.isa.empty() && std::find(known.begin(), known.end(), options.isa) == known.end())
+        return error_at({"--isa", 0, 0}, "unknown instruction set '" + options.isa + "'; expected sse2, sse4.2, avx, avx2 or avx512",
+                        nearest_name(options.isa, known));
+    EmbreeScene result;
+    result.isa_ = options.isa.empty() ? "native" : options.isa;
+    result.device_ = std::make_unique<Device>();
+    Device& device = *result.device_;
+    std::string config = "set_affinity=0";
+    if (!options.isa.empty()) config += ",isa=" + options.isa;
+    if (options.threads > 0) config += ",threads=" + std::to_string(options.threads);
+    device.device = rtcNewDevice(config.c_str());
+    if (!device.device)
+        return error_at({}, "Embree could not be started (error " + std::to_string(rtcGetDeviceError(nullptr)) +
+                                "); does this machine offer the instruction set '" + result.isa_ + "'?");
+    rtcSetDeviceErrorFunction(device.device, report_error, &device.log);
+
+    std::size_t total = scene.shapes.size();
+    for (const SceneObject& object : scene.objects) total += object.shapes.size();
+    result.shapes_.reserve(total);      // addresses are handed to Embree below
+    result.top_level_shapes_ = scene.shapes.size();
+    for (const SceneShape& shape : scene.shapes)
+        if (Status s = result.add_shape(shape, textures, false); !s) return s.error();
+    std::vector<std::uint32_t> first_shape;
+    for (const SceneObject& object : scene.objects) {
+        first_shape.push_back(static_cast<std::uint32_t>(result.shapes_.size()));
+        for (const SceneShape& shape : object.shapes)
+            if (Status s = result.add_shape(shape, textures, true); !s) return s.error();
+    }
+
+    const auto attach = [&](RTCScene target, std::size_t first, std::size_t count) {
+        for (std::size_t i = 0; i < count; ++i) {
+            RTCGeometry geometry = device.geometries[first + i];
+            if (!geometry) continue;
+            const ShapeGeometry& shape = result.shapes_[first + i];
+            if (shape.kind != ShapeKind::triangle_mesh) {
+                device.users.push_back(std::make_unique<UserShape>(UserShape{&shape, shape.alpha >= 0 ? alpha_mask : opaque_mask}));
+                rtcSetGeometryUserData(geometry, device.users.back().get());
+            }
+            rtcCommitGeometry(geometry);
+            rtcAttachGeometryByID(target, geometry, static_cast<unsigned>(i));
+        }
+    };
+    device.scene = device.new_scene();
+    attach(device.scene, 0, result.top_level_shapes_);
+    for (std::size_t k = 0; k < scene.objects.size(); ++k) {
+        device.objects.push_back(device.new_scene());
+        attach(device.objects.back(), first_shape[k], scene.objects[k].shapes.size());
+        rtcCommitScene(device.objects.back());
+    }
+    for (const SceneInstance& instance : scene.instances) {
+        if (instance.object < 0 || static_cast<std::size_t>(instance.object) >= scene.objects.size())
+            return error_at(instance.location, "instance of an object that is not defined");
+        if (!instance.to_world.invertible()) return error_at(instance.location, "the instance's transform has no inverse");
+        const auto object = static_cast<std::size_t>(instance.object);
+        ShapeInstance placed{Placement(instance.to_world), first_shape[object],
+                             instance.label.empty() ? -1 : result.label_index(instance.label)};
+        RTCGeometry geometry = rtcNewGeometry(device.device, RTC_GEOMETRY_TYPE_INSTANCE);
+        rtcSetGeometryInstancedScene(geometry, device.objects[object]);
+        float columns[12];
+        for (std::size_t c = 0; c < 4; ++c)
+            for (std::size_t r = 0; r < 3; ++r) columns[3 * c + r] = static_cast<float>(placed.placement.to_world.m[r][c]);
+        rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
+        rtcSetGeometryMask(geometry, any_mask);
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometryByID(device.scene, geometry, static_cast<unsigned>(result.top_level_shapes_ + result.instances_.size()));
+        rtcReleaseGeometry(geometry);
+        result.instances_.push_back(placed);
+    }
+    rtcCommitScene(device.scene);
+    RTCBounds b{};
+    rtcGetSceneBounds(device.scene, &b);
+    if (b.lower_x <= b.upper_x) result.bounds_ = {{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}};
+    if (!device.log.message.empty()) return error_at({scene.file, 0, 0}, "Embree: " + device.log.message);
+    return result;
+}
+
+void EmbreeScene::intersect(std::span<const Ray> rays, std::span<Hit> hits) const {
+    const auto top = static_cast<std::uint32_t>(top_level_shapes_);
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    RTCRayHit rayhit;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        rayhit.ray = to_embree(rays[i], any_mask);
+        rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+        rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+        rtcIntersect1(device_->scene, &context, &rayhit);
+        Hit& hit = hits[i];
+        hit.t = rayhit.ray.tfar;
+        hit.u = rayhit.hit.u;
+        hit.v = rayhit.hit.v;
+        hit.primitive = rayhit.hit.primID;
+        hit.shape = rayhit.hit.geomID;      // Embree's invalid id is Hit::none
+        hit.instance = Hit::none;
+        if (rayhit.hit.instID[0] != RTC_INVALID_GEOMETRY_ID && hit.shape != Hit::none) {
+            hit.instance = rayhit.hit.instID[0] - top;
+            hit.shape += instances_[hit.instance].first_shape;
+        }
+    }
+}
+
+void EmbreeScene::intersect_alpha(const Ray& ray, Hit& hit) const {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    RTCRayHit rayhit;
+    rayhit.ray = to_embree(ray, alpha_mask);
+    rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(device_->scene, &context, &rayhit);
+    hit = {rayhit.ray.tfar, rayhit.hit.u, rayhit.hit.v, rayhit.hit.geomID, rayhit.hit.primID, Hit::none};
+    if (rayhit.hit.instID[0] != RTC_INVALID_GEOMETRY_ID && hit.shape != Hit::none) {
+        hit.instance = rayhit.hit.instID[0] - static_cast<std::uint32_t>(top_level_shapes_);
+        hit.shape += instances_[hit.instance].first_shape;
+    }
+}
+
+void EmbreeScene::occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked) const {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        RTCRay ray = to_embree(rays[i], opaque_mask);
+        rtcOccluded1(device_->scene, &context, &ray);
+        blocked[i] = ray.tfar < 0;
+    }
+}
+
+static_assert(Hit::none == RTC_INVALID_GEOMETRY_ID);
+
+void flush_denormals() {
+    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
+    _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+}
+
+}  // namespace raylex::transport

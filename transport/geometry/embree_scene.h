@@ -1,0 +1,119 @@
+// The scene's shapes and the acceleration structure over them. The only door to Embree: its headers are included by
+// embree_scene.cpp and nowhere else, so that moving to another version touches one file.
+//
+// Calls take batches, but rays are traced one by one (rtcIntersect1, rtcOccluded1, one flag): packet and stream calls may
+// break ties between equal distances differently, and then a pixel would depend on which rays happened to share its
+// batch (Law 3).
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lpe/result.h"
+#include "transport/geometry/bilinear.h"
+#include "transport/geometry/quadric.h"
+#include "transport/geometry/ray.h"
+#include "transport/materials/bsdf.h"
+#include "transport/materials/texture.h"
+#include "transport/scene/scene_description.h"
+
+namespace raylex::transport {
+
+/// One Shape directive as rendering sees it. Meshes point into vertex and index buffers that Embree owns.
+struct ShapeGeometry {
+    ShapeKind kind = ShapeKind::triangle_mesh;
+    const Vec3* positions = nullptr;
+    const std::uint32_t* indices = nullptr;     ///< 3 per triangle, 4 per patch
+    std::uint32_t primitive_count = 0;
+    std::vector<Vec3> normals;
+    std::vector<Vec2> uvs;
+    std::vector<Vec3> patch_positions;          ///< bilinear meshes keep their own
+    std::vector<std::uint32_t> patch_indices;
+    Quadric quadric;
+    bool flip_normal = false;
+    int material = 0;
+    int area_light = -1;                        ///< index into SceneDescription::area_lights; -1 also for instanced shapes
+    TextureId alpha = -1;                       ///< opacity; -1 = opaque everywhere
+    int label = 0;                              ///< index into object_labels()
+    std::uint32_t first_light = Hit::none;      ///< set by the light table: the light of primitive 0
+
+    [[nodiscard]] BilinearPatch patch(std::uint32_t primitive) const;
+};
+
+struct ShapeInstance {
+    Placement placement;
+    std::uint32_t first_shape = 0;   ///< of the object it places
+    int label = -1;                  ///< overrides the shapes' own unless -1
+};
+
+/// Where a surface point came from: what integrators need beside the SurfacePoint.
+struct SurfaceSource {
+    float offset = 0;                ///< how far a leaving ray starts off the surface; see ray.h
+    std::int32_t label = 0;          ///< index into object_labels()
+    std::int32_t object_id = 0;      ///< 1-based: top-level shapes first, then instances
+};
+
+/// A length-3 interval in world space.
+struct Bounds {
+    Vec3 lower, upper;
+    [[nodiscard]] Vec3 center() const { return (lower + upper) * 0.5f; }
+    [[nodiscard]] float radius() const { return length(upper - lower) * 0.5f; }
+};
+
+class EmbreeScene {
+  public:
+    struct Options {
+        std::string isa;             ///< "", "sse2", "sse4.2", "avx", "avx2", "avx512"
+        int threads = 0;             ///< for building; 0 = all
+    };
+
+    /// Non-finite vertices, indices out of range, singular transforms and Embree's own errors are Errors at the shape.
+    static Result<EmbreeScene> build(const SceneDescription& scene, TextureTable& textures, const Options& options);
+    ~EmbreeScene();
+    EmbreeScene(EmbreeScene&&) noexcept;
+    EmbreeScene& operator=(EmbreeScene&&) noexcept;
+
+    /// Closest hits over (0, t_max).
+    void intersect(std::span<const Ray> rays, std::span<Hit> hits) const;
+    /// 1 where an opaque shape lies on (0, t_max); shapes with alpha do not count.
+    void occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked) const;
+    /// The closest hit among the shapes with alpha, for the walk that shadow rays take through them.
+    void intersect_alpha(const Ray& ray, Hit& hit) const;
+
+    /// Turns valid hits into surface points (all but random_key) and their sources. `rays[i]` found `hits[i]`.
+    void surfaces(std::span<const Ray> rays, std::span<const Hit> hits, std::span<SurfacePoint> points,
+                  std::span<SurfaceSource> sources) const;
+
+    [[nodiscard]] bool has_alpha() const { return has_alpha_; }
+    [[nodiscard]] std::span<const ShapeGeometry> shapes() const { return shapes_; }
+    [[nodiscard]] std::span<ShapeGeometry> shapes() { return shapes_; }
+    [[nodiscard]] std::span<const ShapeInstance> instances() const { return instances_; }
+    [[nodiscard]] std::size_t top_level_shapes() const { return top_level_shapes_; }
+    /// Labels in use; [0] is the empty label.
+    [[nodiscard]] const std::vector<std::string>& object_labels() const { return labels_; }
+    [[nodiscard]] const Bounds& bounds() const { return bounds_; }
+    [[nodiscard]] const std::string& isa() const { return isa_; }
+
+  private:
+    EmbreeScene();
+    struct Device;
+    Status add_shape(const SceneShape& shape, TextureTable& textures, bool instanced);
+    int label_index(const std::string& label);
+    std::unique_ptr<Device> device_;
+    std::vector<ShapeGeometry> shapes_;         // top level, then those of every object in turn
+    std::vector<ShapeInstance> instances_;
+    std::vector<std::string> labels_;
+    std::size_t top_level_shapes_ = 0;
+    Bounds bounds_;
+    std::string isa_;
+    bool has_alpha_ = false;
+};
+
+/// Flushes denormals to zero on the calling thread (row 32 of the hard cases: a throughput that underflows would
+/// otherwise stick at a denormal and slow every multiplication).
+void flush_denormals();
+
+}  // namespace raylex::transport

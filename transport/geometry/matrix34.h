@@ -1,0 +1,59 @@
+// Affine 3x4 maps in double, as quadrics and instances keep them.
+#pragma once
+
+#include <array>
+#include <cmath>
+
+#include "transport/math/transform.h"
+
+namespace raylex::transport {
+
+struct DVec3 {
+    double x = 0, y = 0, z = 0;
+    DVec3() = default;
+    constexpr DVec3(double a, double b, double c) : x(a), y(b), z(c) {}
+    constexpr explicit DVec3(const Vec3& v) : x(v.x), y(v.y), z(v.z) {}
+    friend constexpr DVec3 operator+(const DVec3& a, const DVec3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+    friend constexpr DVec3 operator-(const DVec3& a, const DVec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+    friend constexpr DVec3 operator*(const DVec3& a, double s) { return {a.x * s, a.y * s, a.z * s}; }
+    [[nodiscard]] Vec3 to_float() const { return {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)}; }
+};
+constexpr double dot(const DVec3& a, const DVec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+constexpr DVec3 cross(const DVec3& a, const DVec3& b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+inline double length(const DVec3& v) { return std::sqrt(dot(v, v)); }
+inline DVec3 normalize(const DVec3& v) { return v * (1 / length(v)); }
+
+struct Matrix34 {
+    double m[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
+
+    Matrix34() = default;
+    explicit Matrix34(const Matrix4& full) {
+        for (std::size_t r = 0; r < 3; ++r)
+            for (std::size_t c = 0; c < 4; ++c) m[r][c] = full[r][c];
+    }
+    [[nodiscard]] DVec3 vector(const DVec3& v) const {
+        return {m[0][0] * v.x + m[0][1] * v.y + m[0][2] * v.z, m[1][0] * v.x + m[1][1] * v.y + m[1][2] * v.z,
+                m[2][0] * v.x + m[2][1] * v.y + m[2][2] * v.z};
+    }
+    [[nodiscard]] DVec3 point(const DVec3& p) const { return vector(p) + DVec3{m[0][3], m[1][3], m[2][3]}; }
+    /// Of the map whose inverse this is: n transforms by the transpose of the inverse. Not normalised.
+    [[nodiscard]] DVec3 normal_of_inverse(const DVec3& n) const {
+        return {m[0][0] * n.x + m[1][0] * n.y + m[2][0] * n.z, m[0][1] * n.x + m[1][1] * n.y + m[2][1] * n.z,
+                m[0][2] * n.x + m[1][2] * n.y + m[2][2] * n.z};
+    }
+    [[nodiscard]] double determinant() const {
+        return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+               m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+    }
+};
+
+/// A transform with its inverse.
+struct Placement {
+    Matrix34 to_world, to_object;
+    Placement() = default;
+    explicit Placement(const Transform& t) : to_world(t.matrix()), to_object(t.inverse().matrix()) {}
+};
+
+}  // namespace raylex::transport

@@ -1,0 +1,65 @@
+// Rays, hits, and how a new ray leaves a surface.
+//
+// No absolute epsilon anywhere. A hit comes with `offset`, a bound on how far the computed point may lie from the plane
+// the intersector tests, derived from the rounding of the operations that made both (see surface.cpp). A new ray starts
+// that far along the geometric normal, on the side it leaves to, so the surface it left is always behind it; scaling or
+// moving the scene scales the bound with the coordinates. The idea is pbrt-v4's OffsetRayOrigin; the bound is our own,
+// because Embree's Pluecker test rounds elsewhere.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <limits>
+
+#include "transport/math/vec.h"
+
+namespace raylex::transport {
+
+inline constexpr float infinity = std::numeric_limits<float>::infinity();
+inline constexpr float unit_roundoff = 0x1p-24f;
+/// Bound on the relative error of n roundings (Higham 2002, lemma 3.1).
+constexpr float gamma_bound(int n) { return (float(n) * unit_roundoff) / (1 - float(n) * unit_roundoff); }
+
+/// Shadow rays end this much short of the light, relative to their length: the direction's own rounding moves the far
+/// end by a few ulps of the distance, which a grazing view of the light multiplies (pbrt-v4's ShadowEpsilon).
+inline constexpr float shadow_t_max = 1 - 1e-4f;
+
+struct Ray {
+    Vec3 origin;
+    float t_max = infinity;
+    Vec3 direction;         ///< unit for scattering rays; origin to light for shadow rays, with t_max below 1
+    std::uint32_t tag = 0;  ///< for the caller
+};
+
+struct Hit {
+    static constexpr std::uint32_t none = 0xffffffffu;
+    float t = infinity;
+    float u = 0, v = 0;                  ///< triangle: barycentrics of vertices 1 and 2; others: the shape's own (u, v)
+    std::uint32_t shape = none;          ///< index into EmbreeScene::shapes()
+    std::uint32_t primitive = 0;         ///< triangle or patch of a mesh
+    std::uint32_t instance = none;       ///< index into EmbreeScene::instances()
+
+    [[nodiscard]] bool valid() const { return shape != none; }
+};
+
+inline float next_up(float v) {
+    if (std::isinf(v) && v > 0) return v;
+    if (v == 0) return std::numeric_limits<float>::min();      // denormals are flushed to zero while rendering
+    const auto bits = std::bit_cast<std::uint32_t>(v);
+    return std::bit_cast<float>(v > 0 ? bits + 1 : bits - 1);
+}
+inline float next_down(float v) { return -next_up(-v); }
+
+/// Origin of a ray that leaves `p` in `direction`: `offset` along the unit normal `n`, on the direction's side, each
+/// coordinate rounded away from the surface.
+inline Vec3 leave_surface(const Vec3& p, const Vec3& n, float offset, const Vec3& direction) {
+    const Vec3 shift = n * (dot(n, direction) < 0 ? -offset : offset);
+    Vec3 o = p + shift;
+    for (int i = 0; i < 3; ++i) {
+        if (shift[i] > 0) o[i] = next_up(o[i]);
+        else if (shift[i] < 0) o[i] = next_down(o[i]);
+    }
+    return o;
+}
+
+}  // namespace raylex::transport

@@ -1,0 +1,192 @@
+// From hits to surface points: positions, normals and parameterisation by pbrt-v4's conventions ("Physically Based
+// Rendering", 4th edition, chapter 6), and the bound on where the intersector may think the surface is.
+//
+// The bound for a triangle. The point is b0 v0 + b1 v1 + b2 v2 in float: each coordinate is off by at most
+// gamma(5) max |v|. Embree's robust test moves the vertices to the ray's origin (half an ulp of the difference), takes
+// N = e1 x e2 (2 roundings a product, 1 for the difference: gamma(3) (|e1_i e2_j| + |e1_j e2_i|)) and evaluates
+// (v0 - o) . N (gamma(3)). The distance it sees is thus off by at most
+//   gamma(8) [ |n| . max |v| + ((|e1| x+ |e2|) . extent) / |N| ],  x+ the cross product with plus signs.
+// Componentwise bounds keep axis-aligned planes nearly exact.
+#include "transport/geometry/embree_scene.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace raylex::transport {
+namespace {
+
+constexpr Vec3 absolute(const Vec3& v) { return {v.x < 0 ? -v.x : v.x, v.y < 0 ? -v.y : v.y, v.z < 0 ? -v.z : v.z}; }
+constexpr Vec3 largest(const Vec3& a, const Vec3& b) { return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}; }
+constexpr Vec3 smallest(const Vec3& a, const Vec3& b) { return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)}; }
+
+/// A float product is exact in double, so slivers keep their normal.
+Vec3 exact_cross(const Vec3& a, const Vec3& b) {
+    const DVec3 c = cross(DVec3(a), DVec3(b));
+    return c.to_float();
+}
+
+/// Shading normal from vertex normals, and the geometric normal turned to its side, as pbrt does.
+void apply_vertex_normal(const Vec3& interpolated, SurfacePoint& point) {
+    const float l2 = length_squared(interpolated);
+    if (!(l2 > 0)) return;
+    point.shading_normal = interpolated / std::sqrt(l2);
+    point.geometric_normal = face_forward(point.geometric_normal, point.shading_normal);
+}
+
+void triangle_surface(const ShapeGeometry& shape, const Hit& hit, SurfacePoint& point, float& offset) {
+    const std::uint32_t* index = shape.indices + 3 * static_cast<std::size_t>(hit.primitive);
+    const Vec3 p0 = shape.positions[index[0]], p1 = shape.positions[index[1]], p2 = shape.positions[index[2]];
+    const float b1 = hit.u, b2 = hit.v, b0 = 1 - b1 - b2;
+    point.position = p0 * b0 + p1 * b1 + p2 * b2;
+    const Vec3 e1 = p1 - p0, e2 = p2 - p0;
+    const Vec3 n = exact_cross(e1, e2);
+    const float inverse_length = 1 / length(n);
+    point.geometric_normal = n * (shape.flip_normal ? -inverse_length : inverse_length);
+
+    const Vec3 top = largest(p0, largest(p1, p2)), bottom = smallest(p0, smallest(p1, p2));
+    const Vec3 a1 = absolute(e1), a2 = absolute(e2);
+    const Vec3 products{a1.y * a2.z + a1.z * a2.y, a1.z * a2.x + a1.x * a2.z, a1.x * a2.y + a1.y * a2.x};
+    offset = gamma_bound(8) * (dot(absolute(point.geometric_normal), largest(absolute(top), absolute(bottom))) +
+                               dot(products, top - bottom) * inverse_length);
+
+    point.shading_normal = point.geometric_normal;
+    if (!shape.normals.empty()) {
+        const Vec3 unflipped = n * inverse_length;      // pbrt ignores the flip where vertex normals decide
+        point.geometric_normal = point.shading_normal = unflipped;
+        apply_vertex_normal(shape.normals[index[0]] * b0 + shape.normals[index[1]] * b1 + shape.normals[index[2]] * b2, point);
+    }
+    if (shape.uvs.empty()) {
+        point.u = b1 + b2;      // default uvs (0,0), (1,0), (1,1)
+        point.v = b2;
+        point.dpdu = e1;
+        return;
+    }
+    const Vec2 t0 = shape.uvs[index[0]], t1 = shape.uvs[index[1]], t2 = shape.uvs[index[2]];
+    point.u = t0.x * b0 + t1.x * b1 + t2.x * b2;
+    point.v = t0.y * b0 + t1.y * b1 + t2.y * b2;
+    const Vec2 d1{t1.x - t0.x, t1.y - t0.y}, d2{t2.x - t0.x, t2.y - t0.y};
+    const float determinant = d1.x * d2.y - d1.y * d2.x;
+    point.dpdu = std::abs(determinant) < 1e-9f ? Frame::from_normal(point.geometric_normal).s
+                                               : (e1 * d2.y - e2 * d1.y) / determinant;
+}
+
+/// A ray in the space of the shape's definition, in double.
+struct LocalRay {
+    DVec3 origin, direction;
+};
+
+void quadric_surface(const Quadric& q, const LocalRay& ray, const Hit& hit, SurfacePoint& point, float& offset) {
+    // t is a float, so the point is put back on the surface, in double; what moves is only along the ray.
+    DVec3 p = q.placement.to_object.point(ray.origin + ray.direction * hit.t);
+    if (q.kind == ShapeKind::sphere) {
+        p = p * (q.radius / length(p));
+    } else if (q.kind == ShapeKind::cylinder) {
+        const double scale = q.radius / std::hypot(p.x, p.y);
+        p = {p.x * scale, p.y * scale, p.z};
+    } else {
+        p.z = q.height;
+    }
+    const DVec3 n = normalize(q.placement.to_object.normal_of_inverse(q.object_normal(p)));
+    point.position = q.placement.to_world.point(p).to_float();
+    point.geometric_normal = point.shading_normal = q.reversed ? -n.to_float() : n.to_float();
+    point.dpdu = q.placement.to_world.vector(q.object_dpdu(p)).to_float();
+    point.u = hit.u;
+    point.v = hit.v;
+    // One rounding to float each for the point and for the origin made from it; the intersection itself is in double.
+    offset = gamma_bound(3) * dot(absolute(point.geometric_normal), absolute(point.position)) +
+             static_cast<float>(1e-13 * q.extent());
+}
+
+void patch_surface(const ShapeGeometry& shape, const Hit& hit, SurfacePoint& point, float& offset) {
+    const BilinearPatch patch = shape.patch(hit.primitive);
+    const double u = hit.u, v = hit.v;
+    const DVec3 dpdu = patch.dpdu(v), dpdv = patch.dpdv(u);
+    point.position = patch.point(u, v).to_float();
+    Vec3 n = normalize(cross(dpdu, dpdv)).to_float();
+    if (!is_finite(n)) n = normalize(cross(patch.p10 - patch.p00, patch.p01 - patch.p00)).to_float();
+    if (shape.flip_normal) n = -n;
+    point.geometric_normal = point.shading_normal = n;
+    point.dpdu = dpdu.to_float();
+    point.u = hit.u;
+    point.v = hit.v;
+    const std::uint32_t* index = shape.patch_indices.data() + 4 * static_cast<std::size_t>(hit.primitive);
+    const float w00 = (1 - hit.u) * (1 - hit.v), w10 = hit.u * (1 - hit.v), w01 = (1 - hit.u) * hit.v, w11 = hit.u * hit.v;
+    if (!shape.uvs.empty()) {
+        const Vec2 t00 = shape.uvs[index[0]], t10 = shape.uvs[index[1]], t01 = shape.uvs[index[2]], t11 = shape.uvs[index[3]];
+        point.u = t00.x * w00 + t10.x * w10 + t01.x * w01 + t11.x * w11;
+        point.v = t00.y * w00 + t10.y * w10 + t01.y * w01 + t11.y * w11;
+        // dp/ds by the chain rule from dp/d(u,v) and the inverse of d(s,t)/d(u,v).
+        const double su = (t10.x - t00.x) * (1 - v) + (t11.x - t01.x) * v, sv = (t01.x - t00.x) * (1 - u) + (t11.x - t10.x) * u;
+        const double tu = (t10.y - t00.y) * (1 - v) + (t11.y - t01.y) * v, tv = (t01.y - t00.y) * (1 - u) + (t11.y - t10.y) * u;
+        const double determinant = su * tv - sv * tu;
+        if (determinant != 0) point.dpdu = ((dpdu * tv - dpdv * tu) * (1 / determinant)).to_float();
+    }
+    if (!shape.normals.empty()) {
+        if (shape.flip_normal) point.geometric_normal = -n;
+        apply_vertex_normal(shape.normals[index[0]] * w00 + shape.normals[index[1]] * w10 + shape.normals[index[2]] * w01 +
+                                shape.normals[index[3]] * w11, point);
+    }
+    Vec3 reach;
+    for (int i = 0; i < 4; ++i) reach = largest(reach, absolute(shape.patch_positions[index[i]]));
+    offset = gamma_bound(3) * dot(absolute(n), absolute(point.position)) + 1e-13f * (reach.x + reach.y + reach.z);
+}
+
+/// Takes a point from its object's space to the world. Embree brings rays there in float: that rounding, seen along the
+/// normal, joins the bound, and both scale with the transform.
+void place(const Placement& placement, SurfacePoint& point, float& offset) {
+    const DVec3 local_normal(point.geometric_normal);
+    const DVec3 world = placement.to_world.point(DVec3(point.position));
+    const DVec3 normal = placement.to_object.normal_of_inverse(local_normal);
+    const double stretch = length(normal);      // of distances along the normal, inverted
+    double rounding = 0;
+    const double axis[3] = {std::abs(local_normal.x), std::abs(local_normal.y), std::abs(local_normal.z)};
+    for (int r = 0; r < 3; ++r) {
+        const double* row = placement.to_object.m[r];
+        rounding += axis[r] * (std::abs(row[0] * world.x) + std::abs(row[1] * world.y) + std::abs(row[2] * world.z) + std::abs(row[3]));
+    }
+    const DVec3 shading = normalize(placement.to_object.normal_of_inverse(DVec3(point.shading_normal)));
+    point.position = world.to_float();
+    point.geometric_normal = (normal * (1 / stretch)).to_float();
+    point.shading_normal = shading.to_float();
+    point.dpdu = placement.to_world.vector(DVec3(point.dpdu)).to_float();
+    // 6: the inverse's own rounding to float, the product's three terms and the sum.
+    offset = static_cast<float>((offset + gamma_bound(6) * rounding) / stretch) +
+             gamma_bound(3) * dot(absolute(point.geometric_normal), absolute(point.position));
+}
+
+}  // namespace
+
+void EmbreeScene::surfaces(std::span<const Ray> rays, std::span<const Hit> hits, std::span<SurfacePoint> points,
+                           std::span<SurfaceSource> sources) const {
+    for (std::size_t i = 0; i < hits.size(); ++i) {
+        const Hit& hit = hits[i];
+        const ShapeGeometry& shape = shapes_[hit.shape];
+        SurfacePoint& point = points[i];
+        SurfaceSource& source = sources[i];
+        const bool instanced = hit.instance != Hit::none;
+        if (shape.kind == ShapeKind::triangle_mesh) {
+            triangle_surface(shape, hit, point, source.offset);
+        } else if (shape.kind == ShapeKind::bilinear_mesh) {
+            patch_surface(shape, hit, point, source.offset);
+        } else {
+            LocalRay ray{DVec3(rays[i].origin), DVec3(rays[i].direction)};
+            if (instanced) {
+                const Matrix34& inverse = instances_[hit.instance].placement.to_object;
+                ray = {inverse.point(ray.origin), inverse.vector(ray.direction)};
+            }
+            quadric_surface(shape.quadric, ray, hit, point, source.offset);
+        }
+        source.label = shape.label;
+        source.object_id = static_cast<std::int32_t>(hit.shape) + 1;
+        if (instanced) {
+            const ShapeInstance& instance = instances_[hit.instance];
+            place(instance.placement, point, source.offset);
+            if (instance.label >= 0) source.label = instance.label;
+            source.object_id = static_cast<std::int32_t>(top_level_shapes_ + hit.instance) + 1;
+        }
+        point.wo = -rays[i].direction;
+        point.material = shape.material;
+    }
+}
+
+}  // namespace raylex::transport

@@ -1,0 +1,111 @@
+// Counter-based sample numbers: every number is a pure function of (seed, pixel, sample, dimension).
+//
+// Nothing is carried from one call to the next, so a path may skip numbers, threads may take any block of samples, and
+// a run with fewer rays sees the same numbers at the same places (Laws 3 and 4).
+//
+// "sobol" is the (0, 2)-sequence of the first two Sobol' dimensions, padded: each pair of dimensions takes a copy of its
+// own, with the sample index shuffled and the points scrambled by hash-based Owen scrambling (B. Burley 2020, "Practical
+// Hash-based Owen Scrambling", JCGT 9(4)). The hash of the scramble is N. Vegdahl's better-mixing variant of Laine and
+// Karras' (2021, "Building a Better LK Hash"). Any number of samples is fine; powers of two balance best. Points come
+// 2^32 to a copy; the index bits above take a fresh scramble.
+//
+// Nested uniform scrambling is reverse - hash - reverse, and the van der Corput sequence is the index reversed, so most
+// reversals cancel. The second dimension's matrix is Pascal's triangle modulo 2: five shift-and-xor steps.
+#pragma once
+
+#include <cstdint>
+
+#include "transport/math/vec.h"
+
+namespace raylex::transport {
+
+enum class SamplerKind : std::uint8_t { independent, sobol };
+
+namespace sampler_detail {
+
+constexpr std::uint32_t reverse_bits(std::uint32_t x) {
+    x = __builtin_bswap32(x);
+    x = ((x & 0x0f0f0f0fu) << 4) | ((x >> 4) & 0x0f0f0f0fu);
+    x = ((x & 0x33333333u) << 2) | ((x >> 2) & 0x33333333u);
+    return ((x & 0x55555555u) << 1) | ((x >> 1) & 0x55555555u);
+}
+
+/// Each bit is flipped by a hash of the bits below it: Owen's tree in bit-reversed form.
+constexpr std::uint32_t owen_hash(std::uint32_t x, std::uint32_t seed) {
+    x ^= x * 0x3d20adeau;
+    x += seed;
+    x *= (seed >> 16) | 1u;
+    x ^= x * 0x05526c56u;
+    x ^= x * 0x53a22864u;
+    return x;
+}
+
+/// Bit-reversed second Sobol' dimension of `index`: bit j is the parity of the index bits k with C(k, j) odd.
+constexpr std::uint32_t reversed_sobol_1(std::uint32_t index) {
+    index ^= (index >> 1) & 0x55555555u;
+    index ^= (index >> 2) & 0x33333333u;
+    index ^= (index >> 4) & 0x0f0f0f0fu;
+    index ^= (index >> 8) & 0x00ff00ffu;
+    return index ^ (index >> 16);
+}
+
+/// 64-bit finaliser (Stafford's variant 13, as in Steele et al. 2014, "SplitMix").
+constexpr std::uint64_t mix(std::uint64_t v) {
+    v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9ull;
+    v = (v ^ (v >> 27)) * 0x94d049bb133111ebull;
+    return v ^ (v >> 31);
+}
+
+constexpr float unit_float(std::uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }
+
+}  // namespace sampler_detail
+
+/// The numbers of one sample of one pixel. 16 bytes; copy freely. Values lie in [0, 1 - 2^-24].
+class PixelSampler {
+  public:
+    PixelSampler() = default;
+    PixelSampler(SamplerKind kind, std::uint64_t seed, std::int32_t x, std::int32_t y, std::uint64_t sample) {
+        const auto pixel = (static_cast<std::uint64_t>(static_cast<std::uint32_t>(y)) << 32) | static_cast<std::uint32_t>(x);
+        const std::uint64_t pixel_key = sampler_detail::mix(sampler_detail::mix(seed + 0x9e3779b97f4a7c15ull) ^ pixel);
+        sobol_ = kind == SamplerKind::sobol;
+        const std::uint64_t copy = sobol_ ? sample >> 32 : sample;
+        key_ = sampler_detail::mix(pixel_key + copy * 0x9e3779b97f4a7c15ull);
+        reversed_index_ = sampler_detail::reverse_bits(static_cast<std::uint32_t>(sample));
+    }
+
+    /// `dimension` names a use (lens, light choice of the third vertex, ...): the same name, the same number.
+    [[nodiscard]] float get_1d(std::uint32_t dimension) const {
+        const std::uint64_t h = hash(dimension);
+        if (!sobol_) return sampler_detail::unit_float(static_cast<std::uint32_t>(h >> 32));
+        using namespace sampler_detail;
+        const std::uint32_t index = reverse_bits(owen_hash(reversed_index_, static_cast<std::uint32_t>(h)));
+        return unit_float(reverse_bits(owen_hash(index, static_cast<std::uint32_t>(h >> 32))));
+    }
+    [[nodiscard]] Vec2 get_2d(std::uint32_t dimension) const {
+        const std::uint64_t h = hash(dimension);
+        const auto low = static_cast<std::uint32_t>(h), high = static_cast<std::uint32_t>(h >> 32);
+        using namespace sampler_detail;
+        if (!sobol_) return {unit_float(low), unit_float(high)};
+        const std::uint32_t index = reverse_bits(owen_hash(reversed_index_, low));
+        const std::uint32_t second = reversed_sobol_1(index);
+        return {unit_float(reverse_bits(owen_hash(index, high))),
+                unit_float(reverse_bits(owen_hash(second, (low ^ (high * 0x9e3779b9u)) + 0x7f4a7c15u)))};
+    }
+    /// Independent of every other number, whatever the sampler: for choices of which few are made per path.
+    [[nodiscard]] float get_random(std::uint32_t dimension) const {
+        return sampler_detail::unit_float(static_cast<std::uint32_t>(random_bits(dimension) >> 32));
+    }
+    [[nodiscard]] std::uint64_t random_bits(std::uint32_t dimension) const {
+        return sampler_detail::mix(hash(dimension) ^ reversed_index_);
+    }
+
+  private:
+    [[nodiscard]] std::uint64_t hash(std::uint32_t dimension) const {
+        return sampler_detail::mix(key_ ^ (dimension * 0xd1342543de82ef95ull));
+    }
+    std::uint64_t key_ = 0;
+    std::uint32_t reversed_index_ = 0;
+    bool sobol_ = false;
+};
+
+}  // namespace raylex::transport

@@ -1,0 +1,79 @@
+#include "transport/samplers/sampler.h"
+
+namespace raylex::transport {
+namespace {
+
+Result<SamplerChoice> read_choice(const SceneEntity& entity, SamplerKind kind, bool another_sequence) {
+    SamplerChoice choice;
+    choice.kind = kind;
+    choice.name = kind == SamplerKind::sobol ? "sobol" : "independent";
+    auto samples = entity.parameters.integer_or("pixelsamples", 16);
+    if (!samples) return samples.error();
+    if (*samples < 1)
+        return error_at(entity.location, "'pixelsamples' is " + std::to_string(*samples) + "; expected at least 1");
+    choice.samples_per_pixel = static_cast<std::uint64_t>(*samples);
+    auto seed = entity.parameters.integer_or("seed", 0);
+    if (!seed) return seed.error();
+    choice.seed = static_cast<std::uint64_t>(*seed);
+    static_cast<void>(entity.parameters.find("randomization"));    // ours is always Owen scrambling
+    if (another_sequence)
+        choice.warnings.push_back(error_at(entity.location, "sampler '" + entity.type +
+                                  "' is rendered with 'sobol' (Owen-scrambled, padded): same expectation, other noise"));
+    return choice;
+}
+
+Result<SamplerChoice> read_stratified(const SceneEntity& entity) {
+    auto choice = read_choice(entity, SamplerKind::sobol, true);
+    if (!choice) return choice;
+    auto x = entity.parameters.integer_or("xsamples", 4);
+    if (!x) return x.error();
+    auto y = entity.parameters.integer_or("ysamples", 4);
+    if (!y) return y.error();
+    static_cast<void>(entity.parameters.find("jitter"));
+    if (*x < 1 || *y < 1) return error_at(entity.location, "'xsamples' and 'ysamples' must be at least 1");
+    choice->samples_per_pixel = static_cast<std::uint64_t>(*x) * static_cast<std::uint64_t>(*y);
+    return choice;
+}
+
+Registry<SamplerFactory> make_registry() {
+    const std::vector<ParameterDescription> parameters = {
+        {"pixelsamples", ParameterType::integer, "16", "samples per pixel, at least 1; powers of two balance best"},
+        {"seed", ParameterType::integer, "0", "added to the render's seed"}};
+    Registry<SamplerFactory> registry("sampler");
+    const auto add = [&](const char* name, const char* help, SamplerKind kind, bool another) {
+        registry.add({name, help, parameters,
+                      [kind, another](const SceneEntity& entity) { return read_choice(entity, kind, another); }});
+    };
+    add("sobol", "Owen-scrambled Sobol' points, padded in pairs of dimensions", SamplerKind::sobol, false);
+    add("paddedsobol", "another name for sobol", SamplerKind::sobol, false);
+    add("independent", "independent uniform numbers", SamplerKind::independent, false);
+    add("zsobol", "rendered with sobol; pbrt also orders pixels along a Morton curve", SamplerKind::sobol, false);
+    add("halton", "rendered with sobol", SamplerKind::sobol, true);
+    add("pmj02bn", "rendered with sobol", SamplerKind::sobol, true);
+    registry.add({"stratified", "rendered with sobol, xsamples * ysamples a pixel",
+                  {{"xsamples", ParameterType::integer, "4", "strata in x"},
+                   {"ysamples", ParameterType::integer, "4", "strata in y"},
+                   {"seed", ParameterType::integer, "0", "added to the render's seed"}},
+                  read_stratified});
+    return registry;
+}
+
+}  // namespace
+
+Registry<SamplerFactory>& sampler_registry() {
+    static Registry<SamplerFactory> registry = make_registry();
+    return registry;
+}
+
+Result<SamplerChoice> choose_sampler(const SceneEntity& entity) {
+    if (entity.type.empty()) {
+        SamplerChoice choice;
+        choice.name = "sobol";
+        return choice;
+    }
+    auto entry = sampler_registry().require(entity.type, entity.location);
+    if (!entry) return entry.error();
+    return (*entry)->factory(entity);
+}
+
+}  // namespace raylex::transport
