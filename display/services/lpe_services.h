@@ -30,30 +30,49 @@ struct LobePart {
     Rgb value;
 };
 
-/// Opaque, fixed capacity, trivially copyable: copy it to look one event ahead (a light sample), then drop the copy.
+/// Opaque, fixed capacity, no heap: copy it to look one event ahead (a light sample), then drop the copy. A copy costs
+/// what is live: nothing to speak of without expression channels, one state for a path that was never split.
 class Tracker {
   public:
-    static constexpr int capacity = 16;
+    /// Pairs one tracker holds; `capacity / 3` is the largest number of automaton groups, since a collapse may leave a
+    /// group with one survivor per colour.
+    static constexpr int capacity = 24;
+
+    Tracker() noexcept = default;
+    Tracker(const Tracker& other) noexcept { copy(other); }
+    Tracker& operator=(const Tracker& other) noexcept {
+        if (this != &other) copy(other);
+        return *this;
+    }
 
   private:
     friend class LpeServices;
-    std::uint64_t key_ = 0;      // (pixel, sample) hash: the source of the overflow choice
+    void copy(const Tracker& other) noexcept;
+
     std::int32_t row_ = 0;
-    std::uint16_t moves_ = 0;
+    std::uint16_t moves_ = 0;    // with the pixel and sample of row_: the source of the overflow choice
     std::uint8_t count_ = 0;
-    bool whole_ = true;          // every pair's share is 1: one pair per group, nothing was split yet
+    bool whole_ = true;          // every pair's share is 1: one pair per group, nothing was split yet; share_ is not set
     std::array<lpe::State, capacity> state_;
-    std::array<RgbD, capacity> share_;
+    std::array<std::uint8_t, capacity> group_;
+    std::array<double, 3 * capacity> share_;   // [pair][r, g, b]; plain doubles, so that a copy initialises nothing
 };
 
 /// What all threads share: the compiled program and where its channels stand in the sample table. Immutable.
 class LpeSetup {
   public:
-    /// Compiles every expression channel of `channels`. `beauty` is the id that takes the whole of every contribution,
-    /// or invalid_channel when beauty was not asked for.
+    /// Compiles every expression channel of `channels` but `beauty`, the id that takes the whole of every contribution, or
+    /// invalid_channel when beauty was not asked for. `rest_of` counts in `channels`.
+    ///
+    /// Errors: an expression that does not parse or is too large; more automaton groups than a tracker can follow; a
+    /// channel of another type than rgb; a prefix that is not honoured. `noclamp` is (sample_filter.h); `noinfinitecheck`
+    /// never will be (Law 6); the others (unoccluded, nothruput, shadows, holdouts, overwrite) are refused for now.
     static Result<LpeSetup> build(std::span<const ChannelDefinition> channels, ChannelId beauty,
                                   const lpe::CompileOptions& options = {});
-    [[nodiscard]] lpe::EventClass classify(const lpe::Event& event) const { return program_.classify(event); }
+    /// Not for the inner loop: ask once per (object label, lobe) and per light group.
+    [[nodiscard]] lpe::EventClass classify(const lpe::Event& event) const {
+        return program_.group_count() == 0 ? lpe::EventClass{0} : program_.classify(event);
+    }
     [[nodiscard]] const lpe::Program& program() const { return program_; }
     [[nodiscard]] ChannelId beauty() const { return beauty_; }
 
@@ -61,6 +80,7 @@ class LpeSetup {
     friend class LpeServices;
     lpe::Program program_;
     std::vector<lpe::State> first_states_;        // after the camera event, dead ones removed
+    std::vector<std::uint8_t> first_groups_;      // [first state] index of its automaton group
     std::vector<ChannelId> channel_of_accept_;    // program channel -> display channel
     ChannelId beauty_ = invalid_channel;
 };
@@ -78,16 +98,18 @@ class LpeServices {
     static constexpr std::size_t invalid_samples_kept = 16;
 
     /// How lobes are attributed: `exact` is Law 5; `picked` labels each scattering by one lobe drawn in proportion to its
-    /// part, the common practice, kept to measure against.
+    /// part (per colour, by one random number, so that colours still sum), the common practice, kept to measure against.
     enum class Attribution : std::uint8_t { exact, picked };
 
+    /// `setup` and `table` must outlive this object; a tracker lives within one batch of the table.
     LpeServices(const LpeSetup& setup, SampleTable& table, std::uint64_t seed, Attribution attribution = Attribution::exact);
 
     /// A tracker at the camera of `row`, the camera event read.
     [[nodiscard]] Tracker begin(int row) const;
 
     void move(Tracker& tracker, lpe::EventClass event) const;
-    /// A scattering whose value is the sum of `parts` (at most Tracker::capacity of them).
+    /// A scattering whose value is the sum of `parts`. Per colour the parts are normalised to sum to 1; a colour to which
+    /// no part gives anything goes to the first. No parts: the path scatters nothing and every pair dies.
     void move(Tracker& tracker, std::span<const LobePart> parts);
 
     /// Adds `value` (radiance times throughput, filter weight not applied) to beauty and to every channel whose
@@ -100,18 +122,30 @@ class LpeServices {
     /// The same, one event ahead: whether contributing after `event` could reach any channel.
     [[nodiscard]] bool live_after(const Tracker& tracker, lpe::EventClass event) const;
 
-    [[nodiscard]] std::uint64_t overflow_count() const { return overflow_count_; }
+    [[nodiscard]] std::uint64_t overflow_count() const { return overflow_count_; }   ///< moves that had to collapse pairs
     [[nodiscard]] std::uint64_t invalid_count() const { return invalid_count_; }
     [[nodiscard]] std::span<const InvalidSample> invalid_samples() const { return invalid_samples_; }
+    /// Contributions accepted so far that were found by `technique`.
+    [[nodiscard]] std::uint64_t contribution_count(Technique technique) const {
+        return contributions_[static_cast<std::size_t>(technique)];
+    }
 
   private:
-    void merge_overflow(Tracker& tracker);
+    struct PairList;
+    void split(Tracker& tracker, std::span<const LobePart> parts);
+    void reject(const Rgb& value, const Tracker& tracker);
+    void collapse(PairList& pairs, std::size_t target, std::uint64_t& random_state) const;
+    [[nodiscard]] std::uint64_t random_key(const Tracker& tracker, const LobePart& first) const;
+
     const LpeSetup& setup_;
     SampleTable& table_;
     std::uint64_t seed_ = 0;
     Attribution attribution_ = Attribution::exact;
     std::uint64_t overflow_count_ = 0, invalid_count_ = 0;
+    std::array<std::uint64_t, 2> contributions_{};
     std::vector<InvalidSample> invalid_samples_;
 };
 
 }  // namespace raylex::display
+
+#include "display/services/lpe_services_inl.h"
