@@ -1,7 +1,16 @@
 // The closure a material leaves at a hit: a fixed-size tagged value, evaluated by a switch.
+//
+// Conventions. Closures live in the shading frame (s, t, n): n is the shading normal as geometry delivers it, on the
+// geometric normal's side, which is the outside of dielectrics; s is along dpdu. Both directions may lie on either side.
+// Whether light is reflected or transmitted is told by the signs of the cosines to the *shading* normal, as in pbrt-v4,
+// and the lobes say which it was; opaque closures have no transmitting lobe, so a path through a leaking shading normal
+// is never labelled T. Opaque closures scatter on both sides alike.
 #pragma once
 
 #include "transport/materials/bsdf.h"
+#include "transport/materials/ideal.h"
+#include "transport/materials/layered.h"
+#include "transport/materials/lobes.h"
 
 namespace raylex::transport {
 
@@ -9,17 +18,133 @@ namespace raylex::transport {
 /// (pbrt's TransportMode::Radiance): transmitted radiance is scaled by 1/eta^2.
 class Bsdf {
   public:
+    enum class Kind : std::uint8_t {
+        black,                 ///< absorbs everything
+        pass_through,          ///< no surface at all (pbrt's "interface"): the path goes on straight
+        lambert, conductor, dielectric, thin_dielectric, coated_diffuse, coated_conductor, additive, ideal
+    };
+
     /// Sum over non-delta lobes of f |cos|, each lobe apart, and the density of sample().
     [[nodiscard]] BsdfEvaluation evaluate(const Vec3& wo, const Vec3& wi) const;
     /// u_lobe and u in [0, 1). A failed sample has pdf 0.
     [[nodiscard]] BsdfSample sample(const Vec3& wo, float u_lobe, const Vec2& u) const;
     [[nodiscard]] float pdf(const Vec3& wo, const Vec3& wi) const;
     /// Whether any lobe has a density: false means that light sampling is of no use here.
-    [[nodiscard]] bool has_density() const;
+    [[nodiscard]] bool has_density() const { return has_density_; }
     /// Rough estimate of the directional albedo, for the albedo AOV.
     [[nodiscard]] Rgb albedo(const Vec3& wo) const;
 
-    // Storage is defined by the materials author.
+    /// No surface: the integrator continues the ray in its direction, without an event (`s` in the osl dialect). All
+    /// other functions answer as for `black`.
+    [[nodiscard]] bool passes_through() const { return kind_ == Kind::pass_through; }
+    [[nodiscard]] Kind kind() const { return kind_; }
+    [[nodiscard]] const Frame& frame() const { return frame_; }
+
+    // Filling in, by materials. Each replaces what was there. Values that break their closure's invariants (negative or
+    // NaN colours) are the caller's to prevent; materials clamp what textures give.
+    void set_black() { set_kind(Kind::black, false); }
+    void set_pass_through() { set_kind(Kind::pass_through, false); }
+    void set(const Frame& frame, const LambertClosure& lambert) {
+        frame_ = frame;
+        lambert_ = lambert;
+        const bool lit = !lambert.reflectance.is_black();
+        set_kind(lit ? Kind::lambert : Kind::black, lit);
+    }
+    void set(const Frame& frame, const ConductorClosure& conductor) {
+        frame_ = frame;
+        conductor_ = conductor;
+        set_kind(Kind::conductor, !conductor.is_delta());
+    }
+    void set(const Frame& frame, const DielectricClosure& dielectric) {
+        frame_ = frame;
+        dielectric_ = dielectric;
+        set_kind(Kind::dielectric, !dielectric.is_delta());
+    }
+    void set(const Frame& frame, const ThinDielectricClosure& pane) {
+        frame_ = frame;
+        thin_dielectric_ = pane;
+        set_kind(Kind::thin_dielectric, false);
+    }
+    /// `key` feeds the random walks: SurfacePoint::random_key.
+    void set(const Frame& frame, const LayeredClosure<LambertClosure>& layered, std::uint32_t key) {
+        frame_ = frame;
+        coated_diffuse_ = layered;
+        key_ = key;
+        set_kind(Kind::coated_diffuse, true);
+    }
+    void set(const Frame& frame, const LayeredClosure<ConductorClosure>& layered, std::uint32_t key) {
+        frame_ = frame;
+        coated_conductor_ = layered;
+        key_ = key;
+        set_kind(Kind::coated_conductor, !layered.is_delta());
+    }
+    void set(const Frame& frame, const AdditiveClosure& additive) {
+        frame_ = frame;
+        additive_ = additive;
+        set_kind(Kind::additive, true);
+    }
+    void set(const Frame& frame, const IdealClosure& ideal) {
+        frame_ = frame;
+        ideal_ = ideal;
+        set_kind(Kind::ideal, !ideal.diffuse.is_black());
+    }
+
+  private:
+    void set_kind(Kind kind, bool has_density) {
+        kind_ = kind;
+        has_density_ = has_density;
+    }
+    [[nodiscard]] BsdfEvaluation evaluate_other(const Vec3& wo, const Vec3& wi) const;
+    [[nodiscard]] BsdfSample sample_other(const Vec3& wo, float u_lobe, const Vec2& u) const;
+    [[nodiscard]] float pdf_other(const Vec3& wo, const Vec3& wi) const;
+
+    Frame frame_;
+    std::uint32_t key_ = 0;
+    Kind kind_ = Kind::black;
+    bool has_density_ = false;
+    union {
+        LambertClosure lambert_{};
+        ConductorClosure conductor_;
+        DielectricClosure dielectric_;
+        ThinDielectricClosure thin_dielectric_;
+        LayeredClosure<LambertClosure> coated_diffuse_;
+        LayeredClosure<ConductorClosure> coated_conductor_;
+        AdditiveClosure additive_;
+        IdealClosure ideal_;
+    };
 };
+
+// The plain diffuse surface is most of most scenes: it is answered here, without a call and without the frame's
+// tangents where a cosine will do.
+
+inline BsdfEvaluation Bsdf::evaluate(const Vec3& wo, const Vec3& wi) const {
+    if (kind_ != Kind::lambert) [[unlikely]] return evaluate_other(wo, wi);
+    BsdfEvaluation result;
+    const float cos_i = dot(wi, frame_.n);
+    if (!(cos_i * dot(wo, frame_.n) > 0)) return result;
+    result.pdf = std::abs(cos_i) * inv_pi;
+    result.value = lambert_.reflectance * result.pdf;
+    result.lobes.add(lobes::diffuse, result.value);
+    return result;
+}
+
+inline float Bsdf::pdf(const Vec3& wo, const Vec3& wi) const {
+    if (kind_ != Kind::lambert) [[unlikely]] return pdf_other(wo, wi);
+    const float cos_i = dot(wi, frame_.n);
+    return cos_i * dot(wo, frame_.n) > 0 ? std::abs(cos_i) * inv_pi : 0.0f;
+}
+
+inline BsdfSample Bsdf::sample(const Vec3& wo, float u_lobe, const Vec2& u) const {
+    if (kind_ != Kind::lambert) [[unlikely]] return sample_other(wo, u_lobe, u);
+    BsdfSample result;
+    const float cos_o = dot(wo, frame_.n);
+    if (cos_o == 0) return result;
+    const Vec3 local = sample_cosine_hemisphere(u);
+    result.wi = frame_.s * local.x + frame_.t * local.y + frame_.n * (cos_o > 0 ? local.z : -local.z);
+    result.pdf = local.z * inv_pi;
+    result.weight = lambert_.reflectance;
+    result.lobes.add(lobes::diffuse, lambert_.reflectance * result.pdf);
+    return result;
+}
 
 }  // namespace raylex::transport

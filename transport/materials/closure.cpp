@@ -1,0 +1,188 @@
+#include "transport/materials/closure.h"
+
+#include <type_traits>
+
+namespace raylex::transport {
+
+static_assert(sizeof(Bsdf) <= 256 && std::is_trivially_copyable_v<Bsdf>, "closures are copied in batches");
+
+std::span<const LobeKind> lobe_kinds() { return lobes::kinds; }
+
+namespace {
+
+BsdfEvaluation one_lobe(LobeId lobe, const Rgb& value, float pdf) {
+    BsdfEvaluation result;
+    if (!(pdf > 0)) return result;
+    result.value = value;
+    result.pdf = pdf;
+    result.lobes.add(lobe, value);
+    return result;
+}
+
+/// The one place where lobes become a value: their sum, in order (Law 5's bookkeeping).
+BsdfEvaluation two_lobes(LobeId first, const Rgb& a, LobeId second, const Rgb& b, float pdf) {
+    BsdfEvaluation result;
+    if (!(pdf > 0)) return result;
+    result.value = a + b;
+    result.pdf = pdf;
+    result.lobes.add(first, a);
+    result.lobes.add(second, b);
+    return result;
+}
+
+BsdfSample to_sample(const Frame& frame, const LocalSample& s, LobeId lobe) {
+    BsdfSample result;
+    if (!(s.pdf > 0)) return result;
+    result.wi = frame.to_world(s.wi);
+    result.weight = s.weight;
+    result.pdf = s.pdf;
+    result.eta = s.eta;
+    result.delta = s.delta;
+    result.transmitted = s.transmitted;
+    result.lobes.add(lobe, s.weight * s.pdf);
+    return result;
+}
+
+LobeId glass_lobe(bool transmitted, bool delta) {
+    if (transmitted) return delta ? lobes::glass_transmit_singular : lobes::glass_transmit_glossy;
+    return delta ? lobes::glass_reflect_singular : lobes::glass_reflect_glossy;
+}
+
+LobeId conductor_lobe(bool delta) { return delta ? lobes::conductor_singular : lobes::conductor_glossy; }
+
+template <class Base>
+LobeId base_lobe(bool delta) {
+    if constexpr (std::is_same_v<Base, LambertClosure>) return lobes::diffuse;
+    else return conductor_lobe(delta);
+}
+
+template <class Base>
+BsdfEvaluation evaluate_layered(const LayeredClosure<Base>& layered, const Vec3& wo, const Vec3& wi, std::uint32_t key) {
+    const float pdf = layered.pdf(wo, wi);
+    if (!(pdf > 0)) return {};
+    const Rgb entered = layered.base_value(wo, wi, key);
+    if (layered.coat.interface.is_delta()) return one_lobe(base_lobe<Base>(false), entered, pdf);
+    return two_lobes(lobes::coat_glossy, Rgb(layered.coat_value(wo, wi)), base_lobe<Base>(false), entered, pdf);
+}
+
+template <class Base>
+BsdfSample sample_layered(const Frame& frame, const LayeredClosure<Base>& layered, const Vec3& wo, float u_lobe,
+                          const Vec2& u, std::uint32_t key) {
+    const LayeredSample walk = layered.sample(wo, u_lobe, u, key);
+    const bool delta = walk.scatter.delta;
+    const LobeId coat = delta ? lobes::coat_singular : lobes::coat_glossy;
+    BsdfSample result = to_sample(frame, walk.scatter, walk.entered ? base_lobe<Base>(delta) : coat);
+    result.pdf_is_proportional = !delta;
+    return result;
+}
+
+BsdfEvaluation evaluate_additive(const AdditiveClosure& closure, const Vec3& wo, const Vec3& wi) {
+    float specular_pdf;
+    const Rgb specular = closure.specular.value_and_pdf(wo, wi, specular_pdf);
+    const float p = closure.diffuse_probability();
+    const float pdf = p * LambertClosure::pdf(wo, wi) + (1 - p) * specular_pdf;
+    return two_lobes(lobes::diffuse, closure.diffuse.value(wo, wi), lobes::specular_glossy, specular, pdf);
+}
+
+BsdfSample sample_additive(const Frame& frame, const AdditiveClosure& closure, const Vec3& wo, float u_lobe, const Vec2& u) {
+    BsdfSample result;
+    Vec3 wi;
+    if (!closure.sample_direction(wo, u_lobe, u, wi)) return result;
+    const BsdfEvaluation all = evaluate_additive(closure, wo, wi);
+    if (!(all.pdf > 0)) return result;
+    result.wi = frame.to_world(wi);
+    result.weight = all.value / all.pdf;
+    result.pdf = all.pdf;
+    result.lobes = all.lobes;
+    return result;
+}
+
+BsdfSample sample_ideal(const Frame& frame, const IdealClosure& closure, const Vec3& wo, float u_lobe, const Vec2& u) {
+    static constexpr LobeId lobe_of[] = {lobes::diffuse, lobes::mirror, lobes::sheet};
+    int lobe = 0;
+    const LocalSample s = closure.sample(wo, u_lobe, u, lobe);
+    return to_sample(frame, s, lobe_of[lobe]);
+}
+
+float ideal_pdf(const IdealClosure& closure, const Vec3& wo, const Vec3& wi) {
+    if (closure.diffuse.is_black() || std::abs(wo.z) < min_cosine) return 0;
+    return closure.diffuse_probability() * LambertClosure::pdf(wo, wi);
+}
+
+}  // namespace
+
+BsdfEvaluation Bsdf::evaluate_other(const Vec3& wo_world, const Vec3& wi_world) const {
+    if (!has_density_) return {};
+    const Vec3 wo = frame_.to_local(wo_world), wi = frame_.to_local(wi_world);
+    switch (kind_) {
+        case Kind::conductor: {
+            float pdf;
+            const Rgb value = conductor_.value_and_pdf(wo, wi, pdf);
+            return one_lobe(lobes::conductor_glossy, value, pdf);
+        }
+        case Kind::dielectric:
+            return one_lobe(glass_lobe(wo.z * wi.z < 0, false), Rgb(dielectric_.value(wo, wi, TransportMode::radiance)),
+                            dielectric_.pdf(wo, wi, Sides::both));
+        case Kind::coated_diffuse: return evaluate_layered(coated_diffuse_, wo, wi, key_);
+        case Kind::coated_conductor: return evaluate_layered(coated_conductor_, wo, wi, key_);
+        case Kind::additive: return evaluate_additive(additive_, wo, wi);
+        case Kind::ideal:
+            return one_lobe(lobes::diffuse, LambertClosure{ideal_.diffuse}.value(wo, wi), ideal_pdf(ideal_, wo, wi));
+        case Kind::black: case Kind::pass_through: case Kind::lambert: case Kind::thin_dielectric: break;
+    }
+    return {};
+}
+
+float Bsdf::pdf_other(const Vec3& wo_world, const Vec3& wi_world) const {
+    if (!has_density_) return 0;
+    const Vec3 wo = frame_.to_local(wo_world), wi = frame_.to_local(wi_world);
+    switch (kind_) {
+        case Kind::conductor: return conductor_.pdf(wo, wi);
+        case Kind::dielectric: return dielectric_.pdf(wo, wi, Sides::both);
+        case Kind::coated_diffuse: return coated_diffuse_.pdf(wo, wi);
+        case Kind::coated_conductor: return coated_conductor_.pdf(wo, wi);
+        case Kind::additive: return evaluate_additive(additive_, wo, wi).pdf;
+        case Kind::ideal: return ideal_pdf(ideal_, wo, wi);
+        case Kind::black: case Kind::pass_through: case Kind::lambert: case Kind::thin_dielectric: break;
+    }
+    return 0;
+}
+
+BsdfSample Bsdf::sample_other(const Vec3& wo_world, float u_lobe, const Vec2& u) const {
+    if (kind_ == Kind::black || kind_ == Kind::pass_through) return {};
+    const Vec3 wo = frame_.to_local(wo_world);
+    switch (kind_) {
+        case Kind::conductor: return to_sample(frame_, conductor_.sample(wo, u_lobe, u), conductor_lobe(conductor_.is_delta()));
+        case Kind::dielectric: {
+            const LocalSample s = dielectric_.sample(wo, u_lobe, u, TransportMode::radiance, Sides::both);
+            return to_sample(frame_, s, glass_lobe(s.transmitted, s.delta));
+        }
+        case Kind::thin_dielectric: {
+            const LocalSample s = thin_dielectric_.sample(wo, u_lobe);
+            return to_sample(frame_, s, glass_lobe(s.transmitted, true));
+        }
+        case Kind::coated_diffuse: return sample_layered(frame_, coated_diffuse_, wo, u_lobe, u, key_);
+        case Kind::coated_conductor: return sample_layered(frame_, coated_conductor_, wo, u_lobe, u, key_);
+        case Kind::additive: return sample_additive(frame_, additive_, wo, u_lobe, u);
+        case Kind::ideal: return sample_ideal(frame_, ideal_, wo, u_lobe, u);
+        case Kind::black: case Kind::pass_through: case Kind::lambert: break;
+    }
+    return {};
+}
+
+Rgb Bsdf::albedo(const Vec3& wo) const {
+    const float cos_o = std::abs(dot(wo, frame_.n));
+    switch (kind_) {
+        case Kind::lambert: return lambert_.reflectance;
+        case Kind::conductor: return conductor_.albedo(cos_o);
+        case Kind::dielectric: case Kind::thin_dielectric: return Rgb(1);
+        case Kind::coated_diffuse: return coated_diffuse_.albedo(cos_o);
+        case Kind::coated_conductor: return coated_conductor_.albedo(cos_o);
+        case Kind::additive: return additive_.diffuse.reflectance + additive_.specular.albedo(cos_o);
+        case Kind::ideal: return ideal_.diffuse + ideal_.mirror + ideal_.sheet;
+        case Kind::black: case Kind::pass_through: break;
+    }
+    return {};
+}
+
+}  // namespace raylex::transport
