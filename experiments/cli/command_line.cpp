@@ -1,0 +1,47 @@
+#include "experiments/cli/command_line.h"
+
+#include <exception>
+#include <iostream>
+
+#include "experiments/cli/commands.h"
+#include "experiments/cli/console.h"
+#include "experiments/job/provenance.h"
+
+namespace raylex::experiments {
+namespace {
+
+/// CLI11's own codes (101 to 114) all mean bad usage; help and version are success.
+int finish_parse(const CLI::App& app, const CLI::ParseError& error) {
+    const int code = app.exit(error, std::cout, std::cerr);
+    return code == 0 ? exit_holds : exit_bad_input;
+}
+
+}  // namespace
+
+int run_command_line(int argc, const char* const* argv) {
+    CommandContext context;
+    context.arguments.assign(argv, argv + argc);
+    CLI::App app{"raylex renders pbrt-v4 scenes, splits their light by light path expressions, and checks that the splits add up.", "raylex"};
+    app.set_version_flag("--version", "raylex " + raylex_version() + " (" + raylex_revision() + ")");
+    app.require_subcommand(1);
+    app.footer("Exit codes: 0 done, and what was checked holds; 1 a check does not hold; 2 bad usage or input; 130 after Ctrl-C.\n"
+               "'raylex SUBCOMMAND --help' describes each subcommand.");
+    add_render_command(app, context);
+    add_lpe_command(app, context);
+    add_verify_command(app, context);
+    add_compare_command(app, context);
+    add_report_command(app, context);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return finish_parse(app, error);
+    } catch (const std::bad_alloc&) {
+        return report_error("out of memory; a smaller --resolution or fewer channels need less");
+    } catch (const std::exception& error) {
+        return report_error(std::string("unexpected failure: ") + error.what());
+    }
+    if (std::fflush(stdout) != 0) return report_error("cannot write to standard output");
+    return context.exit_code;
+}
+
+}  // namespace raylex::experiments

@@ -1,0 +1,25 @@
+// The subcommands. Each registers its options and, as its callback, what sets the exit code.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+
+namespace raylex::experiments {
+
+/// What every subcommand is given: the words of the command line, and where its exit code goes.
+struct CommandContext {
+    std::vector<std::string> arguments;
+    int exit_code = 0;
+};
+
+void add_render_command(CLI::App& app, CommandContext& context);
+void add_lpe_command(CLI::App& app, CommandContext& context);
+void add_verify_command(CLI::App& app, CommandContext& context);
+void add_compare_command(CLI::App& app, CommandContext& context);
+void add_report_command(CLI::App& app, CommandContext& context);
+
+}  // namespace raylex::experiments

@@ -1,0 +1,26 @@
+// Messages to people: where they go and how numbers read.
+#pragma once
+
+#include <string>
+
+#include "lpe/result.h"
+
+namespace raylex::experiments {
+
+/// Prints "raylex: error: ..." to standard error and returns the exit code for bad input.
+int report_error(const Error& error);
+/// The same for a sentence of our own.
+int report_error(const std::string& message);
+void print_warning(const std::string& message);   ///< to standard error
+void print_line(const std::string& text);         ///< to standard output
+
+[[nodiscard]] bool error_stream_is_terminal();
+
+/// Shortest text that reads back as the same number to `digits` significant digits: "1.19e-07".
+std::string number_text(double value, int digits = 3);
+/// "0.42 s", "12.3 s", "3 min 20 s", "1 h 05 min".
+std::string duration_text(double seconds);
+/// "950 kB", "1.4 MB".
+std::string size_text(double bytes);
+
+}  // namespace raylex::experiments

@@ -1,0 +1,289 @@
+#include "experiments/job/channel_plan.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "geoaovs/geoaovs.h"
+#include "lpe/check.h"
+#include "lpe/shipped.h"
+
+namespace raylex::experiments {
+namespace {
+
+using display::ChannelDefinition;
+using display::ChannelStyle;
+
+/// An expression of one of the light groups: quotes and backslashes in a label are escaped.
+std::string quoted(const std::string& label) {
+    std::string text = "'";
+    for (const char c : label) {
+        if (c == '\'' || c == '\\' || c == '*' || c == '?') text += '\\';
+        text += c;
+    }
+    return text + "'";
+}
+
+std::string layer_name_for(const std::string& group) {
+    std::string name = "light_";
+    for (const char c : group) {
+        const bool fits = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+        name += fits ? c : '_';
+    }
+    return name;
+}
+
+class Planner {
+  public:
+    Planner(const Job& job, const transport::SceneAlphabet& alphabet)
+        : job_(job), alphabet_(alphabet), words_(words_of(alphabet)) {}
+
+    Result<ChannelPlan> run() {
+        for (const ExpressionRequest& request : job_.expressions) {
+            Status added = add_expression(request);
+            if (!added) return added.error();
+        }
+        for (Status (Planner::*step)() : {&Planner::declared_partitions, &Planner::automatic_rest, &Planner::shipped,
+                                          &Planner::light_groups, &Planner::aovs}) {
+            Status done = (this->*step)();
+            if (!done) return done.error();
+            if (!plan_.refuted.empty()) break;
+        }
+        return std::move(plan_);
+    }
+
+  private:
+    Status add_channel(ChannelDefinition channel, const SourceLocation& where) {
+        Status usable = check_layer_name(channel.name, where);
+        if (!usable) return usable;
+        if (const auto [known, is_new] = index_.emplace(channel.name, plan_.channels.size()); !is_new)
+            return error_at(where, "the channel name '" + channel.name + "' is used twice; expected every channel to have its own name");
+        plan_.channels.push_back(std::move(channel));
+        sources_.emplace_back();
+        return success();
+    }
+
+    Status add_expression(const ExpressionRequest& request) {
+        ChannelDefinition channel;
+        channel.name = request.name;
+        channel.style = ChannelStyle::expression;
+        channel.expression = request.expression;
+        channel.dialect = request.dialect;
+        channel.space = "rendering colour space";
+        Status added = add_channel(std::move(channel), request.location);
+        if (!added) return added;
+        lpe::ChannelSource& source = sources_.back();
+        source = {request.name, request.expression, request.dialect, request.location.file, request.location.line,
+                  request.location.column, {}};
+        auto prefixes = lpe::expression_prefixes(source);
+        if (!prefixes) return prefixes.error();
+        if (!prefixes->empty()) prefixed_[request.name] = prefixes->front();
+        auto warnings = lpe::expression_warnings(source, words_);
+        if (warnings) for (const std::string& each : *warnings) plan_.notes.push_back("channel '" + request.name + "': " + each);
+        auto word = lpe::find_word(source, words_);
+        if (word && !word->has_value() && prefixes->empty())
+            plan_.notes.push_back("channel '" + request.name + "' can match no path of this scene: its layer will be black");
+        return success();
+    }
+
+    /// The layer that takes what `channels` leave.
+    Status add_rest(const std::string& name, const std::vector<std::string>& channels, const SourceLocation& where) {
+        ChannelDefinition rest;
+        rest.name = name;
+        rest.style = ChannelStyle::expression;
+        rest.space = "rendering colour space";
+        for (const std::string& each : channels) rest.rest_of.push_back(index_.at(each));
+        return add_channel(std::move(rest), where);
+    }
+
+    [[nodiscard]] std::vector<lpe::ChannelSource> sources_of(const std::vector<std::string>& names) const {
+        std::vector<lpe::ChannelSource> result;
+        for (const std::string& name : names) result.push_back(sources_[index_.at(name)]);
+        return result;
+    }
+
+    Status declared_partitions() {
+        for (const PartitionRequest& request : job_.partitions) {
+            for (const auto& known : plan_.partitions)
+                if (known.name == request.name)
+                    return error_at(request.location, "the partition name '" + request.name + "' is used twice; expected another name");
+            std::vector<std::string> wanted = request.channels;
+            if (!request.of.empty()) wanted.push_back(request.of);
+            for (const std::string& name : wanted) {
+                Status fits = check_member(request, name);
+                if (!fits) return fits;
+                in_partition_[name] = true;
+            }
+            if (request.of.empty() && !job_.settings.beauty)
+                return error_at(request.location, "partition '" + request.name + "' splits the beauty, which this render does not make; "
+                                                  "expected of = \"channel\", or no --no-beauty");
+            if (!request.rest.empty() && !request.of.empty())
+                return error_at(request.location, "partition '" + request.name + "' has both 'of' and 'rest'; expected a rest layer only "
+                                                  "where the beauty is split");
+            Status proved = prove(request);
+            if (!proved || !plan_.refuted.empty()) return proved;
+        }
+        return success();
+    }
+
+    Status check_member(const PartitionRequest& request, const std::string& name) const {
+        const auto found = index_.find(name);
+        if (found == index_.end()) {
+            std::vector<std::string> known;
+            std::string list;
+            for (const ExpressionRequest& each : job_.expressions) {
+                known.push_back(each.name);
+                list += (list.empty() ? "" : ", ") + each.name;
+            }
+            const std::string near = nearest_name(name, known);
+            return error_at(request.location, "partition '" + request.name + "' names the channel '" + name + "', which is not there; expected one of: " +
+                                                  (list.empty() ? "(no channel is declared)" : list),
+                            near.empty() ? std::string() : "did you mean '" + near + "'?");
+        }
+        if (const auto prefix = prefixed_.find(name); prefix != prefixed_.end())
+            return error_at(request.location, "channel '" + name + "' carries the prefix '" + prefix->second +
+                                                  "' and cannot be part of partition '" + request.name + "'; expected plain expressions");
+        return success();
+    }
+
+    Status prove(const PartitionRequest& request) {
+        display::PartitionDeclaration declaration{request.name, request.of, request.channels};
+        const std::vector<lpe::ChannelSource> sources = sources_of(request.channels);
+        std::string summary;
+        if (request.rest.empty()) {
+            std::optional<lpe::ChannelSource> of;
+            if (!request.of.empty()) of = sources_[index_.at(request.of)];
+            auto report = lpe::check_partition(sources, of, words_);
+            if (!report) return report.error();
+            if (report->verdict != lpe::Verdict::partition) summary = report->summary;
+        } else {
+            auto report = lpe::check_disjoint(sources, words_);
+            if (!report) return report.error();
+            if (!report->disjoint) summary = report->summary;
+            Status added = add_rest(request.rest, request.channels, request.location);
+            if (!added) return added;
+            in_partition_[request.rest] = true;
+            declaration.layers.push_back(request.rest);
+        }
+        if (!summary.empty()) {
+            Error where = error_at(request.location, "partition '" + request.name + "' does not hold: " + summary);
+            plan_.refuted = where.to_string();
+        }
+        plan_.partitions.push_back(std::move(declaration));
+        return success();
+    }
+
+    /// Channels of the job that stand in no declared partition get a `rest` layer when no path is in two of them.
+    Status automatic_rest() {
+        if (!job_.settings.beauty) return success();
+        std::vector<std::string> members;
+        for (const ExpressionRequest& request : job_.expressions)
+            if (!prefixed_.contains(request.name) && !in_partition_.contains(request.name)) members.push_back(request.name);
+        if (members.empty()) return success();
+        auto report = lpe::check_disjoint(sources_of(members), words_);
+        if (!report) {
+            plan_.notes.push_back("no rest layer: " + report.error().message);
+            return success();
+        }
+        if (!report->disjoint) {
+            plan_.notes.push_back("no rest layer and no partition 'auto': " + report->summary);
+            return success();
+        }
+        const std::string name = index_.contains("rest") ? "auto_rest" : "rest";
+        Status added = add_rest(name, members, job_.expressions.front().location);
+        if (!added) return added;
+        members.push_back(name);
+        plan_.partitions.push_back({"auto", "", std::move(members)});
+        return success();
+    }
+
+    /// A generated set of channels with its partition; proved like any other.
+    Status add_generated(const std::string& partition, const std::vector<ExpressionRequest>& requests) {
+        PartitionRequest declared;
+        declared.name = partition;
+        declared.location.file = "partition " + partition;
+        for (const ExpressionRequest& request : requests) {
+            ChannelDefinition channel;
+            channel.name = request.name;
+            channel.style = ChannelStyle::expression;
+            channel.expression = request.expression;
+            channel.dialect = request.dialect;
+            channel.space = "rendering colour space";
+            Status added = add_channel(std::move(channel), request.location);
+            if (!added) return added;
+            sources_.back() = {request.name, request.expression, request.dialect, request.location.file, 0, 0, {}};
+            declared.channels.push_back(request.name);
+        }
+        if (!job_.settings.beauty) return success();   // nothing to sum to
+        return prove(declared);
+    }
+
+    Status shipped() {
+        if (!job_.shipped_partition) return success();
+        std::vector<ExpressionRequest> requests;
+        for (const lpe::NamedExpression& each : lpe::shipped_partition())
+            requests.push_back({std::string(each.name), std::string(each.expression), lpe::Dialect::renderman, {"the shipped partition", 0, 0}});
+        return add_generated("shipped", requests);
+    }
+
+    [[nodiscard]] bool emission_carries(const std::string& group) const {
+        return std::any_of(alphabet_.terminals.begin(), alphabet_.terminals.end(), [&](const lpe::Event& event) {
+            return event.type == lpe::EventType::emission && (event.labels.empty() ? group.empty() : event.labels.front() == group);
+        });
+    }
+
+    Status light_groups() {
+        if (!job_.light_groups) return success();
+        std::vector<ExpressionRequest> requests;
+        std::map<std::string, int> taken{{"light_default", 1}};
+        const SourceLocation where{"the light groups", 0, 0};
+        for (const std::string& group : alphabet_.light_groups) {
+            if (group.empty()) continue;
+            std::string name = layer_name_for(group);
+            if (const int count = ++taken[name]; count > 1) name += "_" + std::to_string(count);
+            const std::string label = quoted(group);
+            const std::string terminal = emission_carries(group) ? "[<L." + label + "><O." + label + ">]" : "<L." + label + ">";
+            requests.push_back({name, "C.*" + terminal, lpe::Dialect::renderman, where});
+        }
+        requests.push_back({"light_default", emission_carries("") ? "C.*[<L.''><O.''>]" : "C.*<L.''>", lpe::Dialect::renderman, where});
+        return add_generated("light_groups", requests);
+    }
+
+    Status aovs() {
+        for (const AovRequest& request : job_.aovs) {
+            auto definition = geoaovs::channel_definition(request.name);
+            if (!definition) {
+                Error error = definition.error();
+                error.file = request.location.file;
+                error.line = request.location.line;
+                error.column = request.location.column;
+                return error;
+            }
+            Status added = add_channel(std::move(*definition), request.location);
+            if (!added) return added;
+        }
+        return success();
+    }
+
+    const Job& job_;
+    const transport::SceneAlphabet& alphabet_;
+    lpe::Words words_;
+    ChannelPlan plan_;
+    std::vector<lpe::ChannelSource> sources_;              // beside plan_.channels
+    std::map<std::string, std::size_t> index_;
+    std::map<std::string, std::string> prefixed_;          // channel -> its first prefix
+    std::map<std::string, bool> in_partition_;
+};
+
+}  // namespace
+
+lpe::Words words_of(const transport::SceneAlphabet& alphabet) {
+    lpe::Words words;
+    words.alphabet = lpe::Alphabet{alphabet.scattering, alphabet.terminals};
+    return words;
+}
+
+Result<ChannelPlan> plan_channels(const Job& job, const transport::SceneAlphabet& alphabet) { return Planner(job, alphabet).run(); }
+
+}  // namespace raylex::experiments

@@ -1,0 +1,80 @@
+#include "experiments/job/provenance.h"
+
+#include <array>
+#include <cctype>
+#include <ctime>
+#include <fstream>
+#include <thread>
+
+#include "experiments/revision.h"
+
+namespace raylex::experiments {
+
+std::string raylex_version() { return RAYLEX_VERSION; }
+std::string raylex_revision() { return RAYLEX_REVISION; }
+std::string build_description() { return std::string(RAYLEX_COMPILER) + ", " + RAYLEX_BUILD_TYPE; }
+
+std::string host_description() {
+    std::string model = "unknown processor";
+    std::ifstream cpu("/proc/cpuinfo");
+    for (std::string line; std::getline(cpu, line);) {
+        if (!line.starts_with("model name")) continue;
+        const std::size_t start = line.find(':');
+        if (start != std::string::npos && start + 2 <= line.size()) model = line.substr(start + 2);
+        break;
+    }
+    return model + ", " + std::to_string(std::thread::hardware_concurrency()) + " hardware threads";
+}
+
+std::string utc_time() {
+    const std::time_t now = std::time(nullptr);
+    std::tm parts{};
+    gmtime_r(&now, &parts);
+    std::array<char, 32> text{};
+    std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &parts);
+    return text.data();
+}
+
+std::string shell_command(const std::vector<std::string>& arguments) {
+    std::string command;
+    for (const std::string& argument : arguments) {
+        bool plain = !argument.empty();
+        for (const char c : argument) plain = plain && (std::isalnum(static_cast<unsigned char>(c)) != 0 || std::string_view("-_=./:,+@%").find(c) != std::string_view::npos);
+        if (!command.empty()) command += ' ';
+        if (plain) {
+            command += argument;
+            continue;
+        }
+        command += '\'';
+        for (const char c : argument) command += c == '\'' ? std::string("'\\''") : std::string(1, c);
+        command += '\'';
+    }
+    return command;
+}
+
+std::map<std::string, std::string> header_attributes(const Job& job, const transport::RenderOutput& output,
+                                                     const std::vector<std::string>& arguments, const std::string& color_config) {
+    std::map<std::string, std::string> attributes{
+        {"raylex/version", raylex_version()},
+        {"raylex/revision", raylex_revision()},
+        {"raylex/compiler", build_description()},
+        {"raylex/host", host_description()},
+        {"raylex/time", utc_time()},
+        {"raylex/command", shell_command(arguments)},
+        {"raylex/scene", job.scene_file},
+        {"raylex/seed", std::to_string(output.seed)},
+        {"raylex/samples_per_pixel", std::to_string(output.samples_per_pixel)},
+        {"raylex/camera_samples", std::to_string(output.statistics.camera_samples)},
+        {"raylex/threads", std::to_string(output.threads)},
+        {"raylex/isa", output.isa},
+        {"raylex/integrator", output.integrator},
+        {"raylex/sampler", output.sampler},
+        {"raylex/filter", output.filter},
+        {"raylex/color_config", color_config},
+    };
+    if (!job.job_text.empty()) attributes["raylex/job"] = job.job_text;
+    if (!job.rendering_space.empty()) attributes["raylex/rendering_space"] = job.rendering_space;
+    return attributes;
+}
+
+}  // namespace raylex::experiments

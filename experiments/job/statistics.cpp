@@ -1,0 +1,105 @@
+#include "experiments/job/statistics.h"
+
+#include <chrono>
+#include <ctime>
+#include <nlohmann/json.hpp>
+#include <sys/resource.h>
+
+#include "experiments/job/provenance.h"
+
+namespace raylex::experiments {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double wall_now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+double cpu_now() {
+    timespec time{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+    return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_nsec) * 1e-9;
+}
+
+Json phases_json(const RunRecord& record) {
+    Json phases;
+    for (const char* name : {"load", "build", "render", "write"}) {
+        const auto found = record.phases.find(name);
+        const PhaseTime time = found != record.phases.end() ? found->second : PhaseTime{};
+        phases[name] = {{"wall_seconds", time.wall_seconds}, {"cpu_seconds", time.cpu_seconds}};
+    }
+    return phases;
+}
+
+/// Every rejected contribution that was logged, with what renders that sample again.
+Json invalid_json(const RunRecord& record) {
+    const transport::RenderStatistics& statistics = record.output->statistics;
+    Json log = Json::array();
+    for (const display::InvalidSample& each : statistics.invalid_log) {
+        // Non-finite numbers have no form in JSON: text keeps them.
+        log.push_back({{"pixel", {each.pixel_x, each.pixel_y}},
+                       {"sample", each.sample},
+                       {"value", {std::to_string(each.value.r), std::to_string(each.value.g), std::to_string(each.value.b)}},
+                       {"replay", {{"seed", record.output->seed}, {"isa", record.output->isa}, {"sampler", record.output->sampler},
+                                   {"integrator", record.output->integrator}, {"scene", record.job->scene_file},
+                                   {"samples_per_pixel", record.output->samples_per_pixel}}}});
+    }
+    return {{"count", statistics.invalid_samples}, {"logged", log}};
+}
+
+Json splits_json(const RunRecord& record) {
+    Json splits = Json::array();
+    for (const display::SplitVerdict& verdict : record.splits)
+        splits.push_back({{"partition", verdict.partition},
+                          {"of", verdict.of.empty() ? "beauty" : verdict.of},
+                          {"layers", verdict.layers},
+                          {"holds", verdict.holds},
+                          {"largest_absolute", verdict.largest_absolute},
+                          {"largest_relative", verdict.largest_relative},
+                          {"bound", verdict.bound},
+                          {"exceeding_pixels", verdict.exceeding},
+                          {"non_finite_pixels", verdict.non_finite}});
+    return splits;
+}
+
+}  // namespace
+
+PhaseClock::PhaseClock() : wall_(wall_now()), cpu_(cpu_now()) {}
+
+PhaseTime PhaseClock::elapsed() const { return {wall_now() - wall_, cpu_now() - cpu_}; }
+
+std::uint64_t peak_memory_bytes() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;   // Linux counts kilobytes
+}
+
+std::string statistics_json(const RunRecord& record) {
+    const transport::RenderOutput& output = *record.output;
+    const transport::RenderStatistics& statistics = output.statistics;
+    const std::uint64_t rays = statistics.camera_rays + statistics.scattering_rays + statistics.shadow_rays;
+    const double cpu = statistics.render_cpu_seconds;
+    Json json;
+    json["complete"] = output.complete;
+    json["image"] = {{"file", record.job->output}, {"width", output.width}, {"height", output.height}};
+    json["phases"] = phases_json(record);
+    json["rays"] = {{"camera", statistics.camera_rays}, {"scattering", statistics.scattering_rays}, {"shadow", statistics.shadow_rays}, {"total", rays}};
+    json["samples"] = {{"camera", statistics.camera_samples},
+                       {"per_pixel", output.samples_per_pixel},
+                       {"per_cpu_second", cpu > 0 ? static_cast<double>(statistics.camera_samples) / cpu : 0.0}};
+    json["rays_per_cpu_second"] = cpu > 0 ? static_cast<double>(rays) / cpu : 0.0;
+    json["path_length_histogram"] = statistics.path_length_histogram;
+    json["attribution_overflow"] = statistics.attribution_overflow;
+    json["invalid_samples"] = invalid_json(record);
+    json["rejected_block_sums"] = output.frame_buffer.rejected_count();
+    json["refused_services_calls"] = statistics.refused_services_calls;
+    json["peak_memory_bytes"] = peak_memory_bytes();
+    json["threads"] = output.threads;
+    json["seed"] = output.seed;
+    json["splits"] = splits_json(record);
+    json["warnings"] = record.warnings;
+    json["provenance"] = record.attributes;
+    // Paths and scene text may hold bytes that are no UTF-8: replaced, not thrown over.
+    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace raylex::experiments

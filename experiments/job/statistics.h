@@ -1,0 +1,45 @@
+// What a render cost and what it met, as JSON.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "display/output/split_check.h"
+#include "experiments/job/job.h"
+#include "transport/render/render.h"
+
+namespace raylex::experiments {
+
+/// Wall and CPU seconds (all threads) of one phase.
+struct PhaseTime {
+    double wall_seconds = 0, cpu_seconds = 0;
+};
+
+/// Both clocks since construction.
+class PhaseClock {
+  public:
+    PhaseClock();
+    [[nodiscard]] PhaseTime elapsed() const;
+
+  private:
+    double wall_, cpu_;
+};
+
+/// Largest resident set of this process so far, bytes.
+std::uint64_t peak_memory_bytes();
+
+struct RunRecord {
+    const Job* job = nullptr;
+    const transport::RenderOutput* output = nullptr;
+    std::vector<std::string> arguments;
+    std::map<std::string, PhaseTime> phases;          ///< load, build, render, write
+    std::vector<std::string> warnings;
+    std::vector<display::SplitVerdict> splits;
+    std::map<std::string, std::string> attributes;    ///< as in the image header
+};
+
+/// experiments/README.md lists the keys.
+std::string statistics_json(const RunRecord& record);
+
+}  // namespace raylex::experiments

@@ -1,0 +1,179 @@
+#include "experiments/report/preview.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+namespace raylex::experiments {
+namespace {
+
+using display::ImagePlane;
+
+/// Pixels of one source block per pixel of the picture.
+int reduction(const display::ExrImage& image, int largest_side) {
+    const int side = std::max(image.width, image.height);
+    return largest_side > 0 && side > largest_side ? (side + largest_side - 1) / largest_side : 1;
+}
+
+unsigned char to_byte(double value) {
+    if (!(value > 0)) return 0;   // NaN too
+    return static_cast<unsigned char>(std::lround(std::min(value, 1.0) * 255));
+}
+
+struct Range {
+    double least = std::numeric_limits<double>::infinity(), most = -std::numeric_limits<double>::infinity();
+
+    explicit Range(const std::vector<float>& values) {
+        for (const float value : values) {
+            if (!std::isfinite(value)) continue;
+            least = std::min(least, static_cast<double>(value));
+            most = std::max(most, static_cast<double>(value));
+        }
+    }
+    [[nodiscard]] double share(double value) const {
+        if (!std::isfinite(value)) return 0;
+        return most > least ? (value - least) / (most - least) : 0.5;
+    }
+};
+
+/// A steady, well-spread colour for an integer (the finaliser of MurmurHash3 mixes its bits).
+std::array<unsigned char, 3> colour_of_id(std::uint32_t id) {
+    if (id == 0) return {0, 0, 0};
+    std::uint32_t h = id;
+    h ^= h >> 16;
+    h *= 0x85ebca6bU;
+    h ^= h >> 13;
+    h *= 0xc2b2ae35U;
+    h ^= h >> 16;
+    const auto channel = [h](int shift) { return static_cast<unsigned char>(70 + (h >> shift & 0xffU) * 170 / 255); };
+    return {channel(0), channel(8), channel(16)};
+}
+
+/// Box average of scene-linear values; a block with a non-finite value averages the finite ones.
+std::vector<float> averaged(const display::ExrImage& image, const std::array<const ImagePlane*, 3>& planes, int block, double scale, int width, int height) {
+    std::vector<float> rgb(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+            for (std::size_t c = 0; c < 3; ++c) {
+                double sum = 0;
+                int count = 0;
+                for (int v = y * block; v < std::min((y + 1) * block, image.height); ++v)
+                    for (int u = x * block; u < std::min((x + 1) * block, image.width); ++u) {
+                        const float value = planes[c]->values[static_cast<std::size_t>(v) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(u)];
+                        if (!std::isfinite(value)) continue;
+                        sum += value;
+                        ++count;
+                    }
+                rgb[(static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) * 3 + c] =
+                    count > 0 ? static_cast<float>(sum / count * scale) : 0.0f;
+            }
+    return rgb;
+}
+
+std::array<unsigned char, 3> geometry_pixel(LayerLook look, const std::array<double, 3>& v, const std::array<Range, 3>& ranges) {
+    switch (look) {
+        case LayerLook::normal:
+            if (v[0] == 0 && v[1] == 0 && v[2] == 0) return {0, 0, 0};   // nothing was hit
+            return {to_byte(v[0] * 0.5 + 0.5), to_byte(v[1] * 0.5 + 0.5), to_byte(v[2] * 0.5 + 0.5)};
+        case LayerLook::position:
+            return {to_byte(ranges[0].share(v[0])), to_byte(ranges[1].share(v[1])), to_byte(ranges[2].share(v[2]))};
+        case LayerLook::parameter:
+            return {to_byte(v[0] - std::floor(v[0])), to_byte(v[1] - std::floor(v[1])), 0};
+        case LayerLook::depth: {
+            const unsigned char grey = std::isfinite(v[0]) ? to_byte(1 - 0.9 * ranges[0].share(v[0])) : static_cast<unsigned char>(0);
+            return {grey, grey, grey};
+        }
+        case LayerLook::identity:
+            return colour_of_id(v[0] > 0 && v[0] < 4294967296.0 ? static_cast<std::uint32_t>(v[0]) : 0U);
+        case LayerLook::value:
+        case LayerLook::light: break;
+    }
+    const unsigned char grey = to_byte(ranges[0].share(v[0]));
+    return {grey, grey, grey};
+}
+
+}  // namespace
+
+LayerLook look_of(const display::ImageLayer& layer) {
+    // A layer's own name, without the groups a part name may put before it.
+    const std::string name = layer.name.substr(layer.name.find_last_of('.') == std::string::npos ? 0 : layer.name.find_last_of('.') + 1);
+    if (layer.planes.size() == 1) {
+        const ImagePlane& plane = layer.planes.front();
+        if (plane.stored == display::StoredType::unsigned_int || name == "id") return LayerLook::identity;
+        if (plane.name == "Z" || name == "z" || name == "VLen" || name == "depth") return LayerLook::depth;
+        return LayerLook::value;
+    }
+    if (name == "st" || name == "uv" || name == "UV") return LayerLook::parameter;
+    const bool vector = layer.plane("X") != nullptr && layer.plane("Y") != nullptr;
+    if (name == "Nn" || name == "Ngn" || name == "N" || name == "normal" || name == "Normal") return LayerLook::normal;
+    if (vector || name == "P" || name == "Pw" || name == "position") return LayerLook::position;
+    return LayerLook::light;
+}
+
+const char* describe(LayerLook look) {
+    switch (look) {
+        case LayerLook::light: return "";
+        case LayerLook::normal: return "unit vectors: -1 to 1 shown as 0 to 1";
+        case LayerLook::position: return "each axis shown from its least to its largest value";
+        case LayerLook::parameter: return "fractional parts of s (red) and t (green)";
+        case LayerLook::depth: return "near is bright, nothing hit is black";
+        case LayerLook::identity: return "one colour per object";
+        case LayerLook::value: return "shown from the least to the largest value";
+    }
+    return "";
+}
+
+Result<Picture> picture_of(const display::ExrImage& image, const display::ImageLayer& layer, const display::ColorManager& color,
+                           const PictureOptions& options) {
+    const int block = reduction(image, options.largest_side);
+    Picture picture;
+    picture.width = (image.width + block - 1) / block;
+    picture.height = (image.height + block - 1) / block;
+    const std::array<const ImagePlane*, 3> planes = layer.triple();
+    for (const ImagePlane* plane : planes)
+        if (plane == nullptr) return Error{"layer '" + layer.name + "' has no three components and is no single value", image.path, 0, 0, {}, {}};
+    const LayerLook look = look_of(layer);
+    if (look == LayerLook::light) {
+        const std::vector<float> rgb = averaged(image, planes, block, std::exp2(options.exposure), picture.width, picture.height);
+        auto shown = color.to_display(rgb, image.chromaticities.value_or(display::Chromaticities{}), options.display, options.view);
+        if (!shown) return shown.error();
+        picture.rgb = std::move(*shown);
+        return picture;
+    }
+    const std::array<Range, 3> ranges{Range(planes[0]->values), Range(planes[1]->values), Range(planes[2]->values)};
+    picture.rgb.reserve(static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height) * 3);
+    for (int y = 0; y < picture.height; ++y)
+        for (int x = 0; x < picture.width; ++x) {
+            // Averaging would invent ids, normals and depths: the middle of the block stands for it.
+            const auto v = static_cast<std::size_t>(std::min(y * block + block / 2, image.height - 1));
+            const auto u = static_cast<std::size_t>(std::min(x * block + block / 2, image.width - 1));
+            const std::size_t i = v * static_cast<std::size_t>(image.width) + u;
+            for (const unsigned char byte : geometry_pixel(look, {planes[0]->values[i], planes[1]->values[i], planes[2]->values[i]}, ranges))
+                picture.rgb.push_back(byte);
+        }
+    return picture;
+}
+
+Picture residual_picture(const std::vector<float>& residual, double bound, int width, int height) {
+    // Stops of the ramp, evenly spaced over six decades above the bound.
+    static constexpr std::array<std::array<double, 3>, 5> ramp{{{0.25, 0.05, 0.45}, {0.65, 0.10, 0.45}, {0.90, 0.30, 0.25}, {0.98, 0.60, 0.15}, {1.0, 0.95, 0.55}}};
+    Picture picture{width, height, {}};
+    picture.rgb.reserve(residual.size() * 3);
+    for (const float value : residual) {
+        const bool broken = !std::isfinite(value);
+        if (!broken && !(value > bound)) {
+            picture.rgb.insert(picture.rgb.end(), {0, 0, 0});
+            continue;
+        }
+        const double share = broken ? 1.0 : std::clamp(std::log10(value / bound) / 6, 0.0, 1.0);
+        const double position = share * (ramp.size() - 1);
+        const auto stop = std::min(static_cast<std::size_t>(position), ramp.size() - 2);
+        const double t = position - static_cast<double>(stop);
+        for (std::size_t c = 0; c < 3; ++c) picture.rgb.push_back(to_byte(ramp[stop][c] * (1 - t) + ramp[stop + 1][c] * t));
+    }
+    return picture;
+}
+
+}  // namespace raylex::experiments

@@ -1,0 +1,47 @@
+// Layers as 8-bit pictures: light through a display and view, geometry as a sensible false colour.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "display/output/color_manager.h"
+#include "display/output/exr_reader.h"
+#include "lpe/result.h"
+
+namespace raylex::experiments {
+
+/// How a layer is shown.
+enum class LayerLook {
+    light,      ///< scene-linear colour, through the display and view
+    normal,     ///< unit vectors, -1..1 to 0..1
+    position,   ///< vectors, each axis from its least to its largest finite value
+    parameter,  ///< surface parameters, their fractional part
+    depth,      ///< one real number, near bright, misses black
+    identity,   ///< integers, a colour per value, 0 black
+    value       ///< any other single real number, from its least to its largest finite value
+};
+
+/// From the layer's name and planes. "albedo" is light: it is a colour.
+LayerLook look_of(const display::ImageLayer& layer);
+/// One short line for a reader: "camera-space normal, -1..1 shown as 0..1".
+const char* describe(LayerLook look);
+
+/// 8-bit RGB, row-major from the top.
+struct Picture {
+    int width = 0, height = 0;
+    std::vector<unsigned char> rgb;
+};
+
+struct PictureOptions {
+    int largest_side = 0;           ///< reduced by averaging blocks (nearest for geometry) until it fits; 0 = as it is
+    double exposure = 0;            ///< stops, light only
+    std::string display, view;      ///< empty: the config's defaults
+};
+
+Result<Picture> picture_of(const display::ExrImage& image, const display::ImageLayer& layer, const display::ColorManager& color,
+                           const PictureOptions& options);
+
+/// Where |sum - beauty| stands to its bound: black where it holds, from violet (just above) to yellow (a million times).
+Picture residual_picture(const std::vector<float>& residual, double bound, int width, int height);
+
+}  // namespace raylex::experiments
