@@ -7,6 +7,8 @@
 // is never labelled T. Opaque closures scatter on both sides alike.
 #pragma once
 
+#include <memory>
+
 #include "transport/materials/bsdf.h"
 #include "transport/materials/ideal.h"
 #include "transport/materials/layered.h"
@@ -23,6 +25,8 @@ class Bsdf {
         pass_through,          ///< no surface at all (pbrt's "interface"): the path goes on straight
         lambert, conductor, dielectric, thin_dielectric, coated_diffuse, coated_conductor, additive, ideal
     };
+
+    Bsdf() : lambert_{} {}
 
     /// Sum over non-delta lobes of f |cos|, each lobe apart, and the density of sample().
     [[nodiscard]] BsdfEvaluation evaluate(const Vec3& wo, const Vec3& wi) const;
@@ -46,46 +50,46 @@ class Bsdf {
     void set_pass_through() { set_kind(Kind::pass_through, false); }
     void set(const Frame& frame, const LambertClosure& lambert) {
         frame_ = frame;
-        lambert_ = lambert;
+        std::construct_at(&lambert_, lambert);
         const bool lit = !lambert.reflectance.is_black();
         set_kind(lit ? Kind::lambert : Kind::black, lit);
     }
     void set(const Frame& frame, const ConductorClosure& conductor) {
         frame_ = frame;
-        conductor_ = conductor;
+        std::construct_at(&conductor_, conductor);
         set_kind(Kind::conductor, !conductor.is_delta());
     }
     void set(const Frame& frame, const DielectricClosure& dielectric) {
         frame_ = frame;
-        dielectric_ = dielectric;
+        std::construct_at(&dielectric_, dielectric);
         set_kind(Kind::dielectric, !dielectric.is_delta());
     }
     void set(const Frame& frame, const ThinDielectricClosure& pane) {
         frame_ = frame;
-        thin_dielectric_ = pane;
+        std::construct_at(&thin_dielectric_, pane);
         set_kind(Kind::thin_dielectric, false);
     }
     /// `key` feeds the random walks: SurfacePoint::random_key.
     void set(const Frame& frame, const LayeredClosure<LambertClosure>& layered, std::uint32_t key) {
         frame_ = frame;
-        coated_diffuse_ = layered;
+        std::construct_at(&coated_diffuse_, layered);
         key_ = key;
         set_kind(Kind::coated_diffuse, true);
     }
     void set(const Frame& frame, const LayeredClosure<ConductorClosure>& layered, std::uint32_t key) {
         frame_ = frame;
-        coated_conductor_ = layered;
+        std::construct_at(&coated_conductor_, layered);
         key_ = key;
         set_kind(Kind::coated_conductor, !layered.is_delta());
     }
     void set(const Frame& frame, const AdditiveClosure& additive) {
         frame_ = frame;
-        additive_ = additive;
+        std::construct_at(&additive_, additive);
         set_kind(Kind::additive, true);
     }
     void set(const Frame& frame, const IdealClosure& ideal) {
         frame_ = frame;
-        ideal_ = ideal;
+        std::construct_at(&ideal_, ideal);
         set_kind(Kind::ideal, !ideal.diffuse.is_black());
     }
 
@@ -103,7 +107,7 @@ class Bsdf {
     Kind kind_ = Kind::black;
     bool has_density_ = false;
     union {
-        LambertClosure lambert_{};
+        LambertClosure lambert_;
         ConductorClosure conductor_;
         DielectricClosure dielectric_;
         ThinDielectricClosure thin_dielectric_;
