@@ -1,0 +1,42 @@
+// Image environments: radiance from every direction, in pbrt-v4's equal-area octahedral layout (P. Clarberg 2008, "Fast
+// Equal-Area Mapping of the (Hemi)Sphere using SIMD"), importance-sampled.
+//
+// Look-ups take the nearest pixel, as pbrt-v4's image light does, so a piecewise-constant density over the pixels is
+// exactly proportional to the luminance, and every pixel covers the same solid angle.
+#pragma once
+
+#include <vector>
+
+#include "display/services/rgb.h"
+#include "transport/geometry/matrix34.h"
+
+namespace raylex::transport {
+
+/// Unit direction to the unit square and back; the square's (0, 0) is the image's top left corner.
+Vec2 octahedral_from_direction(const Vec3& direction);
+Vec3 direction_from_octahedral(const Vec2& uv);
+
+class EnvironmentImage {
+  public:
+    /// `pixels` row-major from the top, resolution^2 of them.
+    EnvironmentImage(int resolution, std::vector<Rgb> pixels, const Placement& placement);
+
+    [[nodiscard]] Rgb radiance(const Vec3& world_direction) const;
+    /// Per steradian; 0 where the image is black.
+    [[nodiscard]] float pdf(const Vec3& world_direction) const;
+    /// A world direction, or false when the image is black everywhere.
+    bool sample(const Vec2& u, Vec3& world_direction, Rgb& radiance, float& pdf) const;
+    [[nodiscard]] double mean_luminance() const { return mean_; }
+
+  private:
+    [[nodiscard]] std::size_t pixel_of(const Vec3& world_direction) const;
+    [[nodiscard]] float density(std::size_t pixel) const;
+    int resolution_ = 0;
+    std::vector<Rgb> pixels_;
+    std::vector<float> rows_;       // [resolution + 1] cumulative share of the rows
+    std::vector<float> columns_;    // [resolution][resolution + 1] cumulative share within a row
+    Placement placement_;
+    double mean_ = 0;
+};
+
+}  // namespace raylex::transport

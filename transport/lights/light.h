@@ -1,0 +1,64 @@
+// A light as plain data, evaluated by a switch on its kind.
+#pragma once
+
+#include <cstdint>
+
+#include "display/services/rgb.h"
+#include "transport/geometry/ray.h"
+#include "transport/math/vec.h"
+
+namespace raylex::transport {
+
+enum class LightKind : std::uint8_t {
+    triangle, patch, quadric, sphere,            ///< area lights; `sphere`: a full one that its transform keeps a sphere
+    point, spot, distant,                        ///< delta lights: no ray ever hits them
+    uniform_environment, image_environment       ///< infinite
+};
+
+struct Light {
+    LightKind kind = LightKind::point;
+    bool two_sided = false;
+    std::int32_t group = 0;           ///< index into LightTable::groups()
+    /// Radiance (area, environments; a factor on the image), radiant intensity (point, spot), or irradiance on a surface
+    /// facing it (distant).
+    Rgb emission;
+    Vec3 position;                    ///< point, spot; triangle: vertex 0
+    Vec3 direction;                   ///< spot: its axis; distant: towards the light; triangle: unit normal, emitting side
+    Vec3 edge1, edge2;                ///< triangle
+    float area = 0;                   ///< triangle, patch: world; quadric: object space; sphere: world
+    float cos_full = 1, cos_zero = 0; ///< spot: where the falloff begins and ends
+    std::uint32_t shape = 0, primitive = 0;   ///< area lights
+    std::int32_t environment = -1;    ///< index of the image
+    float power = 0;                  ///< watts-like estimate, the weight of its selection
+
+    [[nodiscard]] bool is_delta() const { return kind >= LightKind::point && kind <= LightKind::distant; }
+    [[nodiscard]] bool is_environment() const { return kind >= LightKind::uniform_environment; }
+    [[nodiscard]] bool is_area() const { return kind < LightKind::point; }
+};
+
+/// A direction towards a light, and what would arrive from there if nothing is in between.
+struct LightSample {
+    Rgb radiance;             ///< delta lights: intensity / d^2 or irradiance, to be divided by `pdf` like the others
+    Vec3 wi;                  ///< unit, from the lit point
+    float pdf = 0;            ///< per steradian times the chance of the choice; delta lights: that chance
+    Vec3 target;              ///< the point on the light; unused when `infinite`
+    Vec3 target_normal;       ///< zero for points
+    float target_offset = 0;  ///< rounding bound of `target`
+    std::uint32_t light = 0;
+    bool delta = false, infinite = false;
+};
+
+/// The ray that tests whether `sample` is visible from `position`.
+inline Ray shadow_ray(const Vec3& position, const Vec3& geometric_normal, float offset, const LightSample& sample) {
+    Ray ray;
+    ray.origin = leave_surface(position, geometric_normal, offset, sample.wi);
+    if (sample.infinite) {
+        ray.direction = sample.wi;
+        return ray;
+    }
+    ray.direction = leave_surface(sample.target, sample.target_normal, sample.target_offset, -sample.wi) - ray.origin;
+    ray.t_max = shadow_t_max;
+    return ray;
+}
+
+}  // namespace raylex::transport

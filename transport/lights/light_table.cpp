@@ -1,0 +1,155 @@
+#include "transport/lights/light_table.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace raylex::transport {
+
+std::int32_t LightTable::group_index(const std::string& group) {
+    const auto found = std::find(groups_.begin(), groups_.end(), group);
+    if (found != groups_.end()) return static_cast<std::int32_t>(found - groups_.begin());
+    groups_.push_back(group);
+    return static_cast<std::int32_t>(groups_.size()) - 1;
+}
+
+namespace {
+
+Light make_triangle(const ShapeGeometry& shape, std::uint32_t primitive) {
+    Light light;
+    light.kind = LightKind::triangle;
+    const std::uint32_t* i = shape.indices + 3 * static_cast<std::size_t>(primitive);
+    const Vec3 p0 = shape.positions[i[0]], p1 = shape.positions[i[1]], p2 = shape.positions[i[2]];
+    light.position = p0;
+    light.edge1 = p1 - p0;
+    light.edge2 = p2 - p0;
+    const DVec3 n = cross(DVec3(light.edge1), DVec3(light.edge2));
+    const double twice_area = length(n);
+    light.area = static_cast<float>(0.5 * twice_area);
+    Vec3 normal = twice_area > 0 ? (n * (1 / twice_area)).to_float() : Vec3{0, 0, 1};
+    if (!shape.normals.empty()) {
+        const Vec3 shading = shape.normals[i[0]] + shape.normals[i[1]] + shape.normals[i[2]];
+        normal = face_forward(normal, shading);
+    } else if (shape.flip_normal) {
+        normal = -normal;
+    }
+    light.direction = normal;
+    return light;
+}
+
+Light make_quadric(const ShapeGeometry& shape) {
+    Light light;
+    const Quadric& q = shape.quadric;
+    double scale = 1;
+    light.kind = LightKind::quadric;
+    light.area = static_cast<float>(q.object_area());
+    if (q.kind == ShapeKind::sphere && !q.partial && q.similarity(scale)) {
+        light.kind = LightKind::sphere;
+        light.position = q.placement.to_world.point({0, 0, 0}).to_float();
+        light.area = static_cast<float>(q.object_area() * scale * scale);
+    }
+    return light;
+}
+
+/// World area of a light's primitive, for its power.
+double world_area(const ShapeGeometry& shape, const Light& light) {
+    if (light.kind != LightKind::quadric) return light.area;
+    double sum = 0;     // the stretch varies over the surface: 8 x 8 points uniform by object-space area
+    for (int j = 0; j < 8; ++j)
+        for (int i = 0; i < 8; ++i) {
+            double u, v;
+            shape.quadric.sample_area((i + 0.5) / 8, (j + 0.5) / 8, u, v);
+            sum += shape.quadric.world_point(u, v).area_scale;
+        }
+    return light.area * sum / 64;
+}
+
+}  // namespace
+
+Status LightTable::add_area_lights(const SceneDescription& scene, EmbreeScene& geometry, LightContext& context,
+                                   std::vector<Error>& warnings) {
+    std::vector<AreaEmission> emissions;
+    for (const SceneAreaLight& area : scene.area_lights) {
+        auto entry = area_light_registry().require(area.type, area.location);
+        if (!entry) return entry.error();
+        auto emission = (*entry)->factory(area, context);
+        if (!emission) return emission.error();
+        emissions.push_back(*emission);
+    }
+    for (const SceneObject& object : scene.objects)
+        for (const SceneShape& shape : object.shapes)
+            if (shape.area_light >= 0)
+                warnings.push_back(error_at(shape.location, "area lights in an object instance are ignored, as pbrt does"));
+    for (std::uint32_t s = 0; s < geometry.top_level_shapes(); ++s) {
+        ShapeGeometry& shape = geometry.shapes()[s];
+        if (shape.area_light < 0) continue;
+        if (static_cast<std::size_t>(shape.area_light) >= emissions.size())
+            return error_at(scene.shapes[s].location, "the shape's area light is not defined");
+        const AreaEmission& emission = emissions[static_cast<std::size_t>(shape.area_light)];
+        const std::int32_t group = group_index(scene.area_lights[static_cast<std::size_t>(shape.area_light)].group);
+        shape.first_light = static_cast<std::uint32_t>(lights_.size());
+        for (std::uint32_t i = 0; i < shape.primitive_count; ++i) {
+            Light light;
+            if (shape.kind == ShapeKind::triangle_mesh) {
+                light = make_triangle(shape, i);
+            } else if (shape.kind == ShapeKind::bilinear_mesh) {
+                light.kind = LightKind::patch;
+                light.area = static_cast<float>(shape.patch(i).area());
+            } else {
+                light = make_quadric(shape);
+            }
+            light.emission = emission.radiance;
+            light.two_sided = emission.two_sided;
+            light.group = group;
+            light.shape = s;
+            light.primitive = i;
+            light.power = luminance(light.emission) * pi * static_cast<float>(world_area(shape, light)) * (light.two_sided ? 2.0f : 1.0f);
+            lights_.push_back(light);
+        }
+    }
+    return success();
+}
+
+void LightTable::finish(const EmbreeScene& geometry) {
+    const float radius = std::max(geometry.bounds().radius(), 1e-30f);
+    double total = 0;
+    std::size_t lit = 0;
+    for (std::uint32_t i = 0; i < lights_.size(); ++i) {
+        Light& light = lights_[i];
+        if (light.kind == LightKind::distant) light.power = luminance(light.emission) * pi * radius * radius;
+        if (light.is_environment()) {
+            environment_lights_.push_back(i);
+            const float mean = light.environment >= 0 ? static_cast<float>(images_[static_cast<std::size_t>(light.environment)].mean_luminance()) : 1.0f;
+            light.power = luminance(light.emission) * mean * 4 * pi * pi * radius * radius;
+        }
+        if (!(light.power > 0) && !light.emission.is_black()) light.power = light.emission.max();   // colours of negative luminance
+        if (light.is_area() && !(light.area > 0)) light.power = 0;
+        if (light.power > 0) ++lit;
+        total += light.power;
+    }
+    // A tenth of the choices ignores power: a weak light close by is never starved.
+    std::vector<double> weights(lights_.size(), 0.0);
+    for (std::size_t i = 0; i < lights_.size(); ++i)
+        if (lights_[i].power > 0) weights[i] = 0.9 * lights_[i].power / total + 0.1 / static_cast<double>(lit);
+    full_selection_ = AliasTable(weights);
+    for (std::size_t i = 0; i < lights_.size(); ++i)
+        if (lights_[i].kind == LightKind::uniform_environment) weights[i] = 0;
+    mis_selection_ = AliasTable(weights);
+}
+
+Result<LightTable> LightTable::build(const SceneDescription& scene, EmbreeScene& geometry, std::vector<Error>& warnings) {
+    LightTable table;
+    LightContext context{scene, table.images_};
+    if (Status s = table.add_area_lights(scene, geometry, context, warnings); !s) return s.error();
+    for (const SceneLight& source : scene.lights) {
+        auto entry = light_registry().require(source.type, source.location);
+        if (!entry) return entry.error();
+        auto light = (*entry)->factory(source, context);
+        if (!light) return light.error();
+        light->group = table.group_index(source.group);
+        table.lights_.push_back(*light);
+    }
+    table.finish(geometry);
+    return table;
+}
+
+}  // namespace raylex::transport

@@ -1,0 +1,84 @@
+// All lights of a scene: choosing one, sampling it, and the density of doing so for a direction found by scattering.
+//
+// The two must agree: whatever sample() can return has density() > 0 there, and a light that is never chosen has density
+// 0, so that the power heuristic gives its scattering hits the whole weight.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "display/services/registry.h"
+#include "transport/geometry/embree_scene.h"
+#include "transport/lights/alias_table.h"
+#include "transport/lights/environment.h"
+#include "transport/lights/light.h"
+
+namespace raylex::transport {
+
+/// Which lights are chosen from. Uniform environments have nothing to aim at: a scattering ray finds them at least as
+/// well as a light sample would, so `mis` leaves them to scattering (pbrt-v4 does too); `light_sampling` cannot.
+enum class LightChoice : std::uint8_t { mis, light_sampling };
+
+/// What a light's factory may use and add to.
+struct LightContext {
+    const SceneDescription& scene;
+    std::vector<EnvironmentImage>& environments;
+};
+using LightFactory = std::function<Result<Light>(const SceneLight&, LightContext&)>;
+/// point, spot, distant, infinite; plugins build theirs from the same kinds.
+Registry<LightFactory>& light_registry();
+
+/// What an AreaLightSource gives to each primitive of its shapes.
+struct AreaEmission {
+    Rgb radiance;
+    bool two_sided = false;
+};
+using AreaLightFactory = std::function<Result<AreaEmission>(const SceneAreaLight&, LightContext&)>;
+/// diffuse.
+Registry<AreaLightFactory>& area_light_registry();
+
+class LightTable {
+  public:
+    /// Builds every light and writes the shapes' `first_light`.
+    static Result<LightTable> build(const SceneDescription& scene, EmbreeScene& geometry, std::vector<Error>& warnings);
+
+    [[nodiscard]] bool can_sample(LightChoice choice) const { return !selection(choice).empty(); }
+    /// False when nothing can arrive at `from`. u_choice and u in [0, 1).
+    bool sample(LightChoice choice, const EmbreeScene& geometry, const Vec3& from, float u_choice, const Vec2& u,
+                LightSample& sample) const;
+
+    /// Density with which sample() would have found the point `at` (hit by `hit`) of an area light from `from`.
+    [[nodiscard]] float density(LightChoice choice, const EmbreeScene& geometry, std::uint32_t light, const Vec3& from,
+                                const SurfacePoint& at, const Hit& hit) const;
+    [[nodiscard]] float environment_density(LightChoice choice, std::uint32_t light, const Vec3& direction) const;
+
+    /// Radiance that an area light sends from a point with oriented normal `n` towards `wo`.
+    [[nodiscard]] Rgb emitted(std::uint32_t light, const Vec3& n, const Vec3& wo) const {
+        const Light& l = lights_[light];
+        return l.two_sided || dot(n, wo) > 0 ? l.emission : Rgb();
+    }
+    [[nodiscard]] Rgb environment_radiance(std::uint32_t light, const Vec3& direction) const;
+
+    [[nodiscard]] std::span<const Light> lights() const { return lights_; }
+    [[nodiscard]] std::span<const std::uint32_t> environments() const { return environment_lights_; }
+    /// Light groups in use; [0] is the empty group.
+    [[nodiscard]] const std::vector<std::string>& groups() const { return groups_; }
+
+  private:
+    [[nodiscard]] const AliasTable& selection(LightChoice choice) const {
+        return choice == LightChoice::mis ? mis_selection_ : full_selection_;
+    }
+    Status add_area_lights(const SceneDescription& scene, EmbreeScene& geometry, LightContext& context, std::vector<Error>& warnings);
+    void finish(const EmbreeScene& geometry);
+    std::int32_t group_index(const std::string& group);
+    std::vector<Light> lights_;
+    std::vector<std::uint32_t> environment_lights_;
+    std::vector<EnvironmentImage> images_;
+    std::vector<std::string> groups_{std::string()};
+    AliasTable mis_selection_, full_selection_;
+};
+
+}  // namespace raylex::transport
