@@ -1,0 +1,239 @@
+#include "experiments/cli/render_run.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include "display/output/atomic_file.h"
+#include "display/output/exr_reader.h"
+#include "display/output/exr_writer.h"
+#include "display/output/split_check.h"
+#include "experiments/cli/command_line.h"
+#include "experiments/cli/console.h"
+#include "experiments/cli/interrupt.h"
+#include "experiments/cli/judge.h"
+#include "experiments/cli/progress.h"
+#include "experiments/job/channel_plan.h"
+#include "experiments/job/color_setup.h"
+#include "experiments/job/provenance.h"
+#include "experiments/job/statistics.h"
+#include "experiments/report/preview.h"
+#include "transport/import/pbrt_importer.h"
+
+namespace raylex::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The steps of one render, in order. Each returns nothing to go on, or the exit code to end with.
+class RenderRun {
+  public:
+    RenderRun(Job job, const std::vector<std::string>& arguments) : job_(std::move(job)), arguments_(arguments) {}
+
+    int run() {
+        for (std::optional<int> (RenderRun::*step)() : {&RenderRun::check_outputs, &RenderRun::load, &RenderRun::plan, &RenderRun::render,
+                                                        &RenderRun::write_image, &RenderRun::judge, &RenderRun::write_preview,
+                                                        &RenderRun::write_statistics})
+            if (const std::optional<int> code = (this->*step)()) return *code;
+        print_summary();
+        if (!output_->complete) return exit_interrupted;
+        return std::all_of(splits_.begin(), splits_.end(), [](const display::SplitVerdict& each) { return each.holds; }) ? exit_holds : exit_does_not_hold;
+    }
+
+  private:
+    using Step = std::optional<int>;
+    static constexpr std::nullopt_t go_on = std::nullopt;
+
+    void warn(const std::string& message) {
+        print_warning(message);
+        warnings_.push_back(message);
+    }
+
+    /// Everything that must be writable after the render is asked for before it.
+    Step check_outputs() {
+        if (fs::path(job_.output).extension() != ".exr")
+            return report_error("the output '" + job_.output + "' has no name ending in .exr; expected an OpenEXR file name");
+        if (!job_.preview.empty() && fs::path(job_.preview).extension() != ".png")
+            return report_error("the preview '" + job_.preview + "' has no name ending in .png; expected a PNG file name");
+        std::vector<std::string> taken{job_.scene_file, job_.job_file};
+        for (const std::string& path : {job_.output, job_.preview, job_.statistics}) {
+            if (path.empty()) continue;
+            for (const std::string& other : taken) {
+                std::error_code failed;
+                if (!other.empty() && (path == other || fs::equivalent(path, other, failed)))
+                    return report_error("'" + path + "' is used twice, for input or for another output; expected a file of its own");
+            }
+            taken.push_back(path);
+            Status writable = display::check_writable(path);
+            if (!writable) return report_error(writable.error());
+        }
+        return go_on;
+    }
+
+    Step load() {
+        const PhaseClock clock;
+        auto color = open_color(job_);
+        if (!color) return report_error(color.error());
+        color_ = std::move(*color);
+        if (!color_.warning.empty()) warn(color_.warning);
+        auto scene = transport::import_pbrt(job_.scene_file);
+        if (!scene) return report_error(scene.error());
+        scene_ = std::move(*scene);
+        for (const Error& warning : scene_.warnings) warn(warning.to_string());
+        Status labelled = transport::apply_label_rules(scene_, job_.label_rules);
+        if (!labelled) return report_error(labelled.error());
+        auto primaries = choose_rendering_space(job_, color_, scene_);
+        if (!primaries) return report_error(primaries.error());
+        primaries_ = *primaries;
+        phases_["load"] = clock.elapsed();
+        return interrupted_early();
+    }
+
+    Step plan() {
+        auto alphabet = transport::scene_alphabet(scene_);
+        if (!alphabet) return report_error(alphabet.error());
+        auto plan = plan_channels(job_, *alphabet);
+        if (!plan) return report_error(plan.error());
+        for (const std::string& note : plan->notes) warn(note);
+        if (!plan->refuted.empty()) {
+            std::fprintf(stderr, "raylex: %s\nNothing was rendered.\n", plan->refuted.c_str());
+            return exit_does_not_hold;
+        }
+        if (!job_.settings.beauty && plan->channels.empty())
+            return report_error("--no-beauty leaves nothing to render; expected at least one --lpe or --aov with it");
+        job_.settings.channels = plan->channels;
+        partitions_ = plan->partitions;
+        return interrupted_early();
+    }
+
+    /// Ctrl-C before the first sample: there is nothing to write.
+    static Step interrupted_early() {
+        if (!interrupt_flag().load()) return go_on;
+        std::fprintf(stderr, "raylex: interrupted before anything was rendered; no file was written\n");
+        return exit_interrupted;
+    }
+
+    Step render() {
+        Progress progress;
+        auto output = transport::render(scene_, job_.settings, [&](const transport::RenderProgress& now) { progress.update(now); }, &interrupt_flag());
+        progress.finish();
+        if (!output) return report_error(output.error());
+        output_.emplace(std::move(*output));
+        for (const Error& warning : output_->warnings) warn(warning.to_string());
+        const transport::RenderStatistics& statistics = output_->statistics;
+        phases_["build"] = {statistics.build_seconds, statistics.build_cpu_seconds};
+        phases_["render"] = {statistics.render_seconds, statistics.render_cpu_seconds};
+        if (statistics.invalid_samples > 0)
+            warn(std::to_string(statistics.invalid_samples) + " contributions were not finite and were left out of beauty and layers alike; --stats lists how to replay them");
+        if (!output_->complete && statistics.camera_samples == 0) return interrupted_early();
+        return go_on;
+    }
+
+    Step write_image() {
+        const PhaseClock clock;
+        attributes_ = header_attributes(job_, *output_, arguments_, color_.description);
+        display::ImageDescription description;
+        description.attributes = attributes_;
+        description.partitions = partitions_;
+        description.chromaticities = primaries_;
+        description.world_to_camera = output_->world_to_camera;
+        description.world_to_screen = output_->world_to_screen;
+        description.complete = output_->complete;
+        Status written = display::write_exr(job_.output, output_->frame_buffer, output_->beauty, description);
+        if (!written) return rescue(written.error(), description);
+        phases_["write"] = clock.elapsed();
+        return go_on;
+    }
+
+    /// The output could not be written after all (a full disk): what was rendered is not given up before the folder for
+    /// temporary files was tried.
+    Step rescue(const Error& failure, const display::ImageDescription& description) {
+        std::error_code failed;
+        const fs::path folder = fs::temp_directory_path(failed);
+        const std::string path = (folder / fs::path(job_.output).filename()).string();
+        if (!failed && !fs::exists(path, failed) && display::write_exr(path, output_->frame_buffer, output_->beauty, description)) {
+            Error error = failure;
+            error.hint = "the image was saved as " + path + " instead";
+            return report_error(error);
+        }
+        return report_error(failure);
+    }
+
+    /// Judges the file as a reader finds it, not the buffers it came from.
+    Step judge() {
+        auto image = display::read_exr(job_.output);
+        if (!image) return report_error(image.error());
+        if (!image->partitions.empty()) {
+            auto verdicts = display::check_declared_splits(*image);
+            if (!verdicts) return report_error(verdicts.error());
+            splits_ = std::move(*verdicts);
+        }
+        image_ = std::move(*image);
+        return go_on;
+    }
+
+    Step write_preview() {
+        if (job_.preview.empty()) return go_on;
+        const display::ImageLayer* layer = job_.settings.beauty ? image_.layer("beauty") : nullptr;
+        if (layer == nullptr && !image_.layers.empty()) layer = &image_.layers.front();
+        if (layer == nullptr) return go_on;
+        auto picture = picture_of(image_, *layer, *color_.manager, {0, 0.0, job_.display, job_.view});
+        if (!picture) return report_error(picture.error());
+        Status written = display::write_png(job_.preview, picture->width, picture->height, picture->rgb);
+        if (!written) return report_error(written.error());
+        return go_on;
+    }
+
+    Step write_statistics() {
+        if (job_.statistics.empty()) return go_on;
+        RunRecord record{&job_, &*output_, arguments_, phases_, warnings_, splits_, attributes_};
+        Status written = display::write_text_file(job_.statistics, statistics_json(record));
+        if (!written) return report_error(written.error());
+        return go_on;
+    }
+
+    void print_summary() const {
+        const transport::RenderStatistics& statistics = output_->statistics;
+        for (const display::SplitVerdict& verdict : splits_) {
+            print_line(verdict_line(verdict));
+            if (!verdict.holds) print_line("  " + write_residual_map(verdict, image_));
+        }
+        std::error_code failed;
+        const auto bytes = fs::file_size(job_.output, failed);
+        std::string line = job_.output + ": " + std::to_string(output_->width) + "x" + std::to_string(output_->height) + ", " +
+                           std::to_string(image_.layers.size()) + (image_.layers.size() == 1 ? " layer, " : " layers, ") +
+                           size_text(failed ? 0.0 : static_cast<double>(bytes));
+        if (!output_->complete) line += "; INCOMPLETE: interrupted";
+        print_line(line);
+        for (const std::string& path : {job_.preview, job_.statistics})
+            if (!path.empty()) print_line(path);
+        const auto seconds = [this](const char* phase) { return duration_text(phases_.at(phase).wall_seconds); };
+        const double cpu = statistics.render_cpu_seconds;
+        print_line("load " + seconds("load") + ", build " + seconds("build") + ", render " + seconds("render") + " (" + duration_text(cpu) + " CPU, " +
+                   number_text(cpu > 0 ? static_cast<double>(statistics.camera_samples) / cpu * 1e-6 : 0) + " M samples per CPU second), write " + seconds("write"));
+    }
+
+    Job job_;
+    const std::vector<std::string>& arguments_;
+    ColorSetup color_;
+    transport::SceneDescription scene_;
+    display::Chromaticities primaries_;
+    std::vector<display::PartitionDeclaration> partitions_;
+    std::optional<transport::RenderOutput> output_;
+    display::ExrImage image_;
+    std::vector<display::SplitVerdict> splits_;
+    std::map<std::string, PhaseTime> phases_;
+    std::map<std::string, std::string> attributes_;
+    std::vector<std::string> warnings_;
+};
+
+}  // namespace
+
+int run_render(Job job, const std::vector<std::string>& arguments) {
+    install_interrupt_handler();
+    return RenderRun(std::move(job), arguments).run();
+}
+
+}  // namespace raylex::experiments
