@@ -1,0 +1,25 @@
+// Whole files into memory, gzip-compressed or not, and where a scene's relative file names lead.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "display/services/parameters.h"
+#include "lpe/result.h"
+
+namespace raylex::transport {
+
+/// The content of `path`, decompressed when it starts with gzip's magic number. Errors name the path and the system's
+/// reason; a gzip stream that ends early or fails its checksum is an Error.
+Result<std::string> read_file(const std::string& path);
+
+/// Where scene files look: pbrt searches the folder of the top-level scene; the folder of the file that holds the name
+/// comes second, so that a subfolder can also be moved as a whole.
+struct SearchPath {
+    std::filesystem::path scene_folder, local_folder;
+
+    /// The absolute path of the existing file `name`, or an Error at `where` that lists the folders searched.
+    [[nodiscard]] Result<std::string> find(const std::string& name, const SourceLocation& where) const;
+};
+
+}  // namespace raylex::transport

@@ -1,0 +1,57 @@
+// Text of a pbrt scene into tokens: words, quoted strings and brackets; '#' starts a comment.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "display/services/parameters.h"
+#include "lpe/result.h"
+
+namespace raylex::transport {
+
+enum class TokenKind : std::uint8_t { word, string, open_bracket, close_bracket, end };
+
+struct Token {
+    TokenKind kind = TokenKind::end;
+    std::string_view text;      ///< as written; of a string: what stands between the quotes, escapes not yet replaced
+    bool escaped = false;       ///< a string that holds a backslash
+    int line = 1, column = 1;   ///< of its first byte
+};
+
+class Tokenizer {
+  public:
+    /// `text` and `file` must outlive the tokenizer.
+    Tokenizer(std::string_view text, const std::string& file) : text_(text), file_(file) {}
+
+    /// The next token; TokenKind::end at the end of the text, again and again. Errors: a string that is not closed.
+    Result<Token> next();
+    /// Makes next() return `token` once more.
+    void push_back(const Token& token) { pushed_ = token, has_pushed_ = true; }
+
+    [[nodiscard]] Error error(const Token& at, std::string message, std::string hint = {}) const;
+    [[nodiscard]] SourceLocation location(const Token& token) const { return {file_, token.line, token.column}; }
+    [[nodiscard]] const std::string& file() const { return file_; }
+
+  private:
+    void skip_blanks();
+    Result<Token> string_token(Token token);
+
+    std::string_view text_;
+    const std::string& file_;
+    std::size_t at_ = 0, line_start_ = 0;
+    int line_ = 1;
+    Token pushed_;
+    bool has_pushed_ = false;
+};
+
+/// The string a token stands for. Escapes as in JSON: \b \f \n \r \t \\ \' \"; any other is an Error of `tokenizer`.
+Result<std::string> unescape(const Tokenizer& tokenizer, const Token& token);
+
+/// How a token is shown in a message: in quotes, at most 40 bytes, unprintable bytes as '?'.
+std::string describe(const Token& token);
+
+/// Line `line` (from 1) of `text` for an Error's excerpt, cut to a length that a terminal shows.
+std::string excerpt_of(std::string_view text, int line);
+
+}  // namespace raylex::transport
