@@ -1,0 +1,148 @@
+#include "display/buffer/frame_buffer.h"
+
+#include "display/buffer/frame_buffer_storage.h"
+#include "display/services/parameters.h"
+
+#include <bit>
+#include <cmath>
+#include <string>
+
+namespace raylex::display {
+namespace {
+
+double sample_alpha(const SampleTable& table, int row, std::span<const int> extra) {
+    RgbD through{1.0};
+    const auto pass = [&](int r) { through *= RgbD(1.0) - table.opacity[static_cast<std::size_t>(r)]; };
+    pass(row);
+    for (const int r : extra) pass(r);
+    return 1.0 - through.average();
+}
+
+Status check_layout(const FrameBufferLayout& layout) {
+    if (layout.width <= 0 || layout.height <= 0)
+        return error_at({}, "frame buffer of " + std::to_string(layout.width) + " x " + std::to_string(layout.height) +
+                     " pixels; expected positive width and height");
+    if (layout.block_size <= 0 || !std::has_single_bit(static_cast<unsigned>(layout.block_size)))
+        return error_at({}, "frame buffer block size " + std::to_string(layout.block_size) + "; expected a power of two");
+    return success();
+}
+
+}  // namespace
+
+FrameBuffer::FrameBuffer(const FrameBufferLayout& layout, std::span<const ChannelDefinition> channels)
+    : storage_(std::make_unique<Storage>()) {
+    Storage& storage = *storage_;
+    storage.layout = layout;
+    storage.definitions.assign(channels.begin(), channels.end());
+    const std::size_t pixels = storage.pixel_count();
+    storage.samples.allocate(pixels);
+    storage.weight.allocate(pixels);
+    storage.alpha.allocate(pixels);
+    for (const ChannelDefinition& definition : channels) {
+        Channel channel;
+        channel.definition = definition;
+        channel.components = component_count(definition.type);
+        const std::size_t values = pixels * static_cast<std::size_t>(channel.components);
+        const FilterRule rule = definition.rule;
+        const bool kernel = rule == FilterRule::filter, expression = definition.style == ChannelStyle::expression;
+        const float fill = expression ? 0.0f : definition.miss_value;
+        channel.reads_untouched = kernel ? fill != 0 && std::isfinite(fill) : expression && rule != FilterRule::sum;
+        if (is_z_rule(rule) || is_extremum(rule)) {
+            channel.picked.allocate(values);
+            if (is_z_rule(rule)) channel.depth.allocate(pixels);
+        } else {
+            channel.sum.allocate(values);
+        }
+        if (!kernel) channel.seen.allocate(pixels);
+        if (kernel && definition.statistics) {
+            channel.plain_sum.allocate(values);
+            channel.square_sum.allocate(values);
+            if (storage.weight_square.empty()) storage.weight_square.allocate(pixels);
+        }
+        storage.channels.push_back(std::move(channel));
+    }
+    storage.rejected = std::make_unique<std::atomic<std::uint64_t>[]>(channels.size() + 1);
+}
+
+FrameBuffer::~FrameBuffer() = default;
+FrameBuffer::FrameBuffer(FrameBuffer&&) noexcept = default;
+FrameBuffer& FrameBuffer::operator=(FrameBuffer&&) noexcept = default;
+
+Result<FrameBuffer> FrameBuffer::create(const FrameBufferLayout& layout, std::span<const ChannelDefinition> channels) {
+    if (const Status status = check_layout(layout); !status) return status.error();
+    try {
+        return FrameBuffer(layout, channels);
+    } catch (const std::bad_alloc&) {
+        return error_at({}, "not enough memory for a frame buffer of " + std::to_string(layout.width) + " x " +
+                     std::to_string(layout.height) + " pixels and " + std::to_string(channels.size()) +
+                     " channels; expected about 48 bytes per pixel and colour channel");
+    }
+}
+
+void FrameBuffer::accumulate(const SampleTable& table) {
+    if (table.discarded()) return;
+    thread_local ExtraRows extra;
+    const int cameras = table.camera_row_count();
+    const bool has_extra = table.row_count() > cameras;
+    if (has_extra) extra.gather(table);
+    extra.alpha.resize(static_cast<std::size_t>(cameras));
+    for (int row = 0; row < cameras; ++row)
+        extra.alpha[static_cast<std::size_t>(row)] =
+            sample_alpha(table, row, has_extra ? extra.of(row) : std::span<const int>());
+
+    const FrameBufferLayout& layout = storage_->layout;
+    const auto block = static_cast<std::uint64_t>(layout.block_size);
+    for (int begin = 0, end = 0; begin < cameras; begin = end) {
+        const CameraRow& first = table.camera_row(begin);
+        for (end = begin + 1; end < cameras; ++end) {
+            const CameraRow& row = table.camera_row(end);
+            if (row.pixel_x != first.pixel_x || row.pixel_y != first.pixel_y ||
+                row.sample / block != first.sample / block)
+                break;
+        }
+        if (first.pixel_x < 0 || first.pixel_y < 0 || first.pixel_x >= layout.width || first.pixel_y >= layout.height) {
+            storage_->reject(storage_->channels.size());
+            continue;
+        }
+        Run run;
+        run.pixel = static_cast<std::size_t>(first.pixel_y) * static_cast<std::size_t>(layout.width) +
+                    static_cast<std::size_t>(first.pixel_x);
+        run.begin = begin;
+        run.end = end;
+        run.extra = has_extra ? &extra : nullptr;
+        run.scratch = &extra.folded;
+        run.alpha = extra.alpha;
+        accumulate_run(table, run);
+    }
+}
+
+void FrameBuffer::accumulate_run(const SampleTable& table, const Run& run) {
+    Storage& storage = *storage_;
+    const int exponent = storage.layout.quantum_exponent;
+    const std::size_t pixel = run.pixel, none = storage.channels.size();
+    double weight = 0, weighted_alpha = 0, weight_square = 0;
+    for (int row = run.begin; row < run.end; ++row) {
+        const double w = static_cast<double>(table.camera_row(row).filter_weight);
+        weight += w;
+        weight_square += w * w;
+        weighted_alpha += w * run.alpha[static_cast<std::size_t>(row)];
+    }
+    storage.samples[pixel] += static_cast<std::uint64_t>(run.end - run.begin);
+    storage.add(storage.weight, pixel, &weight, 1, exponent, none);
+    if (weighted_alpha != 0) storage.add(storage.alpha, pixel, &weighted_alpha, 1, exponent, none);
+    if (!storage.weight_square.empty()) storage.add(storage.weight_square, pixel, &weight_square, 1, exponent, none);
+
+    for (std::size_t index = 0; index < storage.channels.size(); ++index) {
+        Channel& channel = storage.channels[index];
+        const auto id = static_cast<ChannelId>(index);
+        if (!table.touched(id) && !channel.reads_untouched) continue;
+        if (channel.definition.rule == FilterRule::filter)
+            storage.add_filtered(channel, index, table, run);
+        else if (channel.definition.rule == FilterRule::average || channel.definition.rule == FilterRule::sum)
+            storage.add_plain(channel, index, table, run);
+        else
+            storage.add_picked(channel, index, table, run);
+    }
+}
+
+}  // namespace raylex::display

@@ -1,0 +1,160 @@
+// How one run of samples enters the record of one channel, by its rule.
+#include "display/buffer/frame_buffer_storage.h"
+
+#include <array>
+#include <cmath>
+
+namespace raylex::display {
+namespace {
+
+using RowState = SampleTable::RowState;
+
+/// The value of one camera sample under a kernel: see the rules at the head of frame_buffer.h.
+void fold_sample(const SampleTable& table, ChannelId id, int components, int row, std::span<const int> extra, double* out) {
+    const double* values = table.values(id);
+    const bool plain = table.channel(id).style == ChannelStyle::name;
+    const double fill = table.fill_value(id);
+    std::fill_n(out, components, 0.0);
+    double through = 1;
+    bool any_written = false, any_set = false;
+    const auto take = [&](int r) {
+        const double opacity = table.opacity[static_cast<std::size_t>(r)].average();
+        const RowState state = plain ? table.row_state(id, r) : RowState::untouched;
+        const double* v = values + static_cast<std::size_t>(r) * static_cast<std::size_t>(components);
+        double weight = 1;
+        if (state == RowState::written)
+            weight = extra.empty() ? 1.0 : through * opacity;
+        else if (state == RowState::untouched && fill != 0)
+            weight = 0;  // v holds the miss value; it counts once, below
+        any_written = any_written || state == RowState::written;
+        any_set = any_set || state != RowState::untouched;
+        through *= 1 - opacity;
+        if (weight == 0) return;
+        for (int c = 0; c < components; ++c) out[c] += weight * v[c];
+    };
+    // The camera row takes its place among the extra rows by depth; at equal depth it comes first.
+    bool camera_taken = false;
+    for (const int r : extra) {
+        if (!camera_taken && table.depth[static_cast<std::size_t>(row)] <= table.depth[static_cast<std::size_t>(r)]) {
+            take(row);
+            camera_taken = true;
+        }
+        take(r);
+    }
+    if (!camera_taken) take(row);
+    if (!any_set && plain && fill != 0 && std::isfinite(fill)) std::fill_n(out, components, fill);
+}
+
+struct BlockSums {
+    std::array<double, 3> weighted{}, plain{}, square{};
+};
+
+/// Sums over the rows of a block; `square` becomes sum(v^2) as sum((v - mean)^2) plus the block's mean part.
+template <int components>
+void sum_block(const SampleTable& table, int begin, int end, const double* values, bool statistics, BlockSums& out) {
+    const double* v = values;
+    for (int row = begin; row < end; ++row, v += components) {
+        const double weight = static_cast<double>(table.camera_row(row).filter_weight);
+        for (int c = 0; c < components; ++c) out.weighted[static_cast<std::size_t>(c)] += weight * v[c];
+    }
+    if (!statistics) return;
+    v = values;
+    for (int row = begin; row < end; ++row, v += components)
+        for (int c = 0; c < components; ++c) out.plain[static_cast<std::size_t>(c)] += v[c];
+    v = values;
+    const double count = end - begin;
+    for (int row = begin; row < end; ++row, v += components)
+        for (std::size_t c = 0; c < components; ++c) {
+            const double deviation = v[c] - out.plain[c] / count;
+            out.square[c] += deviation * deviation;
+        }
+}
+
+/// plain^2 / count to twice the precision of double, as high + low.
+void mean_part(double plain, double count, double& high, double& low) {
+    const double square = plain * plain, square_error = std::fma(plain, plain, -square);
+    high = square / count;
+    low = (std::fma(-high, count, square) + square_error) / count;
+}
+
+/// Whether a rule takes in this row: every row of an expression channel, the rows that were written of a plain one.
+bool counts(const SampleTable& table, ChannelId id, int row) {
+    return table.channel(id).style == ChannelStyle::expression || table.written(id, row);
+}
+
+}  // namespace
+
+void FrameBuffer::Storage::add_filtered(Channel& channel, std::size_t index, const SampleTable& table, const Run& run) {
+    const auto id = static_cast<ChannelId>(index);
+    const auto components = static_cast<std::size_t>(channel.components);
+    const double* values = table.values(id) + static_cast<std::size_t>(run.begin) * components;
+    const bool fold = run.extra != nullptr ||
+                      (channel.definition.style == ChannelStyle::name && !std::isfinite(channel.definition.miss_value));
+    if (fold) {
+        std::vector<double>& scratch = *run.scratch;
+        scratch.resize(static_cast<std::size_t>(run.end - run.begin) * components);
+        for (int row = run.begin; row < run.end; ++row)
+            fold_sample(table, id, channel.components, row, run.extra_of(row),
+                        &scratch[static_cast<std::size_t>(row - run.begin) * components]);
+        values = scratch.data();
+    }
+    const bool statistics = !channel.square_sum.empty();
+    BlockSums sums;
+    if (components == 3)
+        sum_block<3>(table, run.begin, run.end, values, statistics, sums);
+    else
+        sum_block<1>(table, run.begin, run.end, values, statistics, sums);
+    const std::size_t at = run.pixel * components;
+    // A sum of nothing is not added, so that its memory page is not needed either.
+    if (sums.weighted != std::array<double, 3>{})
+        add(channel.sum, at, sums.weighted.data(), channel.components, layout.quantum_exponent, index);
+    if (!statistics || (sums.plain == std::array<double, 3>{} && sums.square == std::array<double, 3>{})) return;
+    add(channel.plain_sum, at, sums.plain.data(), channel.components, layout.quantum_exponent, index);
+    std::array<double, 3> high{}, low{};
+    for (std::size_t c = 0; c < components; ++c) mean_part(sums.plain[c], run.end - run.begin, high[c], low[c]);
+    add(channel.square_sum, at, sums.square.data(), channel.components, square_exponent, index);
+    add(channel.square_sum, at, high.data(), channel.components, square_exponent, index);
+    add(channel.square_sum, at, low.data(), channel.components, square_exponent, index);
+}
+
+void FrameBuffer::Storage::add_plain(Channel& channel, std::size_t index, const SampleTable& table, const Run& run) {
+    const auto id = static_cast<ChannelId>(index);
+    const auto components = static_cast<std::size_t>(channel.components);
+    std::array<double, 3> sum{};
+    std::uint64_t taken = 0;
+    run.for_each_row([&](int row) {
+        if (!counts(table, id, row)) return;
+        ++taken;
+        for (std::size_t c = 0; c < components; ++c) sum[c] += table.values(id)[static_cast<std::size_t>(row) * components + c];
+    });
+    channel.seen[run.pixel] += taken;
+    if (sum != std::array<double, 3>{})
+        add(channel.sum, run.pixel * components, sum.data(), channel.components, layout.quantum_exponent, index);
+}
+
+void FrameBuffer::Storage::add_picked(Channel& channel, std::size_t index, const SampleTable& table, const Run& run) {
+    const auto id = static_cast<ChannelId>(index);
+    const auto components = static_cast<std::size_t>(channel.components);
+    const FilterRule rule = channel.definition.rule;
+    double* best = &channel.picked[run.pixel * components];
+    run.for_each_row([&](int row) {
+        if (!counts(table, id, row)) return;
+        const double* v = table.values(id) + static_cast<std::size_t>(row) * components;
+        for (std::size_t c = 0; c < components; ++c)
+            if (!std::isfinite(v[c])) return reject(index);
+        std::uint64_t& seen = channel.seen[run.pixel];
+        if (is_extremum(rule)) {
+            for (std::size_t c = 0; c < components; ++c) best[c] = pick_extremum(rule, seen == 0, best[c], v[c]);
+            ++seen;
+            return;
+        }
+        const float depth = table.depth[static_cast<std::size_t>(row)];
+        const std::uint64_t sample = table.camera_row(row).sample;
+        if (!z_rule_prefers(rule, depth, sample, channel.depth[run.pixel], seen)) return;
+        std::copy_n(v, components, best);
+        channel.depth[run.pixel] = depth;
+        seen = sample + 1;
+    });
+}
+
+}  // namespace raylex::display

@@ -1,0 +1,144 @@
+// Private to the frame buffer: how its record lies in memory.
+#pragma once
+
+#include "display/buffer/fixed_point.h"
+#include "display/buffer/frame_buffer.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cstdlib>
+#include <memory>
+#include <new>
+#include <span>
+#include <vector>
+
+namespace raylex::display {
+
+/// A zeroed array whose untouched pages cost nothing. All-zero bits mean "nothing yet" for every T here.
+template <class T>
+class Plane {
+  public:
+    void allocate(std::size_t count) {
+        data_.reset(static_cast<T*>(std::calloc(count, sizeof(T))));
+        if (!data_) throw std::bad_alloc();
+        count_ = count;
+    }
+    [[nodiscard]] bool empty() const { return count_ == 0; }
+    [[nodiscard]] std::size_t size() const { return count_; }
+    T& operator[](std::size_t i) { return data_.get()[i]; }
+    const T& operator[](std::size_t i) const { return data_.get()[i]; }
+
+  private:
+    struct Free { void operator()(T* data) const { std::free(data); } };
+    std::unique_ptr<T, Free> data_;
+    std::size_t count_ = 0;
+};
+
+/// Extra rows of a batch by camera row, nearest first. Scratch of one thread.
+struct ExtraRows {
+    std::vector<int> rows;                 // sorted by camera row, then depth
+    std::vector<std::uint32_t> first;      // [camera row], one more at the end
+    std::vector<double> folded;            // one channel's camera rows with their extra rows folded in
+    std::vector<double> alpha;             // [camera row]
+
+    void gather(const SampleTable& table) {
+        const auto cameras = static_cast<std::size_t>(table.camera_row_count());
+        rows.clear();
+        for (int row = table.camera_row_count(); row < table.row_count(); ++row) rows.push_back(row);
+        std::stable_sort(rows.begin(), rows.end(), [&](int a, int b) {
+            if (table.original(a) != table.original(b)) return table.original(a) < table.original(b);
+            return table.depth[static_cast<std::size_t>(a)] < table.depth[static_cast<std::size_t>(b)];
+        });
+        first.assign(cameras + 1, 0);
+        for (const int row : rows) ++first[static_cast<std::size_t>(table.original(row)) + 1];
+        for (std::size_t i = 0; i < cameras; ++i) first[i + 1] += first[i];
+    }
+    [[nodiscard]] std::span<const int> of(int row) const {
+        const auto i = static_cast<std::size_t>(row);
+        return {rows.data() + first[i], rows.data() + first[i + 1]};
+    }
+};
+
+/// Camera rows of one pixel and one block.
+struct FrameBuffer::Run {
+    std::size_t pixel = 0;
+    int begin = 0, end = 0;                    // camera rows
+    const ExtraRows* extra = nullptr;          // null when the batch has none
+    std::vector<double>* scratch = nullptr;
+    std::span<const double> alpha;             // [camera row]
+
+    [[nodiscard]] std::span<const int> extra_of(int row) const {
+        return extra == nullptr ? std::span<const int>() : extra->of(row);
+    }
+    template <class Visit>
+    void for_each_row(Visit visit) const {
+        for (int row = begin; row < end; ++row) {
+            visit(row);
+            for (const int r : extra_of(row)) visit(r);
+        }
+    }
+};
+
+/// The record of one channel. Planes that its rule does not need stay empty.
+struct FrameBuffer::Channel {
+    ChannelDefinition definition;
+    int components = 1;
+    bool reads_untouched = false;     // whether a batch in which nothing was sent to it still changes it
+    Plane<Int128> sum;                // [pixel, component] filter: weighted; average, sum: unweighted
+    Plane<Int128> plain_sum;          // [pixel, component] statistics: unweighted
+    Plane<Int128> square_sum;         // [pixel, component] statistics: squares, quantum 2^square_exponent
+    Plane<double> picked;             // [pixel, component] zmin, zmax, min, max
+    Plane<float> depth;               // [pixel] zmin, zmax: of the row picked
+    Plane<std::uint64_t> seen;        // [pixel] zmin, zmax: sample index picked + 1; else: rows taken in
+};
+
+struct FrameBuffer::Storage {
+    // Squares need more room upwards (2^71) and less below than values do.
+    static constexpr int square_exponent = -56;
+
+    FrameBufferLayout layout;
+    std::vector<ChannelDefinition> definitions;
+    std::vector<Channel> channels;
+    Plane<std::uint64_t> samples;       // [pixel]
+    Plane<Int128> weight, alpha;        // [pixel] sums of weight, weight x alpha
+    Plane<Int128> weight_square;        // [pixel] only when a channel keeps statistics
+    std::unique_ptr<std::atomic<std::uint64_t>[]> rejected;   // [channel], the last entry for weight and alpha
+
+    void reject(std::size_t channel) { rejected[channel].fetch_add(1, std::memory_order_relaxed); }
+    /// sum[at ..] += the terms, all of them or (counted against `channel`) none.
+    void add(Plane<Int128>& sum, std::size_t at, const double* terms, int count, int exponent, std::size_t channel) {
+        Int128 result[3];
+        for (int c = 0; c < count; ++c) {
+            Int128 term;
+            result[c] = sum[at + static_cast<std::size_t>(c)];
+            if (!to_fixed(terms[c], exponent, term) || !add_fixed(result[c], term)) return reject(channel);
+        }
+        for (int c = 0; c < count; ++c) sum[at + static_cast<std::size_t>(c)] = result[c];
+    }
+    void add_filtered(Channel& channel, std::size_t index, const SampleTable& table, const Run& run);
+    void add_plain(Channel& channel, std::size_t index, const SampleTable& table, const Run& run);
+    void add_picked(Channel& channel, std::size_t index, const SampleTable& table, const Run& run);
+    void merge_picked(Channel& to, const Channel& from) const;
+    [[nodiscard]] std::size_t pixel_count() const {
+        return static_cast<std::size_t>(layout.width) * static_cast<std::size_t>(layout.height);
+    }
+};
+
+[[nodiscard]] inline bool is_z_rule(FilterRule rule) { return rule == FilterRule::zmin || rule == FilterRule::zmax; }
+[[nodiscard]] inline bool is_extremum(FilterRule rule) { return rule == FilterRule::min || rule == FilterRule::max; }
+
+/// Whether (depth, sample) beats what a z rule has picked so far.
+inline bool z_rule_prefers(FilterRule rule, float depth, std::uint64_t sample, float best_depth, std::uint64_t best_seen) {
+    if (best_seen == 0) return true;
+    if (depth != best_depth) return rule == FilterRule::zmin ? depth < best_depth : depth > best_depth;
+    return sample + 1 < best_seen;
+}
+
+/// The smaller or larger of two values; +0 stands for both zeros, so that no order of merging shows.
+[[nodiscard]] inline double pick_extremum(FilterRule rule, bool first, double best, double value) {
+    value += 0.0;
+    if (first) return value;
+    return rule == FilterRule::min ? std::min(best, value) : std::max(best, value);
+}
+
+}  // namespace raylex::display
