@@ -139,14 +139,14 @@ std::vector<const Parameter*> ParameterSet::unused() const {
     return result;
 }
 
-// A likely slip costs at most a third of the word's letters, and always at least one is allowed. Ties go to the
-// candidate listed first.
+// A likely slip costs at most a third of the word's letters, and always at least one is allowed, but never all of them.
+// Ties go to the candidate listed first.
 std::string nearest_name(std::string_view word, const std::vector<std::string>& candidates) {
     std::string best;
     std::size_t best_distance = std::max<std::size_t>(1, word.size() / 3) + 1;
     for (const std::string& candidate : candidates) {
         const std::size_t distance = edit_distance(word, candidate);
-        if (distance >= best_distance) continue;
+        if (distance >= best_distance || distance >= std::max(word.size(), candidate.size())) continue;
         best_distance = distance;
         best = candidate;
     }
