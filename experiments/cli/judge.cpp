@@ -2,9 +2,7 @@
 
 #include <filesystem>
 
-#include "display/output/color_manager.h"
 #include "experiments/cli/console.h"
-#include "experiments/report/preview.h"
 
 namespace raylex::experiments {
 namespace {
@@ -40,11 +38,10 @@ std::string write_residual_map(const display::SplitVerdict& verdict, const displ
     if (verdict.residual.empty()) return "no residual map: the image has no pixels";
     const fs::path source(image.path);
     const fs::path name = source.stem().string() + "." + (verdict.partition.empty() ? "sum" : verdict.partition) + ".residual.png";
-    const Picture picture = residual_picture(verdict.residual, verdict.bound, image.width, image.height);
     std::string reason;
     for (const fs::path& path : {source.parent_path() / name, name}) {
-        Status written = display::write_png(path.string(), picture.width, picture.height, picture.rgb);
-        if (written) return "residual map: " + path.string() + " (black where the split holds, violet to yellow above the bound)";
+        Status written = display::write_residual_png(path.string(), verdict, image.width, image.height);
+        if (written) return "residual map: " + path.string() + " (blue to violet within the bound, red to yellow above it)";
         reason = written.error().message;
     }
     return "no residual map: " + reason;

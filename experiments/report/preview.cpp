@@ -156,24 +156,4 @@ Result<Picture> picture_of(const display::ExrImage& image, const display::ImageL
     return picture;
 }
 
-Picture residual_picture(const std::vector<float>& residual, double bound, int width, int height) {
-    // Stops of the ramp, evenly spaced over six decades above the bound.
-    static constexpr std::array<std::array<double, 3>, 5> ramp{{{0.25, 0.05, 0.45}, {0.65, 0.10, 0.45}, {0.90, 0.30, 0.25}, {0.98, 0.60, 0.15}, {1.0, 0.95, 0.55}}};
-    Picture picture{width, height, {}};
-    picture.rgb.reserve(residual.size() * 3);
-    for (const float value : residual) {
-        const bool broken = !std::isfinite(value);
-        if (!broken && !(value > bound)) {
-            picture.rgb.insert(picture.rgb.end(), {0, 0, 0});
-            continue;
-        }
-        const double share = broken ? 1.0 : std::clamp(std::log10(value / bound) / 6, 0.0, 1.0);
-        const double position = share * (ramp.size() - 1);
-        const auto stop = std::min(static_cast<std::size_t>(position), ramp.size() - 2);
-        const double t = position - static_cast<double>(stop);
-        for (std::size_t c = 0; c < 3; ++c) picture.rgb.push_back(to_byte(ramp[stop][c] * (1 - t) + ramp[stop + 1][c] * t));
-    }
-    return picture;
-}
-
 }  // namespace raylex::experiments

@@ -41,7 +41,4 @@ struct PictureOptions {
 Result<Picture> picture_of(const display::ExrImage& image, const display::ImageLayer& layer, const display::ColorManager& color,
                            const PictureOptions& options);
 
-/// Where |sum - beauty| stands to its bound: black where it holds, from violet (just above) to yellow (a million times).
-Picture residual_picture(const std::vector<float>& residual, double bound, int width, int height);
-
 }  // namespace raylex::experiments

@@ -1,0 +1,86 @@
+#include "experiments/report/statistics_table.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "experiments/report/html.h"
+
+namespace raylex::experiments {
+namespace {
+
+using Json = nlohmann::json;
+
+double number_at(const Json& json, const char* pointer) {
+    const Json::json_pointer path(pointer);
+    return json.contains(path) && json.at(path).is_number() ? json.at(path).get<double>() : 0.0;
+}
+
+std::string text_of(const char* format, double value) {
+    std::array<char, 48> text{};
+    std::snprintf(text.data(), text.size(), format, value);
+    return text.data();
+}
+
+/// 1234567 as "1 234 567".
+std::string counted(double value) {
+    std::string digits = text_of("%.0f", value);
+    for (std::ptrdiff_t at = static_cast<std::ptrdiff_t>(digits.size()) - 3; at > 0; at -= 3) digits.insert(static_cast<std::size_t>(at), " ");
+    return digits;
+}
+
+std::string row(const std::string& name, const std::string& value) { return "<tr><td>" + name + "</td><td class=\"number\">" + value + "</td></tr>\n"; }
+
+std::string phases(const Json& json) {
+    std::string table = "<div class=\"wide\"><table>\n<tr><th>Phase</th><th>Wall seconds</th><th>CPU seconds</th></tr>\n";
+    for (const std::string phase : {"load", "build", "render", "write"}) {
+        const std::string at = "/phases/" + phase;
+        table += "<tr><td>" + phase + "</td><td class=\"number\">" + text_of("%.3f", number_at(json, (at + "/wall_seconds").c_str())) + "</td><td class=\"number\">" +
+                 text_of("%.3f", number_at(json, (at + "/cpu_seconds").c_str())) + "</td></tr>\n";
+    }
+    return table + "</table></div>\n";
+}
+
+/// Path lengths as shares with bars; one colour, so that length alone carries the number.
+std::string path_lengths(const Json& json) {
+    const auto found = json.find("path_length_histogram");
+    if (found == json.end() || !found->is_array()) return {};
+    double total = 0;
+    for (const Json& each : *found) total += each.is_number() ? each.get<double>() : 0;
+    if (!(total > 0)) return {};
+    std::string table = "<div class=\"wide\"><table>\n<tr><th>Scattering events</th><th>Paths</th><th></th></tr>\n";
+    for (std::size_t i = 0; i < found->size(); ++i) {
+        const double share = (*found)[i].is_number() ? (*found)[i].get<double>() / total : 0;
+        table += "<tr><td>" + std::to_string(i) + "</td><td class=\"number\">" + text_of("%.2f %%", share * 100) + "</td><td><div style=\"height:.7em;background:var(--mark);width:" +
+                 text_of("%.1f", std::max(share * 16, 0.0)) + "rem\"></div></td></tr>\n";
+    }
+    return table + "</table></div>\n";
+}
+
+}  // namespace
+
+std::string statistics_table(const std::string& json_text) {
+    const Json json = Json::parse(json_text, nullptr, false);
+    if (json.is_discarded() || !json.is_object() || !json.contains("phases")) return {};
+    std::string text = phases(json) + "<div class=\"wide\"><table>\n";
+    text += row("Camera samples", counted(number_at(json, "/samples/camera")));
+    text += row("Samples per CPU second", counted(number_at(json, "/samples/per_cpu_second")));
+    text += row("Camera rays", counted(number_at(json, "/rays/camera")));
+    text += row("Scattering rays", counted(number_at(json, "/rays/scattering")));
+    text += row("Shadow rays", counted(number_at(json, "/rays/shadow")));
+    text += row("Merged attributions", counted(number_at(json, "/attribution_overflow")));
+    text += row("Contributions that were not finite", counted(number_at(json, "/invalid_samples/count")));
+    text += row("Peak memory", text_of("%.0f MB", number_at(json, "/peak_memory_bytes") * 1e-6));
+    text += "</table></div>\n" + path_lengths(json);
+    const auto warnings = json.find("warnings");
+    if (warnings != json.end() && warnings->is_array() && !warnings->empty()) {
+        text += "<p>Warnings:</p>\n<ul>\n";
+        for (const Json& each : *warnings)
+            if (each.is_string()) text += "<li>" + escape_html(each.get<std::string>()) + "</li>\n";
+        text += "</ul>\n";
+    }
+    return text;
+}
+
+}  // namespace raylex::experiments
