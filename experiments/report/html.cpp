@@ -1,5 +1,7 @@
 #include "experiments/report/html.h"
 
+#include <algorithm>
+
 namespace raylex::experiments {
 
 std::string escape_html(std::string_view text) {

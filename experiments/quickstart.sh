@@ -1,0 +1,141 @@
+#!/usr/bin/env bash
+# From a clone to pictures: installs what is missing, builds raylex, renders two scenes, checks that their layers sum to
+# beauty, and leaves images, previews and one HTML page.
+#
+#   bash experiments/quickstart.sh [OUT]     OUT defaults to build/quickstart in the clone
+#
+# Finished steps are skipped on a rerun; earlier results are kept (moved to OUT/earlier when they are made anew).
+# Exit codes: 0 every split holds, 1 one does not, 2 something is missing or failed, 130 after Ctrl-C.
+set -uo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+root=$(dirname "$here")
+scenes=(cornell-color still-life)
+
+case "${1:-}" in
+    -h | --help) sed -n '2,8s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    -*) echo "quickstart.sh: unknown option '$1'; expected a folder for the results, or nothing" >&2; exit 2 ;;
+esac
+[ $# -le 1 ] || { echo "quickstart.sh: $# arguments; expected at most one folder" >&2; exit 2; }
+out=${1:-$root/build/quickstart}
+
+# Measured on a machine with two cores and a cold compiler cache; one core takes twice as long.
+build_core_seconds=480
+render_core_seconds=200
+needed_megabytes=700
+
+say() { printf '%s\n' "$*"; }
+stop() { printf 'quickstart.sh: %s\n' "$*" >&2; exit 2; }
+interrupted() { echo; say "Interrupted. What is finished is kept; the same command goes on from there."; exit 130; }
+trap interrupted INT TERM
+minutes() { awk -v s="$1" 'BEGIN { if (s < 90) printf "%d s", s; else printf "%.0f min", s / 60 }'; }
+seconds_since() { awk -v a="$1" -v b="$(date +%s.%N)" 'BEGIN { printf "%.1f", b - a }'; }
+
+mkdir -p "$out" || stop "cannot make the folder $out"
+[ -w "$out" ] || stop "cannot write to the folder $out"
+out=$(cd "$out" && pwd)
+[ -w "$root" ] || stop "cannot write to $root, where the build goes; copy the clone to a folder of your own"
+program=$root/build/release/raylex
+cores=$(nproc)
+
+# --- what it will take -------------------------------------------------------------------------------------------------
+estimate=$((render_core_seconds / cores))
+work="render 2 scenes (about $(minutes "$estimate"))"
+if [ ! -x "$program" ]; then
+    build=$((build_core_seconds / cores))
+    estimate=$((estimate + build))
+    work="build (about $(minutes "$build")), $work"
+fi
+say "raylex quickstart on $cores cores: $work; about $needed_megabytes MB of disk."
+say "Results go to $out"
+free_megabytes=$(df -Pm "$out" | awk 'NR == 2 { print $4 }')
+[ -x "$program" ] || [ "${free_megabytes:-$needed_megabytes}" -ge "$needed_megabytes" ] ||
+    stop "only $free_megabytes MB are free where $out is; about $needed_megabytes MB are needed"
+
+# --- packages and build -------------------------------------------------------------------------------------------------
+bash "$here/install_packages.sh" || exit 2
+
+started=$(date +%s.%N)
+# A build folder that was configured elsewhere (a moved or copied clone) cannot be used and must not be deleted.
+cache=$root/build/release/CMakeCache.txt
+if [ -f "$cache" ] && ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$cache"; then
+    stop "build/release was configured for another folder; move it away (mv build/release build/release-old) and start again"
+fi
+if [ ! -f "$cache" ]; then
+    say "Configuring ..."
+    log=$(mktemp)
+    if ! (cd "$root" && cmake --preset release) >"$log" 2>&1; then
+        tail -n 30 "$log" >&2
+        rm -f "$log"
+        stop "configuring failed"
+    fi
+    rm -f "$log"
+fi
+say "Building ..."
+# Ninja redraws one line on a terminal; elsewhere a line every 20 steps is enough.
+if [ -t 1 ]; then
+    (cd "$root" && cmake --build --preset release --target raylex) || stop "the build failed"
+else
+    (cd "$root" && cmake --build --preset release --target raylex) 2>&1 |
+        awk '/^\[[0-9]+\/[0-9]+\]/ { split(substr($1, 2), step, /[\/\]]/); if (step[1] % 20 && step[1] != step[2]) next } { print; fflush() }' ||
+        stop "the build failed"
+fi
+build_seconds=$(seconds_since "$started")
+
+# --- render --------------------------------------------------------------------------------------------------------------
+# What a result depends on: the program, the job and the scene's files.
+stamp_of() { find "$program" "$here/quickstart/$1.toml" "$here/scenes/$1" -type f -print0 | sort -z | xargs -0 sha256sum | awk '{ print $1 }' | sha256sum | awk '{ print $1 }'; }
+keep_earlier() {
+    local file folder=""
+    for file in "$@"; do
+        [ -e "$file" ] || continue
+        [ -n "$folder" ] || { folder=$(mktemp -d "$out/earlier-$(date +%Y%m%d-%H%M%S)-XXXX") || stop "cannot write to $out"; chmod 755 "$folder"; }
+        mv "$file" "$folder/" || stop "cannot move $file to $folder"
+    done
+    [ -z "$folder" ] || say "Earlier results are kept in $folder"
+}
+
+failed=0 renders="" images=() made=()
+for scene in "${scenes[@]}"; do
+    base=$out/$scene
+    stamp=$(stamp_of "$scene")
+    started=$(date +%s.%N)
+    if [ "$(cat "$base.stamp" 2>/dev/null)" = "$stamp" ] && [ -f "$base.exr" ] && [ -f "$base.png" ] && [ -f "$base.json" ]; then
+        say "$scene: already rendered from these inputs"
+        renders+=", $scene kept"
+    else
+        keep_earlier "$base.exr" "$base.png" "$base.json" "$base.stamp"
+        say "Rendering $scene ..."
+        "$program" render "$here/quickstart/$scene.toml" -o "$base.exr" --preview "$base.png" --stats "$base.json"
+        status=$?
+        [ $status -ne 130 ] || interrupted
+        [ $status -le 1 ] || stop "rendering $scene failed"
+        printf '%s\n' "$stamp" >"$base.stamp"
+        renders+=", $scene $(seconds_since "$started") s"
+        made+=("$base.exr")
+    fi
+    images+=("$base.exr")
+done
+
+# --- verdict and page ----------------------------------------------------------------------------------------------------
+say "Checking that the layers sum to beauty ..."
+"$program" verify "${images[@]}"
+status=$?
+[ $status -le 1 ] || stop "the images could not be checked"
+failed=$status
+page=$out/index.html
+[ ${#made[@]} -eq 0 ] || keep_earlier "$page"
+"$program" report "${images[@]}" -o "$page" || stop "the page could not be made"
+
+say ""
+if [ "$failed" -eq 0 ]; then say "VERDICT: every split sums to its beauty, pixel by pixel."; else say "VERDICT: a split does NOT sum to its beauty; see above."; fi
+say "Times: build $build_seconds s$renders."
+say "Made:"
+for scene in "${scenes[@]}"; do
+    say "  $out/$scene.exr    beauty, layers and geometry in one multi-part OpenEXR"
+    say "  $out/$scene.png    beauty through the display's view"
+done
+say "  $page    every layer side by side"
+say ""
+say "Next, split a scene your own way, for example:"
+say "  $(printf '%q' "$program") render $(printf '%q' "$here/scenes/mis-plates/scene.pbrt") -o plates.exr --lpe mirrored='C<RS>L' --spp 32 && $(printf '%q' "$program") verify plates.exr"
+exit "$failed"
