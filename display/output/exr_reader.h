@@ -1,9 +1,18 @@
 // Any flat OpenEXR file as named layers: one part, many parts, tiled or scanline, ours or somebody else's.
+//
+// Layer names. A channel "A.B.R" is plane R of layer "A.B", whatever its part is called. Nameless colour channels
+// (R G B A, Y) make the layer "" when the file has one part or the first part is called rgba, rgb, main or image, else
+// a layer called like their part. Other nameless channels (Z, id) make the layer of their part when it has no colour; else
+// each is a layer of its own. A name that two parts give to the same plane gets "PART." in front the second time.
+// Deep parts are passed over. Only the highest level of a mip map is read.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "display/output/exr_writer.h"
@@ -13,7 +22,8 @@ namespace raylex::display {
 
 enum class StoredType : std::uint8_t { half_float, single_float, unsigned_int };
 
-/// One plane of a layer, row-major from the top of the display window; pixels outside the data window are 0.
+/// One plane of a layer, row-major from the top of the display window; pixels outside the data window are 0. Unsigned
+/// integers are rounded to float: exact up to 2^24.
 struct ImagePlane {
     std::string name;                   ///< last component of the channel name: "R", "Z", ...
     StoredType stored = StoredType::single_float;
@@ -26,8 +36,10 @@ struct ImageLayer {
     std::string part;
     std::vector<ImagePlane> planes;     ///< R G B (A) first and in that order when present
 
+    /// By name; failing that, ignoring case.
     [[nodiscard]] const ImagePlane* plane(std::string_view plane_name) const;
-    /// R, G and B (or X Y Z, or a single plane three times) for arithmetic.
+    [[nodiscard]] bool is_color() const;    ///< has R, G and B
+    /// R, G and B (or X Y Z, or the only plane beside A three times) for arithmetic; three null pointers for anything else.
     [[nodiscard]] std::array<const ImagePlane*, 3> triple() const;
 };
 
@@ -41,10 +53,15 @@ struct ExrImage {
 
     /// "" and "beauty" both mean the nameless R G B unless a layer is called beauty.
     [[nodiscard]] const ImageLayer* layer(std::string_view name) const;
+    /// The same, or an error with near misses and the names there are.
+    [[nodiscard]] Result<const ImageLayer*> require_layer(std::string_view name) const;
+    [[nodiscard]] std::vector<std::string> layer_names() const;
 };
 
+/// Errors: no such file, no OpenEXR file, truncated or damaged, incomplete, only deep parts, more pixels than fit in memory.
 Result<ExrImage> read_exr(const std::string& path);
-/// Several files of one image, one layer per file: a nameless RGB takes the file's base name as its layer name.
+/// Several files of one image, one layer per file: a nameless RGB takes the file's base name (without a frame number) as its
+/// layer name. Other layers keep theirs, with "BASE." in front when it is taken. Sizes and chromaticities must agree.
 Result<ExrImage> read_exr_set(const std::vector<std::string>& paths);
 
 }  // namespace raylex::display

@@ -1,0 +1,237 @@
+#include "display/output/exr_reader.h"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <utility>
+
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputPart.h>
+#include <ImfMultiPartInputFile.h>
+#include <ImfPartType.h>
+#include <ImfStandardAttributes.h>
+#include <ImfStringAttribute.h>
+
+#include "display/output/exr_layers.h"
+#include "display/output/primaries.h"
+
+namespace raylex::display {
+
+namespace {
+
+Error read_error(const std::string& path, const std::string& message) {
+    Error error;
+    error.file = path;
+    error.message = message;
+    return error;
+}
+
+// What can be told without the library: a folder, no such file, some other format.
+Status check_magic(const std::string& path) {
+    struct stat status {};
+    if (stat(path.c_str(), &status) != 0)
+        return read_error(path, std::string("cannot read the image: ") + std::strerror(errno) + "; expected an OpenEXR file");
+    if (S_ISDIR(status.st_mode)) return read_error(path, "this is a directory; expected an OpenEXR file");
+    std::ifstream stream(path, std::ios::binary);
+    if (!stream) return read_error(path, std::string("cannot read the image: ") + std::strerror(errno));
+    unsigned char magic[4] = {};
+    stream.read(reinterpret_cast<char*>(magic), 4);
+    if (stream.gcount() != 4 || magic[0] != 0x76 || magic[1] != 0x2f || magic[2] != 0x31 || magic[3] != 0x01)
+        return read_error(path, stream.gcount() == 0 ? "the file is empty; expected an OpenEXR file"
+                                                     : "this is no OpenEXR file; expected one that begins with the bytes 76 2f 31 01");
+    return success();
+}
+
+struct Window {
+    std::int64_t min_x, min_y, width, height;
+};
+
+Window window_of(const Imath::Box2i& box) {
+    return {box.min.x, box.min.y, std::int64_t{box.max.x} - box.min.x + 1, std::int64_t{box.max.y} - box.min.y + 1};
+}
+
+bool is_deep(const Imf::Header& header) { return header.hasType() && !Imf::isImage(header.type()); }
+
+// A damaged or hostile header may claim any size; memory that the machine does not have must not be asked for.
+Status check_size(const std::string& path, const Imf::MultiPartInputFile& file) {
+    const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+    double needed = 0;
+    for (int i = 0; i < file.parts(); ++i) {
+        if (is_deep(file.header(i))) continue;
+        const Window data = window_of(file.header(i).dataWindow()), display = window_of(file.header(i).displayWindow());
+        double channels = 0;
+        for (auto c = file.header(i).channels().begin(); c != file.header(i).channels().end(); ++c) channels += 1;
+        needed += 4.0 * channels * (static_cast<double>(data.width) * static_cast<double>(data.height) +
+                                    static_cast<double>(display.width) * static_cast<double>(display.height));
+    }
+    if (needed <= memory) return success();
+    return read_error(path, "the header asks for " + std::to_string(static_cast<std::int64_t>(needed / 1e9)) +
+                                " GB of pixels, more than this machine's memory of " + std::to_string(static_cast<std::int64_t>(memory / 1e9)) +
+                                " GB; expected a smaller image (is the file damaged?)");
+}
+
+StoredType stored_type(Imf::PixelType type) {
+    return type == Imf::HALF ? StoredType::half_float : type == Imf::FLOAT ? StoredType::single_float : StoredType::unsigned_int;
+}
+
+// From the (possibly subsampled) data window to the display window; what it does not cover is 0.
+std::vector<float> to_display_window(std::vector<float> samples, const Window& data, const Window& display, int x_sampling, int y_sampling) {
+    const bool same = data.min_x == display.min_x && data.min_y == display.min_y && data.width == display.width && data.height == display.height;
+    if (same && x_sampling == 1 && y_sampling == 1) return samples;
+    std::vector<float> result(static_cast<std::size_t>(display.width * display.height), 0.0f);
+    const std::int64_t stride = (data.width + x_sampling - 1) / x_sampling;
+    const std::int64_t first_x = std::max(data.min_x, display.min_x), last_x = std::min(data.min_x + data.width, display.min_x + display.width);
+    const std::int64_t first_y = std::max(data.min_y, display.min_y), last_y = std::min(data.min_y + data.height, display.min_y + display.height);
+    for (std::int64_t y = first_y; y < last_y; ++y)
+        for (std::int64_t x = first_x; x < last_x; ++x)
+            result[static_cast<std::size_t>((y - display.min_y) * display.width + x - display.min_x)] =
+                samples[static_cast<std::size_t>((y - data.min_y) / y_sampling * stride + (x - data.min_x) / x_sampling)];
+    return result;
+}
+
+FilePart read_part(Imf::MultiPartInputFile& file, int index) {
+    const Imf::Header& header = file.header(index);
+    const Window data = window_of(header.dataWindow()), display = window_of(header.displayWindow());
+    struct Raw {
+        const char* name;
+        Imf::Channel channel;
+        std::vector<float> samples;
+    };
+    std::vector<Raw> raw;
+    for (auto c = header.channels().begin(); c != header.channels().end(); ++c) raw.push_back({c.name(), c.channel(), {}});
+
+    Imf::FrameBuffer buffer;
+    for (Raw& each : raw) {
+        const std::int64_t xs = each.channel.xSampling, ys = each.channel.ySampling;
+        const std::int64_t width = (data.width + xs - 1) / xs, height = (data.height + ys - 1) / ys;
+        each.samples.resize(static_cast<std::size_t>(width * height));
+        // The library wants the address where pixel (0, 0) would stand, which may lie outside the array: integer
+        // arithmetic, since such a pointer may not be formed.
+        const std::intptr_t origin = reinterpret_cast<std::intptr_t>(each.samples.data()) - 4 * (data.min_x / xs + data.min_y / ys * width);
+        buffer.insert(each.name, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(origin), 4, static_cast<std::size_t>(4 * width),
+                                            each.channel.xSampling, each.channel.ySampling));
+    }
+    Imf::InputPart part(file, index);
+    part.setFrameBuffer(buffer);
+    part.readPixels(header.dataWindow().min.y, header.dataWindow().max.y);
+
+    FilePart result{header.hasName() ? header.name() : "", {}};
+    for (Raw& each : raw)
+        result.channels.push_back({each.name, stored_type(each.channel.type),
+                                   to_display_window(std::move(each.samples), data, display, each.channel.xSampling, each.channel.ySampling)});
+    return result;
+}
+
+void read_attributes(const Imf::Header& header, ExrImage& image) {
+    for (auto i = header.begin(); i != header.end(); ++i) {
+        const auto* text = dynamic_cast<const Imf::StringAttribute*>(&i.attribute());
+        const std::string name = i.name();
+        if (text == nullptr || name == "name" || name == "type" || name == "view") continue;
+        const bool fresh = image.attributes.emplace(name, text->value()).second;
+        constexpr std::string_view prefix = "partition/";
+        if (fresh && name.starts_with(prefix)) image.partitions.push_back(parse_partition(name.substr(prefix.size()), text->value()));
+    }
+    if (!image.chromaticities && Imf::hasChromaticities(header)) {
+        const Imf::Chromaticities& c = Imf::chromaticities(header);
+        const auto xy = [](const Imath::V2f& v) { return std::array<double, 2>{v.x, v.y}; };
+        const Chromaticities primaries{xy(c.red), xy(c.green), xy(c.blue), xy(c.white)};
+        // Some writers leave zeros there: primaries on one line, or a white without luminance, say nothing.
+        if (primaries.white[1] > 1e-3 && inverse(rgb_to_xyz(primaries)) != Matrix3{}) image.chromaticities = primaries;
+    }
+}
+
+Result<ExrImage> read_file(const std::string& path) {
+    Imf::MultiPartInputFile file(path.c_str());
+    if (Status size = check_size(path, file); !size) return std::move(size).error();
+    ExrImage image;
+    image.path = path;
+    std::vector<FilePart> parts;
+    for (int i = 0; i < file.parts(); ++i) {
+        const Imf::Header& header = file.header(i);
+        if (is_deep(header)) continue;
+        if (!file.partComplete(i))
+            return read_error(path, "the image is incomplete: part " + std::to_string(i) + " lacks pixels (an interrupted write, or the file was cut); " +
+                                        "expected a whole file");
+        const Window display = window_of(header.displayWindow());
+        if (parts.empty()) {
+            image.width = static_cast<int>(display.width);
+            image.height = static_cast<int>(display.height);
+        } else if (display.width != image.width || display.height != image.height) {
+            return read_error(path, "part " + std::to_string(i) + " has another size than part 0; expected one display window for all parts");
+        }
+        read_attributes(header, image);
+        parts.push_back(read_part(file, i));
+    }
+    if (parts.empty()) return read_error(path, "the file holds only deep images; expected at least one flat part");
+    image.layers = name_layers(std::move(parts));
+    return image;
+}
+
+// "shot_diffuse.0001.exr" -> "shot_diffuse"
+std::string base_name(const std::string& path) {
+    std::string stem = std::filesystem::path(path).stem().string();
+    const std::size_t dot = stem.rfind('.');
+    if (dot != std::string::npos && dot != 0 && dot + 1 < stem.size() && stem.find_first_not_of("0123456789", dot + 1) == std::string::npos)
+        stem.erase(dot);
+    return stem;
+}
+
+std::string size_text(const ExrImage& image) { return std::to_string(image.width) + " x " + std::to_string(image.height); }
+
+}  // namespace
+
+Result<ExrImage> read_exr(const std::string& path) {
+    if (Status magic = check_magic(path); !magic) return std::move(magic).error();
+    try {
+        return read_file(path);
+    } catch (const std::bad_alloc&) {
+        return read_error(path, "not enough memory for the image");
+    } catch (const std::exception& exception) {
+        return read_error(path, std::string("the file is truncated or damaged: ") + exception.what() + "; expected a whole OpenEXR file");
+    } catch (...) {
+        return read_error(path, "the file is truncated or damaged; expected a whole OpenEXR file");
+    }
+}
+
+Result<ExrImage> read_exr_set(const std::vector<std::string>& paths) {
+    if (paths.empty()) return read_error("", "no image file given; expected at least one");
+    if (paths.size() == 1) return read_exr(paths.front());
+    ExrImage set;
+    for (const std::string& path : paths) {
+        Result<ExrImage> image = read_exr(path);
+        if (!image) return std::move(image).error();
+        if (&path == &paths.front()) {
+            set.path = path;
+            set.width = image->width;
+            set.height = image->height;
+            set.chromaticities = image->chromaticities;
+        }
+        if (image->width != set.width || image->height != set.height)
+            return read_error(path, "the image has " + size_text(*image) + " pixels; expected " + size_text(set) + " as in " + set.path);
+        if (image->chromaticities != set.chromaticities)
+            return read_error(path, "the image has other chromaticities; expected those of " + set.path);
+        const std::string base = base_name(path);
+        for (ImageLayer& layer : image->layers) {
+            const auto taken = [&set](const std::string& name) {
+                return std::any_of(set.layers.begin(), set.layers.end(), [&name](const ImageLayer& each) { return each.name == name; });
+            };
+            if (layer.name.empty()) layer.name = base;
+            else if (taken(layer.name)) layer.name = base + "." + layer.name;
+            if (taken(layer.name))
+                return read_error(path, "two files give a layer called '" + layer.name + "'; expected file names that tell the layers apart");
+            set.layers.push_back(std::move(layer));
+        }
+        set.attributes.merge(image->attributes);
+        set.partitions.insert(set.partitions.end(), image->partitions.begin(), image->partitions.end());
+    }
+    return set;
+}
+
+}  // namespace raylex::display
