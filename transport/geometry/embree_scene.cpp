@@ -172,14 +172,21 @@ int EmbreeScene::label_index(const std::string& label) {
     return static_cast<int>(labels_.size()) - 1;
 }
 
-Status EmbreeScene::add_shape(const SceneShape& shape, TextureTable& textures, bool instanced) {
+Status EmbreeScene::add_shape(const SceneShape& shape, const SceneDescription& scene, TextureTable& textures, bool instanced) {
     ShapeGeometry g;
     g.kind = shape.kind;
     g.flip_normal = shape.flip_normal;
     g.material = std::max(shape.material, 0);
     g.area_light = instanced ? -1 : shape.area_light;
     g.label = label_index(shape.label);
-    if (!shape.alpha_texture.empty()) {
+    const auto material = static_cast<std::size_t>(g.material);
+    if (material >= scene.materials.size() && material > 0)
+        return error_at(shape.location, "the shape's material is not defined");
+    g.interface = material < scene.materials.size() &&
+                  (scene.materials[material].type == "interface" || scene.materials[material].type.empty());
+    if (g.interface) {
+        g.alpha = textures.add_constant(Rgb(0));
+    } else if (!shape.alpha_texture.empty()) {
         auto id = textures.named_real(shape.alpha_texture, shape.location);
         if (!id) return id.error();
         g.alpha = *id;
@@ -252,12 +259,12 @@ Result<EmbreeScene> EmbreeScene::build(const SceneDescription& scene, TextureTab
     result.shapes_.reserve(total);      // addresses are handed to Embree below
     result.top_level_shapes_ = scene.shapes.size();
     for (const SceneShape& shape : scene.shapes)
-        if (Status s = result.add_shape(shape, textures, false); !s) return s.error();
+        if (Status s = result.add_shape(shape, scene, textures, false); !s) return s.error();
     std::vector<std::uint32_t> first_shape;
     for (const SceneObject& object : scene.objects) {
         first_shape.push_back(static_cast<std::uint32_t>(result.shapes_.size()));
         for (const SceneShape& shape : object.shapes)
-            if (Status s = result.add_shape(shape, textures, true); !s) return s.error();
+            if (Status s = result.add_shape(shape, scene, textures, true); !s) return s.error();
     }
 
     const auto attach = [&](RTCScene target, std::size_t first, std::size_t count) {

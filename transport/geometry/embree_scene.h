@@ -37,6 +37,7 @@ struct ShapeGeometry {
     int material = 0;
     int area_light = -1;                        ///< index into SceneDescription::area_lights; -1 also for instanced shapes
     TextureId alpha = -1;                       ///< opacity; -1 = opaque everywhere
+    bool interface = false;                     ///< no surface at all: rays pass, but an area light on it shines
     int label = 0;                              ///< index into object_labels()
     std::uint32_t first_light = Hit::none;      ///< set by the light table: the light of primitive 0
 
@@ -87,6 +88,7 @@ class EmbreeScene {
     void surfaces(std::span<const Ray> rays, std::span<const Hit> hits, std::span<SurfacePoint> points,
                   std::span<SurfaceSource> sources) const;
 
+    /// Whether any shape can be passed straight through (alpha or an interface).
     [[nodiscard]] bool has_alpha() const { return has_alpha_; }
     [[nodiscard]] std::span<const ShapeGeometry> shapes() const { return shapes_; }
     [[nodiscard]] std::span<ShapeGeometry> shapes() { return shapes_; }
@@ -100,7 +102,7 @@ class EmbreeScene {
   private:
     EmbreeScene();
     struct Device;
-    Status add_shape(const SceneShape& shape, TextureTable& textures, bool instanced);
+    Status add_shape(const SceneShape& shape, const SceneDescription& scene, TextureTable& textures, bool instanced);
     int label_index(const std::string& label);
     std::unique_ptr<Device> device_;
     std::vector<ShapeGeometry> shapes_;         // top level, then those of every object in turn

@@ -17,13 +17,14 @@ struct DVec3 {
     friend constexpr DVec3 operator-(const DVec3& a, const DVec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
     friend constexpr DVec3 operator*(const DVec3& a, double s) { return {a.x * s, a.y * s, a.z * s}; }
     [[nodiscard]] Vec3 to_float() const { return {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)}; }
+    // Friends, so that only DVec3 arguments find them: normalize({x, y, z}) keeps meaning a Vec3.
+    friend constexpr double dot(const DVec3& a, const DVec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+    friend constexpr DVec3 cross(const DVec3& a, const DVec3& b) {
+        return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+    }
+    friend double length(const DVec3& v) { return std::sqrt(dot(v, v)); }
+    friend DVec3 normalize(const DVec3& v) { return v * (1 / length(v)); }
 };
-constexpr double dot(const DVec3& a, const DVec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-constexpr DVec3 cross(const DVec3& a, const DVec3& b) {
-    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-inline double length(const DVec3& v) { return std::sqrt(dot(v, v)); }
-inline DVec3 normalize(const DVec3& v) { return v * (1 / length(v)); }
 
 struct Matrix34 {
     double m[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};

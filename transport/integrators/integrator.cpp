@@ -1,0 +1,92 @@
+#include "transport/integrators/integrator.h"
+
+#include <algorithm>
+
+#include "transport/integrators/path.h"
+
+namespace raylex::transport {
+
+lpe::Event scattering_event(const std::string& object_label, const LobeKind& lobe) {
+    lpe::Event event;
+    event.type = lobe.type;
+    event.scatter = lobe.scatter;
+    event.lobe_number = lobe.lobe_number;
+    event.labels = {object_label, lobe.name};
+    return event;
+}
+
+lpe::Event straight_event(const std::string& object_label) {
+    lpe::Event event;
+    event.type = lpe::EventType::transmission;
+    event.scatter = lpe::Scatter::straight;
+    event.labels = {object_label, ""};
+    return event;
+}
+
+lpe::Event terminal_event(bool infinite, const std::string& light_group) {
+    lpe::Event event;
+    event.type = infinite ? lpe::EventType::background : lpe::EventType::light;
+    event.labels = {light_group};
+    return event;
+}
+
+EventTable::EventTable(const display::LpeSetup& setup, const SceneView& scene) {
+    any_ = setup.program().group_count() > 0;
+    const std::span<const LobeKind> kinds = lobe_kinds();
+    lobe_count_ = kinds.size();
+    for (const std::string& label : scene.geometry->object_labels()) {
+        for (const LobeKind& kind : kinds) scatter_.push_back(setup.classify(scattering_event(label, kind)));
+        straight_.push_back(setup.classify(straight_event(label)));
+    }
+    for (const Light& light : scene.lights->lights())
+        terminal_.push_back(setup.classify(terminal_event(light.is_environment(),
+                                                          scene.lights->groups()[static_cast<std::size_t>(light.group)])));
+}
+
+void IntegratorCounters::add(const IntegratorCounters& other) {
+    camera_rays += other.camera_rays;
+    scattering_rays += other.scattering_rays;
+    shadow_rays += other.shadow_rays;
+    if (path_lengths.size() < other.path_lengths.size()) path_lengths.resize(other.path_lengths.size());
+    for (std::size_t i = 0; i < other.path_lengths.size(); ++i) path_lengths[i] += other.path_lengths[i];
+}
+
+Registry<IntegratorFactory>& integrator_registry() {
+    static Registry<IntegratorFactory> registry = [] {
+        Registry<IntegratorFactory> r("integrator");
+        r.add(path_integrator_entry());
+        return r;
+    }();
+    return registry;
+}
+
+Result<ChosenIntegrator> choose_integrator(const SceneEntity& entity, std::optional<std::int64_t> max_depth) {
+    ChosenIntegrator chosen;
+    SceneEntity asked = entity;
+    if (asked.type.empty()) asked.type = "path";
+    static const std::vector<std::string> of_pbrt = {"ambientocclusion", "bdpt", "function", "lightpath", "mlt", "randomwalk",
+                                                     "simplepath", "simplevolpath", "sppm", "volpath"};
+    if (!integrator_registry().find(asked.type) && std::find(of_pbrt.begin(), of_pbrt.end(), asked.type) != of_pbrt.end()) {
+        chosen.warnings.push_back(error_at(asked.location, "integrator '" + asked.type + "' is not available; rendering with 'path'"));
+        for (const Parameter& p : entity.parameters.parameters) p.used = true;
+        std::erase_if(asked.parameters.parameters, [](const Parameter& p) { return p.name != "maxdepth"; });
+        asked.type = "path";
+    }
+    auto entry = integrator_registry().require(asked.type, asked.location);
+    if (!entry) return entry.error();
+    auto made = (*entry)->factory(asked, max_depth);
+    if (!made) return made.error();
+    for (const Parameter* p : asked.parameters.unused()) {
+        std::vector<std::string> names;
+        for (const ParameterDescription& each : (*entry)->parameters) names.push_back(each.name);
+        const std::string near = nearest_name(p->name, names);
+        chosen.warnings.push_back(error_at(p->location, "integrator '" + asked.type + "' has no parameter '" + p->name + "'",
+                                           near.empty() ? "" : "did you mean '" + near + "'?"));
+    }
+    for (const Parameter& p : entity.parameters.parameters) p.used = true;
+    chosen.integrator = std::move(*made);
+    chosen.name = asked.type;
+    return chosen;
+}
+
+}  // namespace raylex::transport

@@ -1,0 +1,143 @@
+// What an integrator is, and all it sees of the rest.
+//
+// The engine hands camera rays over in batches; row i of the batch is row i of the thread's sample table. An integrator
+// answers through the services only: it moves a tracker along each path, reports every contribution once, and writes
+// distance, opacity and (when asked for) geometric AOVs. It never learns which light path expressions exist.
+//
+// Life of an integrator:
+//
+//   factory(parameters)          typed, located parameters; an Error here names file and line
+//   prepare(context)             once, single-threaded, before any ray: tables of its own, channel ids to cache
+//   make_thread_state()          once per thread
+//   begin_iteration(i)           single-threaded; photon maps, guiding structures, chains are shared state made here
+//     integrate(batch, ...)      many threads at once; const: shared state is read-only while rays fly
+//   end_iteration(i)             single-threaded: take in what the threads' states gathered
+//
+// An integrator that is not `synchronous()` gets the whole budget as iteration 0. A synchronous one gets one iteration
+// per block of samples of the whole image, all threads waiting for one another in between.
+//
+// Randomness comes from the batch's samplers, keyed by named dimensions; pick dimensions from first_free_dimension up.
+// An integrator whose light paths land on any pixel (light tracing, Metropolis) will splat through ThreadServices too:
+// a raster-position sink joins display and lpe there.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "display/services/display_services.h"
+#include "display/services/lpe_services.h"
+#include "display/services/registry.h"
+#include "geoaovs/geoaovs.h"
+#include "transport/geometry/embree_scene.h"
+#include "transport/lights/light_table.h"
+#include "transport/materials/material.h"
+#include "transport/samplers/pixel_sampler.h"
+
+namespace raylex::transport {
+
+/// Sampler dimensions that the engine uses itself: pixel filter, lens, shutter time.
+inline constexpr std::uint32_t filter_dimension = 0, lens_dimension = 1, time_dimension = 2, first_free_dimension = 8;
+
+/// The scene's tables, all immutable while rendering.
+struct SceneView {
+    const EmbreeScene* geometry = nullptr;
+    const TextureTable* textures = nullptr;
+    const MaterialTable* materials = nullptr;
+    const LightTable* lights = nullptr;
+};
+
+/// What events of this scene are to this render's channels: look-ups for the inner loop, filled once.
+class EventTable {
+  public:
+    EventTable() = default;
+    EventTable(const display::LpeSetup& setup, const SceneView& scene);
+
+    /// A scattering by `lobe` at an object of this label.
+    [[nodiscard]] lpe::EventClass scatter(std::int32_t label, LobeId lobe) const {
+        return scatter_[static_cast<std::size_t>(label) * lobe_count_ + lobe];
+    }
+    /// Straight through a cutout or an interface without a surface.
+    [[nodiscard]] lpe::EventClass straight(std::int32_t label) const { return straight_[static_cast<std::size_t>(label)]; }
+    /// The terminal: L, or B for infinite lights, with the light's group.
+    [[nodiscard]] lpe::EventClass terminal(std::uint32_t light) const { return terminal_[light]; }
+    /// False when there is nothing to match: then moves may be skipped.
+    [[nodiscard]] bool any() const { return any_; }
+
+  private:
+    std::vector<lpe::EventClass> scatter_, straight_, terminal_;
+    std::size_t lobe_count_ = 0;
+    bool any_ = false;
+};
+
+/// The events behind EventTable, also what scene_alphabet() lists.
+lpe::Event scattering_event(const std::string& object_label, const LobeKind& lobe);
+lpe::Event straight_event(const std::string& object_label);
+lpe::Event terminal_event(bool infinite, const std::string& light_group);
+
+/// What prepare() gets; the pointers live as long as the render.
+struct IntegratorContext {
+    SceneView scene;
+    const EventTable* events = nullptr;
+    const geoaovs::GeometricAovs* aovs = nullptr;
+    std::span<const display::ChannelDefinition> channels;
+    float world_to_camera[3][4] = {};       ///< rigid part, for geoaovs::ShadingBatch
+    bool beauty = true;                     ///< false: what no channel can accept need not be simulated (Law 4)
+    int batch_capacity = 0;                 ///< most rays of one batch
+};
+
+/// Camera rays of one call. ray i belongs to row i and draws from samplers[i].
+struct CameraBatch {
+    std::span<const Ray> rays;
+    std::span<const PixelSampler> samplers;
+};
+
+struct ThreadServices {
+    display::DisplayServices& display;
+    display::LpeServices& lpe;
+};
+
+/// Work done, for statistics. Added up over threads at the end.
+struct IntegratorCounters {
+    std::uint64_t camera_rays = 0, scattering_rays = 0, shadow_rays = 0;
+    std::vector<std::uint64_t> path_lengths;      ///< [scattering events]
+    void add(const IntegratorCounters& other);
+};
+
+/// Base of an integrator's per-thread state.
+struct IntegratorThread {
+    virtual ~IntegratorThread() = default;
+    IntegratorCounters counters;
+};
+
+class Integrator {
+  public:
+    virtual ~Integrator() = default;
+    virtual Status prepare(const IntegratorContext& context) = 0;
+    [[nodiscard]] virtual std::unique_ptr<IntegratorThread> make_thread_state() const = 0;
+    [[nodiscard]] virtual bool synchronous() const { return false; }
+    virtual void begin_iteration(std::uint64_t /*iteration*/) {}
+    virtual void integrate(const CameraBatch& batch, IntegratorThread& thread, ThreadServices& services) const = 0;
+    virtual void end_iteration(std::uint64_t /*iteration*/, std::span<IntegratorThread* const> /*threads*/) {}
+};
+
+/// `max_depth` overrides the entity's "maxdepth".
+using IntegratorFactory =
+    std::function<Result<std::unique_ptr<Integrator>>(const SceneEntity&, std::optional<std::int64_t> max_depth)>;
+
+/// path; plugins add theirs.
+Registry<IntegratorFactory>& integrator_registry();
+
+struct ChosenIntegrator {
+    std::unique_ptr<Integrator> integrator;
+    std::string name;
+    std::vector<Error> warnings;
+};
+/// pbrt's integrators that are not here fall back to `path` with a warning; a name nobody knows is an Error. An empty type
+/// means `path`.
+Result<ChosenIntegrator> choose_integrator(const SceneEntity& entity, std::optional<std::int64_t> max_depth);
+
+}  // namespace raylex::transport
