@@ -28,7 +28,8 @@ std::string Error::to_string() const {
     if (line > 0) {
         text += (text.empty() ? "line " : ":") + std::to_string(line);
         if (column > 0) {
-            text += ":" + std::to_string(column);
+            text += ':';
+            text += std::to_string(column);
         }
     } else if (column > 0) {
         text += (text.empty() ? "column " : ": column ") + std::to_string(column);

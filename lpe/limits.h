@@ -1,0 +1,22 @@
+// Bounds that keep any input, however hostile, within seconds and 256 MiB. Each is far above what people write; passing
+// one is an error that says so, never a crash.
+#pragma once
+
+#include <cstddef>
+
+namespace raylex::lpe::limits {
+
+inline constexpr std::size_t text_bytes = 65'536;         ///< one expression
+inline constexpr int nesting = 200;                       ///< brackets, parentheses and '!' inside one another
+inline constexpr int repetitions = 1'000;                 ///< n and m of {n,m}
+inline constexpr std::size_t nfa_states = 20'000;         ///< one expression after unrolling its repetitions
+inline constexpr std::size_t subset_elements = 4'000'000; ///< NFA states held by all subsets of one determinisation
+inline constexpr std::size_t table_entries = 8'000'000;   ///< states times columns of one automaton
+inline constexpr std::size_t work_steps = 300'000'000;    ///< elementary steps spent on one expression, about two seconds
+inline constexpr std::size_t event_classes = 4'096;       ///< kinds of events that a set of channels tells apart
+inline constexpr std::size_t label_tests = 20'000'000;    ///< label comparisons while event classes are found
+inline constexpr std::size_t group_variants = 1'024;      ///< slot sequences that one osl <...> stands for
+inline constexpr std::size_t glob_states = 20'000;        ///< joint automaton of the label globs of one slot
+inline constexpr std::size_t boolean_states = 50'000;     ///< automata below &, - and !, and those of proofs
+
+}  // namespace raylex::lpe::limits
