@@ -158,7 +158,9 @@ class Evaluation {
     void leave(float rise, float pdf, bool only_strategy) {
         const float value = coat_.interface.value(-at_.w, exit_.wi, TransportMode::radiance);
         if (!(value > 0)) return;
-        const float other = coat_.interface.pdf(-at_.w, exit_.wi, Sides::transmission);
+        // The competitor refracts from wi inwards; pbrt-v4 takes the density of the way out (see layered.h).
+        const float other = coat_.as_pbrt ? coat_.interface.pdf(-at_.w, exit_.wi, Sides::transmission)
+                                          : coat_.interface.pdf(exit_.wi, -at_.w, Sides::transmission);
         result_ += beta_ * (value * transmittance(rise, at_.w) * (only_strategy ? 1.0f : power_heuristic(pdf, other)));
     }
 

@@ -1,4 +1,8 @@
 // Materials: registered by name, compiled once per scene, run on batches of hits of one material at a time.
+//
+// Parameters are pbrt-v4's, by name and default. "displacement" and "normalmap" change the image and are not supported: an
+// Error (a constant displacement bends nothing and is accepted). Materials that pbrt-v4 does not have are called
+// "raylex:..."; they serve analytic scenes and tests, from files and from the API alike.
 #pragma once
 
 #include <functional>
@@ -15,12 +19,16 @@
 
 namespace raylex::transport {
 
-/// A compiled material. One virtual call serves a whole run of hits of this material.
+/// Positions in a batch of hits.
+using HitIndices = std::span<const std::uint32_t>;
+
+/// A compiled material. One virtual call serves all hits of this material in a batch.
 class Material {
   public:
     virtual ~Material() = default;
-    /// Fills `closures[i]` from `points[i]`. No allocation; texture look-ups only.
-    virtual void shade(const TextureTable& textures, std::span<const SurfacePoint> points, std::span<Bsdf> closures) const = 0;
+    /// Fills `closures[i]` from `points[i]` for every i of `hits`. No allocation; texture look-ups only.
+    virtual void shade(const TextureTable& textures, HitIndices hits, std::span<const SurfacePoint> points,
+                       std::span<Bsdf> closures) const = 0;
     /// Lobes this material can give: the scene's alphabet.
     virtual void append_lobes(std::vector<LobeId>& lobes) const = 0;
 };
@@ -32,11 +40,13 @@ struct MaterialContext {
     const SceneDescription& scene;
     TextureTable& textures;                     ///< a factory resolves texture parameters here, once
     const MaterialTable& materials;             ///< materials before this one in the list, and by name (for mix)
+    std::uint32_t salt;                         ///< this material's own number, for choices that must not correlate
 };
 
 using MaterialFactory = std::function<Result<std::unique_ptr<Material>>(const SceneEntity&, const MaterialContext&)>;
 
-/// diffuse, conductor, dielectric, thindielectric, coateddiffuse, coatedconductor, mix, interface; plugins add theirs.
+/// diffuse, conductor, dielectric, thindielectric, coateddiffuse, coatedconductor, mix, interface, and raylex:additive,
+/// raylex:mirror, raylex:diffuse-mirror, raylex:sheet; plugins add theirs.
 Registry<MaterialFactory>& material_registry();
 
 /// All materials of a scene, in the order of SceneDescription::materials.
@@ -48,9 +58,12 @@ class MaterialTable {
     void shade(const TextureTable& textures, std::span<const SurfacePoint> points, std::span<Bsdf> closures) const;
     [[nodiscard]] const Material* material(std::size_t index) const { return materials_[index].get(); }
     [[nodiscard]] std::size_t size() const { return materials_.size(); }
+    /// The last material so far that is called `name`, or an Error at `where` with the near miss.
+    [[nodiscard]] Result<const Material*> find(std::string_view name, const SourceLocation& where) const;
 
   private:
     std::vector<std::unique_ptr<Material>> materials_;
+    std::vector<std::string> names_;
 };
 
 }  // namespace raylex::transport

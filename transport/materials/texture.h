@@ -1,4 +1,11 @@
 // Textures: constant, scale, mix, checkerboard, imagemap; float and colour alike, evaluated by index.
+//
+// Patterns, mappings (uv, spherical, cylindrical, planar) and parameters are pbrt-v4's. Looked up at a point: neither image
+// pyramids nor pbrt-v4's filtered checkerboard; camera samples do the filtering. Image filters "bilinear", "trilinear" and
+// "EWA" are therefore all bilinear on the full image, "point" takes the nearest texel. The top of an image is at v = 1.
+//
+// A colour texture is compiled once for every role it is used in (SpectrumRole): the role decides whether its values are
+// clamped to [0, 1] and taken to the rendering space.
 #pragma once
 
 #include <functional>
@@ -36,9 +43,11 @@ class TextureTable {
     Result<TextureId> rgb_parameter(const ParameterSet& set, std::string_view name, const Rgb& fallback, SpectrumRole role,
                                     const ColorContext& color);
     Result<TextureId> real_parameter(const ParameterSet& set, std::string_view name, float fallback);
-    /// By the texture's own name (SceneShape::alpha_texture).
+    /// By the float texture's own name (SceneShape::alpha_texture).
     Result<TextureId> named_real(std::string_view name, const SourceLocation& where) const;
 
+    /// The same value everywhere: read it once.
+    [[nodiscard]] bool is_constant(TextureId id) const;
     [[nodiscard]] Rgb rgb(TextureId id, const TexturePoint& at) const;
     [[nodiscard]] float real(TextureId id, const TexturePoint& at) const;
 

@@ -1,0 +1,29 @@
+// Texels between pixels: bilinear and nearest look-ups with pbrt-v4's wrap modes.
+#pragma once
+
+#include <cstdint>
+
+#include "display/services/rgb.h"
+#include "transport/import/image.h"
+#include "transport/math/vec.h"
+
+namespace raylex::transport {
+
+enum class WrapMode : std::uint8_t { repeat, black, clamp, octahedral_sphere };
+
+/// Values at (s, t) with t = 0 at the image's top edge. Any coordinates, NaN included, are safe.
+struct ImageSampler {
+    const Image* image;
+    WrapMode wrap;
+    bool nearest;
+    bool alpha_varies;                 ///< a fourth channel that is not 1 everywhere
+
+    [[nodiscard]] Rgb rgb(const Vec2& st) const;
+    /// What a float texture reads: the only channel, the mean of three, or the alpha of four where it varies.
+    [[nodiscard]] float real(const Vec2& st) const;
+};
+
+/// Whether the fourth channel of `image` differs from 1 anywhere.
+bool alpha_varies(const Image& image);
+
+}  // namespace raylex::transport

@@ -1,0 +1,355 @@
+#include "transport/materials/texture.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <deque>
+#include <filesystem>
+#include <map>
+#include <optional>
+
+#include "transport/materials/image_sampler.h"
+#include "transport/materials/parameter_reader.h"
+#include "transport/materials/texture_mapping.h"
+
+namespace raylex::transport {
+
+namespace {
+
+/// What an image's values go through after interpolation.
+struct ImageStage {
+    ImageSampler sampler;
+    float scale = 1;
+    bool invert = false;
+    bool clamp_to_one = false;                                  ///< albedo
+    bool convert = false;                                       ///< to the rendering space
+    std::array<std::array<float, 3>, 3> matrix{};
+
+    [[nodiscard]] float real(const Vec2& st) const {
+        const float value = scale * sampler.real(st);
+        return invert ? std::max(0.0f, 1 - value) : value;
+    }
+    [[nodiscard]] Rgb rgb(const Vec2& st) const {
+        Rgb c = sampler.rgb(st) * scale;
+        if (invert) c = Rgb(1) - c;
+        c = limit(c);
+        if (!convert) return c;
+        return limit({matrix[0][0] * c.r + matrix[0][1] * c.g + matrix[0][2] * c.b,
+                      matrix[1][0] * c.r + matrix[1][1] * c.g + matrix[1][2] * c.b,
+                      matrix[2][0] * c.r + matrix[2][1] * c.g + matrix[2][2] * c.b});
+    }
+
+  private:
+    [[nodiscard]] Rgb limit(const Rgb& c) const {
+        const float top = clamp_to_one ? 1.0f : INFINITY;
+        return {std::clamp(c.r, 0.0f, top), std::clamp(c.g, 0.0f, top), std::clamp(c.b, 0.0f, top)};
+    }
+};
+
+/// One compiled texture: a node of the graph, its children by index.
+struct Node {
+    enum class Kind : std::uint8_t { constant, scale, mix, checkerboard, solid_checkerboard, image };
+    Kind kind = Kind::constant;
+    Rgb value;                          ///< constant (a float texture's in all three)
+    TextureId a = 0, b = 0;             ///< scale: a; mix, checkerboards: a and b
+    TextureId amount = 0;               ///< scale, mix: a float texture
+    std::int32_t mapping = 0;           ///< checkerboard, image
+    std::int32_t stage = 0;             ///< image
+};
+
+bool odd(float x) {
+    const float half = std::floor(x) * 0.5f;
+    return half != std::floor(half);
+}
+
+}  // namespace
+
+struct TextureTable::Storage {
+    std::vector<Node> nodes;
+    std::vector<TextureMapping> mappings;
+    std::vector<ImageStage> stages;
+    std::deque<Image> images;                                   // addresses stay
+    std::map<std::pair<std::string, std::string>, const Image*> image_by_file;   // (path, encoding)
+
+    std::vector<SceneTexture> sources;                          // as the scene has them
+    std::map<std::pair<std::size_t, SpectrumRole>, TextureId> compiled;
+    ColorContext color;
+    std::string scene_file;
+
+    Result<TextureId> reference(const Parameter& parameter, const SourceLocation& where, bool spectrum, SpectrumRole role,
+                                std::size_t visible);
+    Result<TextureId> rgb_input(const ParameterSet& set, std::string_view name, const Rgb& fallback, SpectrumRole role,
+                                std::size_t visible);
+    Result<TextureId> real_input(const ParameterSet& set, std::string_view name, float fallback, std::size_t visible);
+    Result<TextureId> compile(std::size_t index, SpectrumRole role);
+    Result<Node> compile_node(const SceneTexture& source, SpectrumRole role, std::size_t visible);
+    Result<Node> compile_image(const SceneTexture& source, SpectrumRole role);
+    Result<const Image*> load_image(const std::string& name, const std::string& encoding, const SourceLocation& where);
+
+    TextureId add(const Node& node) {
+        nodes.push_back(node);
+        return static_cast<TextureId>(nodes.size() - 1);
+    }
+    [[nodiscard]] const Node& node(TextureId id) const { return nodes[static_cast<std::size_t>(id)]; }
+
+    /// T is Rgb or float. Graphs are trees of a few nodes without cycles: textures see only those before them.
+    template <class T>
+    [[nodiscard]] T evaluate(TextureId id, const TexturePoint& at) const {
+        const Node& n = node(id);
+        switch (n.kind) {
+            case Node::Kind::constant:
+                if constexpr (std::is_same_v<T, Rgb>) return n.value;
+                else return n.value.r;
+            case Node::Kind::scale: return evaluate<T>(n.a, at) * evaluate<float>(n.amount, at);
+            case Node::Kind::mix: {
+                const float amount = evaluate<float>(n.amount, at);
+                T sum{};
+                if (amount != 1) sum += evaluate<T>(n.a, at) * (1 - amount);
+                if (amount != 0) sum += evaluate<T>(n.b, at) * amount;
+                return sum;
+            }
+            case Node::Kind::checkerboard: {
+                const Vec2 st = mappings[static_cast<std::size_t>(n.mapping)].map(at);
+                return evaluate<T>(odd(st.x) == odd(st.y) ? n.a : n.b, at);
+            }
+            case Node::Kind::solid_checkerboard: {
+                const Vec3 p = mappings[static_cast<std::size_t>(n.mapping)].texture_from_world.point(at.position);
+                return evaluate<T>((odd(p.x) != odd(p.y)) == odd(p.z) ? n.a : n.b, at);
+            }
+            case Node::Kind::image: {
+                const Vec2 st = mappings[static_cast<std::size_t>(n.mapping)].map(at);
+                const ImageStage& stage = stages[static_cast<std::size_t>(n.stage)];
+                if constexpr (std::is_same_v<T, Rgb>) return stage.rgb({st.x, 1 - st.y});
+                else return stage.real({st.x, 1 - st.y});
+            }
+        }
+        return T{};
+    }
+};
+
+Result<const Image*> TextureTable::Storage::load_image(const std::string& name, const std::string& encoding,
+                                                       const SourceLocation& where) {
+    namespace fs = std::filesystem;
+    // Relative to the scene file, as in pbrt-v4; else to the file that names it.
+    std::error_code ignored;
+    fs::path path(name);
+    if (path.is_relative()) {
+        path = fs::path(scene_file).parent_path() / name;
+        const fs::path beside = fs::path(where.file).parent_path() / name;
+        if (!fs::exists(path, ignored) && fs::exists(beside, ignored)) path = beside;
+    }
+    const std::pair key{path.lexically_normal().string(), encoding};
+    if (const auto known = image_by_file.find(key); known != image_by_file.end()) return known->second;
+    Result<Image> image = read_image(path.string(), encoding);
+    if (!image) {
+        const Error& inner = image.error();
+        return error_at(where, "image texture '" + name + "': " + inner.message, inner.hint);
+    }
+    if (image->width <= 0 || image->height <= 0 || image->channels <= 0)
+        return error_at(where, "image texture '" + name + "' holds no pixels");
+    images.push_back(*std::move(image));
+    image_by_file[key] = &images.back();
+    return &images.back();
+}
+
+Result<Node> TextureTable::Storage::compile_image(const SceneTexture& source, SpectrumRole role) {
+    ParameterReader reader(source.parameters);
+    const Parameter* file = source.parameters.find("filename");
+    if (file == nullptr) return error_at(source.location, "imagemap texture without \"string filename\"");
+    const std::string name = reader.string("filename", "");
+    const std::string encoding = reader.string("encoding", "");
+    ImageStage stage{};
+    stage.sampler.wrap = static_cast<WrapMode>(reader.choice("wrap", {"repeat", "black", "clamp", "octahedralsphere"}, 0));
+    stage.sampler.nearest = reader.choice("filter", {"bilinear", "point", "trilinear", "ewa", "EWA"}, 0) == 1;
+    reader.real("maxanisotropy", 8);
+    stage.scale = reader.real("scale", 1);
+    stage.invert = reader.boolean("invert", false);
+    const TextureMapping mapping = read_mapping(reader, source.to_world);
+    if (reader.error()) return *reader.error();
+    Result<const Image*> image = load_image(name, encoding, reader.where(*file));
+    if (!image) return std::move(image).error();
+    stage.sampler.image = *image;
+    stage.sampler.alpha_varies = alpha_varies(**image);
+    stage.clamp_to_one = role == SpectrumRole::albedo;
+    const auto& m = color.rendering_from_scene;
+    stage.convert = source.spectrum && role != SpectrumRole::unbounded && m != ColorContext{}.rendering_from_scene;
+    for (std::size_t r = 0; r < 3; ++r)
+        for (std::size_t c = 0; c < 3; ++c) stage.matrix[r][c] = static_cast<float>(m[r][c]);
+    mappings.push_back(mapping);
+    stages.push_back(stage);
+    Node node;
+    node.kind = Node::Kind::image;
+    node.mapping = static_cast<std::int32_t>(mappings.size() - 1);
+    node.stage = static_cast<std::int32_t>(stages.size() - 1);
+    return node;
+}
+
+Result<Node> TextureTable::Storage::compile_node(const SceneTexture& source, SpectrumRole role, std::size_t visible) {
+    ParameterReader reader(source.parameters);
+    const auto child = [&](std::string_view name, float fallback) {
+        return source.spectrum ? reader.take(rgb_input(source.parameters, name, Rgb(fallback), role, visible), 0)
+                               : reader.take(real_input(source.parameters, name, fallback, visible), 0);
+    };
+    const auto amount = [&](std::string_view name, float fallback) {
+        return reader.take(real_input(source.parameters, name, fallback, visible), 0);
+    };
+    Node node;
+    if (source.type == "constant") {
+        const TextureId value = child("value", 1);
+        if (!reader.error()) node = nodes[static_cast<std::size_t>(value)];
+    } else if (source.type == "scale") {
+        node.kind = Node::Kind::scale;
+        node.a = child("tex", 1);
+        node.amount = amount("scale", 1);
+    } else if (source.type == "mix") {
+        node.kind = Node::Kind::mix;
+        node.a = child("tex1", 0);
+        node.b = child("tex2", 1);
+        node.amount = amount("amount", 0.5f);
+    } else if (source.type == "checkerboard") {
+        const bool solid = reader.integer("dimension", 2, 2, 3) == 3;
+        node.kind = solid ? Node::Kind::solid_checkerboard : Node::Kind::checkerboard;
+        node.a = child("tex1", 1);
+        node.b = child("tex2", 0);
+        TextureMapping mapping;
+        if (solid) mapping.texture_from_world = source.to_world.inverse();
+        else mapping = read_mapping(reader, source.to_world);
+        mappings.push_back(mapping);
+        node.mapping = static_cast<std::int32_t>(mappings.size() - 1);
+    } else if (source.type == "imagemap") {
+        return compile_image(source, role);
+    } else {
+        const std::vector<std::string> known{"constant", "scale", "mix", "checkerboard", "imagemap"};
+        const std::string near = nearest_name(source.type, known);
+        return error_at(source.location, "unknown texture type '" + source.type +
+                                             "'; expected one of: constant, scale, mix, checkerboard, imagemap",
+                        near.empty() ? std::string() : "did you mean '" + near + "'?");
+    }
+    if (reader.error()) return *reader.error();
+    return node;
+}
+
+Result<TextureId> TextureTable::Storage::compile(std::size_t index, SpectrumRole role) {
+    const SceneTexture& source = sources[index];
+    if (!source.spectrum) role = SpectrumRole::unbounded;       // floats have no role
+    if (const auto known = compiled.find({index, role}); known != compiled.end()) return known->second;
+    Result<Node> result = compile_node(source, role, index);
+    if (!result) return std::move(result).error();
+    Node node = *result;
+    const auto fixed = [this](TextureId id) { return this->node(id).kind == Node::Kind::constant; };
+    const bool foldable = (node.kind == Node::Kind::scale && fixed(node.a) && fixed(node.amount)) ||
+                          (node.kind == Node::Kind::mix && fixed(node.a) && fixed(node.b) && fixed(node.amount));
+    TextureId id = add(node);
+    if (foldable) {
+        Node constant;
+        constant.value = evaluate<Rgb>(id, {});
+        nodes.back() = constant;
+    }
+    compiled[{index, role}] = id;
+    return id;
+}
+
+Result<TextureId> TextureTable::Storage::reference(const Parameter& parameter, const SourceLocation& where, bool spectrum,
+                                                   SpectrumRole role, std::size_t visible) {
+    const char* kind = spectrum ? "colour" : "float";
+    if (parameter.strings.size() != 1)
+        return error_at(where, "texture parameter '" + parameter.name + "' must name one " + kind + " texture");
+    const std::string& name = parameter.strings.front();
+    std::vector<std::string> known;
+    bool other_kind = false, later = false;
+    for (std::size_t i = sources.size(); i-- > 0;) {
+        if (sources[i].spectrum == spectrum) known.push_back(sources[i].name);
+        if (sources[i].name != name) continue;
+        if (sources[i].spectrum != spectrum) other_kind = true;
+        else if (i >= visible) later = true;
+        else return compile(i, role);
+    }
+    std::string hint;
+    if (later) hint = "a texture of that name is defined further down: textures may only use earlier ones";
+    else if (other_kind) hint = std::string("there is a ") + (spectrum ? "float" : "colour") + " texture of that name";
+    else if (const std::string near = nearest_name(name, known); !near.empty()) hint = "did you mean '" + near + "'?";
+    return error_at(where, std::string("unknown ") + kind + " texture '" + name + "' for parameter '" + parameter.name + "'", hint);
+}
+
+Result<TextureId> TextureTable::Storage::rgb_input(const ParameterSet& set, std::string_view name, const Rgb& fallback,
+                                                   SpectrumRole role, std::size_t visible) {
+    Node constant;
+    constant.value = fallback;
+    const Parameter* parameter = set.find(name);
+    if (parameter == nullptr) return add(constant);
+    const SourceLocation& where = parameter->location.line != 0 ? parameter->location : set.location;
+    if (parameter->type == ParameterType::texture) return reference(*parameter, where, true, role, visible);
+    Result<Rgb> value = resolve_spectrum(*parameter, role, color);
+    if (!value) return std::move(value).error();
+    constant.value = *value;
+    return add(constant);
+}
+
+Result<TextureId> TextureTable::Storage::real_input(const ParameterSet& set, std::string_view name, float fallback,
+                                                    std::size_t visible) {
+    const Parameter* parameter = set.find(name);
+    if (parameter != nullptr && parameter->type == ParameterType::texture) {
+        const SourceLocation& where = parameter->location.line != 0 ? parameter->location : set.location;
+        return reference(*parameter, where, false, SpectrumRole::unbounded, visible);
+    }
+    Result<double> value = set.real_or(name, static_cast<double>(fallback));
+    if (!value) return std::move(value).error();
+    Node constant;
+    constant.value = Rgb(static_cast<float>(*value));
+    return add(constant);
+}
+
+TextureTable::TextureTable() : storage_(std::make_unique<Storage>()) {}
+TextureTable::~TextureTable() = default;
+TextureTable::TextureTable(TextureTable&&) noexcept = default;
+TextureTable& TextureTable::operator=(TextureTable&&) noexcept = default;
+
+Result<TextureTable> TextureTable::build(const SceneDescription& scene) {
+    TextureTable table;
+    Storage& s = *table.storage_;
+    s.sources = scene.textures;
+    s.color = scene.color;
+    s.scene_file = scene.file;
+    // Compiled once here whether used or not, so that a mistake in any texture is reported.
+    for (std::size_t i = 0; i < s.sources.size(); ++i)
+        if (Result<TextureId> id = s.compile(i, SpectrumRole::albedo); !id) return std::move(id).error();
+    // A look-up marks parameters as used in the copies: carry that back to the scene's own.
+    for (std::size_t i = 0; i < s.sources.size(); ++i)
+        for (std::size_t p = 0; p < s.sources[i].parameters.parameters.size(); ++p)
+            if (s.sources[i].parameters.parameters[p].used) scene.textures[i].parameters.parameters[p].used = true;
+    return table;
+}
+
+TextureId TextureTable::add_constant(const Rgb& value) {
+    Node constant;
+    constant.value = value;
+    return storage_->add(constant);
+}
+
+Result<TextureId> TextureTable::rgb_parameter(const ParameterSet& set, std::string_view name, const Rgb& fallback,
+                                              SpectrumRole role, const ColorContext& color) {
+    storage_->color = color;
+    return storage_->rgb_input(set, name, fallback, role, storage_->sources.size());
+}
+
+Result<TextureId> TextureTable::real_parameter(const ParameterSet& set, std::string_view name, float fallback) {
+    return storage_->real_input(set, name, fallback, storage_->sources.size());
+}
+
+Result<TextureId> TextureTable::named_real(std::string_view name, const SourceLocation& where) const {
+    std::vector<std::string> known;
+    for (std::size_t i = storage_->sources.size(); i-- > 0;) {
+        if (storage_->sources[i].spectrum) continue;
+        if (storage_->sources[i].name == name) return storage_->compiled.at({i, SpectrumRole::unbounded});
+        known.push_back(storage_->sources[i].name);
+    }
+    const std::string near = nearest_name(name, known);
+    return error_at(where, "unknown float texture '" + std::string(name) + "'",
+                    near.empty() ? std::string() : "did you mean '" + near + "'?");
+}
+
+bool TextureTable::is_constant(TextureId id) const { return storage_->node(id).kind == Node::Kind::constant; }
+Rgb TextureTable::rgb(TextureId id, const TexturePoint& at) const { return storage_->evaluate<Rgb>(id, at); }
+float TextureTable::real(TextureId id, const TexturePoint& at) const { return storage_->evaluate<float>(id, at); }
+
+}  // namespace raylex::transport

@@ -1,0 +1,51 @@
+#include "transport/materials/texture_mapping.h"
+
+#include <algorithm>
+
+namespace raylex::transport {
+
+Vec2 TextureMapping::map(const TexturePoint& at) const {
+    if (kind == Kind::uv) return {scale_u * at.u + offset_u, scale_v * at.v + offset_v};
+    const Vec3 p = texture_from_world.point(at.position);
+    if (kind == Kind::planar) return {offset_u + dot(p, axis_u), offset_v + dot(p, axis_v)};
+    if (kind == Kind::cylindrical) return {(pi + std::atan2(p.y, p.x)) * (0.5f * inv_pi), p.z};
+    const float l = length(p), phi = std::atan2(p.y, p.x);
+    const float theta = l > 0 ? std::acos(std::clamp(p.z / l, -1.0f, 1.0f)) : 0.0f;
+    return {theta * inv_pi, (phi < 0 ? phi + 2 * pi : phi) * (0.5f * inv_pi)};
+}
+
+namespace {
+
+Vec3 read_vector(ParameterReader& reader, std::string_view name, const Vec3& fallback) {
+    const Parameter* parameter = reader.set().find(name);
+    if (parameter == nullptr) return fallback;
+    if (parameter->type != ParameterType::vector3 || parameter->numbers.size() != 3) {
+        reader.fail(error_at(reader.where(*parameter), "parameter '" + std::string(name) + "' must be one vector3"));
+        return fallback;
+    }
+    const auto& n = parameter->numbers;
+    return {static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2])};
+}
+
+}  // namespace
+
+TextureMapping read_mapping(ParameterReader& reader, const Transform& world_from_texture) {
+    TextureMapping mapping;
+    mapping.kind = static_cast<TextureMapping::Kind>(reader.choice("mapping", {"uv", "spherical", "cylindrical", "planar"}, 0));
+    mapping.texture_from_world = world_from_texture.inverse();
+    if (mapping.kind == TextureMapping::Kind::uv) {
+        mapping.scale_u = reader.real("uscale", 1);
+        mapping.scale_v = reader.real("vscale", 1);
+    }
+    if (mapping.kind == TextureMapping::Kind::planar) {
+        mapping.axis_u = read_vector(reader, "v1", mapping.axis_u);
+        mapping.axis_v = read_vector(reader, "v2", mapping.axis_v);
+    }
+    if (mapping.kind == TextureMapping::Kind::uv || mapping.kind == TextureMapping::Kind::planar) {
+        mapping.offset_u = reader.real("udelta", 0);
+        mapping.offset_v = reader.real("vdelta", 0);
+    }
+    return mapping;
+}
+
+}  // namespace raylex::transport

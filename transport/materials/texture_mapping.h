@@ -1,0 +1,25 @@
+// From a surface point to texture coordinates, as pbrt-v4 maps them (book, 4th edition, 10.2).
+#pragma once
+
+#include "transport/materials/parameter_reader.h"
+#include "transport/materials/texture.h"
+#include "transport/math/transform.h"
+#include "transport/math/vec.h"
+
+namespace raylex::transport {
+
+struct TextureMapping {
+    enum class Kind : std::uint8_t { uv, spherical, cylindrical, planar };
+
+    Kind kind = Kind::uv;
+    float scale_u = 1, scale_v = 1, offset_u = 0, offset_v = 0;
+    Vec3 axis_u{1, 0, 0}, axis_v{0, 1, 0};     ///< planar
+    Transform texture_from_world;              ///< all but uv
+
+    [[nodiscard]] Vec2 map(const TexturePoint& at) const;
+};
+
+/// Reads "mapping", "uscale", "vscale", "udelta", "vdelta", "v1", "v2"; errors stay in `reader`.
+TextureMapping read_mapping(ParameterReader& reader, const Transform& world_from_texture);
+
+}  // namespace raylex::transport
