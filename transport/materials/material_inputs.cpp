@@ -1,0 +1,104 @@
+#include "transport/materials/material_inputs.h"
+
+#include <string>
+
+namespace raylex::transport {
+
+bool RoughnessInput::may_be_smooth() const {
+    const auto low = [this](const RealInput& i) { return i.texture >= 0 || (remap ? safe_sqrt(i.value) : i.value) < Ggx::smooth_below; };
+    return low(u) && low(v);
+}
+
+bool RoughnessInput::may_be_rough() const {
+    const auto high = [this](const RealInput& i) { return i.texture >= 0 || (remap ? safe_sqrt(i.value) : i.value) >= Ggx::smooth_below; };
+    return high(u) || high(v);
+}
+
+ConductorClosure ConductorInput::at(const TextureTable& textures, const SurfacePoint& p, float outside_eta) const {
+    ConductorClosure closure;
+    closure.facets = roughness.at(textures, p);
+    closure.eta = by_reflectance ? Rgb(1) : eta.at(textures, p);
+    closure.k = by_reflectance ? conductor_k_from_reflectance(reflectance.at(textures, p)) : k.at(textures, p);
+    closure.constant_reflectance = false;
+    if (outside_eta != 1) {
+        closure.eta *= 1 / outside_eta;
+        closure.k *= 1 / outside_eta;
+    }
+    return closure;
+}
+
+MaterialReader::MaterialReader(const SceneEntity& entity, const MaterialContext& context)
+    : ParameterReader(entity.parameters), entity_(entity), context_(context) {
+    if (const Parameter* p = set().find("normalmap"); p != nullptr)
+        fail(error_at(where(*p), "\"normalmap\" is not supported, and without it the image would be wrong"));
+    if (const Parameter* p = set().find("displacement"); p != nullptr && p->type == ParameterType::texture)
+        fail(error_at(where(*p), "\"displacement\" by a texture is not supported, and without it the image would be wrong"));
+    static_cast<void>(set().find("type"));     // how MakeNamedMaterial names it
+}
+
+RgbInput MaterialReader::rgb(std::string_view name, const Rgb& fallback, SpectrumRole role) {
+    const TextureId id = take(context_.textures.rgb_parameter(set(), name, fallback, role, context_.scene.color), TextureId{-1});
+    if (id < 0) return {fallback, -1};
+    if (context_.textures.is_constant(id)) return {context_.textures.rgb(id, {}), -1};
+    return {fallback, id};
+}
+
+RealInput MaterialReader::real_texture(std::string_view name, float fallback) {
+    const TextureId id = take(context_.textures.real_parameter(set(), name, fallback), TextureId{-1});
+    if (id < 0) return {fallback, -1};
+    if (context_.textures.is_constant(id)) return {context_.textures.real(id, {}), -1};
+    return {fallback, id};
+}
+
+RoughnessInput MaterialReader::roughness(std::string_view prefix, float fallback) {
+    const std::string p(prefix);
+    RoughnessInput result;
+    const RealInput both = real_texture(p + "roughness", fallback);
+    result.u = set().find(p + "uroughness") != nullptr ? real_texture(p + "uroughness", fallback) : both;
+    result.v = set().find(p + "vroughness") != nullptr ? real_texture(p + "vroughness", fallback) : both;
+    result.remap = boolean("remaproughness", true);
+    for (const RealInput& each : {result.u, result.v})
+        if (each.texture < 0 && !(each.value >= 0))
+            fail(error_at(entity_.location, "\"" + p + "roughness\" is " + std::to_string(each.value) + "; expected 0 or more"));
+    return result;
+}
+
+RgbInput MaterialReader::named_spectrum_or(std::string_view name, std::string_view fallback) {
+    if (set().find(name) != nullptr) return rgb(name, Rgb(1), SpectrumRole::unbounded);
+    return {take(resolve_named_spectrum(fallback, SpectrumRole::unbounded, context_.scene.color), Rgb(1)), -1};
+}
+
+ConductorInput MaterialReader::conductor(std::string_view prefix) {
+    const std::string p(prefix);
+    ConductorInput result;
+    result.roughness = roughness(prefix, 0);
+    if (set().find("reflectance") != nullptr) {
+        for (const char* other : {"eta", "k"})
+            if (const Parameter* both = set().find(p + other); both != nullptr)
+                fail(error_at(where(*both), "both \"reflectance\" and \"" + p + other + "\" are given; expected only one of them"));
+        result.by_reflectance = true;
+        result.reflectance = rgb("reflectance", Rgb(0));
+        return result;
+    }
+    result.eta = named_spectrum_or(p + "eta", "metal-Cu-eta");
+    result.k = named_spectrum_or(p + "k", "metal-Cu-k");
+    return result;
+}
+
+float MaterialReader::index_of_refraction(std::string_view name, float fallback) {
+    const Parameter* parameter = set().find(name);
+    if (parameter == nullptr) return fallback;
+    if (parameter->type == ParameterType::texture) {
+        fail(error_at(where(*parameter), "\"" + std::string(name) + "\" must be a number or a spectrum, not a texture"));
+        return fallback;
+    }
+    const Rgb value = take(resolve_spectrum(*parameter, SpectrumRole::unbounded, context_.scene.color), Rgb(fallback));
+    const float eta = value.r == value.g && value.g == value.b ? value.r : value.average();
+    if (eta == 0) return 1;            // as pbrt-v4: no index given means no interface
+    if (eta > 0 && eta < 100) return eta;
+    fail(error_at(where(*parameter), "\"" + std::string(name) + "\" is " + std::to_string(eta) +
+                                         "; expected an index of refraction above 0 (glass: 1.5)"));
+    return fallback;
+}
+
+}  // namespace raylex::transport

@@ -1,0 +1,95 @@
+// What a material factory reads once and its shade() looks up at every hit: constants at once, textures by index.
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include "transport/materials/conductor.h"
+#include "transport/materials/dielectric.h"
+#include "transport/materials/material.h"
+#include "transport/materials/parameter_reader.h"
+
+namespace raylex::transport {
+
+inline TexturePoint texture_point(const SurfacePoint& p) { return {p.u, p.v, p.position}; }
+
+inline Rgb clamp_to_unit(const Rgb& c) {
+    return {std::clamp(c.r, 0.0f, 1.0f), std::clamp(c.g, 0.0f, 1.0f), std::clamp(c.b, 0.0f, 1.0f)};
+}
+
+struct RgbInput {
+    Rgb value;
+    TextureId texture = -1;            ///< -1: `value` everywhere
+
+    [[nodiscard]] Rgb at(const TextureTable& textures, const SurfacePoint& p) const {
+        return texture < 0 ? value : textures.rgb(texture, texture_point(p));
+    }
+};
+
+struct RealInput {
+    float value = 0;
+    TextureId texture = -1;
+
+    [[nodiscard]] float at(const TextureTable& textures, const SurfacePoint& p) const {
+        return texture < 0 ? value : textures.real(texture, texture_point(p));
+    }
+};
+
+struct RoughnessInput {
+    RealInput u, v;
+    bool remap = true;                 ///< alpha = sqrt(roughness), as pbrt-v4
+
+    [[nodiscard]] Ggx at(const TextureTable& textures, const SurfacePoint& p) const {
+        const float x = u.at(textures, p), y = v.at(textures, p);
+        return remap ? Ggx::from_alpha(Ggx::alpha_from_roughness(x), Ggx::alpha_from_roughness(y)) : Ggx::from_alpha(x, y);
+    }
+    /// Whether the facets can be smooth, or rough, somewhere: what lobes the material must announce.
+    [[nodiscard]] bool may_be_smooth() const;
+    [[nodiscard]] bool may_be_rough() const;
+};
+
+/// A metal: from "reflectance", or from eta and k.
+struct ConductorInput {
+    RoughnessInput roughness;
+    RgbInput eta, k, reflectance;
+    bool by_reflectance = false;
+
+    /// Seen from inside a medium of index `outside_eta`.
+    [[nodiscard]] ConductorClosure at(const TextureTable& textures, const SurfacePoint& p, float outside_eta) const;
+};
+
+/// A ParameterReader for materials. Every factory begins with one and ends by asking for error().
+class MaterialReader : public ParameterReader {
+  public:
+    /// Refuses "displacement" and "normalmap", which would change the image.
+    MaterialReader(const SceneEntity& entity, const MaterialContext& context);
+
+    RgbInput rgb(std::string_view name, const Rgb& fallback, SpectrumRole role = SpectrumRole::albedo);
+    RealInput real_texture(std::string_view name, float fallback);
+    /// `prefix` + "roughness", "uroughness", "vroughness", and "remaproughness".
+    RoughnessInput roughness(std::string_view prefix, float fallback);
+    /// "eta", "k" and roughness under `prefix`, or "reflectance" instead of both; copper when nothing is given.
+    ConductorInput conductor(std::string_view prefix);
+    /// A real index of refraction: a number, or a spectrum, of which the mean over the RGB channels counts.
+    float index_of_refraction(std::string_view name, float fallback);
+
+  private:
+    RgbInput named_spectrum_or(std::string_view name, std::string_view fallback);
+
+    const SceneEntity& entity_;
+    const MaterialContext& context_;
+};
+
+/// Isotropic facets need no particular tangent.
+inline Frame shading_frame(const SurfacePoint& p, const Ggx& facets) {
+    return facets.alpha_x == facets.alpha_y ? Frame::from_normal(p.shading_normal)
+                                            : Frame::from_normal_and_tangent(p.shading_normal, p.dpdu);
+}
+
+// The in-tree factories, one file per family.
+void register_plain_materials(Registry<MaterialFactory>& registry);
+void register_layered_materials(Registry<MaterialFactory>& registry);
+void register_composite_materials(Registry<MaterialFactory>& registry);
+void register_raylex_materials(Registry<MaterialFactory>& registry);
+
+}  // namespace raylex::transport

@@ -1,0 +1,155 @@
+// diffuse, conductor, dielectric, thindielectric, interface: one closure each.
+#include "transport/materials/material_inputs.h"
+
+namespace raylex::transport {
+
+namespace {
+
+using Built = Result<std::unique_ptr<Material>>;
+
+class DiffuseMaterial final : public Material {
+  public:
+    explicit DiffuseMaterial(const RgbInput& reflectance) : reflectance_(reflectance) {
+        if (reflectance_.texture < 0) reflectance_.value = clamp_to_unit(reflectance_.value);
+    }
+    void shade(const TextureTable& textures, HitIndices hits, std::span<const SurfacePoint> points,
+               std::span<Bsdf> closures) const override {
+        if (reflectance_.texture < 0) {
+            for (const std::uint32_t i : hits)
+                closures[i].set(Frame::from_normal(points[i].shading_normal), LambertClosure{reflectance_.value});
+            return;
+        }
+        for (const std::uint32_t i : hits) {
+            const Rgb reflectance = clamp_to_unit(reflectance_.at(textures, points[i]));
+            closures[i].set(Frame::from_normal(points[i].shading_normal), LambertClosure{reflectance});
+        }
+    }
+    void append_lobes(std::vector<LobeId>& lobes) const override { lobes.push_back(lobes::diffuse); }
+
+  private:
+    RgbInput reflectance_;
+};
+
+class ConductorMaterial final : public Material {
+  public:
+    explicit ConductorMaterial(const ConductorInput& metal) : metal_(metal) {}
+    void shade(const TextureTable& textures, HitIndices hits, std::span<const SurfacePoint> points,
+               std::span<Bsdf> closures) const override {
+        for (const std::uint32_t i : hits) {
+            const ConductorClosure closure = metal_.at(textures, points[i], 1);
+            closures[i].set(shading_frame(points[i], closure.facets), closure);
+        }
+    }
+    void append_lobes(std::vector<LobeId>& lobes) const override {
+        if (metal_.roughness.may_be_rough()) lobes.push_back(lobes::conductor_glossy);
+        if (metal_.roughness.may_be_smooth()) lobes.push_back(lobes::conductor_singular);
+    }
+
+  private:
+    ConductorInput metal_;
+};
+
+class DielectricMaterial final : public Material {
+  public:
+    DielectricMaterial(const RoughnessInput& roughness, float eta) : roughness_(roughness), eta_(eta) {}
+    void shade(const TextureTable& textures, HitIndices hits, std::span<const SurfacePoint> points,
+               std::span<Bsdf> closures) const override {
+        for (const std::uint32_t i : hits) {
+            const DielectricClosure closure{roughness_.at(textures, points[i]), eta_};
+            closures[i].set(shading_frame(points[i], closure.facets), closure);
+        }
+    }
+    void append_lobes(std::vector<LobeId>& lobes) const override {
+        const bool matched = DielectricClosure{{1, 1}, eta_}.is_delta();
+        if (roughness_.may_be_rough() && !matched)
+            lobes.insert(lobes.end(), {lobes::glass_reflect_glossy, lobes::glass_transmit_glossy});
+        if (roughness_.may_be_smooth() || matched)
+            lobes.insert(lobes.end(), {lobes::glass_reflect_singular, lobes::glass_transmit_singular});
+    }
+
+  private:
+    RoughnessInput roughness_;
+    float eta_;
+};
+
+class ThinDielectricMaterial final : public Material {
+  public:
+    explicit ThinDielectricMaterial(float eta) : eta_(eta) {}
+    void shade(const TextureTable&, HitIndices hits, std::span<const SurfacePoint> points,
+               std::span<Bsdf> closures) const override {
+        for (const std::uint32_t i : hits)
+            closures[i].set(Frame::from_normal(points[i].shading_normal), ThinDielectricClosure{eta_});
+    }
+    void append_lobes(std::vector<LobeId>& lobes) const override {
+        lobes.insert(lobes.end(), {lobes::glass_reflect_singular, lobes::glass_transmit_singular});
+    }
+
+  private:
+    float eta_;
+};
+
+class InterfaceMaterial final : public Material {
+  public:
+    void shade(const TextureTable&, HitIndices hits, std::span<const SurfacePoint>, std::span<Bsdf> closures) const override {
+        for (const std::uint32_t i : hits) closures[i].set_pass_through();
+    }
+    void append_lobes(std::vector<LobeId>&) const override {}
+};
+
+Built make_diffuse(const SceneEntity& entity, const MaterialContext& context) {
+    MaterialReader reader(entity, context);
+    const RgbInput reflectance = reader.rgb("reflectance", Rgb(0.5f));
+    if (reader.error()) return *reader.error();
+    return std::unique_ptr<Material>(std::make_unique<DiffuseMaterial>(reflectance));
+}
+
+Built make_conductor(const SceneEntity& entity, const MaterialContext& context) {
+    MaterialReader reader(entity, context);
+    const ConductorInput metal = reader.conductor("");
+    if (reader.error()) return *reader.error();
+    return std::unique_ptr<Material>(std::make_unique<ConductorMaterial>(metal));
+}
+
+Built make_dielectric(const SceneEntity& entity, const MaterialContext& context) {
+    MaterialReader reader(entity, context);
+    const RoughnessInput roughness = reader.roughness("", 0);
+    const float eta = reader.index_of_refraction("eta", 1.5f);
+    if (reader.error()) return *reader.error();
+    return std::unique_ptr<Material>(std::make_unique<DielectricMaterial>(roughness, eta));
+}
+
+Built make_thin_dielectric(const SceneEntity& entity, const MaterialContext& context) {
+    MaterialReader reader(entity, context);
+    const float eta = reader.index_of_refraction("eta", 1.5f);
+    if (reader.error()) return *reader.error();
+    return std::unique_ptr<Material>(std::make_unique<ThinDielectricMaterial>(eta));
+}
+
+Built make_interface(const SceneEntity&, const MaterialContext&) {
+    return std::unique_ptr<Material>(std::make_unique<InterfaceMaterial>());
+}
+
+}  // namespace
+
+void register_plain_materials(Registry<MaterialFactory>& registry) {
+    using enum ParameterType;
+    const std::vector<ParameterDescription> rough{
+        {"roughness", real, "0", "facets on both axes; 0 is a mirror"},
+        {"uroughness", real, "roughness", "along dp/du"},
+        {"vroughness", real, "roughness", "across dp/du"},
+        {"remaproughness", boolean, "true", "alpha = sqrt(roughness) instead of roughness"}};
+    std::vector<ParameterDescription> metal = rough, glass = rough;
+    metal.insert(metal.begin(), {{"eta", spectrum, "metal-Cu-eta", "index of refraction"},
+                                 {"k", spectrum, "metal-Cu-k", "extinction"},
+                                 {"reflectance", rgb, "", "instead of eta and k: reflectance at normal incidence"}});
+    const ParameterDescription index{"eta", real, "1.5", "index of refraction, inside over outside"};
+    glass.insert(glass.begin(), index);
+    registry.add({"diffuse", "ideal diffuse reflection from both sides",
+                  {{"reflectance", rgb, "0.5", "diffuse albedo"}}, make_diffuse});
+    registry.add({"conductor", "metal with GGX facets", metal, make_conductor});
+    registry.add({"dielectric", "glass with GGX facets", glass, make_dielectric});
+    registry.add({"thindielectric", "a thin pane of smooth glass", {index}, make_thin_dielectric});
+    registry.add({"interface", "no surface: a border between media", {}, make_interface});
+}
+
+}  // namespace raylex::transport
