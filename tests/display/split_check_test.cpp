@@ -1,0 +1,224 @@
+#include "display/output/split_check.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+
+#include <png.h>
+
+#include "files.h"
+
+using namespace raylex::test;
+using raylex::display::check_declared_splits;
+using raylex::display::check_split;
+using raylex::display::glob_match;
+using raylex::display::StoredType;
+
+namespace {
+
+constexpr float ulp = 0x1p-23f;     // spacing of floats in [1, 2)
+
+raylex::display::SplitVerdict verdict_of(const raylex::display::ExrImage& image, const std::vector<std::string>& globs, const std::string& of = "") {
+    auto verdict = check_split(image, of, globs);
+    if (!verdict) FAIL(verdict.error().message);
+    return *verdict;
+}
+
+raylex::display::ExrImage one_pixel(float whole, std::vector<float> layers, StoredType type = StoredType::single_float) {
+    std::vector<raylex::display::ImageLayer> all{color_layer("", {{whole, whole, whole}}, type)};
+    for (std::size_t i = 0; i < layers.size(); ++i) all.push_back(color_layer("part" + std::to_string(i), {{layers[i], layers[i], layers[i]}}, type));
+    return image_of(1, 1, std::move(all));
+}
+
+}  // namespace
+
+TEST_CASE("globs match as in a shell", "[display][verify]") {
+    CHECK(glob_match("diffuse_*", "diffuse_key"));
+    CHECK(glob_match("diffuse_*", "diffuse_"));
+    CHECK(!glob_match("diffuse_*", "diffuse"));
+    CHECK(glob_match("*", ""));
+    CHECK(glob_match("*", "anything.at all"));
+    CHECK(glob_match("?", "a"));
+    CHECK(!glob_match("?", ""));
+    CHECK(glob_match("a*b*c", "axxbyybzzc"));
+    CHECK(!glob_match("a*b*c", "axxbyybzz"));
+    CHECK(glob_match("*.Diff*", "ViewLayer.DiffDir"));
+    CHECK(!glob_match("Diff", "diff"));
+    CHECK(glob_match("", ""));
+    CHECK(!glob_match("", "a"));
+    // Many stars over a long name: must not take exponential time.
+    CHECK(!glob_match("*a*a*a*a*a*a*a*a*a*a*a*a*b", std::string(5000, 'a')));
+}
+
+TEST_CASE("a split whose layers sum to beauty holds", "[display][verify][law1]") {
+    const auto image = image_of(2, 1, {color_layer("", {{1.0f, 0.5f, 0.25f}, {0, 0, 0}}), color_layer("diffuse", {{0.75f, 0.5f, -0.25f}, {0, 0, 0}}),
+                                       color_layer("specular", {{0.25f, 0.0f, 0.5f}, {0, 0, 0}})});
+    const auto verdict = verdict_of(image, {"diffuse", "specular"});
+    CHECK(verdict.holds);
+    CHECK(verdict.largest_absolute == 0);
+    CHECK(verdict.largest_relative == 0);
+    CHECK(verdict.bound == std::ldexp(1.0, -23));
+    CHECK(verdict.of == "beauty");
+    CHECK(verdict.layers == std::vector<std::string>{"diffuse", "specular"});
+    CHECK(verdict.residual == std::vector<float>{0, 0});
+}
+
+TEST_CASE("the bound is met exactly and not a rounding step beyond it", "[display][verify][law1]") {
+    // sum = 1 + 2^-22 and of = 1: the difference is 2^-22, the scale 2 + 2^-22, so the bound 2^-22 + 2^-45 holds.
+    CHECK(verdict_of(one_pixel(1.0f, {1.0f + 2 * ulp}), {"part*"}).holds);
+    // One step more: difference 3 x 2^-23 against (2 + 3 x 2^-23) x 2^-23.
+    const auto beyond = verdict_of(one_pixel(1.0f, {1.0f + 3 * ulp}), {"part*"});
+    CHECK(!beyond.holds);
+    CHECK(beyond.exceeding == 1);
+    CHECK(beyond.largest_absolute == 3 * std::ldexp(1.0, -23));
+    CHECK(beyond.largest_relative == Approx(1.5 * std::ldexp(1.0, -23)).epsilon(1e-6));   // scale 2 + 3 ulp
+    // Exactly on it: layers 2^23 and 1 against 2^23 - 1; difference 2, scale 2^24. 2 = 2^-23 x 2^24.
+    CHECK(verdict_of(one_pixel(0x1p23f - 1, {0x1p23f, 1.0f}), {"part*"}).holds);
+    CHECK(verdict_of(one_pixel(0x1p23f - 1, {0x1p23f, 1.0f}), {"part*"}).largest_relative == std::ldexp(1.0, -23));
+    // Cancelling layers widen the scale, not the difference.
+    CHECK(verdict_of(one_pixel(1.0f, {1000.0f + 0x1p-13f, -999.0f}), {"part*"}).holds);   // 2^-13 <= 2000 x 2^-23
+    CHECK(!verdict_of(one_pixel(1.0f, {1000.0f + 0x1p-11f, -999.0f}), {"part*"}).holds);
+}
+
+TEST_CASE("half files are held against half's rounding, the coarser type deciding", "[display][verify][law1]") {
+    CHECK(verdict_of(one_pixel(1.0f, {1.0f + 0x1p-9f}, StoredType::half_float), {"part*"}).bound == std::ldexp(1.0, -10));
+    CHECK(verdict_of(one_pixel(1.0f, {1.0f + 0x1p-9f}, StoredType::half_float), {"part*"}).holds);
+    CHECK(!verdict_of(one_pixel(1.0f, {1.0f + 3 * 0x1p-10f}, StoredType::half_float), {"part*"}).holds);
+    auto mixed = image_of(1, 1, {color_layer("", {{1, 1, 1}}), color_layer("a", {{1.0f + 0x1p-9f, 1, 1}}, StoredType::half_float)});
+    CHECK(verdict_of(mixed, {"a"}).bound == std::ldexp(1.0, -10));
+    CHECK(verdict_of(mixed, {"a"}).holds);
+}
+
+TEST_CASE("a split rounded to half holds however dark it is", "[display][verify][law1]") {
+    // Below 2^-14 halves are evenly spaced, so the relative error of correct rounding grows without limit.
+    for (float dark = 1.0f; dark > 1e-9f; dark *= 0.37f) {
+        const float a = 0.3f * dark, b = 0.6f * dark, c = 0.1f * dark;
+        const auto image = one_pixel(half(a + b + c), {half(a), half(b), half(c)}, StoredType::half_float);
+        CAPTURE(dark);
+        CHECK(verdict_of(image, {"part*"}).holds);
+        CHECK(verdict_of(image, {"part*"}).largest_relative <= std::ldexp(1.0, -10));
+    }
+    // A whole missing layer is still found when it is above that spacing.
+    CHECK(!verdict_of(one_pixel(half(1e-5f), {half(4e-6f), half(4e-6f)}, StoredType::half_float), {"part*"}).holds);
+}
+
+TEST_CASE("largest errors come with their pixels, absolute and relative apart", "[display][verify]") {
+    std::vector<std::array<float, 3>> whole(6, {1, 1, 1}), layer = whole;
+    whole[4] = {100, 1, 1};
+    layer[4] = {101, 1, 1};         // absolute 1, relative 1 / 201
+    layer[2] = {1, 1, 1.5f};        // absolute 0.5, relative 0.2
+    const auto verdict = verdict_of(image_of(3, 2, {color_layer("", whole), color_layer("a", layer)}), {"a"});
+    CHECK(!verdict.holds);
+    CHECK(verdict.largest_absolute == 1.0);
+    CHECK(verdict.absolute_x == 1);
+    CHECK(verdict.absolute_y == 1);
+    CHECK(verdict.largest_relative == Approx(0.2));
+    CHECK(verdict.relative_x == 2);
+    CHECK(verdict.relative_y == 0);
+    CHECK(verdict.exceeding == 2);
+    CHECK(verdict.residual[2] == Approx(0.2f));
+    CHECK(verdict.residual[4] == Approx(1.0f / 201));
+    CHECK(verdict.residual[0] == 0);
+}
+
+TEST_CASE("values that are not finite fail a split and are counted per pixel", "[display][verify][law6]") {
+    constexpr float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+    auto image = image_of(3, 1, {color_layer("", {{1, 1, 1}, {inf, 1, 1}, {1, 1, 1}}), color_layer("a", {{nan, nan, 1}, {inf, 1, 1}, {1, 1, 1}})});
+    const auto verdict = verdict_of(image, {"a"});
+    CHECK(!verdict.holds);
+    CHECK(verdict.non_finite == 2);
+    CHECK(verdict.exceeding == 0);
+    CHECK(std::isinf(verdict.residual[0]));
+    CHECK(verdict.residual[2] == 0);
+}
+
+TEST_CASE("layers are chosen once each, never the sum itself", "[display][verify]") {
+    auto image = one_pixel(3.0f, {1.0f, 2.0f});
+    image.layers.push_back(color_layer("other", {{7, 7, 7}}));
+    CHECK(verdict_of(image, {"part0", "part*", "part?"}).layers == std::vector<std::string>{"part0", "part1"});
+    CHECK(verdict_of(image, {"part*"}, "beauty").holds);
+    image.layers.pop_back();
+    CHECK(verdict_of(image, {"*"}).holds);      // all but the nameless one
+    CHECK(verdict_of(one_pixel(1.0f, {1.0f}), {"*"}, "part0").layers == std::vector<std::string>{"beauty"});
+    CHECK(!check_split(image, "part0", {"part0"}).ok());
+}
+
+TEST_CASE("unknown layers, ids and empty sums get errors with near misses", "[display][verify][law7]") {
+    auto image = one_pixel(3.0f, {1.0f, 2.0f});
+    const auto message = [&image](const std::string& of, const std::vector<std::string>& globs) {
+        const auto verdict = check_split(image, of, globs);
+        REQUIRE(!verdict.ok());
+        CHECK(verdict.error().file == "constructed.exr");
+        return verdict.error().message + " " + verdict.error().hint;
+    };
+    CHECK(message("", {"prat1"}).find("did you mean 'part1'") != std::string::npos);
+    CHECK(message("", {"part0", "zzz*"}).find("zzz*") != std::string::npos);
+    CHECK(message("", {"zzz"}).find("part0, part1") != std::string::npos);
+    CHECK(message("bety", {"part*"}).find("no layer 'bety'") != std::string::npos);
+    CHECK(message("", {}).find("at least one") != std::string::npos);
+    image.layers.push_back({"id", "id", {{"id", StoredType::unsigned_int, {1}}}});
+    CHECK(message("", {"id"}).find("unsigned integers") != std::string::npos);
+    image.layers.push_back({"uv", "uv", {{"U", StoredType::single_float, {1}}, {"V", StoredType::single_float, {1}}}});
+    CHECK(message("", {"uv"}).find("U, V") != std::string::npos);
+}
+
+TEST_CASE("single planes and vectors can be summed too", "[display][verify]") {
+    auto image = image_of(1, 1, {{"depth", "", {{"Y", StoredType::single_float, {3}}}}, {"a", "", {{"Y", StoredType::single_float, {1}}}},
+                                 {"b", "", {{"Y", StoredType::single_float, {2}}, {"A", StoredType::single_float, {9}}}}});
+    CHECK(verdict_of(image, {"a", "b"}, "depth").holds);
+    CHECK(!verdict_of(image, {"a"}, "depth").holds);
+}
+
+TEST_CASE("declared partitions are judged one by one", "[display][verify][law1]") {
+    auto image = one_pixel(3.0f, {1.0f, 2.0f});
+    CHECK(check_declared_splits(image)->empty());
+    image.partitions = {{"auto", "", {"part0", "part1"}}, {"wrong", "beauty", {"part0"}}};
+    const auto verdicts = check_declared_splits(image);
+    REQUIRE(verdicts.ok());
+    REQUIRE(verdicts->size() == 2);
+    CHECK((*verdicts)[0].partition == "auto");
+    CHECK((*verdicts)[0].holds);
+    CHECK((*verdicts)[1].partition == "wrong");
+    CHECK(!(*verdicts)[1].holds);
+    CHECK((*verdicts)[1].largest_absolute == 2.0);
+    image.partitions = {{"broken", "", {"part0", "part7"}}};
+    const auto broken = check_declared_splits(image);
+    REQUIRE(!broken.ok());
+    CHECK(broken.error().message.find("partition 'broken'") != std::string::npos);
+    CHECK(broken.error().message.find("part7") != std::string::npos);
+    image.partitions = {{"empty", "", {}}};
+    CHECK(!check_declared_splits(image).ok());
+}
+
+TEST_CASE("a heat map is brighter where the residual is larger", "[display][verify]") {
+    const ScratchFolder folder;
+    raylex::display::SplitVerdict verdict;
+    verdict.bound = std::ldexp(1.0, -23);
+    // None, then in octaves from bound / 2^10 to 1, then not finite.
+    verdict.residual = {0};
+    for (int power = -33; power <= 0; ++power) verdict.residual.push_back(std::ldexp(1.0f, power));
+    verdict.residual.push_back(std::numeric_limits<float>::infinity());
+    const int width = static_cast<int>(verdict.residual.size());
+    REQUIRE(raylex::display::write_residual_png(folder.file("map.png"), verdict, width, 1).ok());
+    CHECK(!raylex::display::write_residual_png(folder.file("map.png"), verdict, width, 2).ok());
+
+    png_image image{};
+    image.version = PNG_IMAGE_VERSION;
+    REQUIRE(png_image_begin_read_from_file(&image, folder.file("map.png").c_str()) != 0);
+    image.format = PNG_FORMAT_RGB;
+    REQUIRE(image.width == verdict.residual.size());
+    std::vector<unsigned char> rgb(PNG_IMAGE_SIZE(image));
+    REQUIRE(png_image_finish_read(&image, nullptr, rgb.data(), 0, nullptr) != 0);
+    const auto luma = [&rgb](std::size_t i) { return 0.2126 * rgb[3 * i] + 0.7152 * rgb[3 * i + 1] + 0.0722 * rgb[3 * i + 2]; };
+    CHECK(luma(0) == 0);
+    for (std::size_t i = 2; i + 1 < verdict.residual.size(); ++i) {
+        CAPTURE(i);
+        CHECK(luma(i) >= luma(i - 1));
+    }
+    CHECK(luma(static_cast<std::size_t>(width) - 2) > 200);
+    // The bound itself (2^-23 is entry 11) and twice it are told apart at a glance: blue below, red above.
+    CHECK(rgb[3 * 11 + 2] > rgb[3 * 11]);
+    CHECK(rgb[3 * 12] > 2 * rgb[3 * 12 + 2]);
+    const std::size_t last = verdict.residual.size() - 1;
+    CHECK(std::vector<unsigned char>(rgb.begin() + static_cast<std::ptrdiff_t>(3 * last), rgb.end()) == std::vector<unsigned char>{0, 255, 255});
+}
