@@ -1,0 +1,96 @@
+#include "transport/render/built_scene.h"
+
+#include <algorithm>
+#include <set>
+
+#include "transport/render/clock.h"
+
+namespace raylex::transport {
+
+Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescription& description, const BuildOptions& options) {
+    const Stopwatch watch;
+    std::shared_ptr<BuiltScene> scene(new BuiltScene());
+    auto textures = TextureTable::build(description);
+    if (!textures) return textures.error();
+    scene->textures_ = std::move(*textures);
+    auto materials = MaterialTable::build(description, scene->textures_);
+    if (!materials) return materials.error();
+    scene->materials_ = std::move(*materials);
+    auto geometry = EmbreeScene::build(description, scene->textures_, {options.isa, options.threads});
+    if (!geometry) return geometry.error();
+    scene->geometry_ = std::make_unique<EmbreeScene>(*std::move(geometry));
+    if (scene->materials_.size() == 0)
+        return error_at({description.file, 0, 0}, "the scene has no material; expected at least the default one at index 0");
+    auto lights = LightTable::build(description, *scene->geometry_, scene->warnings);
+    if (!lights) return lights.error();
+    scene->lights_ = *std::move(lights);
+
+    scene->camera = description.camera;
+    scene->film = description.film;
+    scene->filter = description.filter;
+    scene->sampler = description.sampler;
+    scene->integrator = description.integrator;
+    scene->camera_to_world = description.camera_to_world;
+    scene->file = description.file;
+    const auto report_unused = [&](const SceneEntity& entity, const std::string& kind) {
+        for (const Parameter* p : entity.parameters.unused())
+            scene->warnings.push_back(error_at(p->location, kind + " '" + entity.type + "' has no parameter '" + p->name + "'; it is ignored"));
+    };
+    for (const SceneLight& light : description.lights) report_unused(light, "light");
+    for (const SceneAreaLight& light : description.area_lights) report_unused(light, "area light");
+    scene->build_seconds = watch.wall();
+    scene->build_cpu_seconds = watch.process_cpu();
+    return std::shared_ptr<const BuiltScene>(std::move(scene));
+}
+
+Result<SceneAlphabet> scene_alphabet(const SceneDescription& scene) {
+    auto textures = TextureTable::build(scene);
+    if (!textures) return textures.error();
+    auto materials = MaterialTable::build(scene, *textures);
+    if (!materials) return materials.error();
+
+    std::set<std::string> labels, groups;
+    std::set<std::pair<std::string, LobeId>> scattering;
+    std::set<std::string> straight;
+    std::vector<std::uint8_t> used_area_lights(scene.area_lights.size(), 0);
+    const auto add_shape = [&](const SceneShape& shape, const std::string& label) {
+        labels.insert(label);
+        const auto material = static_cast<std::size_t>(std::max(shape.material, 0));
+        const bool interface = material < scene.materials.size() &&
+                               (scene.materials[material].type == "interface" || scene.materials[material].type.empty());
+        if (interface || shape.alpha < 1 || !shape.alpha_texture.empty()) straight.insert(label);
+        if (interface || material >= materials->size()) return;
+        std::vector<LobeId> lobes;
+        materials->material(material)->append_lobes(lobes);
+        for (const LobeId lobe : lobes) scattering.insert({label, lobe});
+    };
+    for (const SceneShape& shape : scene.shapes) {
+        add_shape(shape, shape.label);
+        if (shape.area_light >= 0 && static_cast<std::size_t>(shape.area_light) < used_area_lights.size())
+            used_area_lights[static_cast<std::size_t>(shape.area_light)] = 1;
+    }
+    for (const SceneInstance& instance : scene.instances) {
+        if (instance.object < 0 || static_cast<std::size_t>(instance.object) >= scene.objects.size()) continue;
+        for (const SceneShape& shape : scene.objects[static_cast<std::size_t>(instance.object)].shapes)
+            add_shape(shape, instance.label.empty() ? shape.label : instance.label);
+    }
+
+    SceneAlphabet alphabet;
+    std::set<std::pair<bool, std::string>> terminals;
+    for (std::size_t i = 0; i < scene.area_lights.size(); ++i)
+        if (used_area_lights[i]) terminals.insert({false, scene.area_lights[i].group});
+    for (const SceneLight& light : scene.lights) terminals.insert({light.type == "infinite", light.group});
+    for (const auto& [infinite, group] : terminals) {
+        (infinite ? alphabet.has_background : alphabet.has_lights) = true;
+        groups.insert(group);
+        alphabet.terminals.push_back(terminal_event(infinite, group));
+    }
+    for (const auto& [label, lobe] : scattering) alphabet.scattering.push_back(scattering_event(label, lobe_kinds()[lobe]));
+    for (const std::string& label : straight) alphabet.scattering.push_back(straight_event(label));
+    alphabet.has_straight = !straight.empty();
+    alphabet.object_labels.assign(labels.begin(), labels.end());
+    alphabet.light_groups.assign(groups.begin(), groups.end());
+    return alphabet;
+}
+
+}  // namespace raylex::transport

@@ -1,0 +1,45 @@
+// A scene ready to be rendered: all tables that do not depend on render settings. Build once, render many times.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "transport/integrators/integrator.h"
+#include "transport/render/render.h"
+
+namespace raylex::transport {
+
+struct BuildOptions {
+    std::string isa;         ///< what Embree may use; see RenderSettings
+    int threads = 0;         ///< for the acceleration structure; 0 = all
+};
+
+class BuiltScene {
+  public:
+    /// Everything is copied or compiled: the description may go afterwards.
+    static Result<std::shared_ptr<const BuiltScene>> build(const SceneDescription& description, const BuildOptions& options = {});
+
+    [[nodiscard]] SceneView view() const { return {geometry_.get(), &textures_, &materials_, &lights_}; }
+    [[nodiscard]] const std::string& isa() const { return geometry_->isa(); }
+    /// The scene's own camera, film, filter, sampler and integrator, which settings may override.
+    SceneEntity camera, film, filter, sampler, integrator;
+    Transform camera_to_world;
+    std::string file;
+    std::vector<Error> warnings;
+    double build_seconds = 0, build_cpu_seconds = 0;
+
+  private:
+    BuiltScene() = default;
+    TextureTable textures_;
+    MaterialTable materials_;
+    LightTable lights_;
+    std::unique_ptr<EmbreeScene> geometry_;
+};
+
+/// As render(description, ...), on a scene built before: bit for bit the same image.
+Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& settings,
+                            const std::function<void(const RenderProgress&)>& progress = {},
+                            const std::atomic<bool>* stop = nullptr);
+
+}  // namespace raylex::transport

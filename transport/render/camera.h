@@ -1,0 +1,43 @@
+// The perspective camera, by pbrt-v4's conventions: left-handed camera space, x to the right of the image, y up, +z
+// forward; "fov" spans the shorter axis of the film; raster (0, 0) is the top left corner.
+#pragma once
+
+#include <optional>
+
+#include "lpe/result.h"
+#include "transport/geometry/ray.h"
+#include "transport/scene/scene_description.h"
+
+namespace raylex::transport {
+
+class PerspectiveCamera {
+  public:
+    /// An empty type means perspective. Other cameras are an Error at the directive; unknown parameters are warnings.
+    static Result<PerspectiveCamera> build(const SceneEntity& entity, const Transform& camera_to_world, int width, int height,
+                                           std::vector<Error>& warnings);
+
+    /// The ray through raster position (x, y); `lens` in [0, 1)^2. Its direction is unit, in world space.
+    [[nodiscard]] Ray generate(float x, float y, const Vec2& lens) const;
+    [[nodiscard]] bool has_lens() const { return lens_radius_ > 0; }
+
+    /// World to camera space without its scale (a mirroring stays).
+    void rigid_world_to_camera(float (&matrix)[3][4]) const;
+    [[nodiscard]] const Matrix4& world_to_camera() const { return world_to_camera_; }
+    /// World to [-1, 1]^2 over the image, y up, after division by w.
+    [[nodiscard]] const Matrix4& world_to_screen() const { return world_to_screen_; }
+
+  private:
+    Transform camera_to_world_;
+    Vec3 corner_, step_x_, step_y_;      // camera space, at z = 1: raster (0, 0) and one pixel right and down
+    Vec3 origin_;                        // world
+    float lens_radius_ = 0, focal_distance_ = 1e6f;
+    Matrix4 world_to_camera_{}, world_to_screen_{};
+};
+
+/// Width, height and what of a Film directive cannot be honoured.
+struct FilmSettings {
+    int width = 1280, height = 720;
+};
+Result<FilmSettings> read_film(const SceneEntity& film, const std::optional<std::array<int, 2>>& resolution, std::vector<Error>& warnings);
+
+}  // namespace raylex::transport

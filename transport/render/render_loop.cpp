@@ -1,0 +1,186 @@
+#include "transport/render/render_loop.h"
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <thread>
+#include <tuple>
+
+#include "transport/render/clock.h"
+
+namespace raylex::transport {
+namespace {
+
+/// Pixel m of a tile along the Morton curve: batches cover compact squares, whose rays stay together.
+void morton_pixel(int m, int& x, int& y) {
+    x = y = 0;
+    for (int bit = 0; (1 << bit) < RenderLoop::tile_size; ++bit) {
+        x |= ((m >> (2 * bit)) & 1) << bit;
+        y |= ((m >> (2 * bit + 1)) & 1) << bit;
+    }
+}
+
+}  // namespace
+
+RenderWorker::RenderWorker(const RenderJob& job, display::FrameBuffer& frame_buffer)
+    : job_(job),
+      frame_buffer_(frame_buffer),
+      table_(job.channels, RenderLoop::batch_capacity, job.has_alpha ? 4 * RenderLoop::batch_capacity : 0),
+      display_(table_),
+      lpe_(*job.lpe, table_, job.seed, job.attribution),
+      state_(job.integrator->make_thread_state()),
+      rows_(RenderLoop::batch_capacity),
+      rays_(RenderLoop::batch_capacity),
+      samplers_(RenderLoop::batch_capacity) {}
+
+void RenderWorker::render_tile(int x0, int y0, int x1, int y1, std::uint64_t first, int count) {
+    for (int m = 0; m < RenderLoop::tile_size * RenderLoop::tile_size; ++m) {
+        int dx, dy;
+        morton_pixel(m, dx, dy);
+        if (x0 + dx < x1 && y0 + dy < y1) add_pixel(x0 + dx, y0 + dy, first, count);
+    }
+    flush();
+}
+
+void RenderWorker::add_pixel(int x, int y, std::uint64_t first, int count) {
+    if (count_ + static_cast<std::size_t>(count) > rows_.size()) flush();
+    for (int k = 0; k < count; ++k) {
+        const std::uint64_t sample = first + static_cast<std::uint64_t>(k);
+        const PixelSampler sampler(job_.sampler, job_.seed, x, y, sample);
+        const Vec2 u = sampler.get_2d(filter_dimension);
+        const display::FilterSample offset = job_.filter->sample(u.x, u.y);
+        display::CameraRow& row = rows_[count_];
+        row.pixel_x = x;
+        row.pixel_y = y;
+        row.screen_x = static_cast<float>(x) + 0.5f + offset.dx;
+        row.screen_y = static_cast<float>(y) + 0.5f + offset.dy;
+        row.filter_weight = offset.weight;
+        row.shutter_time = 0;
+        row.sample = sample;
+        rays_[count_] = job_.camera->generate(row.screen_x, row.screen_y,
+                                              job_.camera->has_lens() ? sampler.get_2d(lens_dimension) : Vec2{0, 0});
+        samplers_[count_] = sampler;
+        ++count_;
+    }
+}
+
+void RenderWorker::flush() {
+    if (count_ == 0) return;
+    table_.begin({rows_.data(), count_});
+    ThreadServices services{display_, lpe_};
+    job_.integrator->integrate({{rays_.data(), count_}, {samplers_.data(), count_}}, *state_, services);
+    if (!table_.discarded()) {
+        if (job_.sample_filter) job_.sample_filter->apply(table_);
+        frame_buffer_.accumulate(table_);
+    }
+    samples += count_;
+    count_ = 0;
+}
+
+RenderLoop::RenderLoop(const RenderJob& job, display::FrameBuffer& frame_buffer) : job_(job) {
+    tiles_x_ = static_cast<std::uint64_t>((job.film.width + tile_size - 1) / tile_size);
+    tiles_ = tiles_x_ * static_cast<std::uint64_t>((job.film.height + tile_size - 1) / tile_size);
+    rounds_ = (job.samples_per_pixel + block_size - 1) / block_size;
+    for (int i = 0; i < job.threads; ++i) workers_.push_back(std::make_unique<RenderWorker>(job, frame_buffer));
+}
+
+void RenderLoop::render_task(RenderWorker& worker, std::uint64_t task) const {
+    const std::uint64_t first = task / tiles_ * block_size, tile = task % tiles_;
+    const int x0 = static_cast<int>(tile % tiles_x_) * tile_size, y0 = static_cast<int>(tile / tiles_x_) * tile_size;
+    const auto count = static_cast<int>(std::min<std::uint64_t>(block_size, job_.samples_per_pixel - first));
+    worker.render_tile(x0, y0, std::min(x0 + tile_size, job_.film.width), std::min(y0 + tile_size, job_.film.height), first, count);
+}
+
+void RenderLoop::work(RenderWorker& worker, std::uint64_t last) {
+    flush_denormals();
+    const double begin = thread_cpu_seconds();
+    try {
+        while (!failed_.load(std::memory_order_relaxed)) {
+            if (stop_ && stop_->load(std::memory_order_relaxed)) break;
+            const std::uint64_t task = next_.fetch_add(1, std::memory_order_relaxed);
+            if (task >= last) break;
+            const std::uint64_t before = worker.samples;
+            render_task(worker, task);
+            samples_done_.fetch_add(worker.samples - before, std::memory_order_relaxed);
+        }
+    } catch (const std::exception& e) {
+        const std::lock_guard lock(failure_mutex_);
+        if (failure_.empty()) failure_ = e.what();
+        failed_.store(true);
+    }
+    worker.cpu_seconds += thread_cpu_seconds() - begin;
+}
+
+Status RenderLoop::run_tasks(std::uint64_t first, std::uint64_t last, const std::function<void()>& report) {
+    next_.store(first);
+    std::mutex mutex;
+    std::condition_variable done;
+    std::size_t running = workers_.size();
+    std::vector<std::thread> threads;
+    for (auto& worker : workers_)
+        threads.emplace_back([&, w = worker.get()] {
+            work(*w, last);
+            const std::lock_guard lock(mutex);
+            --running;
+            done.notify_one();
+        });
+    {
+        std::unique_lock lock(mutex);
+        while (!done.wait_for(lock, std::chrono::milliseconds(200), [&] { return running == 0; })) {
+            lock.unlock();
+            report();
+            lock.lock();
+        }
+    }
+    for (std::thread& thread : threads) thread.join();
+    if (failed_.load()) return error_at({}, "a render thread failed: " + failure_);
+    return success();
+}
+
+Status RenderLoop::run(const std::function<void(const RenderProgress&)>& progress, const std::atomic<bool>* stop) {
+    stop_ = stop;
+    const Stopwatch watch;
+    const std::uint64_t total = static_cast<std::uint64_t>(job_.film.width) * static_cast<std::uint64_t>(job_.film.height) * job_.samples_per_pixel;
+    const auto report = [&] {
+        if (progress) progress({samples_done_.load(std::memory_order_relaxed), total, watch.wall()});
+    };
+    std::vector<IntegratorThread*> states;
+    for (auto& worker : workers_) states.push_back(&worker->state());
+    // One iteration per block of the image when threads must meet in between, else one for everything.
+    const std::uint64_t iterations = job_.integrator->synchronous() ? rounds_ : 1;
+    const std::uint64_t tasks = rounds_ * tiles_ / iterations;
+    for (std::uint64_t i = 0; i < iterations; ++i) {
+        job_.integrator->begin_iteration(i);
+        if (Status s = run_tasks(i * tasks, (i + 1) * tasks, report); !s) return s.error();
+        job_.integrator->end_iteration(i, states);
+        if (stop_ && stop_->load()) break;
+    }
+    complete_ = samples_done_.load() == total;
+    report();
+    return success();
+}
+
+void RenderLoop::collect(RenderStatistics& statistics) const {
+    IntegratorCounters counters;
+    for (const auto& worker : workers_) {
+        counters.add(worker->state().counters);
+        statistics.camera_samples += worker->samples;
+        statistics.render_cpu_seconds += worker->cpu_seconds;
+        statistics.attribution_overflow += worker->lpe().overflow_count();
+        statistics.invalid_samples += worker->lpe().invalid_count();
+        statistics.invalid_log.insert(statistics.invalid_log.end(), worker->lpe().invalid_samples().begin(), worker->lpe().invalid_samples().end());
+        for (const std::uint64_t refused : worker->display().refused()) statistics.refused_services_calls += refused;
+    }
+    std::sort(statistics.invalid_log.begin(), statistics.invalid_log.end(), [](const auto& a, const auto& b) {
+        return std::tie(a.sample, a.pixel_y, a.pixel_x) < std::tie(b.sample, b.pixel_y, b.pixel_x);
+    });
+    if (statistics.invalid_log.size() > display::LpeServices::invalid_samples_kept)
+        statistics.invalid_log.resize(display::LpeServices::invalid_samples_kept);
+    statistics.camera_rays = counters.camera_rays;
+    statistics.scattering_rays = counters.scattering_rays;
+    statistics.shadow_rays = counters.shadow_rays;
+    statistics.path_length_histogram = counters.path_lengths;
+}
+
+}  // namespace raylex::transport

@@ -1,0 +1,98 @@
+// The loop over blocks of samples and tiles of pixels: private to render.cpp.
+//
+// A task is one block of samples (16, aligned) of one tile (16 x 16 pixels). Tasks are numbered block by block, each
+// block over the whole image, and threads take the next number; so an interrupted render has an even image, and which
+// thread took which task cannot be seen in the result: samples are counter-based and the frame buffer adds exactly.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "display/buffer/pixel_filter.h"
+#include "display/services/sample_filter.h"
+#include "transport/render/built_scene.h"
+#include "transport/render/camera.h"
+#include "transport/samplers/sampler.h"
+
+namespace raylex::transport {
+
+/// A render's settings resolved against its scene. Read by all threads.
+struct RenderJob {
+    FilmSettings film;
+    std::unique_ptr<PerspectiveCamera> camera;
+    std::unique_ptr<display::PixelFilter> filter;
+    SamplerKind sampler = SamplerKind::sobol;
+    std::uint64_t seed = 0, samples_per_pixel = 0;
+    int threads = 1;
+    std::vector<display::ChannelDefinition> channels;
+    display::ChannelId beauty = display::invalid_channel;
+    std::unique_ptr<display::LpeSetup> lpe;
+    display::LpeServices::Attribution attribution = display::LpeServices::Attribution::exact;
+    std::unique_ptr<display::SampleFilter> sample_filter;
+    Integrator* integrator = nullptr;
+    bool has_alpha = false;
+};
+
+/// One thread's tables and buffers.
+class RenderWorker {
+  public:
+    RenderWorker(const RenderJob& job, display::FrameBuffer& frame_buffer);
+    RenderWorker(const RenderWorker&) = delete;
+    RenderWorker& operator=(const RenderWorker&) = delete;
+
+    /// Renders samples [first, first + count) of the tile with pixels [x0, x1) x [y0, y1).
+    void render_tile(int x0, int y0, int x1, int y1, std::uint64_t first, int count);
+
+    [[nodiscard]] const display::LpeServices& lpe() const { return lpe_; }
+    [[nodiscard]] const display::DisplayServices& display() const { return display_; }
+    [[nodiscard]] IntegratorThread& state() { return *state_; }
+    std::uint64_t samples = 0;
+    double cpu_seconds = 0;
+
+  private:
+    void add_pixel(int x, int y, std::uint64_t first, int count);
+    void flush();
+    const RenderJob& job_;
+    display::FrameBuffer& frame_buffer_;
+    display::SampleTable table_;
+    display::DisplayServices display_;
+    display::LpeServices lpe_;
+    std::unique_ptr<IntegratorThread> state_;
+    std::vector<display::CameraRow> rows_;
+    std::vector<Ray> rays_;
+    std::vector<PixelSampler> samplers_;
+    std::size_t count_ = 0;
+};
+
+class RenderLoop {
+  public:
+    static constexpr int batch_capacity = 256, tile_size = 16, block_size = 16;
+
+    RenderLoop(const RenderJob& job, display::FrameBuffer& frame_buffer);
+    /// Returns when the budget is spent, `*stop` was seen, or a thread ran out of memory (an Error).
+    Status run(const std::function<void(const RenderProgress&)>& progress, const std::atomic<bool>* stop);
+
+    [[nodiscard]] bool complete() const { return complete_; }
+    void collect(RenderStatistics& statistics) const;
+
+  private:
+    Status run_tasks(std::uint64_t first, std::uint64_t last, const std::function<void()>& report);
+    void work(RenderWorker& worker, std::uint64_t last);
+    void render_task(RenderWorker& worker, std::uint64_t task) const;
+    const RenderJob& job_;
+    std::vector<std::unique_ptr<RenderWorker>> workers_;
+    std::uint64_t tiles_x_ = 0, tiles_ = 0, rounds_ = 0;
+    std::atomic<std::uint64_t> next_{0}, samples_done_{0};
+    const std::atomic<bool>* stop_ = nullptr;
+    std::atomic<bool> failed_{false};
+    std::mutex failure_mutex_;
+    std::string failure_;
+    bool complete_ = true;
+};
+
+}  // namespace raylex::transport
