@@ -18,15 +18,30 @@ inline float safe_sqrt(float x) { return std::sqrt(std::max(0.0f, x)); }
 constexpr float square(float x) { return x * x; }
 constexpr float lerp(float t, float a, float b) { return (1 - t) * a + t * b; }
 
+/// Sine and cosine on [-pi/4, pi/4] by their Taylor series, cut where the error (2e-9) is below float's rounding. Cheaper
+/// than the library's, and the same bits on every machine.
+struct SinCos {
+    float sin, cos;
+
+    static constexpr SinCos of_eighth(float x) {
+        const float x2 = x * x;
+        return {x * (1 + x2 * (-1 / 6.0f + x2 * (1 / 120.0f + x2 * (-1 / 5040.0f + x2 / 362880.0f)))),
+                1 + x2 * (-0.5f + x2 * (1 / 24.0f + x2 * (-1 / 720.0f + x2 * (1 / 40320.0f - x2 / 3628800.0f))))};
+    }
+};
+
 /// Unit disk, concentric: squares map to rings, so strata stay compact (Shirley and Chiu 1997, "A Low Distortion Map
 /// Between Disk and Square"). Density 1/pi per unit area.
 inline Vec2 sample_disk(const Vec2& u) {
     const float a = 2 * u.x - 1, b = 2 * u.y - 1;
     if (a == 0 && b == 0) return {0, 0};
-    const bool wide = std::abs(a) > std::abs(b);
-    const float r = wide ? a : b;
-    const float phi = wide ? (pi / 4) * (b / a) : pi / 2 - (pi / 4) * (a / b);
-    return {r * std::cos(phi), r * std::sin(phi)};
+    // Within a quarter of the ring the angle is measured from the nearer axis: at most pi/4.
+    if (std::abs(a) > std::abs(b)) {
+        const SinCos angle = SinCos::of_eighth((pi / 4) * (b / a));
+        return {a * angle.cos, a * angle.sin};
+    }
+    const SinCos angle = SinCos::of_eighth((pi / 4) * (a / b));
+    return {b * angle.sin, b * angle.cos};
 }
 
 /// Unit disk by polar coordinates: u.x is the squared radius, u.y the angle. Density 1/pi.
