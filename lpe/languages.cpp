@@ -41,8 +41,7 @@ class SetTable {
 EventSet set_of_cores(const CoreSet& cores) { return {{{cores, {}, Missing::is_empty, Extra::ignored}}, {}}; }
 
 /// C scatter* (L | O | B)
-NodePtr words_tree(const Words& words, bool skip_reserved_labels) {
-    WordSets sets = word_sets(words, skip_reserved_labels);
+NodePtr words_tree(WordSets sets) {
     NodePtr repeat = make_node(NodeKind::repeat);
     repeat->max = Node::unbounded;
     repeat->children.push_back(make_event(std::move(sets.scattering)));
@@ -138,8 +137,13 @@ Languages build_languages(std::span<const ChannelSource> channels, std::span<Exp
     const std::size_t osl_set = table.add(set_of_cores(wildcard_cores(Dialect::osl)));
     NodePtr words_root;
     if (words != nullptr) {
-        words_root = words_tree(*words, options.skip_reserved_labels);
+        words_root = words_tree(word_sets(*words, options.skip_reserved_labels));
         table.add_tree(*words_root);
+    }
+    NodePtr renderer_root;
+    if (options.renderer_words) {
+        renderer_root = words_tree(renderer_word_sets());
+        table.add_tree(*renderer_root);
     }
     Languages languages;
     languages.classes = std::make_unique<EventClasses>(table.take());
@@ -147,6 +151,11 @@ Languages build_languages(std::span<const ChannelSource> channels, std::span<Exp
     if (words_root) {
         WorkMeter work;
         languages.words = build_dfa(*words_root, {&classes, &classes.members(osl_set), &work}, options.state_cap);
+    }
+    Dfa renderer_words;
+    if (renderer_root) {
+        WorkMeter work;
+        renderer_words = build_dfa(*renderer_root, {&classes, &classes.members(osl_set), &work}, options.state_cap);
     }
     for (std::size_t k = 0; k < channels.size(); ++k) {
         languages.channels.push_back(empty_dfa(classes.count()));
@@ -160,6 +169,13 @@ Languages build_languages(std::span<const ChannelSource> channels, std::span<Exp
                                 options.state_cap);
             if (renderman) {
                 ignore_straight_events(dfa, classes.members(straight_set));
+            }
+            if (renderer_root) {
+                const std::optional<Dfa> cut = product(dfa, renderer_words, intersection_of(), 4 * options.state_cap);
+                if (!cut) {
+                    fail("the expression needs too large a table", "use smaller repetition counts and fewer labels");
+                }
+                dfa = minimized(*cut);
             }
             languages.channels.back() = std::move(dfa);
         } catch (Failure& failure) {

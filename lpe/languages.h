@@ -29,6 +29,7 @@ struct LanguageOptions {
     /// could ever be a beauty otherwise.
     bool skip_reserved_labels = false;
     BarReading bar = BarReading::tight;
+    bool renderer_words = false;         ///< cut every channel to CompileOptions' words of a renderer
 };
 
 /// Parses and determinises every channel. Channels with `rest_of` get W minus the union of those channels. Throws Failure
@@ -48,5 +49,7 @@ struct WordSets {
     EventSet camera, scattering, terminal;
 };
 [[nodiscard]] WordSets word_sets(const Words& words, bool skip_reserved_labels);
+/// Words that a renderer can report, user events included, labels and lobe numbers at will.
+[[nodiscard]] WordSets renderer_word_sets();
 
 }  // namespace raylex::lpe

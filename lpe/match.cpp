@@ -249,7 +249,7 @@ Result<bool> match(std::string_view expression, std::span<const Event> events, D
     ChannelSource source;
     source.expression = std::string(expression);
     source.dialect = dialect;
-    Result<Program> program = Program::compile({&source, 1});
+    Result<Program> program = Program::compile({&source, 1}, {.any_word = true});
     if (!program) {
         return std::move(program).error();
     }

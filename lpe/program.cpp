@@ -213,6 +213,7 @@ Result<Program> Program::compile(std::span<const ChannelSource> channels, const 
         }
         LanguageOptions language_options;
         language_options.state_cap = options.state_cap;
+        language_options.renderer_words = !options.any_word;
         Languages languages = build_languages(channels, language_options);
         std::vector<Group> groups = make_groups(std::move(languages.channels), channels, options);
         return ProgramBuilder::build(std::move(languages), std::move(groups));

@@ -81,4 +81,23 @@ WordSets word_sets(const Words& words, bool skip_reserved_labels) {
     return sets;
 }
 
+WordSets renderer_word_sets() {
+    EventPattern camera, scattering, terminal;
+    for (std::size_t core = 0; core < core_count; ++core) {
+        const Event event = core_event(core);
+        const bool scattered = event.scatter != Scatter::none;
+        switch (event.type) {
+            case EventType::camera: camera.cores[core] = !scattered; break;
+            case EventType::reflection:
+            case EventType::transmission: scattering.cores[core] = scattered; break;
+            case EventType::volume: scattering.cores[core] = !scattered; break;
+            case EventType::user: scattering.cores[core] = true; break;
+            case EventType::light:
+            case EventType::background:
+            case EventType::emission: terminal.cores[core] = !scattered; break;
+        }
+    }
+    return {{{camera}, {}}, {{scattering}, {}}, {{terminal}, {}}};
+}
+
 }  // namespace raylex::lpe
