@@ -96,7 +96,7 @@ class ValueReader {
 
     Status finish(const Token& declaration) const {
         const std::size_t count = parameter_.numbers.size() + parameter_.strings.size() + parameter_.booleans.size();
-        const std::string shown = "'" + std::string(row_.name) + " " + parameter_.name + "'";
+        const std::string shown = std::string("'").append(row_.name).append(" ").append(parameter_.name).append("'");
         if (count == 0) return tokenizer_.error(declaration, shown + " has no values; expected at least one");
         if (parameter_.numbers.size() % row_.group != 0)
             return tokenizer_.error(declaration, shown + " has " + std::to_string(parameter_.numbers.size()) +

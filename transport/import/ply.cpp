@@ -46,7 +46,7 @@ class AsciiSource {
         if (at_ == content_.size()) return "the end of the file";
         std::size_t stop = at_;
         while (stop < content_.size() && !is_blank(content_[stop]) && stop - at_ < 40) ++stop;
-        return "'" + std::string(content_.substr(at_, stop - at_)) + "'";
+        return std::string("'").append(content_.substr(at_, stop - at_)).append("'");
     }
 
   private:
@@ -88,7 +88,7 @@ class BinarySource {
         return count * bytes <= content_.size() - at_;
     }
     [[nodiscard]] SourceLocation location(const std::string& path) const { return {path, 0, 0}; }
-    [[nodiscard]] std::string place() const { return " at byte " + std::to_string(at_); }
+    [[nodiscard]] std::string place() const { return std::string(" at byte ").append(std::to_string(at_)); }
     [[nodiscard]] std::string found() const { return std::to_string(content_.size() - at_) + " bytes left"; }
 
   private:

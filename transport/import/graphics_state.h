@@ -1,0 +1,30 @@
+// What AttributeBegin saves and AttributeEnd restores.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "transport/scene/scene_description.h"
+
+namespace raylex::transport {
+
+/// A parameter set by Attribute, with the colour space that held there.
+struct DefaultParameter {
+    Parameter parameter;
+    ColorSpace space = ColorSpace::srgb;
+};
+
+struct GraphicsState {
+    std::array<Transform, 2> ctm;               ///< at the shutter's opening and closing
+    std::array<bool, 2> active{true, true};     ///< which of the two ActiveTransform writes to
+    bool reverse_orientation = false;
+    std::size_t material = 0;                   ///< index into the builder's material references
+    int area_light = -1;
+    ColorSpace color_space = ColorSpace::srgb;
+    std::map<std::string, std::vector<DefaultParameter>> defaults;   ///< by Attribute's target
+};
+
+}  // namespace raylex::transport

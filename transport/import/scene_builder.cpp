@@ -1,0 +1,272 @@
+#include "transport/import/scene_builder.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include "transport/color/color_space.h"
+
+namespace raylex::transport {
+
+namespace {
+
+enum class Where : std::uint8_t { anywhere, before_world, in_world };
+
+Where allowed_where(DirectiveId id) {
+    switch (id) {
+        case DirectiveId::accelerator:
+        case DirectiveId::camera:
+        case DirectiveId::film:
+        case DirectiveId::integrator:
+        case DirectiveId::pixel_filter:
+        case DirectiveId::sampler:
+        case DirectiveId::transform_times:
+        case DirectiveId::world_begin: return Where::before_world;
+        case DirectiveId::area_light_source:
+        case DirectiveId::attribute_begin:
+        case DirectiveId::attribute_end:
+        case DirectiveId::import:
+        case DirectiveId::light_source:
+        case DirectiveId::make_named_material:
+        case DirectiveId::material:
+        case DirectiveId::named_material:
+        case DirectiveId::object_begin:
+        case DirectiveId::object_end:
+        case DirectiveId::object_instance:
+        case DirectiveId::reverse_orientation:
+        case DirectiveId::shape:
+        case DirectiveId::texture:
+        case DirectiveId::transform_begin:
+        case DirectiveId::transform_end: return Where::in_world;
+        default: return Where::anywhere;
+    }
+}
+
+// Names as pbrt spells them, letter case ignored.
+constexpr struct {
+    const char* name;
+    ColorSpace space;
+} space_names[] = {
+    {"srgb", ColorSpace::srgb}, {"dci-p3", ColorSpace::dci_p3}, {"rec2020", ColorSpace::rec2020}, {"aces2065-1", ColorSpace::aces2065_1}};
+
+Parameter grey(std::string name, double value) {
+    Parameter parameter;
+    parameter.name = std::move(name);
+    parameter.type = ParameterType::rgb;
+    parameter.numbers = {value, value, value};
+    return parameter;
+}
+
+}  // namespace
+
+SceneBuilder::SceneBuilder(std::string file) {
+    scene_.file = std::move(file);
+    SceneEntity fallback;
+    fallback.type = "diffuse";
+    fallback.parameters.parameters.push_back(grey("reflectance", 0.5));
+    fallback.location = fallback.parameters.location = {scene_.file, 0, 0};
+    scene_.materials.push_back(std::move(fallback));
+    material_references_.push_back({0, {}, {}});
+}
+
+Status SceneBuilder::apply(Directive& directive, const SearchPath& search) {
+    if (Status status = require_block(directive); !status) return status;
+    scene_.warnings.insert(scene_.warnings.end(), directive.warnings.begin(), directive.warnings.end());
+    switch (directive.id) {
+        case DirectiveId::accelerator:
+        case DirectiveId::transform_times:      // without moving transforms its times mean nothing
+        case DirectiveId::include:
+        case DirectiveId::import: return success();
+        case DirectiveId::attribute_begin:
+        case DirectiveId::transform_begin: return begin_block(Block::attribute, directive.location);
+        case DirectiveId::attribute_end:
+        case DirectiveId::transform_end: return end_block(Block::attribute, directive);
+        case DirectiveId::object_end: return end_block(Block::object, directive);
+        case DirectiveId::world_begin: return world_begin(directive);
+        case DirectiveId::color_space: return color_space(directive);
+        case DirectiveId::attribute: return attribute(directive);
+        case DirectiveId::option: return option(directive);
+        case DirectiveId::reverse_orientation:
+            state_.reverse_orientation = !state_.reverse_orientation;
+            return success();
+        case DirectiveId::medium_interface: return medium_interface(directive);
+        case DirectiveId::make_named_medium:
+            named_media_.emplace(directive.strings[0], directive.location);
+            return success();
+        case DirectiveId::camera: return camera(directive);
+        case DirectiveId::film:
+        case DirectiveId::integrator:
+        case DirectiveId::pixel_filter:
+        case DirectiveId::sampler: return settings(directive, search);
+        case DirectiveId::active_transform: return active_transform(directive);
+        case DirectiveId::identity:
+        case DirectiveId::translate:
+        case DirectiveId::scale:
+        case DirectiveId::rotate:
+        case DirectiveId::look_at:
+        case DirectiveId::transform:
+        case DirectiveId::concat_transform:
+        case DirectiveId::coordinate_system:
+        case DirectiveId::coord_sys_transform: return transform(directive);
+        default: return world_entity(directive, search);
+    }
+}
+
+Status SceneBuilder::require_block(const Directive& directive) const {
+    const Where where = allowed_where(directive.id);
+    const std::string name(directive.name);
+    if (where == Where::before_world && in_world_) return error_at(directive.location, name + " after WorldBegin; expected it before");
+    if (where == Where::in_world && !in_world_) return error_at(directive.location, name + " before WorldBegin; expected it after");
+    return success();
+}
+
+Status SceneBuilder::begin_block(Block block, const SourceLocation& where) {
+    stack_.push_back({block, state_, where, {}});
+    return success();
+}
+
+Status SceneBuilder::end_block(Block block, const Directive& directive) {
+    const bool matches = !stack_.empty() && stack_.back().block == block;
+    if (!matches) {
+        const std::string opener = block == Block::object ? "ObjectBegin" : "AttributeBegin";
+        std::string hint;
+        if (!stack_.empty() && stack_.back().block != Block::import)
+            hint = "the innermost open block is the " + std::string(stack_.back().block == Block::object ? "ObjectBegin" : "AttributeBegin") +
+                   " at line " + std::to_string(stack_.back().opened.line);
+        return error_at(directive.location, std::string(directive.name) + " without its " + opener, hint);
+    }
+    if (block == Block::object) active_object_ = -1;
+    state_ = std::move(stack_.back().state);
+    stack_.pop_back();
+    return success();
+}
+
+Status SceneBuilder::begin_import(const Directive& directive) {
+    if (Status status = require_block(directive); !status) return status;
+    stack_.push_back({Block::import, state_, directive.location, coordinate_systems_});
+    return success();
+}
+
+Status SceneBuilder::end_import() {
+    if (stack_.back().block != Block::import)
+        return error_at(stack_.back().opened, "block is never closed; expected its end before the imported file's end");
+    state_ = std::move(stack_.back().state);
+    coordinate_systems_ = std::move(stack_.back().coordinate_systems);
+    stack_.pop_back();
+    return success();
+}
+
+Status SceneBuilder::world_begin(const Directive&) {
+    in_world_ = true;
+    state_.ctm = {Transform(), Transform()};
+    state_.active = {true, true};
+    coordinate_systems_["world"] = state_.ctm;
+    return success();
+}
+
+Status SceneBuilder::color_space(const Directive& directive) {
+    std::string name = directive.strings[0];
+    std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    std::vector<std::string> known;
+    for (const auto& row : space_names) {
+        if (name == row.name) {
+            state_.color_space = row.space;
+            return success();
+        }
+        known.emplace_back(row.name);
+    }
+    const std::string near = nearest_name(name, known);
+    return error_at(directive.string_locations[0],
+                    "unknown colour space '" + directive.strings[0] + "'; expected srgb, dci-p3, rec2020 or aces2065-1",
+                    near.empty() ? "" : "did you mean '" + near + "'?");
+}
+
+// Fog that is left out is a wrong picture, so it is an error; pbrt's vacuum, the empty name, changes nothing.
+Status SceneBuilder::medium_interface(const Directive& directive) const {
+    for (std::size_t i = 0; i < 2; ++i) {
+        const std::string& name = directive.strings[i];
+        if (name.empty()) continue;
+        if (named_media_.count(name) == 0) {
+            std::vector<std::string> known;
+            for (const auto& [medium, where] : named_media_) known.push_back(medium);
+            const std::string near = nearest_name(name, known);
+            return error_at(directive.string_locations[i], "no medium is called '" + name + "'", near.empty() ? "" : "did you mean '" + near + "'?");
+        }
+        return error_at(directive.location, "participating media are not supported yet: medium '" + name +
+                                                "' would change the image; expected MediumInterface \"\" \"\" or none");
+    }
+    return success();
+}
+
+Status SceneBuilder::option(const Directive& directive) {
+    static const std::vector<std::string> known{"disablepixeljitter", "disabletexturefiltering", "disablewavelengthjitter", "displacementedgescale",
+                                                "forcediffuse", "msereferenceimage", "msereferenceout", "pixelstats", "rendercoordsys", "seed",
+                                                "wavefront"};
+    const Parameter& parameter = directive.parameters.parameters.front();
+    if (std::find(known.begin(), known.end(), parameter.name) == known.end()) {
+        const std::string near = nearest_name(parameter.name, known);
+        return error_at(parameter.location, "unknown option '" + parameter.name + "'", near.empty() ? "" : "did you mean '" + near + "'?");
+    }
+    scene_.warnings.push_back(error_at(parameter.location, "option '" + parameter.name + "' has no effect here"));
+    return success();
+}
+
+Status SceneBuilder::attribute(Directive& directive) {
+    static const std::vector<std::string> targets{"shape", "light", "material", "medium", "texture"};
+    const std::string& target = directive.strings[0];
+    if (std::find(targets.begin(), targets.end(), target) == targets.end())
+        return error_at(directive.string_locations[0], "unknown target '" + target + "' of Attribute; expected shape, light, material, medium or texture");
+    std::vector<DefaultParameter>& defaults = state_.defaults[target];
+    for (Parameter& parameter : directive.parameters.parameters) {
+        std::erase_if(defaults, [&](const DefaultParameter& d) { return d.parameter.name == parameter.name; });
+        defaults.push_back({std::move(parameter), state_.color_space});
+    }
+    return success();
+}
+
+Status SceneBuilder::settings(Directive& directive, const SearchPath&) {
+    SceneEntity entity;
+    entity.type = directive.strings[0];
+    entity.parameters = std::move(directive.parameters);
+    entity.location = directive.location;
+    if (directive.id == DirectiveId::film) {
+        scene_.color.scene_space = state_.color_space;
+        scene_.film = std::move(entity);
+    } else if (directive.id == DirectiveId::integrator) {
+        scene_.integrator = std::move(entity);
+    } else if (directive.id == DirectiveId::pixel_filter) {
+        scene_.filter = std::move(entity);
+    } else {
+        scene_.sampler = std::move(entity);
+    }
+    return success();
+}
+
+Status SceneBuilder::camera(Directive& directive) {
+    const Result<Transform> world_to_camera = still_transform(directive.location);
+    if (!world_to_camera) return world_to_camera.error();
+    scene_.camera_to_world = world_to_camera->inverse();
+    coordinate_systems_["camera"] = {scene_.camera_to_world, scene_.camera_to_world};
+    scene_.camera.type = directive.strings[0];
+    scene_.camera.parameters = std::move(directive.parameters);
+    scene_.camera.location = directive.location;
+    return success();
+}
+
+void convert_colors(ParameterSet& set, ColorSpace to, ColorSpace from, bool light) {
+    if (to == from) return;
+    const Matrix3 matrix = rgb_from_rgb(to, from, !light);
+    for (Parameter& parameter : set.parameters) {
+        const std::string_view name = parameter.name;
+        const std::string_view last = name.substr(name.rfind('.') + 1);
+        if (parameter.type != ParameterType::rgb || last == "eta" || last == "k") continue;
+        // Colours outside the target space: a reflectance stays within [0, 1] and a light stays positive.
+        const double top = *std::max_element(parameter.numbers.begin(), parameter.numbers.end());
+        for (std::size_t i = 0; i + 3 <= parameter.numbers.size(); i += 3) {
+            const Triple rgb = multiply(matrix, Triple{parameter.numbers[i], parameter.numbers[i + 1], parameter.numbers[i + 2]});
+            for (std::size_t c = 0; c < 3; ++c)
+                parameter.numbers[i + c] = !light && top <= 1 ? std::clamp(rgb[c], 0.0, 1.0) : std::max(rgb[c], 0.0);
+        }
+    }
+}
+
+}  // namespace raylex::transport

@@ -1,0 +1,117 @@
+// At the end of a scene: every name that was used must have been defined somewhere.
+#include "transport/import/scene_builder.h"
+
+namespace raylex::transport {
+
+namespace {
+
+std::string did_you_mean(const std::string& name, const std::vector<std::string>& known) {
+    const std::string near = nearest_name(name, known);
+    if (!near.empty()) return "did you mean '" + near + "'?";
+    return known.empty() ? "none is defined" : "";
+}
+
+}  // namespace
+
+Result<SceneDescription> SceneBuilder::finish(const SourceLocation& file_end) {
+    if (!stack_.empty()) {
+        const bool object = stack_.back().block == Block::object;
+        return error_at(stack_.back().opened, std::string(object ? "ObjectBegin" : "AttributeBegin") + " is never closed; expected " +
+                                                  (object ? "ObjectEnd" : "AttributeEnd") + " before the end of the scene");
+    }
+    if (!in_world_) return error_at(file_end, "the scene ends before WorldBegin; expected WorldBegin and the scene's content");
+    if (Status status = resolve_materials(); !status) return status.error();
+    if (Status status = resolve_instances(); !status) return status.error();
+    if (Status status = check_textures(); !status) return status.error();
+    return std::move(scene_);
+}
+
+Status SceneBuilder::resolve_materials() {
+    std::vector<std::string> known;
+    for (const auto& [name, index] : named_materials_) known.push_back(name);
+    const auto missing = [&](const std::string& name, const SourceLocation& where) {
+        return error_at(where, "no material is called '" + name + "'", did_you_mean(name, known));
+    };
+    for (MaterialReference& reference : material_references_) {
+        if (reference.index >= 0) continue;
+        const auto found = named_materials_.find(reference.name);
+        if (found == named_materials_.end()) return missing(reference.name, reference.location);
+        reference.index = found->second;
+    }
+    for (const SceneEntity& material : scene_.materials) {
+        if (material.type != "mix") continue;
+        for (const Parameter& parameter : material.parameters.parameters) {
+            if (parameter.name != "materials") continue;
+            for (const std::string& name : parameter.strings)
+                if (named_materials_.count(name) == 0 && name != "interface" && !name.empty()) return missing(name, parameter.location);
+        }
+    }
+    const auto settle = [this](SceneShape& shape) {
+        shape.material = material_references_[static_cast<std::size_t>(shape.material)].index;
+        shape.label = scene_.materials[static_cast<std::size_t>(shape.material)].name;
+    };
+    for (SceneShape& shape : scene_.shapes) settle(shape);
+    for (SceneObject& object : scene_.objects)
+        for (SceneShape& shape : object.shapes) settle(shape);
+    return success();
+}
+
+Status SceneBuilder::resolve_instances() {
+    std::map<std::string, int> objects;
+    std::vector<std::string> known;
+    for (const SceneObject& object : scene_.objects) {
+        objects.emplace(object.name, static_cast<int>(known.size()));
+        known.push_back(object.name);
+    }
+    for (std::size_t i = 0; i < instance_references_.size(); ++i) {
+        const InstanceReference& reference = instance_references_[i];
+        const auto found = objects.find(reference.name);
+        if (found == objects.end())
+            return error_at(reference.location, "no object is called '" + reference.name + "'", did_you_mean(reference.name, known));
+        scene_.instances[i].object = found->second;
+    }
+    return success();
+}
+
+bool SceneBuilder::has_texture(const std::string& name, bool spectrum, bool any_kind, std::size_t before) const {
+    for (std::size_t i = 0; i < before; ++i)
+        if (scene_.textures[i].name == name && (any_kind || scene_.textures[i].spectrum == spectrum)) return true;
+    return false;
+}
+
+Error SceneBuilder::no_such_texture(const std::string& name, const SourceLocation& where, const char* kind) const {
+    std::vector<std::string> known;
+    for (const SceneTexture& texture : scene_.textures) known.push_back(texture.name);
+    const std::string near = nearest_name(name, known);
+    return error_at(where, std::string("no ") + kind + "texture is called '" + name + "'",
+                    near == name ? "'" + name + "' is defined later or with the other value type" : did_you_mean(name, known));
+}
+
+// A texture may use those before it; materials and shapes may use all.
+Status SceneBuilder::check_textures() const {
+    const auto check_set = [this](const ParameterSet& set, std::size_t before) -> Status {
+        for (const Parameter& parameter : set.parameters) {
+            if (parameter.type != ParameterType::texture) continue;
+            for (const std::string& name : parameter.strings)
+                if (!has_texture(name, false, true, before)) return no_such_texture(name, parameter.location, "");
+        }
+        return success();
+    };
+    for (std::size_t i = 0; i < scene_.textures.size(); ++i)
+        if (Status status = check_set(scene_.textures[i].parameters, i); !status) return status;
+    for (const SceneEntity& material : scene_.materials)
+        if (Status status = check_set(material.parameters, scene_.textures.size()); !status) return status;
+    for (const SceneShape& shape : scene_.shapes)
+        if (Status status = check_shape(shape); !status) return status;
+    for (const SceneObject& object : scene_.objects)
+        for (const SceneShape& shape : object.shapes)
+            if (Status status = check_shape(shape); !status) return status;
+    return success();
+}
+
+Status SceneBuilder::check_shape(const SceneShape& shape) const {
+    if (shape.alpha_texture.empty() || has_texture(shape.alpha_texture, false, false, scene_.textures.size())) return success();
+    return no_such_texture(shape.alpha_texture, shape.location, "float ");
+}
+
+}  // namespace raylex::transport

@@ -1,0 +1,82 @@
+// The current transformation: composed on the right, so that the last one written acts first, as in pbrt.
+#include "transport/import/scene_builder.h"
+
+namespace raylex::transport {
+
+namespace {
+
+/// Scene files write matrices column by column.
+Transform from_columns(const std::array<double, 16>& numbers) {
+    Matrix4 m{};
+    for (std::size_t i = 0; i < 16; ++i) m[i % 4][i / 4] = numbers[i];
+    return Transform(m);
+}
+
+}  // namespace
+
+Status SceneBuilder::transform(const Directive& directive) {
+    const std::array<double, 16>& n = directive.numbers;
+    switch (directive.id) {
+        case DirectiveId::translate: return concatenate(Transform::translate(n[0], n[1], n[2]), directive.location);
+        case DirectiveId::scale: return concatenate(Transform::scale(n[0], n[1], n[2]), directive.location);
+        case DirectiveId::rotate: {
+            const Transform rotation = Transform::rotate(n[0], n[1], n[2], n[3]);
+            if (!rotation.invertible()) return error_at(directive.location, "Rotate about a null axis; expected degrees and an axis of positive length");
+            return concatenate(rotation, directive.location);
+        }
+        case DirectiveId::look_at: {
+            const Transform view = Transform::look_at({n[0], n[1], n[2]}, {n[3], n[4], n[5]}, {n[6], n[7], n[8]});
+            if (!view.invertible())
+                return error_at(directive.location, "LookAt: the view direction is null or parallel to the up vector; expected eye, look, up that span a view");
+            return concatenate(view, directive.location);
+        }
+        case DirectiveId::concat_transform: return concatenate(from_columns(n), directive.location);
+        case DirectiveId::coordinate_system: coordinate_systems_[directive.strings[0]] = state_.ctm; return success();
+        case DirectiveId::coord_sys_transform: {
+            const auto found = coordinate_systems_.find(directive.strings[0]);
+            if (found != coordinate_systems_.end()) {
+                state_.ctm = found->second;
+                return success();
+            }
+            std::vector<std::string> known;
+            for (const auto& [name, transforms] : coordinate_systems_) known.push_back(name);
+            const std::string near = nearest_name(directive.strings[0], known);
+            return error_at(directive.string_locations[0], "no coordinate system is called '" + directive.strings[0] + "'",
+                            near.empty() ? "" : "did you mean '" + near + "'?");
+        }
+        default: break;
+    }
+    // Identity and Transform replace.
+    const Transform replacement = directive.id == DirectiveId::transform ? from_columns(n) : Transform();
+    for (std::size_t i = 0; i < 2; ++i)
+        if (state_.active[i]) state_.ctm[i] = replacement;
+    return check_invertible(directive.location);
+}
+
+Status SceneBuilder::active_transform(const Directive& directive) {
+    const std::string& which = directive.strings[0];
+    if (which != "StartTime" && which != "EndTime" && which != "All")
+        return error_at(directive.string_locations[0], "found '" + which + "'; expected StartTime, EndTime or All after ActiveTransform");
+    state_.active = {which != "EndTime", which != "StartTime"};
+    return success();
+}
+
+Status SceneBuilder::concatenate(const Transform& transform, const SourceLocation& where) {
+    for (std::size_t i = 0; i < 2; ++i)
+        if (state_.active[i]) state_.ctm[i] = state_.ctm[i] * transform;
+    return check_invertible(where);
+}
+
+Status SceneBuilder::check_invertible(const SourceLocation& where) const {
+    for (const Transform& transform : state_.ctm)
+        if (!transform.invertible()) return error_at(where, "leaves a transformation that cannot be inverted");
+    return success();
+}
+
+Result<Transform> SceneBuilder::still_transform(const SourceLocation& where) const {
+    if (state_.ctm[0].matrix() != state_.ctm[1].matrix())
+        return error_at(where, "motion blur is not supported yet: the transformations at the start and the end differ");
+    return state_.ctm[0];
+}
+
+}  // namespace raylex::transport
