@@ -157,8 +157,8 @@ FilterProfile::FilterProfile(const std::function<double(double)>& profile, doubl
     for (const WidePiece& piece : wide)
         (piece.sign > 0 ? positive_part : negative_part) += piece.width * (piece.left + piece.right) / 2;
     const double absolute = positive_part + negative_part, integral = positive_part - negative_part;
-    // A kernel that nearly cancels would have weights without bound: it is none.
-    if (!(integral > 1e-3 * absolute) || !std::isfinite(absolute)) return;
+    // A kernel that nearly cancels would have weights without bound (here: above 20): it is none.
+    if (!(integral > 0.05 * absolute) || !std::isfinite(absolute)) return;
 
     radius_ = static_cast<float>(radius);
     steps_per_pixel_ = static_cast<float>(1 / step);

@@ -1,0 +1,178 @@
+#include "display/services/display_services.h"
+
+#include <array>
+#include <limits>
+
+#include <catch2/catch.hpp>
+
+#include "display/buffer/frame_buffer.h"
+#include "tests/services/helpers.h"
+
+namespace raylex::display {
+namespace {
+
+using test::plain_channel;
+
+constexpr ChannelId color = 0, depth = 1, index = 2, light = 3;
+
+std::vector<ChannelDefinition> four_channels() {
+    return {plain_channel("color", ChannelType::rgb),
+            plain_channel("depth", ChannelType::real, FilterRule::zmin, std::numeric_limits<float>::infinity()),
+            plain_channel("index", ChannelType::integer, FilterRule::zmin),
+            test::expression_channel("light", "CL")};
+}
+
+struct Fixture {
+    std::vector<ChannelDefinition> channels = four_channels();
+    SampleTable table{channels, 8, 2};
+    DisplayServices services{table};
+
+    Fixture() { table.begin(test::pixel_rows(0, 0, 0, 4)); }
+    [[nodiscard]] std::vector<double> values(ChannelId id, int row) const {
+        const int n = component_count(table.channel(id).type);
+        return {table.values(id) + row * n, table.values(id) + (row + 1) * n};
+    }
+};
+
+TEST_CASE("splat adds, write replaces, in the row and channel named and nowhere else", "[display_services]") {
+    Fixture f;
+    CHECK(f.services.splat(color, 1, Rgb(1, 2, 3)));
+    CHECK(f.services.splat(color, 1, Rgb(1, 1, 1)));
+    CHECK(f.values(color, 1) == std::vector<double>{2, 3, 4});
+    CHECK(f.values(color, 0) == std::vector<double>{0, 0, 0});
+    CHECK(f.values(color, 2) == std::vector<double>{0, 0, 0});
+    CHECK(f.services.write(color, 1, Rgb(7, 8, 9)));
+    CHECK(f.services.write(color, 1, Rgb(5, 5, 6)));
+    CHECK(f.values(color, 1) == std::vector<double>{5, 5, 6});
+    CHECK(f.services.write(index, 3, std::int32_t{-7}));
+    CHECK(f.values(index, 3) == std::vector<double>{-7});
+    CHECK(f.table.written(color, 1));
+    CHECK_FALSE(f.table.written(color, 0));
+    CHECK(f.table.touched(index));
+    CHECK_FALSE(f.table.touched(light));
+}
+
+TEST_CASE("the first splat replaces an infinite miss value", "[display_services]") {
+    Fixture f;
+    CHECK(f.values(depth, 2) == std::vector<double>{std::numeric_limits<double>::infinity()});
+    CHECK(f.services.splat(depth, 2, 1.5f));
+    CHECK(f.services.splat(depth, 2, 1.5f));
+    CHECK(f.values(depth, 2) == std::vector<double>{3});
+    CHECK(f.services.write(depth, 2, 4.0f));
+    CHECK(f.services.splat(depth, 2, 1.0f));  // onto a written value: adds to it
+    CHECK(f.values(depth, 2) == std::vector<double>{5});
+}
+
+TEST_CASE("bad ids, rows and types are refused, counted per channel and change nothing", "[display_services][law7]") {
+    Fixture f;
+    CHECK_FALSE(f.services.splat(invalid_channel, 0, 1.0f));
+    CHECK_FALSE(f.services.splat(4, 0, Rgb(1)));
+    CHECK_FALSE(f.services.splat(color, 0, 1.0f));              // a float into a colour
+    CHECK_FALSE(f.services.splat(depth, 0, Rgb(1)));            // a colour into a float
+    CHECK_FALSE(f.services.splat(index, 0, 1.0f));              // ids cannot be splatted
+    CHECK_FALSE(f.services.write(depth, 0, std::int32_t{1}));
+    CHECK_FALSE(f.services.write(index, 0, 1.0f));
+    CHECK_FALSE(f.services.write(color, 4, Rgb(1)));            // rows 0 to 3 exist
+    CHECK_FALSE(f.services.write(color, -1, Rgb(1)));
+    CHECK_FALSE(f.services.write_distance(4, 1.0f));
+    CHECK_FALSE(f.services.write_opacity(-1, Rgb(1)));
+    const std::vector<std::uint64_t> expected{3, 2, 2, 0, 4};
+    CHECK(std::vector<std::uint64_t>(f.services.refused().begin(), f.services.refused().end()) == expected);
+    for (ChannelId id = 0; id < 4; ++id) CHECK_FALSE(f.table.touched(id));
+}
+
+TEST_CASE("values that are not finite are refused and counted", "[display_services][law6]") {
+    Fixture f;
+    const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+    CHECK_FALSE(f.services.splat(color, 0, Rgb(0, nan, 0)));
+    CHECK_FALSE(f.services.splat(light, 0, Rgb(inf, 0, 0)));
+    CHECK_FALSE(f.services.write(depth, 0, inf));
+    CHECK_FALSE(f.services.write_distance(0, nan));
+    CHECK(f.services.add_sample(0, {nan, RgbD(1), false}) == -1);
+    CHECK(f.services.refused()[color] == 1);
+    CHECK(f.services.refused()[light] == 1);
+    CHECK(f.services.refused()[depth] == 1);
+    CHECK(f.services.refused()[4] == 2);
+}
+
+TEST_CASE("splat_multi serves the good ids and reports the bad one", "[display_services]") {
+    Fixture f;
+    const std::array<ChannelId, 4> ids{color, invalid_channel, light, 99};
+    CHECK_FALSE(f.services.splat_multi(ids, 2, Rgb(1, 2, 3)));
+    CHECK(f.values(color, 2) == std::vector<double>{1, 2, 3});
+    CHECK(f.values(light, 2) == std::vector<double>{1, 2, 3});
+    CHECK(f.services.refused()[4] == 2);
+    const std::array<ChannelId, 2> good{color, light};
+    CHECK(f.services.splat_multi(good, 2, Rgb(1, 1, 1)));
+}
+
+TEST_CASE("the channel list has every id, style, type and name", "[display_services]") {
+    Fixture f;
+    const auto list = f.services.get_display_channels();
+    REQUIRE(list.size() == 4);
+    for (std::size_t i = 0; i < 4; ++i) {
+        CHECK(list[i].id == static_cast<ChannelId>(i));
+        CHECK(list[i].style == f.channels[i].style);
+        CHECK(list[i].type == f.channels[i].type);
+        CHECK(list[i].name == f.channels[i].name);
+    }
+}
+
+TEST_CASE("added samples keep their camera ray, depth and opacity until the table is full", "[display_services]") {
+    Fixture f;
+    const int first = f.services.add_sample(2, {3.0f, RgbD(0.25, 0.5, 0.75), true});
+    CHECK(first == 4);
+    CHECK(f.table.original(first) == 2);
+    CHECK(f.table.camera_row(first).sample == 2);
+    CHECK(f.table.depth[4] == 3.0f);
+    CHECK(f.table.opacity[4] == RgbD(0.25, 0.5, 0.75));
+    CHECK(f.table.is_volume[4] == 1);
+    const int second = f.services.add_sample(first, {5.0f, RgbD(1), false});  // on an added row: same camera ray
+    CHECK(f.table.original(second) == 2);
+    CHECK(f.services.splat(color, second, Rgb(1)));
+    // Room for 8 camera rays and 2 more; 4 rays leave room for 6.
+    for (int i = 0; i < 4; ++i) CHECK(f.services.add_sample(0, {}) == 6 + i);
+    CHECK(f.services.add_sample(0, {}) == -1);
+    CHECK(f.services.refused()[4] == 1);
+    f.table.begin(test::pixel_rows(0, 0, 4, 4));
+    CHECK(f.table.row_count() == 4);
+    CHECK_FALSE(f.services.splat(color, second, Rgb(1)));  // gone with its batch
+}
+
+TEST_CASE("opacity is written or added, and a new batch starts clear", "[display_services]") {
+    Fixture f;
+    CHECK(f.services.write_opacity(0, Rgb(0.5f)));
+    CHECK(f.services.splat_opacity(0, Rgb(0.25f)));
+    CHECK(f.table.opacity[0] == RgbD(0.75));
+    CHECK(f.services.write_distance(0, 2.0f, true));
+    CHECK(f.services.write(depth, 0, 2.0f));
+    CHECK(f.services.write(color, 3, Rgb(1)));
+    f.table.begin(test::pixel_rows(0, 0, 4, 4));
+    CHECK(f.table.opacity[0] == RgbD(0));
+    CHECK(f.table.depth[0] == std::numeric_limits<float>::infinity());
+    CHECK(f.table.is_volume[0] == 0);
+    CHECK(f.values(depth, 0) == std::vector<double>{std::numeric_limits<double>::infinity()});
+    CHECK(f.values(color, 3) == std::vector<double>{0, 0, 0});
+    CHECK_FALSE(f.table.written(depth, 0));
+    CHECK_FALSE(f.table.touched(color));
+}
+
+TEST_CASE("a discarded iteration leaves no trace", "[display_services]") {
+    Fixture f;
+    FrameBuffer buffer({2, 2}, f.channels);
+    f.services.splat(color, 0, Rgb(3));
+    f.services.write_opacity(0, Rgb(1));
+    f.services.discard_iteration();
+    CHECK(f.table.discarded());
+    buffer.accumulate(f.table);
+    CHECK(buffer.sample_count(0, 0) == 0);
+    f.table.begin(test::pixel_rows(0, 0, 0, 4));
+    CHECK_FALSE(f.table.discarded());
+    f.services.splat(color, 0, Rgb(4));
+    buffer.accumulate(f.table);
+    CHECK(buffer.sample_count(0, 0) == 4);
+    CHECK(buffer.resolve(color)[0] == 1.0);
+}
+
+}  // namespace
+}  // namespace raylex::display
