@@ -1,0 +1,112 @@
+// The one file that compiles stb_image. Its warnings are not ours.
+#if defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wall"
+#pragma GCC diagnostic ignored "-Wextra"
+#pragma GCC diagnostic ignored "-Wpedantic"
+#pragma GCC diagnostic ignored "-Wconversion"
+#pragma GCC diagnostic ignored "-Wshadow"
+#pragma GCC diagnostic ignored "-Wunused-function"
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+#pragma GCC diagnostic ignored "-Wmissing-field-initializers"
+#endif
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_STATIC
+#define STBI_NO_STDIO
+#define STBI_ONLY_PNG
+#define STBI_ONLY_JPEG
+#define STBI_ONLY_TGA
+#define STBI_ONLY_HDR
+#include <stb_image.h>
+#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
+
+#include <array>
+#include <memory>
+#include <limits>
+
+#include "transport/import/image_readers.h"
+
+namespace raylex::transport {
+
+namespace {
+
+struct StbFree {
+    void operator()(void* pixels) const { stbi_image_free(pixels); }
+};
+
+bool is_alpha(std::size_t sample, int channels) {
+    return channels % 2 == 0 && static_cast<int>(sample % static_cast<std::size_t>(channels)) == channels - 1;
+}
+
+// stb_image reads zeros behind the end of a file, so a JPEG or TGA that was cut short decodes without complaint. The
+// checks below find the cut: a JPEG ends its last scan with an end-of-image marker, a TGA's packets cover all pixels.
+
+bool jpeg_is_whole(const std::string& content) {
+    const std::size_t scan = content.rfind("\xff\xda"), end = content.rfind("\xff\xd9");
+    return scan != std::string::npos && end != std::string::npos && end > scan;
+}
+
+bool tga_is_whole(const std::string& content) {
+    constexpr std::size_t header = 18;
+    if (content.size() < header) return false;
+    const auto byte = [&content](std::size_t i) { return static_cast<std::size_t>(static_cast<unsigned char>(content[i])); };
+    const std::size_t pixel = (byte(16) + 7) / 8, pixels = (byte(12) | byte(13) << 8) * (byte(14) | byte(15) << 8);
+    std::size_t at = header + byte(0) + (byte(1) != 0 ? (byte(5) | byte(6) << 8) * ((byte(7) + 7) / 8) : 0);
+    const bool run_length = byte(2) >= 8;
+    if (!run_length) return content.size() >= at + pixels * pixel;
+    for (std::size_t done = 0; done < pixels;) {
+        if (at >= content.size()) return false;
+        const std::size_t packet = byte(at), count = (packet & 127) + 1;
+        at += 1 + pixel * (packet >= 128 ? 1 : count);
+        done += count;
+    }
+    return at <= content.size();
+}
+
+}  // namespace
+
+Result<Image> read_with_stb(const std::string& content, const std::string& path, const Encoding& encoding) {
+    const auto failure = [&path](const char* reason) {
+        return Error{std::string("corrupt or unsupported image: ") + (reason != nullptr ? reason : "cannot decode"), path, 0, 0, {}, {}};
+    };
+    if (content.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) return failure("larger than 2 GiB");
+    if (content.compare(0, 2, "\xff\xd8") == 0 && !jpeg_is_whole(content)) return failure("JPEG is truncated; expected an end-of-image marker");
+    const bool tga = content.compare(0, 4, "\x89PNG") != 0 && content.compare(0, 2, "\xff\xd8") != 0 && content.compare(0, 2, "#?") != 0;
+    if (tga && !tga_is_whole(content)) return failure("TGA is truncated; expected as many pixels as its header says");
+    const auto* bytes = reinterpret_cast<const stbi_uc*>(content.data());
+    const int size = static_cast<int>(content.size());
+    Image image;
+    int &w = image.width, &h = image.height, &c = image.channels;
+    const auto samples = [&] { return static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * static_cast<std::size_t>(c); };
+
+    if (stbi_is_hdr_from_memory(bytes, size) != 0) {
+        const std::unique_ptr<float, StbFree> pixels(stbi_loadf_from_memory(bytes, size, &w, &h, &c, 0));
+        if (!pixels) return failure(stbi_failure_reason());
+        image.pixels.assign(pixels.get(), pixels.get() + samples());
+        return image;
+    }
+    if (stbi_is_16_bit_from_memory(bytes, size) != 0) {
+        const std::unique_ptr<stbi_us, StbFree> pixels(stbi_load_16_from_memory(bytes, size, &w, &h, &c, 0));
+        if (!pixels) return failure(stbi_failure_reason());
+        image.pixels.resize(samples());
+        for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+            const double stored = pixels.get()[i] / 65535.0;
+            image.pixels[i] = is_alpha(i, c) ? static_cast<float>(stored) : encoding.decode(stored);
+        }
+        return image;
+    }
+    const std::unique_ptr<stbi_uc, StbFree> pixels(stbi_load_from_memory(bytes, size, &w, &h, &c, 0));
+    if (!pixels) return failure(stbi_failure_reason());
+    std::array<float, 256> table;
+    for (std::size_t i = 0; i < table.size(); ++i) table[i] = encoding.decode(static_cast<double>(i) / 255);
+    image.pixels.resize(samples());
+    for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+        const stbi_uc stored = pixels.get()[i];
+        image.pixels[i] = is_alpha(i, c) ? static_cast<float>(stored) / 255.0f : table[stored];
+    }
+    return image;
+}
+
+}  // namespace raylex::transport
