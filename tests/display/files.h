@@ -1,6 +1,7 @@
-// Scratch folders, and foreign OpenEXR files written straight with the library.
+// Scratch folders, full disks, and foreign OpenEXR files written straight with the library.
 #pragma once
 
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -48,6 +49,21 @@ class ScratchFolder {
 
   private:
     std::string path_;
+};
+
+/// A disk that is full after `bytes`: the file size limit fails writes the same way, at the same place.
+class FileSizeLimit {
+  public:
+    explicit FileSizeLimit(rlim_t bytes) {
+        getrlimit(RLIMIT_FSIZE, &saved_);
+        rlimit limit = saved_;
+        limit.rlim_cur = bytes;
+        setrlimit(RLIMIT_FSIZE, &limit);
+    }
+    ~FileSizeLimit() { setrlimit(RLIMIT_FSIZE, &saved_); }
+
+  private:
+    rlimit saved_{};
 };
 
 inline std::string read_bytes(const std::string& path) {

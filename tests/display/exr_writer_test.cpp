@@ -1,0 +1,318 @@
+#include "display/output/exr_writer.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+
+#include <ImfInputPart.h>
+#include <ImfMultiPartInputFile.h>
+
+#include "display/output/split_check.h"
+#include "files.h"
+
+using namespace raylex::test;
+using namespace raylex::display;
+
+namespace {
+
+constexpr int width = 5, height = 3;
+constexpr ChannelId beauty_id = 0;
+
+ChannelDefinition expression(const std::string& name, const std::string& text) {
+    ChannelDefinition channel;
+    channel.name = name;
+    channel.style = ChannelStyle::expression;
+    channel.expression = text;
+    return channel;
+}
+
+ChannelDefinition plain(const std::string& name, ChannelType type, const std::string& space, float miss = 0) {
+    ChannelDefinition channel;
+    channel.name = name;
+    channel.type = type;
+    channel.rule = FilterRule::zmin;
+    channel.space = space;
+    channel.miss_value = miss;
+    return channel;
+}
+
+std::vector<ChannelDefinition> channels() {
+    constexpr float inf = std::numeric_limits<float>::infinity();
+    std::vector<ChannelDefinition> list{expression("beauty", ""), expression("diffuse", "C<RD>[<L.>O]"), expression("specular", "C<RS>[<L.>O]"),
+                                        expression("rest", ""), plain("z", ChannelType::real, "camera", inf), plain("Nn", ChannelType::normal, "camera"),
+                                        plain("id", ChannelType::integer, ""), plain("VLen", ChannelType::real, "camera", inf)};
+    list[2].dialect = raylex::lpe::Dialect::osl;
+    list[3].rest_of = {1, 2};
+    return list;
+}
+
+// Thirds and sevenths: nothing here is exact in float, so rounding shows.
+double light(int pixel, int component, int channel) { return (pixel + 1) / 3.0 + component / 7.0 + 1e-3 * channel; }
+
+/// One sample per pixel; every third pixel is a miss.
+FrameBuffer filled() {
+    const std::vector<ChannelDefinition> list = channels();
+    FrameBuffer buffer({width, height}, list);
+    for (int pixel = 0; pixel < width * height; ++pixel) {
+        SampleTable table(list, 1, 0);
+        CameraRow row;
+        row.pixel_x = pixel % width;
+        row.pixel_y = pixel / width;
+        table.begin(std::span(&row, 1));
+        for (int c = 0; c < 3; ++c) {
+            double sum = 0;
+            for (ChannelId id = 1; id <= 3; ++id) {
+                table.values(id)[c] = light(pixel, c, id);
+                sum += light(pixel, c, id);
+            }
+            table.values(beauty_id)[c] = sum;
+        }
+        for (ChannelId id = 0; id <= 3; ++id) table.touch(id);
+        if (pixel % 3 != 0) {
+            table.values(4)[0] = 2.5 + pixel;
+            table.values(5)[2] = -1;
+            table.values(6)[0] = pixel == 1 ? -2 : 16'777'217;      // one more than float holds
+            table.values(7)[0] = 1e300;                             // no camera is that far away; float is not that large
+            for (ChannelId id = 4; id <= 7; ++id) {
+                table.touch(id);
+                table.set_row_state(id, 0, SampleTable::RowState::written);
+            }
+            table.depth[0] = 1;
+            table.opacity[0] = raylex::RgbD(1.0);
+        }
+        buffer.accumulate(table);
+    }
+    return buffer;
+}
+
+ImageDescription description() {
+    ImageDescription result;
+    result.attributes = {{"raylex/seed", "7"}, {"raylex/config", std::string(3000, 'c')}, {"software", "raylex 0.1"}};
+    result.partitions = {{"auto", "", {"diffuse", "specular", "rest"}}};
+    result.chromaticities = {{0.713, 0.293}, {0.165, 0.830}, {0.128, 0.044}, {0.32168, 0.33767}};
+    result.world_to_camera = {{{1, 0, 0, 10}, {0, 1, 0, 20}, {0, 0, 1, 30}, {0, 0, 0, 1}}};
+    result.world_to_screen = {{{2, 0, 0, 0}, {0, 2, 0, 0}, {0, 0, 1, -1}, {0, 0, 1, 0}}};
+    return result;
+}
+
+ExrImage written(const ScratchFolder& folder) {
+    const auto status = write_exr(folder.file("a.exr"), filled(), beauty_id, description());
+    if (!status) FAIL(status.error().message);
+    auto image = read_exr(folder.file("a.exr"));
+    if (!image) FAIL(image.error().message);
+    return std::move(*image);
+}
+
+}  // namespace
+
+TEST_CASE("every pixel of the frame buffer comes back, rounded to float once", "[display][exr]") {
+    const ScratchFolder folder;
+    const ExrImage image = written(folder);
+    CHECK(image.width == width);
+    CHECK(image.height == height);
+    CHECK(image.layer_names() == std::vector<std::string>{"", "diffuse", "specular", "rest", "z", "Nn", "id", "VLen"});
+    const FrameBuffer buffer = filled();
+    for (ChannelId id = 1; id <= 3; ++id) {
+        const std::vector<double> expected = buffer.resolve(id);
+        const auto planes = image.layer(channels()[static_cast<std::size_t>(id)].name)->triple();
+        for (std::size_t i = 0; i < width * height; ++i)
+            for (std::size_t c = 0; c < 3; ++c) CHECK(planes[c]->values[i] == static_cast<float>(expected[3 * i + c]));
+    }
+    const ImageLayer* beauty = image.layer("");
+    REQUIRE(beauty->planes.size() == 4);
+    CHECK(beauty->planes[3].name == "A");
+    CHECK(beauty->planes[3].values[0] == 0);
+    CHECK(beauty->planes[3].values[1] == 1);
+    CHECK(beauty->planes[0].stored == StoredType::single_float);
+    CHECK(beauty->planes[1].values[4] == Approx(light(4, 1, 1) + light(4, 1, 2) + light(4, 1, 3)).epsilon(1e-7));   // float rounding
+    CHECK(image.layer("z")->plane("Z")->values[2] == 4.5f);
+    CHECK(image.layer("Nn")->plane("Z")->values[1] == -1);
+    CHECK(image.layer("Nn")->plane("X")->values[1] == 0);
+    CHECK(image.layer("id")->planes[0].stored == StoredType::unsigned_int);
+}
+
+TEST_CASE("a split written by raylex holds in the file", "[display][exr][law1]") {
+    const ScratchFolder folder;
+    const ExrImage image = written(folder);
+    const auto verdicts = check_declared_splits(image);
+    REQUIRE(verdicts.ok());
+    REQUIRE(verdicts->size() == 1);
+    CHECK((*verdicts)[0].partition == "auto");
+    CHECK((*verdicts)[0].holds);
+    CHECK((*verdicts)[0].largest_relative > 0);     // rounding shows: the test says something
+    const auto short_sum = check_split(image, "", {"diffuse", "specular"});
+    REQUIRE(short_sum.ok());
+    CHECK(!short_sum->holds);
+}
+
+TEST_CASE("parts, channels and attributes stand where the design puts them", "[display][exr]") {
+    const ScratchFolder folder;
+    written(folder);
+    Imf::MultiPartInputFile file(folder.file("a.exr").c_str());
+    REQUIRE(file.parts() == 8);
+    const auto text = [&file](int part, const std::string& name) {
+        const auto* attribute = file.header(part).findTypedAttribute<Imf::StringAttribute>(name);
+        return attribute == nullptr ? std::string("(none)") : attribute->value();
+    };
+    CHECK(file.header(0).name() == "rgba");
+    CHECK(file.header(1).name() == "diffuse");
+    CHECK(file.header(1).channels().findChannel("diffuse.G") != nullptr);
+    CHECK(file.header(4).name() == "z");
+    REQUIRE(file.header(4).channels().findChannel("Z") != nullptr);
+    CHECK(file.header(4).channels().findChannel("Z")->type == Imf::FLOAT);
+    CHECK(file.header(5).channels().findChannel("Nn.Z") != nullptr);
+    CHECK(file.header(6).channels().findChannel("id")->type == Imf::UINT);
+    CHECK(file.header(7).channels().findChannel("VLen") != nullptr);
+    for (int part = 0; part < file.parts(); ++part) {
+        CAPTURE(part);
+        CHECK(file.header(part).compression() == Imf::ZIP_COMPRESSION);
+        CHECK(Imf::chromaticities(file.header(part)).white.x == 0.32168f);
+        CHECK(text(part, "raylex/seed") == "7");
+        CHECK(text(part, "software") == "raylex 0.1");
+        CHECK(text(part, "raylex/config").size() == (part == 0 ? 3000 : std::string("(none)").size()));
+        CHECK(text(part, "raylex/incomplete") == "(none)");
+    }
+    for (const int part : {0, 1}) CHECK(text(part, "lpe/diffuse") == "C<RD>[<L.>O]");
+    CHECK(text(2, "lpe/diffuse") == "(none)");
+    CHECK(text(2, "lpeDialect/specular") == "osl");
+    CHECK(text(0, "lpe/rest") == "rest of diffuse + specular");
+    CHECK(text(0, "partition/auto") == "beauty = diffuse + specular + rest");
+    CHECK(text(4, "rule/z") == "zmin");
+    CHECK(text(5, "space/Nn") == "camera");
+    CHECK(text(1, "rule/diffuse") == "filter");
+
+    // A point's camera coordinates and its place in the image by OpenEXR's row vectors.
+    Imath::V3f camera, ndc;
+    Imf::worldToCamera(file.header(0)).multVecMatrix(Imath::V3f(1, 2, 3), camera);
+    CHECK(camera == Imath::V3f(11, 22, 33));
+    const Imath::M44f to_ndc = Imf::worldToNDC(file.header(0));
+    to_ndc.multVecMatrix(Imath::V3f(-1, 1, 2), ndc);       // 45 degrees up and to the left of the axis: the corner
+    CHECK(ndc.x == 0);
+    CHECK(ndc.y == 0);
+    to_ndc.multVecMatrix(Imath::V3f(0, -1, 2), ndc);
+    CHECK(ndc.x == 0.5f);
+    CHECK(ndc.y == 1);
+}
+
+TEST_CASE("misses are infinite where the design says so, and nothing else is", "[display][exr][law6]") {
+    const ScratchFolder folder;
+    const ExrImage image = written(folder);
+    for (std::size_t i = 0; i < width * height; ++i) {
+        CAPTURE(i);
+        CHECK(std::isinf(image.layer("z")->planes[0].values[i]) == (i % 3 == 0));
+        // 1e300 is a number: it becomes the largest float, and the header says that it did.
+        CHECK(image.layer("VLen")->planes[0].values[i] == (i % 3 == 0 ? std::numeric_limits<float>::infinity() : std::numeric_limits<float>::max()));
+        for (const ImagePlane& plane : image.layer("Nn")->planes) CHECK(std::isfinite(plane.values[i]));
+    }
+    CHECK(image.attributes.at("repaired/VLen") == "0 values not a number, set to 0; 10 beyond float, set to the largest");
+    CHECK(image.attributes.count("repaired/z") == 0);
+}
+
+TEST_CASE("integer channels keep all 32 bits", "[display][exr]") {
+    const ScratchFolder folder;
+    written(folder);
+    Imf::MultiPartInputFile file(folder.file("a.exr").c_str());
+    std::vector<unsigned> ids(width * height);
+    Imf::FrameBuffer buffer;
+    buffer.insert("id", Imf::Slice(Imf::UINT, reinterpret_cast<char*>(ids.data()), 4, 4 * width));
+    Imf::InputPart part(file, 6);
+    part.setFrameBuffer(buffer);
+    part.readPixels(0, height - 1);
+    CHECK(ids[0] == 0);
+    CHECK(ids[1] == 4'294'967'294u);       // -2
+    CHECK(ids[2] == 16'777'217u);
+}
+
+TEST_CASE("the same frame buffer gives the same bytes", "[display][exr][law3]") {
+    const ScratchFolder folder;
+    REQUIRE(write_exr(folder.file("a.exr"), filled(), beauty_id, description()).ok());
+    REQUIRE(write_exr(folder.file("b.exr"), filled(), beauty_id, description()).ok());
+    CHECK(read_bytes(folder.file("a.exr")) == read_bytes(folder.file("b.exr")));
+}
+
+TEST_CASE("an image without beauty, and one cut short, are written and say so", "[display][exr]") {
+    const ScratchFolder folder;
+    ImageDescription unfinished = description();
+    unfinished.complete = false;
+    REQUIRE(write_exr(folder.file("a.exr"), filled(), invalid_channel, unfinished).ok());
+    const auto image = read_exr(folder.file("a.exr"));
+    REQUIRE(image.ok());
+    CHECK(image->attributes.at("raylex/incomplete") == "true");
+    CHECK(image->layer("")->name == "beauty");      // the channel of that name, as a part of its own, without alpha
+    CHECK(image->layer("")->planes.size() == 3);
+
+    const std::vector<ChannelDefinition> one{plain("z", ChannelType::real, "camera")};
+    REQUIRE(write_exr(folder.file("z.exr"), FrameBuffer({2, 2}, one), invalid_channel, {}).ok());
+    CHECK(read_exr(folder.file("z.exr"))->layer_names() == std::vector<std::string>{"z"});
+}
+
+TEST_CASE("names that the format cannot hold are refused before anything is rendered", "[display][exr][law7]") {
+    const auto message = [](std::vector<ChannelDefinition> list, ChannelId beauty, std::vector<PartitionDeclaration> partitions = {}) {
+        const auto status = check_exr_layout(list, beauty, partitions);
+        return status.ok() ? std::string() : status.error().message;
+    };
+    CHECK(message(channels(), beauty_id, description().partitions).empty());
+    CHECK(message({expression("a", "C.*"), expression("a", "CD")}, -1).find("used twice") != std::string::npos);
+    CHECK(message({expression("beauty", ""), expression("rgba", "CD")}, 0).find("what beauty is called") != std::string::npos);
+    CHECK(message({expression("Ci", ""), expression("beauty", "CD")}, 0).find("what beauty is called") != std::string::npos);
+    CHECK(message({expression("", "C.*")}, -1).find("no name") != std::string::npos);
+    CHECK(message({expression(std::string(245, 'n'), "C.*")}, -1).empty());
+    CHECK(message({expression(std::string(246, 'n'), "C.*")}, -1).find("246") != std::string::npos);
+    CHECK(message({expression("a + b", "C.*")}, -1).find("a + b") != std::string::npos);
+    CHECK(message({expression("a\nb", "C.*")}, -1).find("control character") != std::string::npos);
+    CHECK(message({}, -1).find("nothing to write") != std::string::npos);
+    CHECK(message(channels(), 0, {{"p", "", {"difuse"}}}).find("'difuse'") != std::string::npos);
+    CHECK(message({expression("a", "C.*")}, -1, {{"p", "", {"a"}}}).find("'beauty'") != std::string::npos);
+
+    const ScratchFolder folder;
+    const std::vector<ChannelDefinition> longest{expression(std::string(245, 'n'), "C.*")};
+    REQUIRE(write_exr(folder.file("a.exr"), FrameBuffer({2, 2}, longest), invalid_channel, {}).ok());
+    CHECK(read_exr(folder.file("a.exr"))->layer_names() == std::vector<std::string>{longest[0].name});
+}
+
+TEST_CASE("a partition that cannot be does not cost the image", "[display][exr][law7]") {
+    const ScratchFolder folder;
+    ImageDescription wrong = description();
+    wrong.partitions.push_back({"typo", "", {"difuse"}});
+    REQUIRE(write_exr(folder.file("a.exr"), filled(), beauty_id, wrong).ok());
+    const auto image = read_exr(folder.file("a.exr"));
+    REQUIRE(image.ok());
+    CHECK(image->partitions.size() == 1);
+    CHECK(image->attributes.at("raylex/refusedPartition").find("difuse") != std::string::npos);
+}
+
+TEST_CASE("a failed write names path and reason, keeps the earlier file and leaves nothing else", "[display][exr][law7]") {
+    const ScratchFolder folder;
+    const std::string path = folder.file("a.exr");
+    const auto failure = [](const std::string& target) {
+        const auto status = write_exr(target, filled(), beauty_id, description());
+        REQUIRE(!status.ok());
+        CHECK(status.error().file == target);
+        return status.error().message;
+    };
+    CHECK(failure(folder.file("no/a.exr")).find("No such file or directory") != std::string::npos);
+    CHECK(failure(folder.path()).find("directory") != std::string::npos);
+    CHECK(failure("/dev/null").find("device") != std::string::npos);
+    CHECK(folder.file_count() == 0);
+
+    REQUIRE(write_exr(path, filled(), beauty_id, description()).ok());
+    const std::string earlier = read_bytes(path);
+    REQUIRE(earlier.size() > 4000);
+    for (const rlim_t limit : {rlim_t{0}, rlim_t{1000}, static_cast<rlim_t>(earlier.size() - 1)}) {
+        CAPTURE(limit);
+        const FileSizeLimit full(limit);
+        CHECK(failure(path).find("File too large") != std::string::npos);
+        CHECK(read_bytes(path) == earlier);
+        CHECK(folder.file_count() == 1);
+    }
+
+    // Names are judged last: even an image that cannot be laid out must not touch what is there.
+    const std::vector<ChannelDefinition> twice{expression("a", "C.*"), expression("a", "CD")};
+    CHECK(!write_exr(path, FrameBuffer({2, 2}, twice), invalid_channel, {}).ok());
+    // An attribute that the format keeps for itself is OpenEXR's to refuse.
+    ImageDescription reserved = description();
+    reserved.attributes["compression"] = "none";
+    CHECK(!write_exr(path, filled(), beauty_id, reserved).ok());
+    CHECK(read_bytes(path) == earlier);
+    CHECK(folder.file_count() == 1);
+}
