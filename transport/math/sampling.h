@@ -34,14 +34,13 @@ struct SinCos {
 /// Between Disk and Square"). Density 1/pi per unit area.
 inline Vec2 sample_disk(const Vec2& u) {
     const float a = 2 * u.x - 1, b = 2 * u.y - 1;
-    if (a == 0 && b == 0) return {0, 0};
-    // Within a quarter of the ring the angle is measured from the nearer axis: at most pi/4.
-    if (std::abs(a) > std::abs(b)) {
-        const SinCos angle = SinCos::of_eighth((pi / 4) * (b / a));
-        return {a * angle.cos, a * angle.sin};
-    }
-    const SinCos angle = SinCos::of_eighth((pi / 4) * (a / b));
-    return {b * angle.sin, b * angle.cos};
+    // Within a quarter of the ring the angle is measured from the nearer axis: at most pi/4. Selections, not branches:
+    // which quarter it is cannot be predicted.
+    const bool wide = std::abs(a) > std::abs(b);
+    const float radius = wide ? a : b, other = wide ? b : a;
+    const SinCos angle = SinCos::of_eighth(radius == 0 ? 0.0f : (pi / 4) * (other / radius));
+    const float along = radius * angle.cos, across = radius * angle.sin;
+    return {wide ? along : across, wide ? across : along};
 }
 
 /// Unit disk by polar coordinates: u.x is the squared radius, u.y the angle. Density 1/pi.
