@@ -10,16 +10,18 @@
 namespace raylex::transport {
 namespace {
 
+std::string quoted(std::string_view name) { return std::string("'").append(name).append("'"); }
+
 Result<Vec3> point_or(const ParameterSet& set, std::string_view name, const Vec3& fallback) {
     const Parameter* p = set.find(name);
     if (!p) return fallback;
     if (p->type != ParameterType::point3 || p->numbers.size() != 3)
-        return error_at(p->location, "'" + std::string(name) + "' must be one point3");
+        return error_at(p->location, quoted(name).append(" must be one point3"));
     return Vec3{static_cast<float>(p->numbers[0]), static_cast<float>(p->numbers[1]), static_cast<float>(p->numbers[2])};
 }
 
 Status refuse(const ParameterSet& set, std::string_view name, const std::string& why) {
-    if (const Parameter* p = set.find(name)) return error_at(p->location, "'" + std::string(name) + "' " + why);
+    if (const Parameter* p = set.find(name)) return error_at(p->location, quoted(name).append(" ").append(why));
     return success();
 }
 
@@ -102,8 +104,8 @@ Result<EnvironmentImage> load_environment(const SceneLight& source, const std::s
     auto image = read_image(resolve_path(file, source.location.file.empty() ? context.scene.file : source.location.file), "");
     if (!image) {
         Error error = image.error();
-        error.hint += (error.hint.empty() ? "" : "; ") + std::string("named by the infinite light at ") + source.location.file + ":" +
-                      std::to_string(source.location.line);
+        if (!error.hint.empty()) error.hint += "; ";
+        error.hint += "named by the infinite light at line " + std::to_string(source.location.line);
         return error;
     }
     if (image->width != image->height)
