@@ -1,0 +1,62 @@
+// A slow, plainly right reading of expressions, to hold the compiler against. It shares no code with lpe/: its own
+// parser over ready-made tokens, its own predicates on events, and a matcher that computes sets of end positions.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "lpe/event.h"
+
+namespace oracle {
+
+using raylex::lpe::Dialect;
+using raylex::lpe::Event;
+using Path = std::vector<Event>;
+
+/// A piece of text the oracle knows whole: a mark of the grammar, or an event with its predicate.
+struct Token {
+    std::string text;
+    std::function<bool(const Event&)> matches;  ///< empty for marks
+};
+
+/// Marks ( ) [ ] | * + {2} {0,1} and events; renderman has ? ! & - too.
+const std::vector<Token>& tokens(Dialect dialect);
+
+struct Tree;
+
+/// Reads a sequence of token indices; null when it is not an expression of the dialect.
+std::shared_ptr<Tree> parse(const std::vector<std::size_t>& sequence, Dialect dialect);
+
+/// Whether the tree matches the whole path.
+bool matches(const Tree& tree, const Path& path, Dialect dialect);
+
+std::string text_of(const std::vector<std::size_t>& sequence, Dialect dialect);
+
+/// Every path of at most `longest` events over a small alphabet that shows each predicate true and false.
+std::vector<Path> all_paths(Dialect dialect, std::size_t longest);
+const std::vector<Event>& alphabet();
+
+/// A small generator with a fixed sequence everywhere (SplitMix64; Steele, Lea and Flood 2014).
+class Random {
+  public:
+    explicit Random(std::uint64_t seed) : state_(seed) {}
+    std::uint64_t next() {
+        std::uint64_t z = state_ += 0x9E3779B97F4A7C15ULL;
+        z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
+        z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
+        return z ^ (z >> 31);
+    }
+    std::size_t below(std::size_t bound) { return static_cast<std::size_t>(next() % bound); }
+
+  private:
+    std::uint64_t state_;
+};
+
+/// A random well-formed expression with about `size` events.
+std::vector<std::size_t> random_expression(Random& random, Dialect dialect, std::size_t size);
+Path random_path(Random& random, std::size_t longest);
+
+}  // namespace oracle

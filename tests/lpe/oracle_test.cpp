@@ -1,0 +1,138 @@
+// The compiler against the oracle: all small expressions on all small paths, and large random ones.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+
+#include "lpe/match.h"
+#include "lpe/program.h"
+#include "oracle.h"
+
+using namespace raylex::lpe;
+
+namespace {
+
+ChannelSource source_of(const std::string& text, Dialect dialect) {
+    ChannelSource source;
+    source.expression = text;
+    source.dialect = dialect;
+    return source;
+}
+
+State run(const Program& program, State state, const oracle::Path& path) {
+    for (const Event& event : path) {
+        state = program.next(state, program.classify(event));
+    }
+    return state;
+}
+
+struct Tally {
+    std::size_t expressions = 0, refused = 0, accepted_words = 0, words = 0;
+};
+
+/// Every sequence of `length` tokens; the first disagreement fails the test with its text.
+void compare_all(Dialect dialect, std::size_t length, const std::vector<oracle::Path>& paths, Tally& tally) {
+    const std::size_t count = oracle::tokens(dialect).size();
+    std::vector<std::size_t> sequence(length, 0);
+    for (bool more = true; more;) {
+        const std::string text = oracle::text_of(sequence, dialect);
+        const auto tree = oracle::parse(sequence, dialect);
+        const ChannelSource source = source_of(text, dialect);
+        const auto program = Program::compile({&source, 1}, {.any_word = true});
+        if (program.ok() != (tree != nullptr)) {
+            FAIL("'" << text << "' is " << (tree ? "an expression but was refused" : "no expression but was accepted"));
+        }
+        ++(tree ? tally.expressions : tally.refused);
+        for (const oracle::Path& path : tree ? paths : std::vector<oracle::Path>{}) {
+            const bool found = program->accepts_any(run(*program, program->starts()[0], path));
+            const bool expected = oracle::matches(*tree, path, dialect);
+            ++tally.words;
+            tally.accepted_words += expected ? 1 : 0;
+            if (found != expected) {
+                FAIL("'" << text << "' on '" << to_text(path) << "': " << found << ", oracle " << expected);
+            }
+        }
+        more = false;
+        for (std::size_t i = length; i-- > 0 && !more;) {
+            more = ++sequence[i] < count;
+            if (!more) {
+                sequence[i] = 0;
+            }
+        }
+    }
+}
+
+void compare_random(Dialect dialect, std::uint64_t seed, int rounds) {
+    oracle::Random random(seed);
+    std::size_t accepted = 0;
+    for (int round = 0; round < rounds; ++round) {
+        std::vector<ChannelSource> sources;
+        std::vector<std::shared_ptr<oracle::Tree>> trees;
+        for (int k = 0; k < 5; ++k) {
+            const auto sequence = oracle::random_expression(random, dialect, 2 + random.below(9));
+            sources.push_back(source_of(oracle::text_of(sequence, dialect), dialect));
+            trees.push_back(oracle::parse(sequence, dialect));
+            REQUIRE(trees.back() != nullptr);
+        }
+        // A small cap spreads the channels over groups in some rounds.
+        CompileOptions options{.state_cap = 50'000, .group_cap = 8, .any_word = true};
+        const auto program = Program::compile(sources, options);
+        INFO(sources[0].expression << "\n" << sources[1].expression << "\n" << sources[2].expression);
+        REQUIRE(program);
+        for (int p = 0; p < 60; ++p) {
+            const oracle::Path path = oracle::random_path(random, 7);
+            std::vector<bool> found(trees.size(), false);
+            for (const State start : program->starts()) {
+                for (const std::uint16_t k : program->accepted(run(*program, start, path))) {
+                    REQUIRE_FALSE(found[k]);
+                    found[k] = true;
+                }
+            }
+            for (std::size_t k = 0; k < trees.size(); ++k) {
+                const bool expected = oracle::matches(*trees[k], path, dialect);
+                accepted += expected ? 1 : 0;
+                if (found[k] != expected) {
+                    FAIL("'" << sources[k].expression << "' on '" << to_text(path) << "': " << found[k] << ", oracle " << expected);
+                }
+            }
+        }
+    }
+    // The comparison means something only when both answers are common.
+    REQUIRE(accepted > static_cast<std::size_t>(rounds) * 10);
+}
+
+}  // namespace
+
+TEST_CASE("every expression of up to three tokens agrees with the oracle on every short path", "[oracle]") {
+    for (const Dialect dialect : {Dialect::renderman, Dialect::osl}) {
+        const auto paths = oracle::all_paths(dialect, 3);
+        Tally tally;
+        for (std::size_t length = 1; length <= 3; ++length) {
+            compare_all(dialect, length, paths, tally);
+        }
+        CHECK(tally.expressions > 1000);
+        CHECK(tally.refused > 1000);
+        CHECK(tally.accepted_words > 1000);
+    }
+}
+
+TEST_CASE("every expression of up to five tokens agrees with the oracle on every path of up to five events", "[.full][oracle]") {
+    for (const Dialect dialect : {Dialect::renderman, Dialect::osl}) {
+        Tally tally;
+        compare_all(dialect, 4, oracle::all_paths(dialect, 5), tally);
+        compare_all(dialect, 5, oracle::all_paths(dialect, 3), tally);
+        CHECK(tally.accepted_words > 100'000);
+    }
+}
+
+TEST_CASE("random renderman expressions compiled together agree with the oracle", "[oracle]") {
+    compare_random(Dialect::renderman, 20, 150);
+}
+
+TEST_CASE("random osl expressions compiled together agree with the oracle", "[oracle]") {
+    compare_random(Dialect::osl, 21, 150);
+}
+
+TEST_CASE("many random expressions agree with the oracle", "[.full][oracle]") {
+    compare_random(Dialect::renderman, 22, 20'000);
+    compare_random(Dialect::osl, 23, 20'000);
+}
