@@ -116,21 +116,26 @@ class Fractions {
 
 }  // namespace
 
-/// The pairs of a tracker in the middle of a move, equal states merged.
-struct LpeServices::PairList {
-    static constexpr std::size_t room = 128;
+/// The branches of a tracker in the middle of a move, equal states merged.
+struct LpeServices::BranchList {
+    static constexpr std::size_t room = 96;
     std::size_t count = 0;
-    std::array<lpe::State, room> state;
-    std::array<std::uint8_t, room> group;
+    std::size_t groups;
+    std::array<lpe::State, room * Tracker::group_limit> state;
     std::array<double, 3 * room> share;
 
-    PairList() {}  // leaves the arrays uninitialised
-    void add(lpe::State s, std::uint8_t g, const double* amount) {
+    explicit BranchList(std::size_t group_count) : groups(group_count) {}  // leaves the arrays uninitialised
+
+    [[nodiscard]] bool full() const { return count == room; }
+    /// Where the states of one more branch go; add() makes it one.
+    lpe::State* next_states() { return &state[count * groups]; }
+    /// Adds the branch whose states were put into next_states(), unless they are all dead.
+    void add(const double* amount) {
+        const lpe::State* fresh = next_states();
+        if (std::all_of(fresh, fresh + groups, [](lpe::State s) { return s == lpe::Program::dead; })) return;
         std::size_t at = 0;
-        while (at < count && state[at] != s) ++at;
+        while (at < count && !std::equal(fresh, fresh + groups, &state[at * groups])) ++at;
         if (at == count) {
-            state[at] = s;
-            group[at] = g;
             std::copy_n(amount, 3, &share[3 * at]);
             ++count;
             return;
@@ -138,6 +143,17 @@ struct LpeServices::PairList {
         for (std::size_t c = 0; c < 3; ++c) share[3 * at + c] += amount[c];
     }
     [[nodiscard]] double size(std::size_t i) const { return share[3 * i] + share[3 * i + 1] + share[3 * i + 2]; }
+    /// Drops branches whose shares are all 0.
+    void compact() {
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            if (size(i) == 0) continue;
+            std::copy_n(&state[i * groups], groups, &state[kept * groups]);
+            std::copy_n(&share[3 * i], 3, &share[3 * kept]);
+            ++kept;
+        }
+        count = kept;
+    }
 };
 
 Result<LpeSetup> LpeSetup::build(std::span<const ChannelDefinition> channels, ChannelId beauty,
@@ -150,18 +166,17 @@ Result<LpeSetup> LpeSetup::build(std::span<const ChannelDefinition> channels, Ch
     Result<lpe::Program> program = lpe::Program::compile(*sources, options);
     if (!program) return program.error();
     setup.program_ = std::move(*program);
-    constexpr std::size_t group_limit = Tracker::capacity / 3;
-    if (setup.program_.group_count() > group_limit)
-        return Error{"the light path expressions need " + std::to_string(setup.program_.group_count()) +
-                         " automaton groups; expected at most " + std::to_string(group_limit),
-                     "", 0, 0, "", "ask for fewer channels whose expressions begin with `C.*`, or raise the state cap"};
-    const lpe::EventClass camera = setup.program_.classify(lpe::Event{});
-    for (std::size_t group = 0; group < setup.program_.group_count(); ++group) {
-        const lpe::State state = setup.program_.next(setup.program_.starts()[group], camera);
-        if (state == lpe::Program::dead) continue;
-        setup.first_states_.push_back(state);
-        setup.first_groups_.push_back(static_cast<std::uint8_t>(group));
-    }
+    const lpe::Program& compiled = setup.program_;
+    if (compiled.group_count() > Tracker::group_limit)
+        return error_at({},
+                        "the light path expressions need " + std::to_string(compiled.group_count()) +
+                            " automaton groups; expected at most " + std::to_string(Tracker::group_limit),
+                        "ask for fewer channels whose expressions begin with `C.*`, or raise the state cap");
+    const lpe::EventClass camera = compiled.classify(lpe::Event{});
+    for (const lpe::State start : compiled.starts()) setup.first_states_.push_back(compiled.next(start, camera));
+    if (std::count(setup.first_states_.begin(), setup.first_states_.end(), lpe::Program::dead) ==
+        static_cast<std::ptrdiff_t>(setup.first_states_.size()))
+        setup.first_states_.clear();
     return setup;
 }
 
@@ -202,92 +217,84 @@ void LpeServices::split(Tracker& tracker, std::span<const LobePart> parts) {
         fractions.pick(next_random(random_state));
     }
 
-    PairList pairs;
+    const std::size_t groups = tracker.groups_;
+    const std::size_t target = std::min<std::size_t>(Tracker::capacity, Tracker::state_room / groups);
+    BranchList branches(groups);
     bool whole = tracker.whole_, overflow = false;
     const auto shrink = [&] {
         require_key();
-        collapse(pairs, Tracker::capacity, random_state);
+        collapse(branches, target, random_state);
         overflow = true;
     };
-    constexpr std::array<double, 3> one{1.0, 1.0, 1.0};
-    for (std::size_t i = 0; i < tracker.count_; ++i) {
-        const double* base = tracker.whole_ ? one.data() : &tracker.share_[3 * i];
-        const lpe::State first = setup_.program_.next(tracker.state_[i], parts[0].event);
-        const bool together = std::all_of(parts.begin() + 1, parts.end(), [&](const LobePart& part) {
-            return setup_.program_.next(tracker.state_[i], part.event) == first;
+    const auto step = [&](std::size_t branch, const LobePart& part) {
+        const lpe::State* from = &tracker.state_[branch * groups];
+        std::transform(from, from + groups, branches.next_states(),
+                       [&](lpe::State state) { return setup_.program_.next(state, part.event); });
+    };
+    const auto agrees = [&](std::size_t branch, const LobePart& part) {
+        const lpe::State* from = &tracker.state_[branch * groups];
+        return std::equal(from, from + groups, branches.next_states(), [&](lpe::State state, lpe::State next) {
+            return setup_.program_.next(state, part.event) == next;
         });
-        if (together) {  // the parts' fractions sum to 1: nothing is split, nothing is rounded
-            if (pairs.count == PairList::room) shrink();
-            if (first != lpe::Program::dead) pairs.add(first, tracker.group_[i], base);
+    };
+    constexpr std::array<double, 3> one{1.0, 1.0, 1.0};
+    for (std::size_t branch = 0; branch < tracker.count_; ++branch) {
+        if (branches.full()) shrink();
+        const double* base = tracker.whole_ ? one.data() : &tracker.share_[3 * branch];
+        step(branch, parts[0]);
+        if (std::all_of(parts.begin() + 1, parts.end(), [&](const LobePart& part) { return agrees(branch, part); })) {
+            branches.add(base);  // the parts' fractions sum to 1: nothing is split, nothing is rounded
             continue;
         }
         whole = false;
         for (std::size_t j = 0; j < parts.size(); ++j) {
-            const lpe::State next = setup_.program_.next(tracker.state_[i], parts[j].event);
-            if (next == lpe::Program::dead) continue;
             const std::array<double, 3> share{base[0] * fractions.of(j, 0), base[1] * fractions.of(j, 1),
                                               base[2] * fractions.of(j, 2)};
             if (share[0] == 0 && share[1] == 0 && share[2] == 0) continue;
-            if (pairs.count == PairList::room) shrink();
-            pairs.add(next, tracker.group_[i], share.data());
+            if (branches.full()) shrink();
+            step(branch, parts[j]);
+            branches.add(share.data());
         }
     }
-    if (pairs.count > Tracker::capacity) shrink();
+    if (branches.count > target) shrink();
     if (overflow) ++overflow_count_;
 
     tracker.whole_ = whole;
-    tracker.count_ = static_cast<std::uint8_t>(pairs.count);
-    std::copy_n(pairs.state.begin(), pairs.count, tracker.state_.begin());
-    std::copy_n(pairs.group.begin(), pairs.count, tracker.group_.begin());
-    if (!whole) std::copy_n(pairs.share.begin(), 3 * pairs.count, tracker.share_.begin());
+    tracker.count_ = static_cast<std::uint8_t>(branches.count);
+    std::copy_n(branches.state.begin(), branches.count * groups, tracker.state_.begin());
+    if (!whole) std::copy_n(branches.share.begin(), 3 * branches.count, tracker.share_.begin());
 }
 
-/// Brings `pairs` down to `target` by collapsing the smallest of the largest group, again and again. Each collapse moves,
-/// per colour, all that the chosen pairs hold to one of them, drawn in proportion to what it held: the sum is kept
-/// exactly and each pair's expected share is what it was. One random number serves the three colours, so that they
-/// mostly agree on the survivor; at most three survive. With groups <= target / 3 some group always has more than three.
-void LpeServices::collapse(PairList& pairs, std::size_t target, std::uint64_t& random_state) const {
-    while (pairs.count > target) {
-        std::array<std::size_t, Tracker::capacity> members{};  // [group]
-        for (std::size_t i = 0; i < pairs.count; ++i) ++members[pairs.group[i]];
-        const auto group = static_cast<std::size_t>(std::max_element(members.begin(), members.end()) - members.begin());
-
-        std::array<std::size_t, PairList::room> chosen;
-        std::size_t chosen_count = 0;
-        for (std::size_t i = 0; i < pairs.count; ++i)
-            if (pairs.group[i] == group) chosen[chosen_count++] = i;
-        std::sort(chosen.begin(), chosen.begin() + static_cast<std::ptrdiff_t>(chosen_count),
-                  [&](std::size_t a, std::size_t b) {
-                      const double size_a = pairs.size(a), size_b = pairs.size(b);
-                      return size_a != size_b ? size_a < size_b : pairs.state[a] < pairs.state[b];
-                  });
-        chosen_count = std::min(chosen_count, pairs.count - target + 3);
-
-        const double random = next_random(random_state);
-        for (std::size_t c = 0; c < 3; ++c) {
-            double total = 0, below = 0;
-            for (std::size_t k = 0; k < chosen_count; ++k) total += pairs.share[3 * chosen[k] + c];
-            std::size_t survivor = chosen[0];
-            bool found = false;
-            for (std::size_t k = 0; k < chosen_count; ++k) {
-                double& share = pairs.share[3 * chosen[k] + c];
-                if (!found && share > 0) survivor = chosen[k];
-                below += share;
-                found = found || random * total < below;
-                share = 0;
-            }
-            pairs.share[3 * survivor + c] = total;
+/// Brings `branches` down to `target` by collapsing the smallest. The collapse moves, per colour, all that the chosen
+/// branches hold to one of them, drawn in proportion to what it held: the sum is kept exactly and each branch's expected
+/// share is what it was. One random number serves the three colours, so that they mostly agree on the survivor; at most
+/// three survive, so three more than the excess are chosen.
+void LpeServices::collapse(BranchList& branches, std::size_t target, std::uint64_t& random_state) {
+    const std::size_t chosen_count = branches.count - target + 3;
+    std::array<std::uint16_t, BranchList::room> order;
+    std::iota(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(branches.count), std::uint16_t{0});
+    std::array<double, BranchList::room> size;
+    for (std::size_t i = 0; i < branches.count; ++i) size[i] = branches.size(i);
+    std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(chosen_count),
+                      order.begin() + static_cast<std::ptrdiff_t>(branches.count), [&](std::uint16_t a, std::uint16_t b) {
+                          return size[a] != size[b] ? size[a] < size[b] : a < b;
+                      });
+    const double random = next_random(random_state);
+    for (std::size_t c = 0; c < 3; ++c) {
+        double total = 0, below = 0;
+        for (std::size_t k = 0; k < chosen_count; ++k) total += branches.share[3u * order[k] + c];
+        std::size_t survivor = order[0];
+        bool found = false;
+        for (std::size_t k = 0; k < chosen_count; ++k) {
+            double& share = branches.share[3u * order[k] + c];
+            if (!found && share > 0) survivor = order[k];
+            below += share;
+            found = found || random * total < below;
+            share = 0;
         }
-        std::size_t kept = 0;
-        for (std::size_t i = 0; i < pairs.count; ++i) {
-            if (pairs.size(i) == 0) continue;
-            pairs.state[kept] = pairs.state[i];
-            pairs.group[kept] = pairs.group[i];
-            for (std::size_t c = 0; c < 3; ++c) pairs.share[3 * kept + c] = pairs.share[3 * i + c];
-            ++kept;
-        }
-        pairs.count = kept;
+        branches.share[3 * survivor + c] = total;
     }
+    branches.compact();
 }
 
 void LpeServices::reject(const Rgb& value, const Tracker& tracker) {

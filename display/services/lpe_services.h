@@ -2,10 +2,14 @@
 // whose expression accepts the path. An integrator moves a tracker and reports contributions; it never asks which
 // channels exist, so adding an AOV never means editing an integrator.
 //
-// Attribution (Law 5). A tracker carries pairs (automaton state, share). When a direction was sampled from a mixture of
+// Attribution (Law 5). A tracker carries branches (automaton state, share). When a direction was sampled from a mixture of
 // lobes, each lobe's part of the scattering value moves along its own transition, so a contribution reaches each channel
 // with exactly the fraction of it that those lobes carried, and the fractions of one contribution sum to 1 in every
 // colour. Equal states merge, dead ones drop out. Beauty takes the full value and never looks at the states (Law 2).
+//
+// Groups. When the compiler spreads the channels over several automata, the state of a branch is one state per automaton:
+// a share belongs to a set of paths, not to an automaton, so that a partition whose channels lie in different groups
+// still sums exactly when a tracker overflows (Law 1).
 #pragma once
 
 #include <array>
@@ -34,9 +38,9 @@ struct LobePart {
 /// what is live: nothing to speak of without expression channels, one state for a path that was never split.
 class Tracker {
   public:
-    /// Pairs one tracker holds; `capacity / 3` is the largest number of automaton groups, since a collapse may leave a
-    /// group with one survivor per colour.
-    static constexpr int capacity = 24;
+    static constexpr int capacity = 24;     ///< branches, with up to two automaton groups; state_room / groups with more
+    static constexpr int state_room = 48;
+    static constexpr int group_limit = 8;   ///< automaton groups: leaves room for 6 branches
 
     Tracker() noexcept = default;
     Tracker(const Tracker& other) noexcept { copy(other); }
@@ -51,11 +55,11 @@ class Tracker {
 
     std::int32_t row_ = 0;
     std::uint16_t moves_ = 0;    // with the pixel and sample of row_: the source of the overflow choice
-    std::uint8_t count_ = 0;
-    bool whole_ = true;          // every pair's share is 1: one pair per group, nothing was split yet; share_ is not set
-    std::array<lpe::State, capacity> state_;
-    std::array<std::uint8_t, capacity> group_;
-    std::array<double, 3 * capacity> share_;   // [pair][r, g, b]; plain doubles, so that a copy initialises nothing
+    std::uint8_t count_ = 0;     // branches
+    std::uint8_t groups_ = 0;    // states per branch
+    bool whole_ = true;          // nothing was split yet: at most one branch, its share 1 and not stored
+    std::array<lpe::State, state_room> state_;     // [branch][group]
+    std::array<double, 3 * capacity> share_;       // [branch][r, g, b]; plain doubles: a copy initialises nothing
 };
 
 /// What all threads share: the compiled program and where its channels stand in the sample table. Immutable.
@@ -79,8 +83,7 @@ class LpeSetup {
   private:
     friend class LpeServices;
     lpe::Program program_;
-    std::vector<lpe::State> first_states_;        // after the camera event, dead ones removed
-    std::vector<std::uint8_t> first_groups_;      // [first state] index of its automaton group
+    std::vector<lpe::State> first_states_;        // [group] after the camera event; empty when all are dead
     std::vector<ChannelId> channel_of_accept_;    // program channel -> display channel
     ChannelId beauty_ = invalid_channel;
 };
@@ -109,7 +112,7 @@ class LpeServices {
 
     void move(Tracker& tracker, lpe::EventClass event) const;
     /// A scattering whose value is the sum of `parts`. Per colour the parts are normalised to sum to 1; a colour to which
-    /// no part gives anything goes to the first. No parts: the path scatters nothing and every pair dies.
+    /// no part gives anything goes to the first. No parts: the path scatters nothing and every branch dies.
     void move(Tracker& tracker, std::span<const LobePart> parts);
 
     /// Adds `value` (radiance times throughput, filter weight not applied) to beauty and to every channel whose
@@ -122,7 +125,7 @@ class LpeServices {
     /// The same, one event ahead: whether contributing after `event` could reach any channel.
     [[nodiscard]] bool live_after(const Tracker& tracker, lpe::EventClass event) const;
 
-    [[nodiscard]] std::uint64_t overflow_count() const { return overflow_count_; }   ///< moves that had to collapse pairs
+    [[nodiscard]] std::uint64_t overflow_count() const { return overflow_count_; }   ///< moves that had to collapse branches
     [[nodiscard]] std::uint64_t invalid_count() const { return invalid_count_; }
     [[nodiscard]] std::span<const InvalidSample> invalid_samples() const { return invalid_samples_; }
     /// Contributions accepted so far that were found by `technique`.
@@ -131,10 +134,10 @@ class LpeServices {
     }
 
   private:
-    struct PairList;
+    struct BranchList;
     void split(Tracker& tracker, std::span<const LobePart> parts);
     void reject(const Rgb& value, const Tracker& tracker);
-    void collapse(PairList& pairs, std::size_t target, std::uint64_t& random_state) const;
+    static void collapse(BranchList& branches, std::size_t target, std::uint64_t& random_state);
     [[nodiscard]] std::uint64_t random_key(const Tracker& tracker, const LobePart& first) const;
 
     const LpeSetup& setup_;

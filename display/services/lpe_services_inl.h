@@ -3,17 +3,18 @@
 
 #include "display/services/lpe_services.h"
 
+#include <algorithm>
+
 namespace raylex::display {
 
 inline void Tracker::copy(const Tracker& other) noexcept {
     row_ = other.row_;
     moves_ = other.moves_;
     count_ = other.count_;
+    groups_ = other.groups_;
     whole_ = other.whole_;
-    for (std::size_t i = 0; i < count_; ++i) {
-        state_[i] = other.state_[i];
-        group_[i] = other.group_[i];
-    }
+    const std::size_t states = std::size_t{count_} * groups_;
+    for (std::size_t i = 0; i < states; ++i) state_[i] = other.state_[i];
     if (whole_) return;
     for (std::size_t i = 0; i < std::size_t{3} * count_; ++i) share_[i] = other.share_[i];
 }
@@ -21,32 +22,36 @@ inline void Tracker::copy(const Tracker& other) noexcept {
 inline Tracker LpeServices::begin(int row) const {
     Tracker tracker;
     tracker.row_ = row;
-    tracker.count_ = static_cast<std::uint8_t>(setup_.first_states_.size());
-    for (std::size_t i = 0; i < tracker.count_; ++i) {
-        tracker.state_[i] = setup_.first_states_[i];
-        tracker.group_[i] = setup_.first_groups_[i];
-    }
+    tracker.groups_ = static_cast<std::uint8_t>(setup_.first_states_.size());
+    tracker.count_ = tracker.groups_ == 0 ? 0 : 1;
+    for (std::size_t group = 0; group < tracker.groups_; ++group) tracker.state_[group] = setup_.first_states_[group];
     return tracker;
 }
 
 inline void LpeServices::move(Tracker& tracker, lpe::EventClass event) const {
     if (tracker.count_ == 0) return;
     ++tracker.moves_;
+    const std::size_t groups = tracker.groups_;
     std::size_t kept = 0;
-    for (std::size_t i = 0; i < tracker.count_; ++i) {
-        const lpe::State next = setup_.program_.next(tracker.state_[i], event);
-        if (next == lpe::Program::dead) continue;
+    for (std::size_t branch = 0; branch < tracker.count_; ++branch) {
+        const lpe::State* from = &tracker.state_[branch * groups];
+        lpe::State* to = &tracker.state_[kept * groups];
+        bool alive = false;
+        for (std::size_t g = 0; g < groups; ++g) {
+            to[g] = setup_.program_.next(from[g], event);
+            alive = alive || to[g] != lpe::Program::dead;
+        }
+        if (!alive) continue;
         if (!tracker.whole_) {
             std::size_t at = 0;
-            while (at < kept && tracker.state_[at] != next) ++at;
-            const double* from = &tracker.share_[3 * i];
-            double* to = &tracker.share_[3 * at];
+            while (at < kept && !std::equal(to, to + groups, &tracker.state_[at * groups])) ++at;
             const bool merge = at < kept;
-            for (int c = 0; c < 3; ++c) to[c] = merge ? to[c] + from[c] : from[c];
+            for (std::size_t c = 0; c < 3; ++c) {
+                const double share = tracker.share_[3 * branch + c];
+                tracker.share_[3 * at + c] = merge ? tracker.share_[3 * at + c] + share : share;
+            }
             if (merge) continue;
         }
-        tracker.state_[kept] = next;
-        tracker.group_[kept] = tracker.group_[i];
         ++kept;
     }
     tracker.count_ = static_cast<std::uint8_t>(kept);
@@ -76,25 +81,26 @@ inline void LpeServices::contribute(const Rgb& value, Technique technique, const
         beauty[2] += b;
         table_.touch(setup_.beauty_);
     }
-    for (std::size_t i = 0; i < tracker.count_; ++i) {
-        const std::span<const std::uint16_t> accepted = setup_.program_.accepted(tracker.state_[i]);
-        if (accepted.empty()) continue;
-        const double* share = &tracker.share_[3 * i];
+    const std::size_t groups = tracker.groups_;
+    for (std::size_t branch = 0; branch < tracker.count_; ++branch) {
+        const double* share = &tracker.share_[3 * branch];
         const RgbD part = tracker.whole_ ? RgbD(r, g, b) : RgbD(r * share[0], g * share[1], b * share[2]);
-        for (const std::uint16_t channel : accepted) {
-            const ChannelId id = setup_.channel_of_accept_[channel];
-            double* values = table_.values(id) + at;
-            values[0] += part.r;
-            values[1] += part.g;
-            values[2] += part.b;
-            table_.touch(id);
-        }
+        for (std::size_t group = 0; group < groups; ++group)
+            for (const std::uint16_t channel : setup_.program_.accepted(tracker.state_[branch * groups + group])) {
+                const ChannelId id = setup_.channel_of_accept_[channel];
+                double* values = table_.values(id) + at;
+                values[0] += part.r;
+                values[1] += part.g;
+                values[2] += part.b;
+                table_.touch(id);
+            }
     }
 }
 
 inline bool LpeServices::live_after(const Tracker& tracker, lpe::EventClass event) const {
     if (setup_.beauty_ >= 0) return true;
-    for (std::size_t i = 0; i < tracker.count_; ++i)
+    const std::size_t states = std::size_t{tracker.count_} * tracker.groups_;
+    for (std::size_t i = 0; i < states; ++i)
         if (setup_.program_.next(tracker.state_[i], event) != lpe::Program::dead) return true;
     return false;
 }
