@@ -6,7 +6,8 @@
 // N = e1 x e2 (2 roundings a product, 1 for the difference: gamma(3) (|e1_i e2_j| + |e1_j e2_i|)) and evaluates
 // (v0 - o) . N (gamma(3)). The distance it sees is thus off by at most
 //   gamma(8) [ |n| . max |v| + ((|e1| x+ |e2|) . extent) / |N| ],  x+ the cross product with plus signs.
-// Componentwise bounds keep axis-aligned planes nearly exact.
+// Componentwise bounds keep axis-aligned planes nearly exact. A plane through 0 would get 0, so 2^-32 of the triangle's
+// extent is added: it changes nothing elsewhere.
 #include "transport/geometry/embree_scene.h"
 
 #include <algorithm>
@@ -44,10 +45,11 @@ void triangle_surface(const ShapeGeometry& shape, const Hit& hit, SurfacePoint& 
     point.geometric_normal = n * (shape.flip_normal ? -inverse_length : inverse_length);
 
     const Vec3 top = largest(p0, largest(p1, p2)), bottom = smallest(p0, smallest(p1, p2));
-    const Vec3 a1 = absolute(e1), a2 = absolute(e2);
+    const Vec3 extent = top - bottom, a1 = absolute(e1), a2 = absolute(e2);
     const Vec3 products{a1.y * a2.z + a1.z * a2.y, a1.z * a2.x + a1.x * a2.z, a1.x * a2.y + a1.y * a2.x};
     offset = gamma_bound(8) * (dot(absolute(point.geometric_normal), largest(absolute(top), absolute(bottom))) +
-                               dot(products, top - bottom) * inverse_length);
+                               dot(products, extent) * inverse_length) +
+             0x1p-32f * (extent.x + extent.y + extent.z);
 
     point.shading_normal = point.geometric_normal;
     if (!shape.normals.empty()) {
