@@ -2,7 +2,8 @@
 //
 // Materials, textures, lights, camera, film, filter, sampler and integrator stay (type name, parameters): the registries
 // give them meaning, so that a plugin's material needs no change here. Geometry is already loaded and transformed.
-// All rgb parameters are in `color.scene_space`, scene-linear.
+// All rgb parameters are in `color.scene_space`, scene-linear. File names that materials, textures and lights read
+// ("filename", "normalmap", file spectra) are absolute and exist; every name of a material, texture or object resolves.
 #pragma once
 
 #include <array>
@@ -51,7 +52,7 @@ struct SceneShape {
     int area_light = -1;                        ///< index into area_lights
     float alpha = 1;                            ///< constant opacity
     std::string alpha_texture;                  ///< name of a float texture; overrides alpha
-    std::string label;                          ///< LPE object label; empty = unlabelled
+    std::string label;                          ///< LPE object label; the named material's name until a rule says otherwise
 };
 
 struct SceneObject {
@@ -110,7 +111,10 @@ struct LabelRule {
     SourceLocation location;
 };
 
-/// First matching rule wins; a rule that matches nothing is an Error that lists near misses.
+/// First matching rule wins per object and per light; what no rule matches keeps its label (shapes: the name of their
+/// named material, as imported). Area lights count as kind "area", one per AreaLightSource in file order; an instance
+/// goes by its object's name or name:index. A rule that matches nothing is an Error that lists near misses; one that
+/// matches only what earlier rules took adds a warning.
 Status apply_label_rules(SceneDescription& scene, const std::vector<LabelRule>& rules);
 
 }  // namespace raylex::transport
