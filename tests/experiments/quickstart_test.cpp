@@ -1,0 +1,51 @@
+// The parts of the quickstart that can be tried without building anew.
+#include <catch2/catch.hpp>
+
+#include "experiments/job/job_file.h"
+#include "support.h"
+
+using namespace raylex::test;
+
+namespace {
+
+const std::string script = std::string(RAYLEX_SOURCE_DIR) + "/experiments/quickstart.sh";
+
+}  // namespace
+
+TEST_CASE("the quickstart's script parses, explains itself and refuses what it does not know") {
+    const Folder folder;
+    CHECK(run_shell(folder, "bash -n '" + script + "'").code == 0);
+    Outcome help = run_shell(folder, "bash '" + script + "' --help");
+    CHECK(help.code == 0);
+    CHECK(help.out.find("Exit codes") != std::string::npos);
+    CHECK(run_shell(folder, "bash '" + script + "' --frobnicate").code == 2);
+    CHECK(run_shell(folder, "bash '" + script + "' a b").code == 2);
+    CHECK(folder.names().empty());
+}
+
+TEST_CASE("the quickstart's jobs read, and their scenes are there") {
+    for (const std::string name : {"cornell-color", "still-life"}) {
+        CAPTURE(name);
+        auto job = raylex::experiments::read_job(std::string(RAYLEX_SOURCE_DIR) + "/experiments/quickstart/" + name + ".toml");
+        REQUIRE(job);
+        CHECK(job->shipped_partition);
+        CHECK(job->light_groups);
+        CHECK(job->aovs.size() == 6);
+        const Folder folder;
+        CHECK(run_shell(folder, "test -f '" + job->scene_file + "'").code == 0);
+    }
+}
+
+TEST_CASE("the quickstart's jobs render, at a thousandth of their budget") {
+    const Folder folder;
+    for (const std::string name : {"cornell-color", "still-life"}) {
+        CAPTURE(name);
+        Outcome outcome = run_raylex(folder, "render '" + std::string(RAYLEX_SOURCE_DIR) + "/experiments/quickstart/" + name +
+                                                 ".toml' -o out.exr --preview p.png --stats s.json --resolution 24x16 --spp 4");
+        CAPTURE(outcome.err);
+        REQUIRE(outcome.code == 0);
+        CHECK(run_raylex(folder, "verify out.exr").code == 0);
+    }
+    CHECK(run_raylex(folder, "report out.exr -o page.html").code == 0);
+    CHECK(folder.read("page.html").find("light_lantern") != std::string::npos);
+}
