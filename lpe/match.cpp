@@ -197,7 +197,8 @@ std::string event_words(const Event& event) {
     }
     const std::string lobe = label_at(event, 1);
     if (!lobe.empty()) {
-        details += (details.empty() ? "lobe " : ", ") + lobe;
+        details += details.empty() ? "lobe " : ", lobe ";
+        details += lobe;
     }
     return details.empty() ? text : text + " (" + details + ")";
 }

@@ -23,15 +23,15 @@ using EventClass = std::uint16_t;
 
 /// A channel as the compiler takes it. `expression` may carry prefixes ("unoccluded;...") and the "lpe:" mark.
 struct ChannelSource {
-    std::string name;
-    std::string expression;
+    std::string name{};
+    std::string expression{};
     Dialect dialect = Dialect::renderman;
-    std::string origin;            ///< for errors: the file or option the text stands in
+    std::string origin{};          ///< for errors: the file or option the text stands in
     int origin_line = 0;           ///< line of the expression's first character in `origin`, 0 if it has none
     int origin_column = 0;
     /// When not empty this channel has no expression of its own: it accepts every word of W (lpe/words.h) that none of
     /// these channels (indices into the list being compiled) accepts.
-    std::vector<std::size_t> rest_of;
+    std::vector<std::size_t> rest_of{};
 };
 
 struct CompileOptions {

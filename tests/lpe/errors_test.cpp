@@ -1,0 +1,152 @@
+// What is refused, where the caret stands, and what is suggested.
+#include <catch2/catch.hpp>
+
+#include "lpe/match.h"
+#include "lpe/program.h"
+
+using namespace raylex;
+using namespace raylex::lpe;
+
+namespace {
+
+struct Case {
+    const char* expression;
+    int column;
+    const char* part;  // of the message or the hint
+};
+
+void refuses(const Case& wrong, Dialect dialect) {
+    ChannelSource source;
+    source.expression = wrong.expression;
+    source.dialect = dialect;
+    const auto program = Program::compile({&source, 1});
+    INFO(wrong.expression);
+    REQUIRE_FALSE(program);
+    INFO(program.error().to_string());
+    CHECK(program.error().column == wrong.column);
+    CHECK((program.error().message + program.error().hint).find(wrong.part) != std::string::npos);
+    CHECK(program.error().excerpt == wrong.expression);
+}
+
+}  // namespace
+
+TEST_CASE("renderman errors point at the byte that is wrong", "[errors][law7]") {
+    const Case cases[] = {
+        {"", 1, "empty"},
+        {"   ", 4, "empty"},
+        {"lpe:", 5, "empty"},
+        {"C(", 3, "expected an event"},
+        {"C()L", 3, "'()' is empty"},
+        {"C(D", 4, "expected ')' for the '(' at column 2"},
+        {"C)", 2, "found ')'"},
+        {"C]", 2, "found ']'"},
+        {"C[DS", 5, "expected ']' for the '[' at column 2"},
+        {"C[]L", 3, "expected an event"},
+        {"C[^]L", 4, "expected an event"},
+        {"C<RD", 5, "expected"},
+        {"C<>L", 3, "'<>' is empty"},
+        {"C<D>L", 3, "event type"},
+        {"C<RL>L", 4, "expected a scattering"},
+        {"C<RD*>L", 5, "expected a quoted label"},
+        {"C<L'key'>", 4, "<L.'key'>"},
+        {"C<RD'floor>L", 5, "not closed"},
+        {"CD**", 4, "one repetition"},
+        {"CD{2}*", 6, "one repetition"},
+        {"*C", 1, "expected an event"},
+        {"CD{", 4, "{n}"},
+        {"CD{,2}", 4, "{n}"},
+        {"CD{3,2}L", 3, "counts down"},
+        {"CD{1001}L", 4, "above 1000"},
+        {"CD{99999999999999999999}L", 4, "above 1000"},
+        {"C|", 3, "expected an event"},
+        {"|C", 1, "expected an event"},
+        {"C||D", 3, "expected an event"},
+        {"CD5L", 3, "expected D1 to D4"},
+        {"CS9L", 3, "expected S1 to S8"},
+        {"CU13L", 3, "expected U1 to U12"},
+        {"CUL", 2, "needs its number"},
+        {"C<Ts>L", 4, "--dialect osl"},
+        {"C2L", 2, "repetition is written {n}"},
+        {"CxL", 2, "labels are quoted"},
+        {"diffuse", 1, "labels are quoted"},
+        {"C!DL", 2, "negates a whole expression"},
+        {"C-", 3, "expected an event"},
+        {"unocluded;CDL", 1, "did you mean 'unoccluded'?"},
+        {"rib:CDL", 1, "lpe:"},
+        {"C\xD0\xA1L", 2, "Cyrillic letter that looks like 'C'"},
+        {"C<RD\xE2\x80\x98" "floor\xE2\x80\x99>L", 5, "did you mean '''?"},
+        {"C\xFF", 2, "the byte 0xFF"},
+    };
+    for (const Case& wrong : cases) {
+        refuses(wrong, Dialect::renderman);
+    }
+}
+
+TEST_CASE("osl errors point at the byte that is wrong", "[errors][law7]") {
+    const Case cases[] = {
+        {"", 1, "empty"},          {"C D", 2, "blanks"},          {"C()L", 3, "empty"},
+        {"C|", 3, "on its right"}, {"|C", 1, "on its left"},      {"C||D", 3, "on its left"},
+        {"C[^]L", 4, "empty"},     {"C[^.]L", 4, "inside [^...]"}, {"C<R<D>>", 4, "do not nest"},
+        {"C<RD*>L", 5, "not allowed inside"}, {"C<RD", 5, "expected '>' for the '<' at column 2"},
+        {"CD{a}", 4, "{n}"},       {"CD2L", 3, "renderman"},      {"lpe:CDL", 1, "expected an event"},
+        {"C'D", 2, "not closed"},  {"CD{2000}", 4, "above 1000"},
+    };
+    for (const Case& wrong : cases) {
+        refuses(wrong, Dialect::osl);
+    }
+}
+
+TEST_CASE("an error knows the file, line and column its expression came from", "[errors][law7]") {
+    ChannelSource source;
+    source.expression = std::string("C[DS\n]*L  # a comment (\n  X");
+    source.origin = std::string("job.toml");
+    source.origin_line = 12;
+    source.origin_column = 20;
+    auto program = Program::compile({&source, 1});
+    REQUIRE_FALSE(program);
+    CHECK(program.error().file == "job.toml");
+    CHECK(program.error().line == 14);
+    CHECK(program.error().column == 3);
+
+    source.expression = std::string("CXL");
+    program = Program::compile({&source, 1});
+    REQUIRE_FALSE(program);
+    CHECK(program.error().line == 12);
+    CHECK(program.error().column == 21);
+    const std::string text = program.error().to_string();
+    CHECK(text.find("job.toml:12:21: ") == 0);
+    // The caret stands under the X wherever the expression begins.
+    const std::size_t line = text.find("\n  ") + 1;
+    const std::size_t letter = text.find('X', line) - line;
+    const std::size_t caret = text.find('^') - (text.rfind('\n', text.find('^')) + 1);
+    CHECK(letter == caret);
+}
+
+TEST_CASE("a caret stands under the column, characters of several bytes counted once", "[errors]") {
+    const Error error{"found 'X'", "f", 3, 6, "C\xC3\xA9\tDX", "a hint"};
+    CHECK(error.to_string() == "f:3:6: found 'X'\n  C\xC3\xA9\tDX\n    \t ^\na hint");
+}
+
+TEST_CASE("events that do not read are refused with a column", "[errors][law7]") {
+    const std::pair<const char*, int> cases[] = {{"Q,D", 1}, {"C", 2},          {"C,", 3},      {"C,-x", 4},      {"R,D5", 4},
+                                                 {"U,-", 2}, {"C,- R,D,'a", 9}, {"R,D,'a'b", 8}, {"C,- , L,-", 5}};
+    for (const auto& [text, column] : cases) {
+        INFO(text);
+        const auto events = parse_events(text);
+        REQUIRE_FALSE(events);
+        CHECK(events.error().column == column);
+    }
+}
+
+TEST_CASE("events survive being written and read", "[errors]") {
+    const std::string text = "C,- R,D2,floor,'a b' T,S8,'it\\'s','' U12,- V,-,fog O,-,'x,y' B,- T,s L,-,key";
+    const auto events = parse_events(text);
+    REQUIRE(events);
+    CHECK(events->size() == 9);
+    const auto again = parse_events(to_text(*events));
+    REQUIRE(again);
+    CHECK(to_text(*again) == to_text(*events));
+    CHECK((*again)[2].labels[0] == "it's");
+    CHECK((*again)[2].lobe_number == 8);
+    CHECK(to_sentence({events->data() + 1, 1}) == "diffuse reflection off 'floor' (lobe number 2, lobe 'a b')");
+}
