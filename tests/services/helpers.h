@@ -3,8 +3,10 @@
 
 #include <cmath>
 #include <cstdint>
+#include <initializer_list>
 #include <random>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "display/services/channel.h"
@@ -27,6 +29,13 @@ class Random {
   private:
     std::mt19937_64 engine_;
 };
+
+/// The parts in a row. (`"text" + string` makes g++ 12 warn of an overlap that cannot be: its bug 105651.)
+inline std::string join(std::initializer_list<std::string_view> parts) {
+    std::string result;
+    for (const std::string_view part : parts) result += part;
+    return result;
+}
 
 inline display::ChannelDefinition plain_channel(std::string name, display::ChannelType type,
                                                 display::FilterRule rule = display::FilterRule::filter, float miss = 0) {

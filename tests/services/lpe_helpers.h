@@ -50,7 +50,7 @@ inline std::vector<display::ChannelDefinition> count_diffuse(int counted) {
     for (int i = 0; i < counted; ++i) {
         std::string expression = "C";
         for (int k = 0; k < i; ++k) expression += "[^D]*D";
-        channels.push_back(expression_channel("d" + std::to_string(i), expression + "[^D]*"));
+        channels.push_back(expression_channel(join({"d", std::to_string(i)}), join({expression, "[^D]*"})));
     }
     display::ChannelDefinition rest = expression_channel("rest", "");
     for (int i = 1; i <= counted; ++i) rest.rest_of.push_back(static_cast<std::size_t>(i));

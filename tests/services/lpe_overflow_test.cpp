@@ -22,12 +22,13 @@ std::vector<ChannelDefinition> count_modulo() {
     std::vector<ChannelDefinition> channels{test::plain_channel("beauty", ChannelType::rgb)};
     for (const std::string letter : {"D", "S"})
         for (int i = 0; i < cycle; ++i) {
-            const std::string other = "[^" + letter + "]*", one = other + letter;
+            const std::string other = test::join({"[^", letter, "]*"}), one = test::join({other, letter});
             std::string expression = "C(";
             for (int k = 0; k < cycle; ++k) expression += one;
             expression += ")*";
             for (int k = 0; k < i; ++k) expression += one;
-            channels.push_back(test::expression_channel(letter + std::to_string(i), expression + other));
+            channels.push_back(
+                test::expression_channel(test::join({letter, std::to_string(i)}), test::join({expression, other})));
         }
     return channels;
 }

@@ -264,9 +264,9 @@ TEST_CASE("prefixes that nothing honours are refused by name", "[lpe_services][l
     CHECK(build("noclamp;C<RD>L"));
     CHECK(build("lpe:noclamp;C<RD>L"));
     for (const std::string prefix : {"unoccluded", "nothruput", "shadows", "holdouts", "overwrite", "noinfinitecheck"}) {
-        const auto setup = build("noclamp;" + prefix + ";C<RD>L");
+        const auto setup = build(test::join({"noclamp;", prefix, ";C<RD>L"}));
         REQUIRE_FALSE(setup);
-        CHECK(setup.error().message.find("'" + prefix + ";'") != std::string::npos);
+        CHECK(setup.error().message.find(test::join({"'", prefix, ";'"})) != std::string::npos);
         CHECK(setup.error().message.find("'mine'") != std::string::npos);
         CHECK(setup.error().file == "job.toml");
         CHECK(setup.error().line == 8);
@@ -283,7 +283,10 @@ TEST_CASE("channels that cannot be followed are errors", "[lpe_services][law7]")
     CHECK_FALSE(LpeSetup::build(channels, 0));
     // Each `C.*<RD'x'>.*` doubles a product: with room for one per group, 20 of them need 20 groups.
     std::vector<ChannelDefinition> many;
-    for (int i = 0; i < 20; ++i) many.push_back(expression_channel("x" + std::to_string(i), "C.*<RD'" + std::to_string(i) + "'>.*"));
+    for (int i = 0; i < 20; ++i) {
+        const std::string number = std::to_string(i);
+        many.push_back(expression_channel(test::join({"x", number}), test::join({"C.*<RD'", number, "'>.*"})));
+    }
     lpe::CompileOptions options;
     options.state_cap = 4;
     options.group_cap = 32;
