@@ -15,6 +15,9 @@
 // 0.4), while sample() is unbiased. Images that are to agree with pbrt-v4's need it, so `as_pbrt` keeps it and is what
 // scene files get; with it off both strategies agree, whatever the light sampling.
 //
+// A gap shared with pbrt-v4: over a smooth metal under a smooth coat with a scattering medium between them, evaluate() has
+// no connection for light whose last turn after the medium is the metal's mirror image; only sample() finds it.
+//
 // Attribution. Light that never entered is the coat's; all that entered is the base's. evaluate() keeps the two apart
 // exactly. sample() walks: the lobe is the one the walk took, which for a smooth coat is exact too, since a delta and
 // a density never meet. Under a rough coat the density of the walked direction, summed over all walks that could have
