@@ -1,0 +1,245 @@
+// The laws of the design, on one small room that holds every kind of event.
+#include "transport/render_support.h"
+
+#include <atomic>
+
+using namespace render_test;
+
+namespace {
+
+std::vector<double> beauty_of(const transport::RenderOutput& output) { return output.frame_buffer.resolve(output.beauty); }
+
+std::vector<display::ChannelDefinition> shipped_partition() {
+    return {lpe("emissive", "C[<L.>O]-CB"), lpe("background", "CB"), lpe("directDiffuse", "C<RD>[<L.>O]"),
+            lpe("indirectDiffuse", "C<RD>[DSV]+[<L.>O]"), lpe("subsurface", "C<TD>[DSV]*[<L.>O]"), lpe("directSpecular", "C<RS>[<L.>O]"),
+            lpe("indirectSpecular", "C<RS>[DSV]+[<L.>O]"), lpe("transmissive", "C<TS>[DSV]*[<L.>O]"), lpe("volume", "CV.*")};
+}
+
+}  // namespace
+
+TEST_CASE("the shipped partition sums to beauty in every pixel", "[render][law1]") {
+    transport::RenderSettings settings;
+    settings.samples_per_pixel = 16;
+    settings.channels = shipped_partition();
+    const auto output = render_of(scene_of(room), settings);
+    const std::vector<double> beauty = beauty_of(output);
+    std::vector<double> sum(beauty.size()), magnitude(beauty.size());
+    for (display::ChannelId id = 1; id <= static_cast<display::ChannelId>(settings.channels.size()); ++id) {
+        const std::vector<double> layer = output.frame_buffer.resolve(id);
+        for (std::size_t i = 0; i < sum.size(); ++i) {
+            sum[i] += layer[i];
+            magnitude[i] += std::abs(layer[i]);
+        }
+    }
+    double worst = 0, total = 0;
+    for (std::size_t i = 0; i < sum.size(); ++i) {
+        total += beauty[i];
+        if (magnitude[i] + std::abs(beauty[i]) > 0) worst = std::max(worst, std::abs(sum[i] - beauty[i]) / (magnitude[i] + std::abs(beauty[i])));
+    }
+    CHECK(total > 0);
+    CHECK(worst <= 1e-12);      // Law 1's bound for the double accumulators
+}
+
+TEST_CASE("beauty is bit-identical with 0, 8 and 64 channels and geometric AOVs", "[render][law2]") {
+    const auto scene = scene_of(room);
+    transport::RenderSettings settings;
+    settings.samples_per_pixel = 16;
+    const std::vector<double> alone = beauty_of(render_of(scene, settings));
+    settings.channels = shipped_partition();
+    CHECK(beauty_of(render_of(scene, settings)) == alone);
+    settings.channels.clear();
+    for (int i = 0; i < 64; ++i) {
+        std::string expression = "C";
+        for (int bit = 0; bit < 6; ++bit) expression += i >> bit & 1 ? "D" : "S?";
+        settings.channels.push_back(lpe("c" + std::to_string(i), expression + "[<L.>O]"));
+    }
+    for (const char* name : {"Nn", "z", "albedo"}) {
+        display::ChannelDefinition aov;
+        aov.name = name;
+        settings.channels.push_back(aov);
+    }
+    CHECK(beauty_of(render_of(scene, settings)) == alone);
+    settings.picked_lobes = true;
+    CHECK(beauty_of(render_of(scene, settings)) == alone);
+}
+
+TEST_CASE("images are bit-identical for any number of threads, and on a rerun", "[render][law3]") {
+    const auto scene = scene_of(room);
+    auto built = transport::BuiltScene::build(scene);
+    REQUIRE(built.ok());
+    transport::RenderSettings settings;
+    settings.samples_per_pixel = 20;        // a whole block and a part of one
+    settings.channels = {lpe("specular", "C<RS>.*"), lpe("diffuse", "C<RD>.*")};
+    settings.threads = 1;
+    auto one = transport::render(**built, settings);
+    REQUIRE(one.ok());
+    settings.threads = 3;
+    auto three = transport::render(**built, settings);
+    REQUIRE(three.ok());
+    const auto fresh = render_of(scene, settings);
+    for (display::ChannelId id = 0; id < 3; ++id) {
+        CHECK(one->frame_buffer.resolve(id) == three->frame_buffer.resolve(id));
+        CHECK(one->frame_buffer.resolve(id) == fresh.frame_buffer.resolve(id));
+    }
+    settings.seed = 1;
+    auto other = transport::render(**built, settings);
+    REQUIRE(other.ok());
+    CHECK(one->frame_buffer.resolve(0) != other->frame_buffer.resolve(0));
+}
+
+TEST_CASE("without beauty the channels are the same bits for fewer rays", "[render][law4]") {
+    const auto scene = scene_of(room);
+    transport::RenderSettings settings;
+    settings.samples_per_pixel = 16;
+    settings.channels = {lpe("direct", "C<RD>[<L.>O]"), lpe("background", "CB")};
+    const auto full = render_of(scene, settings);
+    settings.beauty = false;
+    const auto pruned = render_of(scene, settings);
+    CHECK(pruned.beauty == display::invalid_channel);
+    for (display::ChannelId id = 0; id < 2; ++id) CHECK(pruned.frame_buffer.resolve(id) == full.frame_buffer.resolve(id + 1));
+    CHECK(pruned.statistics.scattering_rays * 2 < full.statistics.scattering_rays);
+    CHECK(pruned.statistics.shadow_rays * 2 < full.statistics.shadow_rays);
+}
+
+TEST_CASE("each lobe's channel is the render with that lobe alone, with no more variance than picking", "[render][law5]") {
+    const auto surface = [](const std::string& diffuse, const std::string& specular) {
+        return scene_of(film + R"(
+Integrator "path" "integer maxdepth" 1
+LookAt 0 2 4  0 0 0  0 1 0
+Camera "perspective" "float fov" 20
+WorldBegin
+AttributeBegin
+  Translate 0 1.5 -2
+  AreaLightSource "diffuse" "rgb L" [4 4 4]
+  Shape "sphere" "float radius" 0.5
+AttributeEnd
+LightSource "infinite" "rgb L" [0.3 0.3 0.3]
+Material "raylex:additive" "float roughness" 0.3 "bool remaproughness" false "rgb diffuse" [)" + diffuse + "] \"rgb specular\" [" + specular + R"(]
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-5 0 5 5 0 5 5 0 -5 -5 0 -5]
+)");
+    };
+    transport::RenderSettings settings;
+    settings.samples_per_pixel = 256;
+    settings.channels = {lpe("d", "C<RD>[<L.>O]"), lpe("s", "C<RS>[<L.>O]")};
+    const auto both = render_of(surface("0.4 0.5 0.3", "0.6 0.5 0.4"), settings);
+    settings.picked_lobes = true;
+    const auto picked = render_of(surface("0.4 0.5 0.3", "0.6 0.5 0.4"), settings);
+    settings.picked_lobes = false;
+    settings.seed = 99;      // independent of the render above, as the deviation below assumes
+    const auto diffuse = render_of(surface("0.4 0.5 0.3", "0 0 0"), settings);
+    const auto specular = render_of(surface("0 0 0", "0.6 0.5 0.4"), settings);
+    const Estimate d = estimate(both, 1), s = estimate(both, 2);
+    INFO("diffuse " << d.mean << " +- " << d.error << " alone " << estimate(diffuse).mean << " specular " << s.mean << " +- " << s.error << " alone "
+                    << estimate(specular).mean);
+    CHECK(deviation(d, estimate(diffuse)) < 4.5);
+    CHECK(deviation(s, estimate(specular)) < 4.5);
+    CHECK(d.error < 0.005 * d.mean);
+    CHECK(s.error < 0.005 * s.mean);
+    CHECK(estimate(picked).mean == estimate(both).mean);      // beauty does not know
+    CHECK(deviation(d, estimate(picked, 1)) < 4.5);
+    // Conditional expectation never has more variance; 3 % for the noise of the variance estimates themselves.
+    CHECK(d.error <= 1.03 * estimate(picked, 1).error);
+    CHECK(s.error <= 1.03 * estimate(picked, 2).error);
+}
+
+TEST_CASE("Russian roulette changes cost, not the mean", "[render]") {
+    const auto scene = scene_of(room);
+    transport::RenderSettings settings;
+    const auto with = render_of(scene, settings);
+    settings.seed = 5;
+    settings.integrator = path_with(flag_parameter("roulette", false));
+    settings.max_depth = 6;
+    const auto without = render_of(scene, settings);
+    INFO(estimate(with).mean << " " << estimate(without).mean);
+    CHECK(deviation(estimate(with), estimate(without)) < 4.5);
+    CHECK(estimate(with).error < 0.02 * estimate(with).mean);
+    CHECK(with.statistics.scattering_rays < without.statistics.scattering_rays);
+}
+
+TEST_CASE("light sampling alone, scattering alone and both together agree, word by word", "[render]") {
+    // Rough surfaces and a large light, so that every strategy converges; specular chains cannot be found by light alone.
+    const auto scene = scene_of(film + R"(
+Integrator "path" "integer maxdepth" 3
+LookAt 0 1 3.9  0 1 0  0 1 0
+Camera "perspective" "float fov" 39
+WorldBegin
+Material "diffuse" "rgb reflectance" [0.5 0.5 0.5]
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-1 0 1 1 0 1 1 0 -1 -1 0 -1]
+Material "conductor" "rgb reflectance" [0.8 0.8 0.8] "float roughness" 0.4
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-1 0 -1 1 0 -1 1 2 -1 -1 2 -1]
+Material "coateddiffuse" "rgb reflectance" [0.5 0.5 0.5] "float roughness" 0.5
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [1 0 -1 1 0 1 1 2 1 1 2 -1]
+AreaLightSource "diffuse" "rgb L" [2 2 2]
+AttributeBegin Translate -0.6 0.5 0 Shape "sphere" "float radius" 0.3 AttributeEnd
+AttributeBegin Translate 0.5 0.5 0 Shape "cylinder" "float radius" 0.2 "float zmin" -0.2 "float zmax" 0.2 AttributeEnd
+Shape "bilinearmesh" "point3 P" [0.6 1.9 -0.6 -0.6 1.9 -0.6 0.6 1.9 0.6 -0.6 1.9 0.6]
+LightSource "infinite" "rgb L" [0.5 0.5 0.5]
+)");
+    transport::RenderSettings settings;
+    settings.samples_per_pixel = 128;
+    settings.max_depth = 3;
+    settings.channels = {lpe("direct diffuse", "C<RD>[<L.>O]"), lpe("direct specular", "C<RS>[<L.>O]"), lpe("sky", "C.*B"), lpe("rest", "C[DS]{2,}L")};
+    std::vector<transport::RenderOutput> outputs;
+    for (const char* strategy : {"mis", "light", "scattering"}) {
+        settings.integrator = path_with(text_parameter("strategy", strategy));
+        ++settings.seed;
+        outputs.push_back(render_of(scene, settings));
+    }
+    for (display::ChannelId id = 0; id <= 4; ++id)
+        for (std::size_t other = 1; other < 3; ++other) {
+            const Estimate a = estimate(outputs[0], id), b = estimate(outputs[other], id);
+            INFO("channel " << id << " strategy " << other << ": " << a.mean << " +- " << a.error << ", " << b.mean << " +- " << b.error);
+            CHECK(deviation(a, b) < 4.5);       // 10 comparisons: a false alarm once in 15,000 seeds
+            CHECK(b.error < 0.05 * b.mean);
+        }
+}
+
+TEST_CASE("a render that is stopped returns what it has, marked incomplete", "[render]") {
+    std::atomic<bool> stop{true};
+    auto output = transport::render(scene_of(room), {}, {}, &stop);
+    REQUIRE(output.ok());
+    CHECK_FALSE(output->complete);
+    CHECK(output->statistics.camera_samples == 0);
+    std::uint64_t total = 0, done = 0;
+    auto whole = transport::render(scene_of(room), {}, [&](const transport::RenderProgress& p) { total = p.samples_total; done = p.samples_done; });
+    REQUIRE(whole.ok());
+    CHECK(whole->complete);
+    CHECK(total == 24 * 24 * 64);
+    CHECK(done == total);
+}
+
+TEST_CASE("settings replace the scene's, and what is not there is a warning or an error", "[render]") {
+    transport::RenderSettings settings;
+    settings.resolution = {{8, 6}};
+    settings.samples_per_pixel = 3;
+    transport::SceneEntity entity;
+    entity.type = "sppm";
+    settings.integrator = entity;
+    auto output = render_of(scene_of(room), settings);
+    CHECK(output.width == 8);
+    CHECK(output.height == 6);
+    CHECK(output.integrator == "path");
+    CHECK(output.samples_per_pixel == 3);
+    CHECK_FALSE(output.warnings.empty());
+    settings.integrator->type = "paht";
+    auto unknown = transport::render(scene_of(room), settings);
+    REQUIRE_FALSE(unknown.ok());
+    CHECK(unknown.error().hint.find("path") != std::string::npos);
+    settings.integrator.reset();
+    settings.channels = {lpe("a", "C<RD>L"), lpe("a", "C<RS>L")};
+    CHECK_FALSE(transport::render(scene_of(room), settings).ok());
+    settings.channels.clear();
+    settings.beauty = false;
+    CHECK_FALSE(transport::render(scene_of(room), settings).ok());
+    CHECK_FALSE(transport::render(scene_of("Camera \"orthographic\"\nWorldBegin\n"), {}).ok());
+}
+
+TEST_CASE("a scene's alphabet names its labels, groups, lobes and terminals", "[render]") {
+    auto alphabet = transport::scene_alphabet(scene_of(room));
+    REQUIRE(alphabet.ok());
+    CHECK(alphabet->has_lights);
+    CHECK(alphabet->has_background);
+    CHECK_FALSE(alphabet->has_straight);
+    CHECK(alphabet->terminals.size() == 2);
+    CHECK(alphabet->scattering.size() >= 5);
+}
