@@ -39,18 +39,28 @@ std::string folder_of(const std::string& path) {
 
 const char* expectation(int error_number) {
     switch (error_number) {
-        case ENOSPC: case EDQUOT: return "free space on the disk";
-        case EFBIG: return "a file size below the process's limit (ulimit -f)";
-        case ENOENT: case ENOTDIR: return "a folder that exists";
-        case EACCES: case EPERM: case EROFS: return "a folder that may be written to";
-        default: return "a file that can be written";
+        case ENOSPC:
+        case EDQUOT:
+            return "free space on the disk";
+        case EFBIG:
+            return "a file size below the process's limit (ulimit -f)";
+        case ENOENT:
+        case ENOTDIR:
+            return "a folder that exists";
+        case EACCES:
+        case EPERM:
+        case EROFS:
+            return "a folder that may be written to";
+        default:
+            return "a file that can be written";
     }
 }
 
 Error write_error(const std::string& path, int error_number) {
     Error error;
     error.file = path;
-    error.message = "cannot write the file: " + std::string(std::strerror(error_number)) + "; expected " + expectation(error_number);
+    error.message = "cannot write the file: " + std::string(std::strerror(error_number)) + "; expected " +
+                    expectation(error_number);
     return error;
 }
 
@@ -87,7 +97,9 @@ Result<AtomicFile> AtomicFile::create(const std::string& path) {
     return write_error(path, errno);
 }
 
-AtomicFile::AtomicFile(AtomicFile&& other) noexcept { *this = std::move(other); }
+AtomicFile::AtomicFile(AtomicFile&& other) noexcept {
+    *this = std::move(other);
+}
 
 AtomicFile& AtomicFile::operator=(AtomicFile&& other) noexcept {
     if (this != &other) {
@@ -102,7 +114,9 @@ AtomicFile& AtomicFile::operator=(AtomicFile&& other) noexcept {
     return *this;
 }
 
-AtomicFile::~AtomicFile() { discard(); }
+AtomicFile::~AtomicFile() {
+    discard();
+}
 
 void AtomicFile::discard() noexcept {
     if (descriptor_ < 0) return;
@@ -142,7 +156,9 @@ bool AtomicFile::seek(std::uint64_t position) {
     return error_number_ == 0;
 }
 
-Error AtomicFile::failure() const { return write_error(target_, error_number_ == 0 ? EIO : error_number_); }
+Error AtomicFile::failure() const {
+    return write_error(target_, error_number_ == 0 ? EIO : error_number_);
+}
 
 Status AtomicFile::commit() {
     if (descriptor_ < 0) return write_error(target_, EBADF);
@@ -163,7 +179,7 @@ Status AtomicFile::commit() {
     }
     const int folder = open(folder_of(target_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (folder >= 0) {
-        fsync(folder);      // best effort: the data itself is safe already
+        fsync(folder);  // best effort: the data itself is safe already
         close(folder);
     }
     return success();

@@ -9,11 +9,11 @@
 
 namespace raylex::display {
 
-/// The temporary file is `target` + ".<process>-<number>.partial". Until commit() succeeds an earlier file at the target
-/// is untouched; destroying an uncommitted AtomicFile removes the temporary one.
+/// The temporary file is `target` + ".<process>-<number>.partial". Until commit() succeeds an earlier file at the
+/// target is untouched; destroying an uncommitted AtomicFile removes the temporary one.
 ///
-/// A symbolic link is followed: what it points at is replaced, the link stays. A target that exists and is not a regular
-/// file (a directory, a device) is refused.
+/// A symbolic link is followed: what it points at is replaced, the link stays. A target that exists and is not a
+/// regular file (a directory, a device) is refused.
 class AtomicFile {
   public:
     static Result<AtomicFile> create(const std::string& path);
@@ -39,7 +39,7 @@ class AtomicFile {
     bool flush();
 
     std::string target_, temporary_;
-    std::string buffer_;            // bytes not yet handed to the system, standing at position_ - buffer_.size()
+    std::string buffer_;  // bytes not yet handed to the system, standing at position_ - buffer_.size()
     std::uint64_t position_ = 0;
     int descriptor_ = -1;
     int error_number_ = 0;

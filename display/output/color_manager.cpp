@@ -38,7 +38,8 @@ Error config_error(const std::string& file, const std::string& what, const std::
     return error;
 }
 
-Error unknown_name(const std::string& file, const std::string& kind, const std::string& name, const std::vector<std::string>& known) {
+Error unknown_name(const std::string& file, const std::string& kind, const std::string& name,
+                   const std::vector<std::string>& known) {
     Error error;
     error.file = file;
     error.message = "the OpenColorIO config has no " + kind + " '" + name + "'; expected one of: " + list(known);
@@ -64,10 +65,12 @@ std::optional<Matrix3> as_matrix(const ocio::ConstProcessorRcPtr& processor) {
         const std::array<double, 3> column = through(cpu, unit);
         for (std::size_t i = 0; i < 3; ++i) matrix[i][j] = column[i];
     }
-    for (const std::array<double, 3>& probe : {std::array{0.0, 0.0, 0.0}, std::array{0.18, 0.18, 0.18}, std::array{4.0, 0.5, 0.02}}) {
+    for (const std::array<double, 3>& probe :
+         {std::array{0.0, 0.0, 0.0}, std::array{0.18, 0.18, 0.18}, std::array{4.0, 0.5, 0.02}}) {
         const std::array<double, 3> direct = through(cpu, probe), linear = transform_colour(matrix, probe);
         for (std::size_t i = 0; i < 3; ++i)
-            if (!(std::abs(direct[i] - linear[i]) <= 1e-4 * (1e-3 + std::abs(probe[0]) + std::abs(probe[1]) + std::abs(probe[2]))))
+            if (!(std::abs(direct[i] - linear[i]) <=
+                  1e-4 * (1e-3 + std::abs(probe[0]) + std::abs(probe[1]) + std::abs(probe[2]))))
                 return std::nullopt;
     }
     return matrix;
@@ -87,13 +90,15 @@ void in_parallel(std::size_t count, const std::function<void(std::size_t, std::s
 
 struct ColorManager::Config {
     ocio::ConstConfigRcPtr config;
-    std::string file;               // for messages: the path, or what the shipped one is called
-    std::string interchange;        // a scene-linear (or XYZ) space of the config ...
-    Matrix3 interchange_to_xyz{};   // ... and its matrix to XYZ D65
-    bool assumed = false;           // the interchange is a guess
+    std::string file;              // for messages: the path, or what the shipped one is called
+    std::string interchange;       // a scene-linear (or XYZ) space of the config ...
+    Matrix3 interchange_to_xyz{};  // ... and its matrix to XYZ D65
+    bool assumed = false;          // the interchange is a guess
 
     void find_interchange();
-    [[nodiscard]] bool has_space(const std::string& name) const { return config->getColorSpace(name.c_str()) != nullptr; }
+    [[nodiscard]] bool has_space(const std::string& name) const {
+        return config->getColorSpace(name.c_str()) != nullptr;
+    }
     [[nodiscard]] bool is_scene_linear(const ocio::ConstColorSpaceRcPtr& space) const;
     [[nodiscard]] std::vector<std::string> scene_linear_spaces() const;
     /// From XYZ D65 to a space.
@@ -103,9 +108,7 @@ struct ColorManager::Config {
     auto guarded(const std::string& what, Action action) const -> decltype(action()) {
         try {
             return action();
-        } catch (const std::exception& exception) {
-            return config_error(file, what, exception.what());
-        }
+        } catch (const std::exception& exception) { return config_error(file, what, exception.what()); }
     }
 };
 
@@ -139,7 +142,7 @@ bool ColorManager::Config::is_scene_linear(const ocio::ConstColorSpaceRcPtr& spa
     try {
         return as_matrix(config->getProcessor(space->getName(), interchange.c_str())).has_value();
     } catch (const std::exception&) {
-        return false;   // a missing look-up table makes a space unusable, not the config
+        return false;  // a missing look-up table makes a space unusable, not the config
     }
 }
 
@@ -164,7 +167,8 @@ Result<Matrix3> ColorManager::Config::from_xyz(const std::string& space) const {
             return error;
         }
         const std::optional<Matrix3> matrix = as_matrix(config->getProcessor(interchange.c_str(), space.c_str()));
-        if (!matrix) return config_error(file, "cannot convert to colour space '" + space + "'", "the conversion is not linear");
+        if (!matrix)
+            return config_error(file, "cannot convert to colour space '" + space + "'", "the conversion is not linear");
         return multiply(*matrix, inverse(interchange_to_xyz));
     });
 }
@@ -188,13 +192,18 @@ Result<ColorManager> ColorManager::open(const std::string& config_path) {
             config->config = ocio::Config::CreateFromFile(path.c_str());
         }
         if (config->config->getNumColorSpaces() == 0)
-            return config_error(config->file, "the OpenColorIO config is of no use", "it defines no colour space; expected at least one");
+            return config_error(config->file, "the OpenColorIO config is of no use",
+                                "it defines no colour space; expected at least one");
         config->find_interchange();
     } catch (const std::exception& exception) {
-        Error error = config_error(config->file, std::string("cannot read the OpenColorIO config") + (from_environment ? " that $OCIO names" : ""),
-                                   exception.what());
-        error.message += "; expected a config file of profile version 1, 2.0 or 2.1 (OpenColorIO " + std::string(ocio::GetVersion()) + ")";
-        error.hint = from_environment ? "unset OCIO or name a file with --ocio to override it" : "without --ocio and $OCIO the shipped config is used";
+        Error error = config_error(
+            config->file,
+            std::string("cannot read the OpenColorIO config") + (from_environment ? " that $OCIO names" : ""),
+            exception.what());
+        error.message += "; expected a config file of profile version 1, 2.0 or 2.1 (OpenColorIO " +
+                         std::string(ocio::GetVersion()) + ")";
+        error.hint = from_environment ? "unset OCIO or name a file with --ocio to override it"
+                                      : "without --ocio and $OCIO the shipped config is used";
         return error;
     }
     return ColorManager(std::move(config));
@@ -203,11 +212,14 @@ Result<ColorManager> ColorManager::open(const std::string& config_path) {
 std::string ColorManager::description() const {
     const std::string name = config_->config->getName();
     std::string text = config_->file + (name.empty() ? "" : " (" + name + ")");
-    if (config_->assumed) text += ", which has no interchange role: '" + config_->interchange + "' is taken to have Rec. 709 primaries";
+    if (config_->assumed)
+        text += ", which has no interchange role: '" + config_->interchange + "' is taken to have Rec. 709 primaries";
     return text;
 }
 
-std::vector<std::string> ColorManager::scene_linear_spaces() const { return config_->scene_linear_spaces(); }
+std::vector<std::string> ColorManager::scene_linear_spaces() const {
+    return config_->scene_linear_spaces();
+}
 
 std::vector<std::string> ColorManager::displays() const {
     std::vector<std::string> names;
@@ -217,11 +229,14 @@ std::vector<std::string> ColorManager::displays() const {
 
 std::vector<std::string> ColorManager::views(const std::string& display) const {
     std::vector<std::string> names;
-    for (int i = 0; i < config_->config->getNumViews(display.c_str()); ++i) names.emplace_back(config_->config->getView(display.c_str(), i));
+    for (int i = 0; i < config_->config->getNumViews(display.c_str()); ++i)
+        names.emplace_back(config_->config->getView(display.c_str(), i));
     return names;
 }
 
-std::string ColorManager::default_display() const { return config_->config->getDefaultDisplay(); }
+std::string ColorManager::default_display() const {
+    return config_->config->getDefaultDisplay();
+}
 
 std::string ColorManager::default_view(const std::string& display) const {
     return config_->config->getDefaultView((display.empty() ? default_display() : display).c_str());
@@ -233,7 +248,8 @@ Result<Matrix3> ColorManager::matrix_to(const std::string& space, const Chromati
     const Matrix3 matrix = multiply(*from_xyz, rgb_to_xyz_d65(from));
     double difference = 0;
     for (std::size_t i = 0; i < 3; ++i)
-        for (std::size_t j = 0; j < 3; ++j) difference = std::max(difference, std::abs(matrix[i][j] - (i == j ? 1.0 : 0.0)));
+        for (std::size_t j = 0; j < 3; ++j)
+            difference = std::max(difference, std::abs(matrix[i][j] - (i == j ? 1.0 : 0.0)));
     return difference <= 1e-5 ? identity_matrix() : matrix;
 }
 
@@ -241,12 +257,13 @@ Result<Chromaticities> ColorManager::chromaticities(const std::string& space) co
     const Result<Matrix3> from_xyz = config_->from_xyz(space);
     if (!from_xyz) return from_xyz.error();
     const Matrix3 to_xyz = inverse(*from_xyz);
-    for (const Chromaticities& known : {rec709_primaries(), rec2020_primaries(), p3d65_primaries(), adobe_rgb_primaries(),
-                                        aces_ap0_primaries(), aces_ap1_primaries()}) {
+    for (const Chromaticities& known : {rec709_primaries(), rec2020_primaries(), p3d65_primaries(),
+                                        adobe_rgb_primaries(), aces_ap0_primaries(), aces_ap1_primaries()}) {
         const Matrix3 expected = rgb_to_xyz_d65(known);
         double difference = 0;
         for (std::size_t i = 0; i < 3; ++i)
-            for (std::size_t j = 0; j < 3; ++j) difference = std::max(difference, std::abs(to_xyz[i][j] - expected[i][j]));
+            for (std::size_t j = 0; j < 3; ++j)
+                difference = std::max(difference, std::abs(to_xyz[i][j] - expected[i][j]));
         // Configs carry such matrices to four digits or more; the published sets differ in the second.
         if (difference < 5e-4) return known;
     }
@@ -273,7 +290,8 @@ Result<std::vector<unsigned char>> ColorManager::to_display(std::span<const floa
         const char* target = config_->config->getDisplayViewColorSpaceName(chosen_display.c_str(), chosen_view.c_str());
         const ocio::ConstColorSpaceRcPtr target_space = config_->config->getColorSpace(target);
         const bool data = target_space && target_space->isData();
-        const Matrix3 matrix = data ? identity_matrix() : multiply(inverse(config_->interchange_to_xyz), rgb_to_xyz_d65(primaries));
+        const Matrix3 matrix =
+            data ? identity_matrix() : multiply(inverse(config_->interchange_to_xyz), rgb_to_xyz_d65(primaries));
 
         const auto transform = ocio::DisplayViewTransform::Create();
         transform->setSrc(config_->interchange.c_str());
@@ -285,7 +303,7 @@ Result<std::vector<unsigned char>> ColorManager::to_display(std::span<const floa
         const std::size_t pixels = rgb.size() / 3;
         std::vector<unsigned char> result(pixels * 3);
         in_parallel(pixels, [&](std::size_t first, std::size_t last) {
-            constexpr std::size_t strip = 4096;     // pixels: the copy stays in the cache
+            constexpr std::size_t strip = 4096;  // pixels: the copy stays in the cache
             std::vector<float> linear(std::min(strip, last - first) * 3);
             for (std::size_t begin = first; begin < last; begin += strip) {
                 const std::size_t count = std::min(strip, last - begin);
@@ -298,10 +316,12 @@ Result<std::vector<unsigned char>> ColorManager::to_display(std::span<const floa
                     colour = transform_colour(matrix, colour);
                     for (std::size_t c = 0; c < 3; ++c) linear[i * 3 + c] = static_cast<float>(colour[c]);
                 }
-                const ocio::PackedImageDesc source(linear.data(), static_cast<long>(count), 1, ocio::CHANNEL_ORDERING_RGB,
-                                                   ocio::BIT_DEPTH_F32, ocio::AutoStride, ocio::AutoStride, ocio::AutoStride);
-                ocio::PackedImageDesc target_pixels(result.data() + begin * 3, static_cast<long>(count), 1, ocio::CHANNEL_ORDERING_RGB,
-                                                    ocio::BIT_DEPTH_UINT8, ocio::AutoStride, ocio::AutoStride, ocio::AutoStride);
+                const ocio::PackedImageDesc source(linear.data(), static_cast<long>(count), 1,
+                                                   ocio::CHANNEL_ORDERING_RGB, ocio::BIT_DEPTH_F32, ocio::AutoStride,
+                                                   ocio::AutoStride, ocio::AutoStride);
+                ocio::PackedImageDesc target_pixels(result.data() + begin * 3, static_cast<long>(count), 1,
+                                                    ocio::CHANNEL_ORDERING_RGB, ocio::BIT_DEPTH_UINT8, ocio::AutoStride,
+                                                    ocio::AutoStride, ocio::AutoStride);
                 processor->apply(source, target_pixels);
             }
         });

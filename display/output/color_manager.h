@@ -2,8 +2,9 @@
 //
 // How chromaticities meet a config's spaces: through the space of the config whose primaries are known. That is the
 // role aces_interchange (or a space called ACES2065-1), else the role cie_xyz_d65_interchange. A config with neither
-// (most of version 1) says nowhere what its spaces mean: its scene_linear role is then taken to have Rec. 709 primaries,
-// as version 1 configs for film and games mostly do, and description() says so. Whites are adapted by Bradford.
+// (most of version 1) says nowhere what its spaces mean: its scene_linear role is then taken to have Rec. 709
+// primaries, as version 1 configs for film and games mostly do, and description() says so. Whites are adapted by
+// Bradford.
 #pragma once
 
 #include <array>
@@ -25,7 +26,7 @@ class ColorManager {
     ColorManager(ColorManager&&) noexcept;
     ColorManager& operator=(ColorManager&&) noexcept;
 
-    [[nodiscard]] std::string description() const;                        ///< file and name, for headers and reports
+    [[nodiscard]] std::string description() const;  ///< file and name, for headers and reports
     [[nodiscard]] std::vector<std::string> scene_linear_spaces() const;
     [[nodiscard]] std::vector<std::string> displays() const;
     [[nodiscard]] std::vector<std::string> views(const std::string& display) const;
@@ -35,15 +36,19 @@ class ColorManager {
     /// Row-major 3x3 from linear RGB with `from` chromaticities to the named scene-linear space of the config (a name,
     /// alias or role). A result within 1e-5 of the identity is the identity, so that equal spaces change no bit.
     /// Errors: no such space (with near misses), a space that is data or not linear.
-    [[nodiscard]] Result<std::array<std::array<double, 3>, 3>> matrix_to(const std::string& space, const Chromaticities& from) const;
-    /// Chromaticities of a named scene-linear space. A matrix only fixes them up to the adaptation of the white: published
-    /// sets (Rec. 709, Rec. 2020, P3-D65, Adobe RGB, AP0, AP1) are recognised, anything else is given relative to D65.
+    [[nodiscard]] Result<std::array<std::array<double, 3>, 3>> matrix_to(const std::string& space,
+                                                                         const Chromaticities& from) const;
+    /// Chromaticities of a named scene-linear space. A matrix only fixes them up to the adaptation of the white:
+    /// published sets (Rec. 709, Rec. 2020, P3-D65, Adobe RGB, AP0, AP1) are recognised, anything else is given
+    /// relative to D65.
     [[nodiscard]] Result<Chromaticities> chromaticities(const std::string& space) const;
 
-    /// Linear RGB triples with the given primaries through a display and view to 8-bit RGB. A non-finite component counts
-    /// as 0. Empty display or view: the defaults. A view of data (Raw) shows the values as they are.
-    [[nodiscard]] Result<std::vector<unsigned char>> to_display(std::span<const float> rgb, const Chromaticities& primaries,
-                                                                const std::string& display, const std::string& view) const;
+    /// Linear RGB triples with the given primaries through a display and view to 8-bit RGB. A non-finite component
+    /// counts as 0. Empty display or view: the defaults. A view of data (Raw) shows the values as they are.
+    [[nodiscard]] Result<std::vector<unsigned char>> to_display(std::span<const float> rgb,
+                                                                const Chromaticities& primaries,
+                                                                const std::string& display,
+                                                                const std::string& view) const;
 
   private:
     struct Config;

@@ -12,7 +12,7 @@ namespace {
 struct Side {
     std::array<const ImagePlane*, 3> planes{};
     Matrix3 to_reference = identity_matrix();
-    bool color = false;         // R G B, not X Y Z or a single plane
+    bool color = false;  // R G B, not X Y Z or a single plane
     bool converts = false;
 
     [[nodiscard]] std::array<double, 3> at(std::size_t pixel) const {
@@ -53,17 +53,24 @@ struct Sums {
     }
     [[nodiscard]] double value(CompareMetric metric) const {
         switch (metric) {
-            case CompareMetric::relmse: return relative_squared / count;
-            case CompareMetric::mse: return squared / count;
-            case CompareMetric::mae: return absolute / count;
-            case CompareMetric::mape: return relative_absolute / count;
-            case CompareMetric::mean_ratio: return image / reference;
+            case CompareMetric::relmse:
+                return relative_squared / count;
+            case CompareMetric::mse:
+                return squared / count;
+            case CompareMetric::mae:
+                return absolute / count;
+            case CompareMetric::mape:
+                return relative_absolute / count;
+            case CompareMetric::mean_ratio:
+                return image / reference;
         }
         return 0;
     }
 };
 
-bool is_component(char component) { return std::string_view("RGBYA").find(component) != std::string_view::npos; }
+bool is_component(char component) {
+    return std::string_view("RGBYA").find(component) != std::string_view::npos;
+}
 
 Error compare_error(const ExrImage& image, const std::string& message) {
     Error error;
@@ -76,27 +83,36 @@ Error compare_error(const ExrImage& image, const std::string& message) {
 
 const char* formula(CompareMetric metric) {
     switch (metric) {
-        case CompareMetric::relmse: return "mean((a-b)^2 / (b^2 + 0.01))";
-        case CompareMetric::mse: return "mean((a-b)^2)";
-        case CompareMetric::mae: return "mean(|a-b|)";
-        case CompareMetric::mape: return "mean(|a-b| / (|b| + 0.01))";
-        case CompareMetric::mean_ratio: return "mean(a) / mean(b)";
+        case CompareMetric::relmse:
+            return "mean((a-b)^2 / (b^2 + 0.01))";
+        case CompareMetric::mse:
+            return "mean((a-b)^2)";
+        case CompareMetric::mae:
+            return "mean(|a-b|)";
+        case CompareMetric::mape:
+            return "mean(|a-b| / (|b| + 0.01))";
+        case CompareMetric::mean_ratio:
+            return "mean(a) / mean(b)";
     }
     return "";
 }
 
-Result<double> compare(const ExrImage& image, const ExrImage& reference, CompareMetric metric, const std::string& layer, char component) {
+Result<double> compare(const ExrImage& image, const ExrImage& reference, CompareMetric metric, const std::string& layer,
+                       char component) {
     if (!is_component(component))
         return compare_error(image, std::string("unknown component '") + component + "'; expected R, G, B, Y or A");
     if (image.width != reference.width || image.height != reference.height)
-        return compare_error(image, "the image has " + std::to_string(image.width) + " x " + std::to_string(image.height) + " pixels; expected " +
-                                        std::to_string(reference.width) + " x " + std::to_string(reference.height) + " as in " + reference.path);
+        return compare_error(image, "the image has " + std::to_string(image.width) + " x " +
+                                        std::to_string(image.height) + " pixels; expected " +
+                                        std::to_string(reference.width) + " x " + std::to_string(reference.height) +
+                                        " as in " + reference.path);
     Result<Side> a = side_of(image, layer), b = side_of(reference, layer);
     if (!a) return std::move(a).error();
     if (!b) return std::move(b).error();
 
     const bool color = a->color && b->color;
-    const Chromaticities from = image.chromaticities.value_or(rec709_primaries()), to = reference.chromaticities.value_or(rec709_primaries());
+    const Chromaticities from = image.chromaticities.value_or(rec709_primaries()),
+                         to = reference.chromaticities.value_or(rec709_primaries());
     a->converts = color && !equivalent(from, to);
     if (a->converts) a->to_reference = rgb_to_rgb(from, to);
     const std::array<double, 3> weights = luminance_weights(to);
@@ -109,9 +125,12 @@ Result<double> compare(const ExrImage& image, const ExrImage& reference, Compare
         if (component == 'A') {
             for (std::size_t c = 0; c < 3; ++c) sums.add(p[c], q[c]);
         } else if (component == 'Y' && color) {
-            sums.add(weights[0] * p[0] + weights[1] * p[1] + weights[2] * p[2], weights[0] * q[0] + weights[1] * q[1] + weights[2] * q[2]);
+            sums.add(weights[0] * p[0] + weights[1] * p[1] + weights[2] * p[2],
+                     weights[0] * q[0] + weights[1] * q[1] + weights[2] * q[2]);
         } else {
-            const std::size_t index = component == 'G' || (component == 'Y' && positions) ? 1 : component == 'B' ? 2 : 0;
+            const std::size_t index = component == 'G' || (component == 'Y' && positions) ? 1
+                                      : component == 'B'                                  ? 2
+                                                                                          : 0;
             sums.add(p[index], q[index]);
         }
     }

@@ -19,8 +19,8 @@ std::string lower(std::string_view text) {
 // 0..3 for R G B A in any spelling in use, 4 and up for what else belongs to a colour, -1 for no colour.
 int colour_rank(std::string_view plane) {
     static const std::vector<std::pair<std::string, int>> ranks{
-        {"r", 0}, {"g", 1}, {"b", 2}, {"a", 3},  {"red", 0}, {"green", 1}, {"blue", 2}, {"alpha", 3},
-        {"y", 4}, {"ry", 5}, {"by", 6}, {"ar", 7}, {"ag", 8}, {"ab", 9}};
+        {"r", 0},     {"g", 1}, {"b", 2},  {"a", 3},  {"red", 0}, {"green", 1}, {"blue", 2},
+        {"alpha", 3}, {"y", 4}, {"ry", 5}, {"by", 6}, {"ar", 7},  {"ag", 8},    {"ab", 9}};
     const std::string name = lower(plane);
     for (const auto& [spelling, rank] : ranks)
         if (spelling == name) return rank;
@@ -28,7 +28,8 @@ int colour_rank(std::string_view plane) {
 }
 
 // The three planes called so, ignoring case; null where there is none.
-std::array<const ImagePlane*, 3> find_three(const std::vector<ImagePlane>& planes, const std::array<const char*, 3>& names) {
+std::array<const ImagePlane*, 3> find_three(const std::vector<ImagePlane>& planes,
+                                            const std::array<const char*, 3>& names) {
     std::array<const ImagePlane*, 3> found{};
     for (std::size_t i = 0; i < 3; ++i)
         for (const ImagePlane& plane : planes)
@@ -41,7 +42,8 @@ bool all_found(const std::array<const ImagePlane*, 3>& planes) {
 }
 
 bool has_plane(const ImageLayer& layer, const std::string& name) {
-    return std::any_of(layer.planes.begin(), layer.planes.end(), [&name](const ImagePlane& plane) { return plane.name == name; });
+    return std::any_of(layer.planes.begin(), layer.planes.end(),
+                       [&name](const ImagePlane& plane) { return plane.name == name; });
 }
 
 ImageLayer* find_layer(std::vector<ImageLayer>& layers, const std::string& name) {
@@ -84,7 +86,8 @@ void add_nameless(std::vector<ImageLayer>& layers, const std::string& part, bool
     const std::string base = (nothing_belongs ? is_main_name(part) : main) ? "" : part;
     for (ImagePlane& plane : planes) {
         std::string name = base;
-        if (!belongs(plane) && (base.empty() || !nothing_belongs)) name = base.empty() ? plane.name : base + "." + plane.name;
+        if (!belongs(plane) && (base.empty() || !nothing_belongs))
+            name = base.empty() ? plane.name : base + "." + plane.name;
         add_plane(layers, name, part, std::move(plane));
     }
 }
@@ -172,7 +175,8 @@ Result<const ImageLayer*> ExrImage::require_layer(std::string_view name) const {
     if (const ImageLayer* found = layer(name)) return found;
     Error error;
     error.file = path;
-    error.message = "the image has no layer '" + std::string(name.empty() ? "beauty" : name) + "'; expected one of: " + list_names(layer_names());
+    error.message = "the image has no layer '" + std::string(name.empty() ? "beauty" : name) +
+                    "'; expected one of: " + list_names(layer_names());
     const std::string near = nearest_name(name, layer_names());
     if (!near.empty()) error.hint = "did you mean '" + near + "'?";
     return error;

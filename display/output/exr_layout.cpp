@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <string_view>
 
 #include "display/output/exr_layers.h"
 
@@ -10,7 +11,7 @@ namespace raylex::display {
 namespace {
 
 // OpenEXR allows 255 bytes for a name; the longest thing built around a channel's is "lpeDialect/NAME".
-constexpr std::size_t longest_name = 255 - 10;
+constexpr std::size_t longest_name = 255 - std::string_view("lpeDialect/").size();
 constexpr std::size_t longest_shared_attribute = 1024;
 
 Error layout_error(const std::string& message) {
@@ -21,18 +22,26 @@ Error layout_error(const std::string& message) {
 
 const char* rule_name(FilterRule rule) {
     switch (rule) {
-        case FilterRule::filter: return "filter";
-        case FilterRule::zmin: return "zmin";
-        case FilterRule::zmax: return "zmax";
-        case FilterRule::min: return "min";
-        case FilterRule::max: return "max";
-        case FilterRule::average: return "average";
-        case FilterRule::sum: return "sum";
+        case FilterRule::filter:
+            return "filter";
+        case FilterRule::zmin:
+            return "zmin";
+        case FilterRule::zmax:
+            return "zmax";
+        case FilterRule::min:
+            return "min";
+        case FilterRule::max:
+            return "max";
+        case FilterRule::average:
+            return "average";
+        case FilterRule::sum:
+            return "sum";
     }
     return "";
 }
 
-std::map<std::string, std::string> channel_attributes(std::span<const ChannelDefinition> channels, const ChannelDefinition& channel) {
+std::map<std::string, std::string> channel_attributes(std::span<const ChannelDefinition> channels,
+                                                      const ChannelDefinition& channel) {
     std::map<std::string, std::string> attributes{{"rule/" + channel.name, rule_name(channel.rule)}};
     if (!channel.space.empty()) attributes["space/" + channel.name] = channel.space;
     if (!channel.rest_of.empty()) {
@@ -40,7 +49,7 @@ std::map<std::string, std::string> channel_attributes(std::span<const ChannelDef
         for (std::size_t i = 0; i < channel.rest_of.size(); ++i)
             if (channel.rest_of[i] < channels.size()) text += (i == 0 ? "" : " + ") + channels[channel.rest_of[i]].name;
         attributes["lpe/" + channel.name] = text;
-    } else if (channel.style == ChannelStyle::expression) {
+    } else if (channel.style == ChannelStyle::expression && !channel.expression.empty()) {
         attributes["lpe/" + channel.name] = channel.expression;
         attributes["lpeDialect/" + channel.name] = channel.dialect == lpe::Dialect::osl ? "osl" : "renderman";
     }
@@ -54,14 +63,16 @@ PlannedPart plan_part(const ChannelDefinition& channel, ChannelId id, bool beaut
     if (beauty) {
         part.name = "rgba";
         part.alpha = true;
-        part.planes = component_count(channel.type) == 3 ? std::vector<std::string>{"R", "G", "B", "A"} : std::vector<std::string>{"Y", "A"};
+        part.planes = component_count(channel.type) == 3 ? std::vector<std::string>{"R", "G", "B", "A"}
+                                                         : std::vector<std::string>{"Y", "A"};
         return part;
     }
     part.name = channel.name;
     if (component_count(channel.type) == 1) {
-        part.planes = {channel.name == "z" ? "Z" : channel.name};   // the one spelling that compositing tools know
+        part.planes = {channel.name == "z" ? "Z" : channel.name};  // the one spelling that compositing tools know
     } else {
-        for (const char* suffix : channel.type == ChannelType::rgb ? std::array{".R", ".G", ".B"} : std::array{".X", ".Y", ".Z"})
+        for (const char* suffix :
+             channel.type == ChannelType::rgb ? std::array{".R", ".G", ".B"} : std::array{".X", ".Y", ".Z"})
             part.planes.push_back(channel.name + suffix);
     }
     return part;
@@ -70,11 +81,12 @@ PlannedPart plan_part(const ChannelDefinition& channel, ChannelId id, bool beaut
 Status check_name(const std::string& name) {
     if (name.empty()) return layout_error("a channel has no name; expected one, such as 'diffuse'");
     if (name.size() > longest_name)
-        return layout_error("the channel name '" + name.substr(0, 40) + "...' has " + std::to_string(name.size()) + " bytes; expected at most " +
-                            std::to_string(longest_name));
+        return layout_error("the channel name '" + name.substr(0, 40) + "...' has " + std::to_string(name.size()) +
+                            " bytes; expected at most " + std::to_string(longest_name));
     if (name.find(" + ") != std::string::npos || name.find(" = ") != std::string::npos ||
         std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }))
-        return layout_error("the channel name '" + name + "' holds \" + \", \" = \" or a control character; expected a name without them");
+        return layout_error("the channel name '" + name +
+                            "' holds \" + \", \" = \" or a control character; expected a name without them");
     return success();
 }
 
@@ -82,7 +94,8 @@ bool has_beauty(std::span<const ChannelDefinition> channels, ChannelId beauty) {
     return beauty >= 0 && static_cast<std::size_t>(beauty) < channels.size();
 }
 
-Status check_partition(std::span<const ChannelDefinition> channels, ChannelId beauty, const PartitionDeclaration& partition) {
+Status check_partition(std::span<const ChannelDefinition> channels, ChannelId beauty,
+                       const PartitionDeclaration& partition) {
     if (Status status = check_name(partition.name); !status) return status;
     std::set<std::string> names;
     for (std::size_t i = 0; i < channels.size(); ++i)
@@ -93,15 +106,16 @@ Status check_partition(std::span<const ChannelDefinition> channels, ChannelId be
     needed.push_back(partition.of.empty() ? "beauty" : partition.of);
     for (const std::string& layer : needed)
         if (std::find(known.begin(), known.end(), layer) == known.end())
-            return layout_error("partition '" + partition.name + "' names the layer '" + layer + "', which is not among the channels: " +
-                                list_names(known));
+            return layout_error("partition '" + partition.name + "' names the layer '" + layer +
+                                "', which is not among the channels: " + list_names(known));
     return success();
 }
 
 }  // namespace
 
 Status check_channel_names(std::span<const ChannelDefinition> channels, ChannelId beauty) {
-    if (channels.empty()) return layout_error("there is nothing to write: no channel; expected beauty or at least one more");
+    if (channels.empty())
+        return layout_error("there is nothing to write: no channel; expected beauty or at least one more");
     std::set<std::string> names;
     if (has_beauty(channels, beauty)) names = {"rgba", "beauty"};
     for (std::size_t i = 0; i < channels.size(); ++i) {
@@ -116,14 +130,16 @@ Status check_channel_names(std::span<const ChannelDefinition> channels, ChannelI
     return success();
 }
 
-Status check_exr_layout(std::span<const ChannelDefinition> channels, ChannelId beauty, const std::vector<PartitionDeclaration>& partitions) {
+Status check_exr_layout(std::span<const ChannelDefinition> channels, ChannelId beauty,
+                        const std::vector<PartitionDeclaration>& partitions) {
     if (Status names = check_channel_names(channels, beauty); !names) return names;
     for (const PartitionDeclaration& partition : partitions)
         if (Status status = check_partition(channels, beauty, partition); !status) return status;
     return success();
 }
 
-std::vector<PlannedPart> plan_parts(std::span<const ChannelDefinition> channels, ChannelId beauty, const ImageDescription& description) {
+std::vector<PlannedPart> plan_parts(std::span<const ChannelDefinition> channels, ChannelId beauty,
+                                    const ImageDescription& description) {
     std::vector<PlannedPart> parts;
     std::map<std::string, std::string> all;
     for (std::size_t i = 0; i < channels.size(); ++i) {
@@ -137,7 +153,9 @@ std::vector<PlannedPart> plan_parts(std::span<const ChannelDefinition> channels,
         // An image must not be lost over a partition that cannot be; the header says why it is not there.
         const Status status = check_partition(channels, beauty, partition);
         if (status) all["partition/" + partition.name] = format_partition(partition);
-        else all["raylex/refusedPartition"] += (all["raylex/refusedPartition"].empty() ? "" : "; ") + status.error().message;
+        else
+            all["raylex/refusedPartition"] +=
+                (all["raylex/refusedPartition"].empty() ? "" : "; ") + status.error().message;
     }
     for (PlannedPart& part : parts) {
         const bool first = &part == &parts.front();

@@ -11,15 +11,16 @@ namespace raylex::display {
 struct PlannedPart {
     ChannelId channel = invalid_channel;
     std::string name;
-    std::vector<std::string> planes;                    ///< OpenEXR channel names, in the order of the channel's components
+    std::vector<std::string> planes;  ///< OpenEXR channel names, in the order of the channel's components
     bool integer = false;
-    bool alpha = false;                                 ///< the last plane is coverage
+    bool alpha = false;  ///< the last plane is coverage
     std::map<std::string, std::string> attributes;
 };
 
 /// The part of check_exr_layout without which no file can be written.
 Status check_channel_names(std::span<const ChannelDefinition> channels, ChannelId beauty);
 
-std::vector<PlannedPart> plan_parts(std::span<const ChannelDefinition> channels, ChannelId beauty, const ImageDescription& description);
+std::vector<PlannedPart> plan_parts(std::span<const ChannelDefinition> channels, ChannelId beauty,
+                                    const ImageDescription& description);
 
 }  // namespace raylex::display

@@ -37,15 +37,17 @@ Error read_error(const std::string& path, const std::string& message) {
 Status check_magic(const std::string& path) {
     struct stat status {};
     if (stat(path.c_str(), &status) != 0)
-        return read_error(path, std::string("cannot read the image: ") + std::strerror(errno) + "; expected an OpenEXR file");
+        return read_error(path,
+                          std::string("cannot read the image: ") + std::strerror(errno) + "; expected an OpenEXR file");
     if (S_ISDIR(status.st_mode)) return read_error(path, "this is a directory; expected an OpenEXR file");
     std::ifstream stream(path, std::ios::binary);
     if (!stream) return read_error(path, std::string("cannot read the image: ") + std::strerror(errno));
     unsigned char magic[4] = {};
     stream.read(reinterpret_cast<char*>(magic), 4);
     if (stream.gcount() != 4 || magic[0] != 0x76 || magic[1] != 0x2f || magic[2] != 0x31 || magic[3] != 0x01)
-        return read_error(path, stream.gcount() == 0 ? "the file is empty; expected an OpenEXR file"
-                                                     : "this is no OpenEXR file; expected one that begins with the bytes 76 2f 31 01");
+        return read_error(path, stream.gcount() == 0
+                                    ? "the file is empty; expected an OpenEXR file"
+                                    : "this is no OpenEXR file; expected one that begins with the bytes 76 2f 31 01");
     return success();
 }
 
@@ -57,7 +59,9 @@ Window window_of(const Imath::Box2i& box) {
     return {box.min.x, box.min.y, std::int64_t{box.max.x} - box.min.x + 1, std::int64_t{box.max.y} - box.min.y + 1};
 }
 
-bool is_deep(const Imf::Header& header) { return header.hasType() && !Imf::isImage(header.type()); }
+bool is_deep(const Imf::Header& header) {
+    return header.hasType() && !Imf::isImage(header.type());
+}
 
 // A damaged or hostile header may claim any size; memory that the machine does not have must not be asked for.
 Status check_size(const std::string& path, const Imf::MultiPartInputFile& file) {
@@ -68,31 +72,40 @@ Status check_size(const std::string& path, const Imf::MultiPartInputFile& file) 
         const Window data = window_of(file.header(i).dataWindow()), display = window_of(file.header(i).displayWindow());
         double channels = 0;
         for (auto c = file.header(i).channels().begin(); c != file.header(i).channels().end(); ++c) channels += 1;
-        needed += 4.0 * channels * (static_cast<double>(data.width) * static_cast<double>(data.height) +
-                                    static_cast<double>(display.width) * static_cast<double>(display.height));
+        needed += 4.0 * channels *
+                  (static_cast<double>(data.width) * static_cast<double>(data.height) +
+                   static_cast<double>(display.width) * static_cast<double>(display.height));
     }
     if (needed <= memory) return success();
     return read_error(path, "the header asks for " + std::to_string(static_cast<std::int64_t>(needed / 1e9)) +
-                                " GB of pixels, more than this machine's memory of " + std::to_string(static_cast<std::int64_t>(memory / 1e9)) +
+                                " GB of pixels, more than this machine's memory of " +
+                                std::to_string(static_cast<std::int64_t>(memory / 1e9)) +
                                 " GB; expected a smaller image (is the file damaged?)");
 }
 
 StoredType stored_type(Imf::PixelType type) {
-    return type == Imf::HALF ? StoredType::half_float : type == Imf::FLOAT ? StoredType::single_float : StoredType::unsigned_int;
+    return type == Imf::HALF    ? StoredType::half_float
+           : type == Imf::FLOAT ? StoredType::single_float
+                                : StoredType::unsigned_int;
 }
 
 // From the (possibly subsampled) data window to the display window; what it does not cover is 0.
-std::vector<float> to_display_window(std::vector<float> samples, const Window& data, const Window& display, int x_sampling, int y_sampling) {
-    const bool same = data.min_x == display.min_x && data.min_y == display.min_y && data.width == display.width && data.height == display.height;
+std::vector<float> to_display_window(std::vector<float> samples, const Window& data, const Window& display,
+                                     int x_sampling, int y_sampling) {
+    const bool same = data.min_x == display.min_x && data.min_y == display.min_y && data.width == display.width &&
+                      data.height == display.height;
     if (same && x_sampling == 1 && y_sampling == 1) return samples;
     std::vector<float> result(static_cast<std::size_t>(display.width * display.height), 0.0f);
     const std::int64_t stride = (data.width + x_sampling - 1) / x_sampling;
-    const std::int64_t first_x = std::max(data.min_x, display.min_x), last_x = std::min(data.min_x + data.width, display.min_x + display.width);
-    const std::int64_t first_y = std::max(data.min_y, display.min_y), last_y = std::min(data.min_y + data.height, display.min_y + display.height);
+    const std::int64_t first_x = std::max(data.min_x, display.min_x),
+                       last_x = std::min(data.min_x + data.width, display.min_x + display.width);
+    const std::int64_t first_y = std::max(data.min_y, display.min_y),
+                       last_y = std::min(data.min_y + data.height, display.min_y + display.height);
     for (std::int64_t y = first_y; y < last_y; ++y)
         for (std::int64_t x = first_x; x < last_x; ++x)
             result[static_cast<std::size_t>((y - display.min_y) * display.width + x - display.min_x)] =
-                samples[static_cast<std::size_t>((y - data.min_y) / y_sampling * stride + (x - data.min_x) / x_sampling)];
+                samples[static_cast<std::size_t>((y - data.min_y) / y_sampling * stride +
+                                                 (x - data.min_x) / x_sampling)];
     return result;
 }
 
@@ -105,7 +118,8 @@ FilePart read_part(Imf::MultiPartInputFile& file, int index) {
         std::vector<float> samples;
     };
     std::vector<Raw> raw;
-    for (auto c = header.channels().begin(); c != header.channels().end(); ++c) raw.push_back({c.name(), c.channel(), {}});
+    for (auto c = header.channels().begin(); c != header.channels().end(); ++c)
+        raw.push_back({c.name(), c.channel(), {}});
 
     Imf::FrameBuffer buffer;
     for (Raw& each : raw) {
@@ -114,9 +128,11 @@ FilePart read_part(Imf::MultiPartInputFile& file, int index) {
         each.samples.resize(static_cast<std::size_t>(width * height));
         // The library wants the address where pixel (0, 0) would stand, which may lie outside the array: integer
         // arithmetic, since such a pointer may not be formed.
-        const std::intptr_t origin = reinterpret_cast<std::intptr_t>(each.samples.data()) - 4 * (data.min_x / xs + data.min_y / ys * width);
-        buffer.insert(each.name, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(origin), 4, static_cast<std::size_t>(4 * width),
-                                            each.channel.xSampling, each.channel.ySampling));
+        const std::intptr_t origin =
+            reinterpret_cast<std::intptr_t>(each.samples.data()) - 4 * (data.min_x / xs + data.min_y / ys * width);
+        buffer.insert(each.name,
+                      Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(origin), 4, static_cast<std::size_t>(4 * width),
+                                 each.channel.xSampling, each.channel.ySampling));
     }
     Imf::InputPart part(file, index);
     part.setFrameBuffer(buffer);
@@ -125,7 +141,8 @@ FilePart read_part(Imf::MultiPartInputFile& file, int index) {
     FilePart result{header.hasName() ? header.name() : "", {}};
     for (Raw& each : raw)
         result.channels.push_back({each.name, stored_type(each.channel.type),
-                                   to_display_window(std::move(each.samples), data, display, each.channel.xSampling, each.channel.ySampling)});
+                                   to_display_window(std::move(each.samples), data, display, each.channel.xSampling,
+                                                     each.channel.ySampling)});
     return result;
 }
 
@@ -136,7 +153,8 @@ void read_attributes(const Imf::Header& header, ExrImage& image) {
         if (text == nullptr || name == "name" || name == "type" || name == "view") continue;
         const bool fresh = image.attributes.emplace(name, text->value()).second;
         constexpr std::string_view prefix = "partition/";
-        if (fresh && name.starts_with(prefix)) image.partitions.push_back(parse_partition(name.substr(prefix.size()), text->value()));
+        if (fresh && name.starts_with(prefix))
+            image.partitions.push_back(parse_partition(name.substr(prefix.size()), text->value()));
     }
     if (!image.chromaticities && Imf::hasChromaticities(header)) {
         const Imf::Chromaticities& c = Imf::chromaticities(header);
@@ -157,14 +175,16 @@ Result<ExrImage> read_file(const std::string& path) {
         const Imf::Header& header = file.header(i);
         if (is_deep(header)) continue;
         if (!file.partComplete(i))
-            return read_error(path, "the image is incomplete: part " + std::to_string(i) + " lacks pixels (an interrupted write, or the file was cut); " +
+            return read_error(path, "the image is incomplete: part " + std::to_string(i) +
+                                        " lacks pixels (an interrupted write, or the file was cut); " +
                                         "expected a whole file");
         const Window display = window_of(header.displayWindow());
         if (parts.empty()) {
             image.width = static_cast<int>(display.width);
             image.height = static_cast<int>(display.height);
         } else if (display.width != image.width || display.height != image.height) {
-            return read_error(path, "part " + std::to_string(i) + " has another size than part 0; expected one display window for all parts");
+            return read_error(path, "part " + std::to_string(i) +
+                                        " has another size than part 0; expected one display window for all parts");
         }
         read_attributes(header, image);
         parts.push_back(read_part(file, i));
@@ -178,12 +198,15 @@ Result<ExrImage> read_file(const std::string& path) {
 std::string base_name(const std::string& path) {
     std::string stem = std::filesystem::path(path).stem().string();
     const std::size_t dot = stem.rfind('.');
-    if (dot != std::string::npos && dot != 0 && dot + 1 < stem.size() && stem.find_first_not_of("0123456789", dot + 1) == std::string::npos)
+    if (dot != std::string::npos && dot != 0 && dot + 1 < stem.size() &&
+        stem.find_first_not_of("0123456789", dot + 1) == std::string::npos)
         stem.erase(dot);
     return stem;
 }
 
-std::string size_text(const ExrImage& image) { return std::to_string(image.width) + " x " + std::to_string(image.height); }
+std::string size_text(const ExrImage& image) {
+    return std::to_string(image.width) + " x " + std::to_string(image.height);
+}
 
 }  // namespace
 
@@ -194,10 +217,9 @@ Result<ExrImage> read_exr(const std::string& path) {
     } catch (const std::bad_alloc&) {
         return read_error(path, "not enough memory for the image");
     } catch (const std::exception& exception) {
-        return read_error(path, std::string("the file is truncated or damaged: ") + exception.what() + "; expected a whole OpenEXR file");
-    } catch (...) {
-        return read_error(path, "the file is truncated or damaged; expected a whole OpenEXR file");
-    }
+        return read_error(path, std::string("the file is truncated or damaged: ") + exception.what() +
+                                    "; expected a whole OpenEXR file");
+    } catch (...) { return read_error(path, "the file is truncated or damaged; expected a whole OpenEXR file"); }
 }
 
 Result<ExrImage> read_exr_set(const std::vector<std::string>& paths) {
@@ -214,18 +236,21 @@ Result<ExrImage> read_exr_set(const std::vector<std::string>& paths) {
             set.chromaticities = image->chromaticities;
         }
         if (image->width != set.width || image->height != set.height)
-            return read_error(path, "the image has " + size_text(*image) + " pixels; expected " + size_text(set) + " as in " + set.path);
+            return read_error(path, "the image has " + size_text(*image) + " pixels; expected " + size_text(set) +
+                                        " as in " + set.path);
         if (image->chromaticities != set.chromaticities)
             return read_error(path, "the image has other chromaticities; expected those of " + set.path);
         const std::string base = base_name(path);
         for (ImageLayer& layer : image->layers) {
             const auto taken = [&set](const std::string& name) {
-                return std::any_of(set.layers.begin(), set.layers.end(), [&name](const ImageLayer& each) { return each.name == name; });
+                return std::any_of(set.layers.begin(), set.layers.end(),
+                                   [&name](const ImageLayer& each) { return each.name == name; });
             };
             if (layer.name.empty()) layer.name = base;
             else if (taken(layer.name)) layer.name = base + "." + layer.name;
             if (taken(layer.name))
-                return read_error(path, "two files give a layer called '" + layer.name + "'; expected file names that tell the layers apart");
+                return read_error(path, "two files give a layer called '" + layer.name +
+                                            "'; expected file names that tell the layers apart");
             set.layers.push_back(std::move(layer));
         }
         set.attributes.merge(image->attributes);

@@ -2,8 +2,8 @@
 //
 // Layer names. A channel "A.B.R" is plane R of layer "A.B", whatever its part is called. Nameless colour channels
 // (R G B A, Y) make the layer "" when the file has one part or the first part is called rgba, rgb, main or image, else
-// a layer called like their part. Other nameless channels (Z, id) make the layer of their part when it has no colour; else
-// each is a layer of its own. A name that two parts give to the same plane gets "PART." in front the second time.
+// a layer called like their part. Other nameless channels (Z, id) make the layer of their part when it has no colour;
+// else each is a layer of its own. A name that two parts give to the same plane gets "PART." in front the second time.
 // Deep parts are passed over. Only the highest level of a mip map is read.
 #pragma once
 
@@ -25,21 +25,22 @@ enum class StoredType : std::uint8_t { half_float, single_float, unsigned_int };
 /// One plane of a layer, row-major from the top of the display window; pixels outside the data window are 0. Unsigned
 /// integers are rounded to float: exact up to 2^24.
 struct ImagePlane {
-    std::string name;                   ///< last component of the channel name: "R", "Z", ...
+    std::string name;  ///< last component of the channel name: "R", "Z", ...
     StoredType stored = StoredType::single_float;
     std::vector<float> values;
 };
 
 /// Channels that share everything before their name's last dot, or a part's nameless channels.
 struct ImageLayer {
-    std::string name;                   ///< layer name; empty for a file's nameless R G B A
+    std::string name;  ///< layer name; empty for a file's nameless R G B A
     std::string part;
-    std::vector<ImagePlane> planes;     ///< R G B (A) first and in that order when present
+    std::vector<ImagePlane> planes;  ///< R G B (A) first and in that order when present
 
     /// By name; failing that, ignoring case.
     [[nodiscard]] const ImagePlane* plane(std::string_view plane_name) const;
-    [[nodiscard]] bool is_color() const;    ///< has R, G and B
-    /// R, G and B (or X Y Z, or the only plane beside A three times) for arithmetic; three null pointers for anything else.
+    [[nodiscard]] bool is_color() const;  ///< has R, G and B
+    /// R, G and B (or X Y Z, or the only plane beside A three times) for arithmetic; three null pointers for anything
+    /// else.
     [[nodiscard]] std::array<const ImagePlane*, 3> triple() const;
 };
 
@@ -47,9 +48,9 @@ struct ExrImage {
     std::string path;
     int width = 0, height = 0;
     std::vector<ImageLayer> layers;
-    std::map<std::string, std::string> attributes;          ///< string attributes over all parts
+    std::map<std::string, std::string> attributes;  ///< string attributes over all parts
     std::optional<Chromaticities> chromaticities;
-    std::vector<PartitionDeclaration> partitions;           ///< from "partition/NAME" attributes
+    std::vector<PartitionDeclaration> partitions;  ///< from "partition/NAME" attributes
 
     /// "" and "beauty" both mean the nameless R G B unless a layer is called beauty.
     [[nodiscard]] const ImageLayer* layer(std::string_view name) const;
@@ -58,10 +59,12 @@ struct ExrImage {
     [[nodiscard]] std::vector<std::string> layer_names() const;
 };
 
-/// Errors: no such file, no OpenEXR file, truncated or damaged, incomplete, only deep parts, more pixels than fit in memory.
+/// Errors: no such file, no OpenEXR file, truncated or damaged, incomplete, only deep parts, more pixels than fit in
+/// memory.
 Result<ExrImage> read_exr(const std::string& path);
-/// Several files of one image, one layer per file: a nameless RGB takes the file's base name (without a frame number) as its
-/// layer name. Other layers keep theirs, with "BASE." in front when it is taken. Sizes and chromaticities must agree.
+/// Several files of one image, one layer per file: a nameless RGB takes the file's base name (without a frame number)
+/// as its layer name. Other layers keep theirs, with "BASE." in front when it is taken. Sizes and chromaticities must
+/// agree.
 Result<ExrImage> read_exr_set(const std::vector<std::string>& paths);
 
 }  // namespace raylex::display

@@ -31,7 +31,9 @@ namespace {
 class FileStream : public Imf::OStream {
   public:
     explicit FileStream(AtomicFile& file) : Imf::OStream(file.target().c_str()), file_(file) {}
-    void write(const char bytes[], int count) override { check(file_.failed() || file_.write(bytes, static_cast<std::size_t>(count))); }
+    void write(const char bytes[], int count) override {
+        check(file_.failed() || file_.write(bytes, static_cast<std::size_t>(count)));
+    }
     std::uint64_t tellp() override { return file_.position(); }
     void seekp(std::uint64_t position) override { check(file_.failed() || file_.seek(position)); }
 
@@ -60,8 +62,8 @@ struct Repairs {
 
 // Light is summed in fixed point, so it is finite; what is picked (depth, normals) is whatever was written.
 bool may_need_repair(const ChannelDefinition& channel) {
-    return channel.type != ChannelType::integer && channel.rule != FilterRule::filter && channel.rule != FilterRule::average &&
-           channel.rule != FilterRule::sum;
+    return channel.type != ChannelType::integer && channel.rule != FilterRule::filter &&
+           channel.rule != FilterRule::average && channel.rule != FilterRule::sum;
 }
 
 void note_repairs(const FrameBuffer& frame_buffer, std::vector<PlannedPart>& parts) {
@@ -78,13 +80,16 @@ void note_repairs(const FrameBuffer& frame_buffer, std::vector<PlannedPart>& par
     }
 }
 
-bool is_zero(const std::array<std::array<double, 4>, 4>& matrix) { return matrix == std::array<std::array<double, 4>, 4>{}; }
+bool is_zero(const std::array<std::array<double, 4>, 4>& matrix) {
+    return matrix == std::array<std::array<double, 4>, 4>{};
+}
 
 // Imath multiplies row vectors from the left, so its matrices are the transposed of ours.
 Imath::M44f transposed(const std::array<std::array<double, 4>, 4>& matrix) {
     Imath::M44f result;
     for (int i = 0; i < 4; ++i)
-        for (int j = 0; j < 4; ++j) result[j][i] = static_cast<float>(matrix[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)]);
+        for (int j = 0; j < 4; ++j)
+            result[j][i] = static_cast<float>(matrix[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)]);
     return result;
 }
 
@@ -104,11 +109,14 @@ Imf::Header make_header(const PlannedPart& part, const FrameBufferLayout& layout
     header.compression() = Imf::ZIP_COMPRESSION;
     for (const std::string& plane : part.planes)
         header.channels().insert(plane, Imf::Channel(part.integer ? Imf::UINT : Imf::FLOAT));
-    const auto xy = [](const std::array<double, 2>& p) { return Imath::V2f(static_cast<float>(p[0]), static_cast<float>(p[1])); };
+    const auto xy = [](const std::array<double, 2>& p) {
+        return Imath::V2f(static_cast<float>(p[0]), static_cast<float>(p[1]));
+    };
     const Chromaticities& c = description.chromaticities;
     Imf::addChromaticities(header, Imf::Chromaticities(xy(c.red), xy(c.green), xy(c.blue), xy(c.white)));
     if (!is_zero(description.world_to_camera)) Imf::addWorldToCamera(header, transposed(description.world_to_camera));
-    if (!is_zero(description.world_to_screen)) Imf::addWorldToNDC(header, transposed(screen_to_ndc(description.world_to_screen)));
+    if (!is_zero(description.world_to_screen))
+        Imf::addWorldToNDC(header, transposed(screen_to_ndc(description.world_to_screen)));
     for (const auto& [name, value] : part.attributes) header.insert(name, Imf::StringAttribute(value));
     return header;
 }
@@ -124,22 +132,26 @@ std::vector<std::uint32_t> part_values(const FrameBuffer& frame_buffer, const Pl
     for (std::size_t c = 0; c < components; ++c)
         for (std::size_t i = 0; i < count; ++i) {
             const double value = pixels[i * components + c];
-            values[c * count + i] = part.integer ? static_cast<std::uint32_t>(std::isfinite(value) ? static_cast<std::int64_t>(value) : 0)
-                                                 : std::bit_cast<std::uint32_t>(repairs.to_float(value, channel.miss_value));
+            values[c * count + i] =
+                part.integer ? static_cast<std::uint32_t>(std::isfinite(value) ? static_cast<std::int64_t>(value) : 0)
+                             : std::bit_cast<std::uint32_t>(repairs.to_float(value, channel.miss_value));
         }
     if (part.alpha) {
         const std::vector<double> alpha = frame_buffer.resolve_alpha();
-        for (std::size_t i = 0; i < count; ++i) values[components * count + i] = std::bit_cast<std::uint32_t>(repairs.to_float(alpha[i], 0));
+        for (std::size_t i = 0; i < count; ++i)
+            values[components * count + i] = std::bit_cast<std::uint32_t>(repairs.to_float(alpha[i], 0));
     }
     return values;
 }
 
-void write_parts(AtomicFile& file, const FrameBuffer& frame_buffer, const std::vector<PlannedPart>& parts, const ImageDescription& description) {
+void write_parts(AtomicFile& file, const FrameBuffer& frame_buffer, const std::vector<PlannedPart>& parts,
+                 const ImageDescription& description) {
     const FrameBufferLayout& layout = frame_buffer.layout();
     std::vector<Imf::Header> headers;
     for (const PlannedPart& part : parts) headers.push_back(make_header(part, layout, description));
     // Compression is most of the work; the pool lives on for other files.
-    if (Imf::globalThreadCount() == 0) Imf::setGlobalThreadCount(static_cast<int>(std::max(1u, std::thread::hardware_concurrency())));
+    if (Imf::globalThreadCount() == 0)
+        Imf::setGlobalThreadCount(static_cast<int>(std::max(1u, std::thread::hardware_concurrency())));
     FileStream stream(file);
     Imf::MultiPartOutputFile output(stream, headers.data(), static_cast<int>(headers.size()));
     for (std::size_t i = 0; i < parts.size(); ++i) {
@@ -147,8 +159,9 @@ void write_parts(AtomicFile& file, const FrameBuffer& frame_buffer, const std::v
         const std::size_t plane_size = values.size() / parts[i].planes.size();
         Imf::FrameBuffer buffer;
         for (std::size_t p = 0; p < parts[i].planes.size(); ++p)
-            buffer.insert(parts[i].planes[p], Imf::Slice(parts[i].integer ? Imf::UINT : Imf::FLOAT, reinterpret_cast<char*>(values.data() + p * plane_size),
-                                                         4, 4 * static_cast<std::size_t>(layout.width)));
+            buffer.insert(parts[i].planes[p], Imf::Slice(parts[i].integer ? Imf::UINT : Imf::FLOAT,
+                                                         reinterpret_cast<char*>(values.data() + p * plane_size), 4,
+                                                         4 * static_cast<std::size_t>(layout.width)));
         Imf::OutputPart part(output, static_cast<int>(i));
         part.setFrameBuffer(buffer);
         part.writePixels(layout.height);
@@ -157,12 +170,14 @@ void write_parts(AtomicFile& file, const FrameBuffer& frame_buffer, const std::v
 
 }  // namespace
 
-Status write_exr(const std::string& path, const FrameBuffer& frame_buffer, ChannelId beauty, const ImageDescription& description) {
+Status write_exr(const std::string& path, const FrameBuffer& frame_buffer, ChannelId beauty,
+                 const ImageDescription& description) {
     const auto located = [&path](Error error) {
         error.file = path;
         return error;
     };
-    if (Status names = check_channel_names(frame_buffer.channels(), beauty); !names) return located(std::move(names).error());
+    if (Status names = check_channel_names(frame_buffer.channels(), beauty); !names)
+        return located(std::move(names).error());
     Result<AtomicFile> file = AtomicFile::create(path);
     if (!file) return std::move(file).error();
     try {

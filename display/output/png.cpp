@@ -7,11 +7,13 @@
 namespace raylex::display {
 
 Result<std::vector<unsigned char>> encode_png(int width, int height, std::span<const unsigned char> rgb) {
-    const auto pixels = static_cast<std::size_t>(width > 0 ? width : 0) * static_cast<std::size_t>(height > 0 ? height : 0);
+    const auto pixels =
+        static_cast<std::size_t>(width > 0 ? width : 0) * static_cast<std::size_t>(height > 0 ? height : 0);
     if (pixels == 0 || rgb.size() != pixels * 3) {
         Error error;
-        error.message = "cannot encode a PNG image of " + std::to_string(width) + " x " + std::to_string(height) + " pixels from " +
-                        std::to_string(rgb.size()) + " bytes; expected 3 bytes for each of at least 1 x 1 pixels";
+        error.message = "cannot encode a PNG image of " + std::to_string(width) + " x " + std::to_string(height) +
+                        " pixels from " + std::to_string(rgb.size()) +
+                        " bytes; expected 3 bytes for each of at least 1 x 1 pixels";
         return error;
     }
     png_image image{};

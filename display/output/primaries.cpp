@@ -13,11 +13,15 @@ std::array<double, 3> xyz_of(const std::array<double, 2>& xy) {
 }
 
 // A primary's direction in XYZ. Not divided by y: that is zero or negative for imaginary primaries (AP0).
-std::array<double, 3> direction_of(const std::array<double, 2>& xy) { return {xy[0], xy[1], 1.0 - xy[0] - xy[1]}; }
+std::array<double, 3> direction_of(const std::array<double, 2>& xy) {
+    return {xy[0], xy[1], 1.0 - xy[0] - xy[1]};
+}
 
 }  // namespace
 
-Matrix3 identity_matrix() { return {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}; }
+Matrix3 identity_matrix() {
+    return {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+}
 
 Matrix3 multiply(const Matrix3& a, const Matrix3& b) {
     Matrix3 result{};
@@ -63,7 +67,8 @@ Matrix3 rgb_to_xyz(const Chromaticities& primaries) {
 Matrix3 bradford(const std::array<double, 2>& from_white, const std::array<double, 2>& to_white) {
     if (from_white == to_white) return identity_matrix();
     const Matrix3 cone{{{0.8951, 0.2664, -0.1614}, {-0.7502, 1.7135, 0.0367}, {0.0389, -0.0685, 1.0296}}};
-    const std::array<double, 3> from = transform_colour(cone, xyz_of(from_white)), to = transform_colour(cone, xyz_of(to_white));
+    const std::array<double, 3> from = transform_colour(cone, xyz_of(from_white)),
+                                to = transform_colour(cone, xyz_of(to_white));
     Matrix3 gain{};
     for (std::size_t i = 0; i < 3; ++i) gain[i][i] = to[i] / from[i];
     return multiply(inverse(cone), multiply(gain, cone));
@@ -90,13 +95,23 @@ std::array<double, 3> luminance_weights(const Chromaticities& primaries) {
     return rgb_to_xyz(primaries)[1];
 }
 
-Chromaticities rec709_primaries() { return {}; }
-Chromaticities rec2020_primaries() { return {{0.708, 0.292}, {0.170, 0.797}, {0.131, 0.046}, d65_white}; }
-Chromaticities p3d65_primaries() { return {{0.680, 0.320}, {0.265, 0.690}, {0.150, 0.060}, d65_white}; }
-Chromaticities adobe_rgb_primaries() { return {{0.6400, 0.3300}, {0.2100, 0.7100}, {0.1500, 0.0600}, d65_white}; }
+Chromaticities rec709_primaries() {
+    return {};
+}
+Chromaticities rec2020_primaries() {
+    return {{0.708, 0.292}, {0.170, 0.797}, {0.131, 0.046}, d65_white};
+}
+Chromaticities p3d65_primaries() {
+    return {{0.680, 0.320}, {0.265, 0.690}, {0.150, 0.060}, d65_white};
+}
+Chromaticities adobe_rgb_primaries() {
+    return {{0.6400, 0.3300}, {0.2100, 0.7100}, {0.1500, 0.0600}, d65_white};
+}
 Chromaticities aces_ap0_primaries() {
     return {{0.73470, 0.26530}, {0.00000, 1.00000}, {0.00010, -0.07700}, {0.32168, 0.33767}};
 }
-Chromaticities aces_ap1_primaries() { return {{0.713, 0.293}, {0.165, 0.830}, {0.128, 0.044}, {0.32168, 0.33767}}; }
+Chromaticities aces_ap1_primaries() {
+    return {{0.713, 0.293}, {0.165, 0.830}, {0.128, 0.044}, {0.32168, 0.33767}};
+}
 
 }  // namespace raylex::display

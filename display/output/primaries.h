@@ -11,7 +11,7 @@ namespace raylex::display {
 using Matrix3 = std::array<std::array<double, 3>, 3>;
 
 [[nodiscard]] Matrix3 identity_matrix();
-[[nodiscard]] Matrix3 multiply(const Matrix3& a, const Matrix3& b);   ///< a after b
+[[nodiscard]] Matrix3 multiply(const Matrix3& a, const Matrix3& b);  ///< a after b
 /// Inverse by the adjugate; a singular matrix (primaries on one line) gives the zero matrix.
 [[nodiscard]] Matrix3 inverse(const Matrix3& m);
 [[nodiscard]] std::array<double, 3> transform_colour(const Matrix3& m, const std::array<double, 3>& colour);
@@ -30,7 +30,8 @@ using Matrix3 = std::array<std::array<double, 3>, 3>;
 /// Weights of R, G, B in relative luminance; for Rec. 709 the standard's own four digits (0.2126, 0.7152, 0.0722).
 [[nodiscard]] std::array<double, 3> luminance_weights(const Chromaticities& primaries);
 
-/// Published primaries: ITU-R BT.709, BT.2020, SMPTE EG 432-1 (P3-D65), Adobe RGB (1998), SMPTE ST 2065-1 (AP0), S-2014-004 (AP1).
+/// Published primaries: ITU-R BT.709, BT.2020, SMPTE EG 432-1 (P3-D65), Adobe RGB (1998), SMPTE ST 2065-1 (AP0),
+/// S-2014-004 (AP1).
 [[nodiscard]] Chromaticities rec709_primaries();
 [[nodiscard]] Chromaticities rec2020_primaries();
 [[nodiscard]] Chromaticities p3d65_primaries();

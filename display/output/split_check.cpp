@@ -25,23 +25,29 @@ Result<std::array<const ImagePlane*, 3>> summable(const ExrImage& image, const I
     if (planes[0] == nullptr) {
         std::vector<std::string> names;
         for (const ImagePlane& plane : layer.planes) names.push_back(plane.name);
-        return split_error(image, "layer '" + name + "' has the channels " + list_names(names) + "; expected R G B, X Y Z or a single one");
+        return split_error(image, "layer '" + name + "' has the channels " + list_names(names) +
+                                      "; expected R G B, X Y Z or a single one");
     }
     for (const ImagePlane* plane : planes)
         if (plane->stored == StoredType::unsigned_int)
-            return split_error(image, "layer '" + name + "' holds unsigned integers (" + plane->name + "); expected light, stored as half or float");
+            return split_error(image, "layer '" + name + "' holds unsigned integers (" + plane->name +
+                                          "); expected light, stored as half or float");
     return planes;
 }
 
 struct Split {
     std::vector<std::array<const ImagePlane*, 3>> layers;
     std::array<const ImagePlane*, 3> of{};
-    double unit = 0;        // u
-    double spacing = 0;     // of subnormal numbers, summed over all values of a pixel's component
+    double unit = 0;     // u
+    double spacing = 0;  // of subnormal numbers, summed over all values of a pixel's component
 };
 
-double unit_of(StoredType type) { return type == StoredType::half_float ? 0x1p-10 : 0x1p-23; }
-double spacing_of(StoredType type) { return type == StoredType::half_float ? 0x1p-24 : 0x1p-149; }
+double unit_of(StoredType type) {
+    return type == StoredType::half_float ? 0x1p-10 : 0x1p-23;
+}
+double spacing_of(StoredType type) {
+    return type == StoredType::half_float ? 0x1p-24 : 0x1p-149;
+}
 
 void note_types(Split& split, const std::array<const ImagePlane*, 3>& planes) {
     double spacing = 0;
@@ -106,31 +112,39 @@ void judge(const ExrImage& image, const Split& split, SplitVerdict& verdict) {
     verdict.holds = verdict.non_finite == 0 && verdict.exceeding == 0;
 }
 
-bool has_wildcard(const std::string& glob) { return glob.find_first_of("*?") != std::string::npos; }
+bool has_wildcard(const std::string& glob) {
+    return glob.find_first_of("*?") != std::string::npos;
+}
 
 // The layers that the globs name, in the file's order per glob, without `of` and without repeats.
-Result<std::vector<const ImageLayer*>> choose_layers(const ExrImage& image, const ImageLayer& of, const std::vector<std::string>& globs) {
+Result<std::vector<const ImageLayer*>> choose_layers(const ExrImage& image, const ImageLayer& of,
+                                                     const std::vector<std::string>& globs) {
     std::vector<const ImageLayer*> chosen;
     for (const std::string& glob : globs) {
         bool matched = false;
         for (const ImageLayer& layer : image.layers) {
             if (!glob_match(glob, layer.name)) continue;
             if (&layer == &of && has_wildcard(glob)) continue;
-            if (&layer == &of) return split_error(image, "layer '" + glob + "' is the one summed to; expected layers that it splits into");
+            if (&layer == &of)
+                return split_error(image,
+                                   "layer '" + glob + "' is the one summed to; expected layers that it splits into");
             matched = true;
             if (std::find(chosen.begin(), chosen.end(), &layer) == chosen.end()) chosen.push_back(&layer);
         }
         if (matched) continue;
-        Error error = split_error(image, "no layer matches '" + glob + "'; expected one of: " + list_names(image.layer_names()));
+        Error error =
+            split_error(image, "no layer matches '" + glob + "'; expected one of: " + list_names(image.layer_names()));
         const std::string near = nearest_name(glob, image.layer_names());
         if (!near.empty()) error.hint = "did you mean '" + near + "'?";
         return error;
     }
-    if (chosen.empty()) return split_error(image, "no layers to sum; expected at least one of: " + list_names(image.layer_names()));
+    if (chosen.empty())
+        return split_error(image, "no layers to sum; expected at least one of: " + list_names(image.layer_names()));
     return chosen;
 }
 
-Result<SplitVerdict> check_layers(const ExrImage& image, const ImageLayer& of, const std::vector<const ImageLayer*>& layers) {
+Result<SplitVerdict> check_layers(const ExrImage& image, const ImageLayer& of,
+                                  const std::vector<const ImageLayer*>& layers) {
     Split split;
     Result<std::array<const ImagePlane*, 3>> whole = summable(image, of);
     if (!whole) return std::move(whole).error();
@@ -160,7 +174,7 @@ bool glob_match(std::string_view pattern, std::string_view name) {
         } else if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == name[n])) {
             ++p;
             ++n;
-        } else if (star != std::string_view::npos) {    // let the last * swallow one character more
+        } else if (star != std::string_view::npos) {  // let the last * swallow one character more
             p = star + 1;
             n = ++resume;
         } else {
@@ -171,7 +185,8 @@ bool glob_match(std::string_view pattern, std::string_view name) {
     return p == pattern.size();
 }
 
-Result<SplitVerdict> check_split(const ExrImage& image, const std::string& of, const std::vector<std::string>& layer_globs) {
+Result<SplitVerdict> check_split(const ExrImage& image, const std::string& of,
+                                 const std::vector<std::string>& layer_globs) {
     Result<const ImageLayer*> whole = image.require_layer(of);
     if (!whole) return std::move(whole).error();
     Result<std::vector<const ImageLayer*>> layers = choose_layers(image, **whole, layer_globs);
@@ -187,7 +202,8 @@ Result<std::vector<SplitVerdict>> check_declared_splits(const ExrImage& image) {
             return error;
         };
         if (partition.layers.empty())
-            return located(split_error(image, "the header does not list its layers; expected \"beauty = first + second + ...\""));
+            return located(
+                split_error(image, "the header does not list its layers; expected \"beauty = first + second + ...\""));
         Result<const ImageLayer*> whole = image.require_layer(partition.of);
         if (!whole) return located(std::move(whole).error());
         std::vector<const ImageLayer*> layers;

@@ -18,9 +18,9 @@ TEST_CASE("a file appears whole, under its own name only", "[display][files][law
         REQUIRE(file.ok());
         CHECK(file->write("hello", 5));
         CHECK(!std::filesystem::exists(path));
-        CHECK(folder.file_count() == 1);        // the temporary one
+        CHECK(folder.file_count() == 1);  // the temporary one
         REQUIRE(file->commit().ok());
-        CHECK(!file->commit().ok());            // once only
+        CHECK(!file->commit().ok());  // once only
     }
     CHECK(read_bytes(path) == "hello");
     CHECK(folder.file_count() == 1);
@@ -72,7 +72,7 @@ TEST_CASE("a disk that fills up fails with the reason and keeps the earlier file
     auto file = AtomicFile::create(path);
     REQUIRE(file.ok());
     CHECK(!file->write(std::string(3 << 20, 'x').data(), 3 << 20));
-    CHECK(!file->write("x", 1));        // fails from then on
+    CHECK(!file->write("x", 1));  // fails from then on
     CHECK(file->failed());
     CHECK(!file->commit().ok());
     CHECK(folder.file_count() == 1);
@@ -89,7 +89,9 @@ TEST_CASE("targets that cannot be files are refused by kind", "[display][files][
     CHECK(failure(folder.path()).find("directory") != std::string::npos);
     CHECK(failure(folder.path() + "/").find("directory") != std::string::npos);
     CHECK(failure("/dev/full").find("device") != std::string::npos);
-    CHECK(failure(folder.file("no/such/folder/a.exr")).find("No such file or directory; expected a folder that exists") != std::string::npos);
+    CHECK(
+        failure(folder.file("no/such/folder/a.exr")).find("No such file or directory; expected a folder that exists") !=
+        std::string::npos);
     REQUIRE(write_text_file(folder.file("plain"), "x").ok());
     CHECK(failure(folder.file("plain/a.exr")).find("Not a directory") != std::string::npos);
     CHECK(!check_writable("").ok());
@@ -104,7 +106,8 @@ TEST_CASE("a folder without write permission is refused", "[display][files][law7
         return;
     }
     const ScratchFolder folder;
-    std::filesystem::permissions(folder.path(), std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+    std::filesystem::permissions(folder.path(),
+                                 std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
     const auto status = check_writable(folder.file("a.exr"));
     std::filesystem::permissions(folder.path(), std::filesystem::perms::owner_all);
     REQUIRE(!status.ok());

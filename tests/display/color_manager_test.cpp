@@ -18,7 +18,10 @@ namespace {
 // The tests must not depend on the environment they run in.
 struct WithoutOcio {
     WithoutOcio() {
-        if (const char* value = std::getenv("OCIO")) { saved = value; had = true; }
+        if (const char* value = std::getenv("OCIO")) {
+            saved = value;
+            had = true;
+        }
         unsetenv("OCIO");
     }
     ~WithoutOcio() {
@@ -37,8 +40,8 @@ ColorManager shipped() {
 
 const char* const shipped_path = RAYLEX_SOURCE_DIR "/display/ocio/raylex.ocio";
 
-std::vector<unsigned char> show(const ColorManager& manager, const std::vector<float>& rgb, const Chromaticities& primaries,
-                                const std::string& view) {
+std::vector<unsigned char> show(const ColorManager& manager, const std::vector<float>& rgb,
+                                const Chromaticities& primaries, const std::string& view) {
     auto shown = manager.to_display(rgb, primaries, "", view);
     REQUIRE(shown.ok());
     return *shown;
@@ -56,7 +59,8 @@ TEST_CASE("the shipped config is valid and is found without any environment", "[
     const auto views = manager.views("sRGB - Display");
     CHECK(std::find(views.begin(), views.end(), "Un-tone-mapped") != views.end());
     CHECK(std::find(views.begin(), views.end(), "Raw") != views.end());
-    CHECK(manager.scene_linear_spaces() == std::vector<std::string>{"ACES2065-1", "ACEScg", "lin_rec709", "lin_rec2020", "lin_p3d65"});
+    CHECK(manager.scene_linear_spaces() ==
+          std::vector<std::string>{"ACES2065-1", "ACEScg", "lin_rec709", "lin_rec2020", "lin_p3d65"});
     CHECK(manager.displays().size() == 5);
 }
 
@@ -98,7 +102,8 @@ TEST_CASE("file rules of the shipped config tell 8-bit from float images", "[dis
     CHECK(space("weights.bin") == "Raw");
 }
 
-TEST_CASE("conversions between a config's spaces and chromaticities agree with the primaries' own matrices", "[display][ocio]") {
+TEST_CASE("conversions between a config's spaces and chromaticities agree with the primaries' own matrices",
+          "[display][ocio]") {
     const WithoutOcio environment;
     const ColorManager manager = shipped();
     for (const std::string& space : manager.scene_linear_spaces()) {
@@ -107,16 +112,17 @@ TEST_CASE("conversions between a config's spaces and chromaticities agree with t
         REQUIRE(primaries.ok());
         const auto identity = manager.matrix_to(space, *primaries);
         REQUIRE(identity.ok());
-        CHECK(*identity == raylex::display::identity_matrix());   // exactly: equal spaces must change no bit
+        CHECK(*identity == raylex::display::identity_matrix());  // exactly: equal spaces must change no bit
         const auto from_p3 = manager.matrix_to(space, raylex::display::p3d65_primaries());
         const auto expected = raylex::display::rgb_to_rgb(raylex::display::p3d65_primaries(), *primaries);
         REQUIRE(from_p3.ok());
         for (std::size_t i = 0; i < 3; ++i)
             for (std::size_t j = 0; j < 3; ++j)
-                CHECK((*from_p3)[i][j] == Approx(expected[i][j]).margin(2e-6));   // OpenColorIO computes in float
+                CHECK((*from_p3)[i][j] == Approx(expected[i][j]).margin(2e-6));  // OpenColorIO computes in float
     }
     CHECK(raylex::display::equivalent(*manager.chromaticities("ACEScg"), raylex::display::aces_ap1_primaries()));
-    CHECK(raylex::display::equivalent(*manager.chromaticities("scene_linear"), raylex::display::aces_ap1_primaries()));   // a role
+    CHECK(raylex::display::equivalent(*manager.chromaticities("scene_linear"),
+                                      raylex::display::aces_ap1_primaries()));  // a role
 }
 
 TEST_CASE("a preview shows grey as the view defines it, whatever the primaries", "[display][ocio]") {
@@ -127,13 +133,16 @@ TEST_CASE("a preview shows grey as the view defines it, whatever the primaries",
     const std::vector<unsigned char> expected{91, 91, 91};
     CHECK(show(manager, grey, raylex::display::aces_ap1_primaries(), "") == expected);
     CHECK(show(manager, grey, raylex::display::rec709_primaries(), "") == expected);
-    CHECK(show(manager, {0.5f, 0.5f, 0.5f}, raylex::display::rec709_primaries(), "Un-tone-mapped") == std::vector<unsigned char>{188, 188, 188});
+    CHECK(show(manager, {0.5f, 0.5f, 0.5f}, raylex::display::rec709_primaries(), "Un-tone-mapped") ==
+          std::vector<unsigned char>{188, 188, 188});
     // Rec. 709 red is the display's own red: out of gamut of nothing. As AP1 primaries the same numbers clip.
-    CHECK(show(manager, {1, 0, 0}, raylex::display::rec709_primaries(), "Un-tone-mapped") == std::vector<unsigned char>{255, 0, 0});
+    CHECK(show(manager, {1, 0, 0}, raylex::display::rec709_primaries(), "Un-tone-mapped") ==
+          std::vector<unsigned char>{255, 0, 0});
     CHECK(show(manager, {0.5f, 0.25f, 0.1f}, raylex::display::aces_ap1_primaries(), "Un-tone-mapped") !=
           show(manager, {0.5f, 0.25f, 0.1f}, raylex::display::rec709_primaries(), "Un-tone-mapped"));
     // Raw shows the file's own numbers: no matrix, no curve.
-    CHECK(show(manager, {1.0f, 0.2f, 0.0f}, raylex::display::aces_ap1_primaries(), "Raw") == std::vector<unsigned char>{255, 51, 0});
+    CHECK(show(manager, {1.0f, 0.2f, 0.0f}, raylex::display::aces_ap1_primaries(), "Raw") ==
+          std::vector<unsigned char>{255, 51, 0});
 }
 
 TEST_CASE("values that no view can show do no harm to a preview", "[display][ocio][law6]") {
@@ -142,7 +151,8 @@ TEST_CASE("values that no view can show do no harm to a preview", "[display][oci
     constexpr float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
     for (const char* view : {"ACES 1.0 - SDR Video", "Un-tone-mapped", "Raw"}) {
         CAPTURE(view);
-        const auto shown = show(manager, {nan, nan, nan, inf, inf, inf, -inf, -inf, -inf, 3e38f, 3e38f, 3e38f, 0, 0, 0}, {}, view);
+        const auto shown =
+            show(manager, {nan, nan, nan, inf, inf, inf, -inf, -inf, -inf, 3e38f, 3e38f, 3e38f, 0, 0, 0}, {}, view);
         CHECK(std::vector(shown.begin(), shown.begin() + 9) == std::vector<unsigned char>(9, 0));
         CHECK(std::vector(shown.begin() + 9, shown.begin() + 12) == std::vector<unsigned char>{255, 255, 255});
         CHECK(std::vector(shown.begin() + 12, shown.end()) == std::vector<unsigned char>(3, 0));
@@ -153,11 +163,13 @@ TEST_CASE("a preview has the same bytes however many threads and strips it takes
     const WithoutOcio environment;
     const ColorManager manager = shipped();
     std::vector<float> rgb;
-    for (int i = 0; i < 150'001; ++i) rgb.insert(rgb.end(), {0.00001f * static_cast<float>(i), 0.3f, 1.0f - 0.000005f * static_cast<float>(i)});
+    for (int i = 0; i < 150'001; ++i)
+        rgb.insert(rgb.end(), {0.00001f * static_cast<float>(i), 0.3f, 1.0f - 0.000005f * static_cast<float>(i)});
     const auto whole = show(manager, rgb, {}, "");
     REQUIRE(whole.size() == rgb.size());
     for (const std::size_t pixel : {0u, 4095u, 4096u, 74'999u, 75'000u, 150'000u}) {
-        const std::vector<float> one(rgb.begin() + static_cast<std::ptrdiff_t>(pixel * 3), rgb.begin() + static_cast<std::ptrdiff_t>(pixel * 3 + 3));
+        const std::vector<float> one(rgb.begin() + static_cast<std::ptrdiff_t>(pixel * 3),
+                                     rgb.begin() + static_cast<std::ptrdiff_t>(pixel * 3 + 3));
         const auto alone = show(manager, one, {}, "");
         CHECK(std::equal(alone.begin(), alone.end(), whole.begin() + static_cast<std::ptrdiff_t>(pixel * 3)));
     }
@@ -198,7 +210,7 @@ TEST_CASE("bad configs, spaces, displays and views get errors that name them", "
     CHECK(bad.error().file == folder.file("bad.ocio"));
     CHECK(bad.error().message.find("$OCIO") != std::string::npos);
     unsetenv("OCIO");
-    CHECK(!ColorManager::open(folder.path()).ok());   // a folder
+    CHECK(!ColorManager::open(folder.path()).ok());  // a folder
 
     const ColorManager manager = shipped();
     const auto space = manager.matrix_to("ACESgc", {});
@@ -251,9 +263,10 @@ colorspaces:
     CHECK(manager->description().find("Rec. 709") != std::string::npos);
     CHECK(manager->scene_linear_spaces() == std::vector<std::string>{"linear", "doubled"});
     CHECK(raylex::display::equivalent(*manager->chromaticities("linear"), raylex::display::rec709_primaries()));
-    const auto shown = manager->to_display(std::vector<float>{0.25f, 0.25f, 1.0f}, raylex::display::rec709_primaries(), "", "");
+    const auto shown =
+        manager->to_display(std::vector<float>{0.25f, 0.25f, 1.0f}, raylex::display::rec709_primaries(), "", "");
     REQUIRE(shown.ok());
-    CHECK(*shown == std::vector<unsigned char>{128, 128, 255});   // square roots: 127.5 rounds up
+    CHECK(*shown == std::vector<unsigned char>{128, 128, 255});  // square roots: 127.5 rounds up
 }
 
 TEST_CASE("matrices from primaries are those of the standards", "[display][color]") {
@@ -266,11 +279,14 @@ TEST_CASE("matrices from primaries are those of the standards", "[display][color
     // S-2014-004, AP1 to XYZ: ten digits are given, six are compared.
     CHECK(rgb_to_xyz(aces_ap1_primaries())[0][0] == Approx(0.6624541811).margin(1e-6));
     CHECK(rgb_to_xyz(aces_ap0_primaries())[1][2] == Approx(-0.0721325464).margin(1e-6));
-    const Matrix3 there = rgb_to_rgb(rec709_primaries(), aces_ap1_primaries()), back = rgb_to_rgb(aces_ap1_primaries(), rec709_primaries());
+    const Matrix3 there = rgb_to_rgb(rec709_primaries(), aces_ap1_primaries()),
+                  back = rgb_to_rgb(aces_ap1_primaries(), rec709_primaries());
     const Matrix3 both = multiply(back, there);
     for (std::size_t i = 0; i < 3; ++i)
-        for (std::size_t j = 0; j < 3; ++j) CHECK(both[i][j] == Approx(i == j ? 1.0 : 0.0).margin(1e-12));   // double rounding
-    CHECK(rgb_to_rgb(rec709_primaries(), {{0.64, 0.33}, {0.3, 0.60004}, {0.15, 0.06}, {0.3127, 0.329}}) == identity_matrix());
+        for (std::size_t j = 0; j < 3; ++j)
+            CHECK(both[i][j] == Approx(i == j ? 1.0 : 0.0).margin(1e-12));  // double rounding
+    CHECK(rgb_to_rgb(rec709_primaries(), {{0.64, 0.33}, {0.3, 0.60004}, {0.15, 0.06}, {0.3127, 0.329}}) ==
+          identity_matrix());
     CHECK(luminance_weights(rec709_primaries()) == std::array{0.2126, 0.7152, 0.0722});
     const auto weights = luminance_weights(aces_ap1_primaries());
     CHECK(weights[0] + weights[1] + weights[2] == Approx(1.0).margin(1e-12));

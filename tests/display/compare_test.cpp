@@ -13,7 +13,8 @@ using raylex::display::StoredType;
 
 namespace {
 
-double value(const raylex::display::ExrImage& a, const raylex::display::ExrImage& b, CompareMetric metric, char component, const std::string& layer = "") {
+double value(const raylex::display::ExrImage& a, const raylex::display::ExrImage& b, CompareMetric metric,
+             char component, const std::string& layer = "") {
     const auto result = compare(a, b, metric, layer, component);
     if (!result) FAIL(result.error().message);
     return *result;
@@ -34,13 +35,14 @@ TEST_CASE("metrics are the formulas they name, computed by hand", "[display][com
     CHECK(value(image, reference, CompareMetric::mae, 'B') == Approx(0.25).epsilon(1e-12));
     CHECK(value(image, reference, CompareMetric::mae, 'A') == Approx((0.5 + 0.5 + 2 + 0.5) / 6).epsilon(1e-12));
     CHECK(value(image, reference, CompareMetric::mape, 'R') == Approx((0.5 / 1.01 + 0.5 / 0.01) / 2).epsilon(1e-12));
-    CHECK(value(image, reference, CompareMetric::relmse, 'R') == Approx((0.25 / 1.01 + 0.25 / 0.01) / 2).epsilon(1e-12));
+    CHECK(value(image, reference, CompareMetric::relmse, 'R') ==
+          Approx((0.25 / 1.01 + 0.25 / 0.01) / 2).epsilon(1e-12));
     CHECK(value(image, reference, CompareMetric::relmse, 'A') ==
           Approx((0.25 / 1.01 + 0.25 / 0.01 + 0 + 4 / 4.01 + 0.25 / 0.26 + 0) / 6).epsilon(1e-12));
     CHECK(value(image, reference, CompareMetric::mean_ratio, 'G') == Approx(6.0 / 4.0).epsilon(1e-12));
     CHECK(value(image, reference, CompareMetric::mean_ratio, 'A') == Approx(9.0 / 6.5).epsilon(1e-12));
-    const double luminance[4] = {0.2126 * 1.5 + 0.7152 * 2, 0.2126 * 0.5 + 0.7152 * 4 + 0.0722, 0.2126 + 0.7152 * 2 + 0.0722 * 0.5,
-                                 0.7152 * 2 + 0.0722};
+    const double luminance[4] = {0.2126 * 1.5 + 0.7152 * 2, 0.2126 * 0.5 + 0.7152 * 4 + 0.0722,
+                                 0.2126 + 0.7152 * 2 + 0.0722 * 0.5, 0.7152 * 2 + 0.0722};
     CHECK(value(image, reference, CompareMetric::mean_ratio, 'Y') ==
           Approx((luminance[0] + luminance[1]) / (luminance[2] + luminance[3])).epsilon(1e-12));
     CHECK(value(image, reference, CompareMetric::mae, 'Y') ==
@@ -53,7 +55,8 @@ TEST_CASE("metrics are the formulas they name, computed by hand", "[display][com
 
 TEST_CASE("the second image is the reference: metrics are not symmetric", "[display][compare]") {
     CHECK(value(image, reference, CompareMetric::relmse, 'R') != value(reference, image, CompareMetric::relmse, 'R'));
-    CHECK(value(image, reference, CompareMetric::mean_ratio, 'R') == Approx(1 / value(reference, image, CompareMetric::mean_ratio, 'R')));
+    CHECK(value(image, reference, CompareMetric::mean_ratio, 'R') ==
+          Approx(1 / value(reference, image, CompareMetric::mean_ratio, 'R')));
 }
 
 TEST_CASE("images in different primaries are compared in the reference's", "[display][compare][color]") {
@@ -63,22 +66,27 @@ TEST_CASE("images in different primaries are compared in the reference's", "[dis
     auto same = image_of(1, 1, {color_layer("", {{0.613097f, 0.070194f, 0.020616f}}), color_layer("Nn", {{1, 0, 0}})});
     red.chromaticities = rec709_primaries();
     same.chromaticities = aces_ap1_primaries();
-    CHECK(value(red, same, CompareMetric::mae, 'A') < 1e-6);       // the digits given
-    CHECK(value(same, red, CompareMetric::mae, 'A') < 5e-6);       // the way back stretches them
+    CHECK(value(red, same, CompareMetric::mae, 'A') < 1e-6);  // the digits given
+    CHECK(value(same, red, CompareMetric::mae, 'A') < 5e-6);  // the way back stretches them
     CHECK(value(red, same, CompareMetric::mean_ratio, 'R') == Approx(1).epsilon(2e-6));
-    red.chromaticities.reset();                                     // a file that does not say is Rec. 709
+    red.chromaticities.reset();  // a file that does not say is Rec. 709
     CHECK(value(red, same, CompareMetric::mae, 'A') < 1e-6);
     same.chromaticities.reset();
     CHECK(value(red, same, CompareMetric::mae, 'R') == Approx(1 - 0.613097));
     // Luminance is that of the reference's primaries.
     auto grey = image_of(1, 1, {color_layer("", {{0, 1, 0}})}), white = image_of(1, 1, {color_layer("", {{1, 1, 1}})});
     grey.chromaticities = white.chromaticities = aces_ap1_primaries();
-    CHECK(value(grey, white, CompareMetric::mean_ratio, 'Y') == Approx(0.6740817658).epsilon(1e-6));   // S-2014-004, AP1 to XYZ
+    CHECK(value(grey, white, CompareMetric::mean_ratio, 'Y') ==
+          Approx(0.6740817658).epsilon(1e-6));  // S-2014-004, AP1 to XYZ
 }
 
 TEST_CASE("positions and single planes are never converted", "[display][compare]") {
     using namespace raylex::display;
-    const ImageLayer position{"P", "P", {{"X", StoredType::single_float, {1}}, {"Y", StoredType::single_float, {2}}, {"Z", StoredType::single_float, {3}}}};
+    const ImageLayer position{"P",
+                              "P",
+                              {{"X", StoredType::single_float, {1}},
+                               {"Y", StoredType::single_float, {2}},
+                               {"Z", StoredType::single_float, {3}}}};
     const ImageLayer depth{"z", "z", {{"Z", StoredType::single_float, {4}}}};
     auto a = image_of(1, 1, {position, depth}), b = a;
     a.chromaticities = rec709_primaries();
@@ -95,7 +103,9 @@ TEST_CASE("positions and single planes are never converted", "[display][compare]
 
 TEST_CASE("misses at infinite depth agree with one another and with nothing else", "[display][compare][law6]") {
     constexpr float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
-    const auto depths = [](std::vector<float> values) { return image_of(2, 1, {{"z", "z", {{"Z", StoredType::single_float, std::move(values)}}}}); };
+    const auto depths = [](std::vector<float> values) {
+        return image_of(2, 1, {{"z", "z", {{"Z", StoredType::single_float, std::move(values)}}}});
+    };
     CHECK(value(depths({inf, 2}), depths({inf, 4}), CompareMetric::mae, 'R', "z") == 1);
     CHECK(value(depths({inf, 2}), depths({inf, 4}), CompareMetric::mean_ratio, 'R', "z") == 0.5);
     CHECK(std::isinf(value(depths({inf, 2}), depths({1, 4}), CompareMetric::mae, 'R', "z")));

@@ -12,17 +12,21 @@
 using namespace raylex::test;
 using raylex::display::ExrImage;
 using raylex::display::ImageLayer;
-using raylex::display::StoredType;
 using raylex::display::read_exr;
 using raylex::display::read_exr_set;
+using raylex::display::StoredType;
 
 namespace {
 
 // 3 x 2 pixels that tell channels and places apart; exact in half.
-std::vector<float> ramp(float start) { return {start, start + 1, start + 2, start + 3, start + 4, start + 5}; }
+std::vector<float> ramp(float start) {
+    return {start, start + 1, start + 2, start + 3, start + 4, start + 5};
+}
 
 std::vector<ForeignChannel> rgb(const std::string& prefix, float start, Imf::PixelType type = Imf::FLOAT) {
-    return {{prefix + "R", type, ramp(start)}, {prefix + "G", type, ramp(start + 10)}, {prefix + "B", type, ramp(start + 20)}};
+    return {{prefix + "R", type, ramp(start)},
+            {prefix + "G", type, ramp(start + 10)},
+            {prefix + "B", type, ramp(start + 20)}};
 }
 
 std::vector<ForeignChannel> join(std::vector<std::vector<ForeignChannel>> lists) {
@@ -53,7 +57,8 @@ void write_deep(const std::string& path) {
     char* pointers[2] = {reinterpret_cast<char*>(&depth), reinterpret_cast<char*>(&depth)};
     Imf::DeepFrameBuffer buffer;
     buffer.insertSampleCountSlice(Imf::Slice(Imf::UINT, reinterpret_cast<char*>(counts), 4, 8));
-    buffer.insert("Z", Imf::DeepSlice(Imf::FLOAT, reinterpret_cast<char*>(pointers), sizeof(char*), 2 * sizeof(char*), 4));
+    buffer.insert("Z",
+                  Imf::DeepSlice(Imf::FLOAT, reinterpret_cast<char*>(pointers), sizeof(char*), 2 * sizeof(char*), 4));
     Imf::DeepScanLineOutputFile file(path.c_str(), header);
     file.setFrameBuffer(buffer);
     file.writePixels(1);
@@ -63,8 +68,12 @@ void write_deep(const std::string& path) {
 
 TEST_CASE("one part with nameless RGBA and Blender's dotted names becomes layers", "[display][exr]") {
     const ScratchFolder folder;
-    write_foreign(folder.file("a.exr"), join({rgb("", 0, Imf::HALF), {{"A", Imf::HALF, ramp(30)}}, rgb("ViewLayer.DiffDir.", 100, Imf::HALF),
-                                              {{"ViewLayer.Depth.Z", Imf::FLOAT, ramp(7)}}}), 3, 2);
+    write_foreign(folder.file("a.exr"),
+                  join({rgb("", 0, Imf::HALF),
+                        {{"A", Imf::HALF, ramp(30)}},
+                        rgb("ViewLayer.DiffDir.", 100, Imf::HALF),
+                        {{"ViewLayer.Depth.Z", Imf::FLOAT, ramp(7)}}}),
+                  3, 2);
     const ExrImage image = read(folder.file("a.exr"));
     CHECK(image.width == 3);
     CHECK(image.height == 2);
@@ -86,10 +95,21 @@ TEST_CASE("one part with nameless RGBA and Blender's dotted names becomes layers
 
 TEST_CASE("parts whose channels carry the part's name read like parts with nameless channels", "[display][exr]") {
     const ScratchFolder folder;
-    write_foreign_parts(folder.file("ours.exr"), {{"rgba", rgb("", 0)}, {"diffuse", rgb("diffuse.", 50)}, {"z", {{"Z", Imf::FLOAT, ramp(3)}}},
-                                                  {"id", {{"id", Imf::UINT, ramp(70)}}}, {"P", {{"P.X", Imf::FLOAT, ramp(1)}, {"P.Y", Imf::FLOAT, ramp(2)}, {"P.Z", Imf::FLOAT, ramp(3)}}}}, 3, 2);
-    write_foreign_parts(folder.file("theirs.exr"), {{"beauty", rgb("", 0)}, {"diffuse", rgb("", 50)}, {"z", {{"Z", Imf::FLOAT, ramp(3)}}},
-                                                    {"id", {{"id", Imf::UINT, ramp(70)}}}, {"P", {{"X", Imf::FLOAT, ramp(1)}, {"Y", Imf::FLOAT, ramp(2)}, {"Z", Imf::FLOAT, ramp(3)}}}}, 3, 2);
+    write_foreign_parts(
+        folder.file("ours.exr"),
+        {{"rgba", rgb("", 0)},
+         {"diffuse", rgb("diffuse.", 50)},
+         {"z", {{"Z", Imf::FLOAT, ramp(3)}}},
+         {"id", {{"id", Imf::UINT, ramp(70)}}},
+         {"P", {{"P.X", Imf::FLOAT, ramp(1)}, {"P.Y", Imf::FLOAT, ramp(2)}, {"P.Z", Imf::FLOAT, ramp(3)}}}},
+        3, 2);
+    write_foreign_parts(folder.file("theirs.exr"),
+                        {{"beauty", rgb("", 0)},
+                         {"diffuse", rgb("", 50)},
+                         {"z", {{"Z", Imf::FLOAT, ramp(3)}}},
+                         {"id", {{"id", Imf::UINT, ramp(70)}}},
+                         {"P", {{"X", Imf::FLOAT, ramp(1)}, {"Y", Imf::FLOAT, ramp(2)}, {"Z", Imf::FLOAT, ramp(3)}}}},
+                        3, 2);
     for (const char* name : {"ours.exr", "theirs.exr"}) {
         CAPTURE(name);
         const ExrImage image = read(folder.file(name));
@@ -112,7 +132,8 @@ TEST_CASE("parts whose channels carry the part's name read like parts with namel
 
 TEST_CASE("nameless channels that are no colour are layers of their own", "[display][exr]") {
     const ScratchFolder folder;
-    write_foreign(folder.file("a.exr"), join({rgb("", 0), {{"Z", Imf::FLOAT, ramp(3)}, {"id", Imf::UINT, ramp(9)}}}), 3, 2);
+    write_foreign(folder.file("a.exr"), join({rgb("", 0), {{"Z", Imf::FLOAT, ramp(3)}, {"id", Imf::UINT, ramp(9)}}}), 3,
+                  2);
     const ExrImage image = read(folder.file("a.exr"));
     CHECK(image.layer_names() == std::vector<std::string>{"", "Z", "id"});
     CHECK(plane_names(*image.layer("")) == std::vector<std::string>{"R", "G", "B"});
@@ -132,9 +153,18 @@ TEST_CASE("tiled files and lower-case or spelled-out planes read the same", "[di
     const ScratchFolder folder;
     write_foreign(folder.file("tiled.exr"), rgb("", 0), box(3, 2), box(3, 2), 2);
     CHECK(read(folder.file("tiled.exr")).layer("")->triple()[2]->values == ramp(20));
-    write_foreign(folder.file("small.exr"), {{"d.r", Imf::FLOAT, ramp(0)}, {"d.g", Imf::FLOAT, ramp(1)}, {"d.b", Imf::FLOAT, ramp(2)},
-                                             {"s.red", Imf::FLOAT, ramp(3)}, {"s.green", Imf::FLOAT, ramp(4)}, {"s.blue", Imf::FLOAT, ramp(5)},
-                                             {"grey.Y", Imf::FLOAT, ramp(6)}, {"grey.A", Imf::FLOAT, ramp(7)}, {"uv.U", Imf::FLOAT, ramp(8)}, {"uv.V", Imf::FLOAT, ramp(9)}}, 3, 2);
+    write_foreign(folder.file("small.exr"),
+                  {{"d.r", Imf::FLOAT, ramp(0)},
+                   {"d.g", Imf::FLOAT, ramp(1)},
+                   {"d.b", Imf::FLOAT, ramp(2)},
+                   {"s.red", Imf::FLOAT, ramp(3)},
+                   {"s.green", Imf::FLOAT, ramp(4)},
+                   {"s.blue", Imf::FLOAT, ramp(5)},
+                   {"grey.Y", Imf::FLOAT, ramp(6)},
+                   {"grey.A", Imf::FLOAT, ramp(7)},
+                   {"uv.U", Imf::FLOAT, ramp(8)},
+                   {"uv.V", Imf::FLOAT, ramp(9)}},
+                  3, 2);
     const ExrImage image = read(folder.file("small.exr"));
     CHECK(image.layer("d")->triple()[0]->values == ramp(0));
     CHECK(image.layer("d")->triple()[1]->values == ramp(1));
@@ -177,9 +207,11 @@ TEST_CASE("one file per layer makes one image named after the files", "[display]
     write_foreign(folder.file("beauty.exr"), rgb("", 0), 3, 2);
     write_foreign(folder.file("shot_diffuse.0001.exr"), join({rgb("", 50), {{"Z", Imf::FLOAT, ramp(1)}}}), 3, 2);
     write_foreign(folder.file("specular.v2.exr"), join({rgb("", 80), {{"Z", Imf::FLOAT, ramp(2)}}}), 3, 2);
-    auto set = read_exr_set({folder.file("beauty.exr"), folder.file("shot_diffuse.0001.exr"), folder.file("specular.v2.exr")});
+    auto set =
+        read_exr_set({folder.file("beauty.exr"), folder.file("shot_diffuse.0001.exr"), folder.file("specular.v2.exr")});
     REQUIRE(set.ok());
-    CHECK(set->layer_names() == std::vector<std::string>{"beauty", "shot_diffuse", "Z", "specular.v2", "specular.v2.Z"});
+    CHECK(set->layer_names() ==
+          std::vector<std::string>{"beauty", "shot_diffuse", "Z", "specular.v2", "specular.v2.Z"});
     CHECK(set->layer("")->triple()[0]->values == ramp(0));
     CHECK(set->layer("shot_diffuse")->triple()[0]->values == ramp(50));
 
@@ -193,7 +225,7 @@ TEST_CASE("one file per layer makes one image named after the files", "[display]
     CHECK(!read_exr_set({}).ok());
     std::filesystem::create_directory(folder.file("b"));
     write_foreign(folder.file("b/beauty.exr"), rgb("", 0), 3, 2);
-    CHECK(!read_exr_set({folder.file("beauty.exr"), folder.file("b/beauty.exr")}).ok());   // one name twice
+    CHECK(!read_exr_set({folder.file("beauty.exr"), folder.file("b/beauty.exr")}).ok());  // one name twice
 }
 
 TEST_CASE("string attributes, chromaticities and declared partitions come with the image", "[display][exr]") {
@@ -201,8 +233,10 @@ TEST_CASE("string attributes, chromaticities and declared partitions come with t
     Imf::Header header(1, 1);
     header.insert("owner", Imf::StringAttribute("somebody"));
     header.insert("partition/light groups", Imf::StringAttribute("beauty = key light + fill + rest"));
-    Imf::addChromaticities(header, Imf::Chromaticities({0.713f, 0.293f}, {0.165f, 0.83f}, {0.128f, 0.044f}, {0.32168f, 0.33767f}));
-    const ForeignPixels pixels({{"R", Imf::FLOAT, {1}}, {"G", Imf::FLOAT, {1}}, {"B", Imf::FLOAT, {1}}}, box(1, 1), header);
+    Imf::addChromaticities(
+        header, Imf::Chromaticities({0.713f, 0.293f}, {0.165f, 0.83f}, {0.128f, 0.044f}, {0.32168f, 0.33767f}));
+    const ForeignPixels pixels({{"R", Imf::FLOAT, {1}}, {"G", Imf::FLOAT, {1}}, {"B", Imf::FLOAT, {1}}}, box(1, 1),
+                               header);
     {
         Imf::OutputFile file(folder.file("a.exr").c_str(), header);
         file.setFrameBuffer(pixels.buffer());
@@ -211,7 +245,7 @@ TEST_CASE("string attributes, chromaticities and declared partitions come with t
     const ExrImage image = read(folder.file("a.exr"));
     CHECK(image.attributes.at("owner") == "somebody");
     REQUIRE(image.chromaticities.has_value());
-    CHECK(image.chromaticities->green[1] == Approx(0.83).margin(1e-6));   // stored as float
+    CHECK(image.chromaticities->green[1] == Approx(0.83).margin(1e-6));  // stored as float
     REQUIRE(image.partitions.size() == 1);
     CHECK(image.partitions[0].name == "light groups");
     CHECK(image.partitions[0].of == "beauty");
@@ -238,7 +272,7 @@ TEST_CASE("missing, foreign, deep and oversized files get errors that name the f
     write_foreign(folder.file("huge.exr"), rgb("", 0), 3, 2);
     std::string bytes = read_bytes(folder.file("huge.exr"));
     for (const char* window : {"dataWindow", "displayWindow"}) {
-        const std::size_t at = bytes.find(window) + std::string(window).size() + 1 + 6 + 4;   // name, "box2i", size
+        const std::size_t at = bytes.find(window) + std::string(window).size() + 1 + 6 + 4;  // name, "box2i", size
         const std::int32_t far[2] = {1'000'000'000, 1'000'000'000};
         bytes.replace(at + 8, 8, reinterpret_cast<const char*>(far), 8);
     }
@@ -248,7 +282,8 @@ TEST_CASE("missing, foreign, deep and oversized files get errors that name the f
 
 TEST_CASE("a file cut or damaged anywhere is refused or read, never a crash", "[display][exr][law7]") {
     const ScratchFolder folder;
-    write_foreign_parts(folder.file("whole.exr"), {{"rgba", rgb("", 0)}, {"diffuse", rgb("diffuse.", 50, Imf::HALF)}}, 3, 2);
+    write_foreign_parts(folder.file("whole.exr"), {{"rgba", rgb("", 0)}, {"diffuse", rgb("diffuse.", 50, Imf::HALF)}},
+                        3, 2);
     const std::string bytes = read_bytes(folder.file("whole.exr"));
     REQUIRE(read_exr(folder.file("whole.exr")).ok());
     for (std::size_t length = 0; length < bytes.size(); length += 7) {
@@ -266,5 +301,5 @@ TEST_CASE("a file cut or damaged anywhere is refused or read, never a crash", "[
         write_bytes(folder.file("damaged.exr"), damaged);
         refused += read_exr(folder.file("damaged.exr")).ok() ? 0 : 1;
     }
-    CHECK(refused > 0);     // most damage hits pixels and stays unseen; headers and tables do not
+    CHECK(refused > 0);  // most damage hits pixels and stays unseen; headers and tables do not
 }

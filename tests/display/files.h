@@ -44,7 +44,8 @@ class ScratchFolder {
     [[nodiscard]] std::string file(const std::string& name) const { return path_ + "/" + name; }
     [[nodiscard]] const std::string& path() const { return path_; }
     [[nodiscard]] std::size_t file_count() const {
-        return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(path_), std::filesystem::directory_iterator()));
+        return static_cast<std::size_t>(
+            std::distance(std::filesystem::directory_iterator(path_), std::filesystem::directory_iterator()));
     }
 
   private:
@@ -71,7 +72,9 @@ inline std::string read_bytes(const std::string& path) {
     return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
 }
 
-inline void write_bytes(const std::string& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
+inline void write_bytes(const std::string& path, const std::string& bytes) {
+    std::ofstream(path, std::ios::binary) << bytes;
+}
 
 /// One channel of a foreign file: its name, stored type and pixels (row-major over the data window).
 struct ForeignChannel {
@@ -92,10 +95,14 @@ class ForeignPixels {
             for (std::size_t i = 0; i < channel.values.size(); ++i) {
                 if (channel.type == Imf::HALF) reinterpret_cast<half*>(bytes.data())[i] = half(channel.values[i]);
                 if (channel.type == Imf::FLOAT) reinterpret_cast<float*>(bytes.data())[i] = channel.values[i];
-                if (channel.type == Imf::UINT) reinterpret_cast<unsigned*>(bytes.data())[i] = static_cast<unsigned>(channel.values[i]);
+                if (channel.type == Imf::UINT)
+                    reinterpret_cast<unsigned*>(bytes.data())[i] = static_cast<unsigned>(channel.values[i]);
             }
-            const auto offset = static_cast<std::ptrdiff_t>(window.min.x) + window.min.y * static_cast<std::ptrdiff_t>(width);
-            buffer_.insert(channel.name, Imf::Slice(channel.type, bytes.data() - offset * static_cast<std::ptrdiff_t>(size), size, size * width));
+            const auto offset =
+                static_cast<std::ptrdiff_t>(window.min.x) + window.min.y * static_cast<std::ptrdiff_t>(width);
+            buffer_.insert(channel.name,
+                           Imf::Slice(channel.type, bytes.data() - offset * static_cast<std::ptrdiff_t>(size), size,
+                                      size * width));
         }
     }
     [[nodiscard]] const Imf::FrameBuffer& buffer() const { return buffer_; }
@@ -105,16 +112,20 @@ class ForeignPixels {
     Imf::FrameBuffer buffer_;
 };
 
-inline Imath::Box2i box(int width, int height) { return {Imath::V2i(0, 0), Imath::V2i(width - 1, height - 1)}; }
+inline Imath::Box2i box(int width, int height) {
+    return {Imath::V2i(0, 0), Imath::V2i(width - 1, height - 1)};
+}
 
 /// A one-part file. `tile` > 0 writes it tiled.
-inline void write_foreign(const std::string& path, const std::vector<ForeignChannel>& channels, const Imath::Box2i& display,
-                          const Imath::Box2i& data, int tile = 0, const Imf::Chromaticities* chromaticities = nullptr) {
+inline void write_foreign(const std::string& path, const std::vector<ForeignChannel>& channels,
+                          const Imath::Box2i& display, const Imath::Box2i& data, int tile = 0,
+                          const Imf::Chromaticities* chromaticities = nullptr) {
     Imf::Header header(display, data);
     if (chromaticities != nullptr) Imf::addChromaticities(header, *chromaticities);
     const ForeignPixels pixels(channels, data, header);
     if (tile > 0) {
-        header.setTileDescription(Imf::TileDescription(static_cast<unsigned>(tile), static_cast<unsigned>(tile), Imf::ONE_LEVEL));
+        header.setTileDescription(
+            Imf::TileDescription(static_cast<unsigned>(tile), static_cast<unsigned>(tile), Imf::ONE_LEVEL));
         Imf::TiledOutputFile file(path.c_str(), header);
         file.setFrameBuffer(pixels.buffer());
         file.writeTiles(0, file.numXTiles() - 1, 0, file.numYTiles() - 1);

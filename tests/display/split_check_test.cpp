@@ -16,17 +16,20 @@ using raylex::display::StoredType;
 
 namespace {
 
-constexpr float ulp = 0x1p-23f;     // spacing of floats in [1, 2)
+constexpr float ulp = 0x1p-23f;  // spacing of floats in [1, 2)
 
-raylex::display::SplitVerdict verdict_of(const raylex::display::ExrImage& image, const std::vector<std::string>& globs, const std::string& of = "") {
+raylex::display::SplitVerdict verdict_of(const raylex::display::ExrImage& image, const std::vector<std::string>& globs,
+                                         const std::string& of = "") {
     auto verdict = check_split(image, of, globs);
     if (!verdict) FAIL(verdict.error().message);
     return *verdict;
 }
 
-raylex::display::ExrImage one_pixel(float whole, std::vector<float> layers, StoredType type = StoredType::single_float) {
+raylex::display::ExrImage one_pixel(float whole, std::vector<float> layers,
+                                    StoredType type = StoredType::single_float) {
     std::vector<raylex::display::ImageLayer> all{color_layer("", {{whole, whole, whole}}, type)};
-    for (std::size_t i = 0; i < layers.size(); ++i) all.push_back(color_layer("part" + std::to_string(i), {{layers[i], layers[i], layers[i]}}, type));
+    for (std::size_t i = 0; i < layers.size(); ++i)
+        all.push_back(color_layer("part" + std::to_string(i), {{layers[i], layers[i], layers[i]}}, type));
     return image_of(1, 1, std::move(all));
 }
 
@@ -51,8 +54,10 @@ TEST_CASE("globs match as in a shell", "[display][verify]") {
 }
 
 TEST_CASE("a split whose layers sum to beauty holds", "[display][verify][law1]") {
-    const auto image = image_of(2, 1, {color_layer("", {{1.0f, 0.5f, 0.25f}, {0, 0, 0}}), color_layer("diffuse", {{0.75f, 0.5f, -0.25f}, {0, 0, 0}}),
-                                       color_layer("specular", {{0.25f, 0.0f, 0.5f}, {0, 0, 0}})});
+    const auto image = image_of(
+        2, 1,
+        {color_layer("", {{1.0f, 0.5f, 0.25f}, {0, 0, 0}}), color_layer("diffuse", {{0.75f, 0.5f, -0.25f}, {0, 0, 0}}),
+         color_layer("specular", {{0.25f, 0.0f, 0.5f}, {0, 0, 0}})});
     const auto verdict = verdict_of(image, {"diffuse", "specular"});
     CHECK(verdict.holds);
     CHECK(verdict.largest_absolute == 0);
@@ -71,20 +76,22 @@ TEST_CASE("the bound is met exactly and not a rounding step beyond it", "[displa
     CHECK(!beyond.holds);
     CHECK(beyond.exceeding == 1);
     CHECK(beyond.largest_absolute == 3 * std::ldexp(1.0, -23));
-    CHECK(beyond.largest_relative == Approx(1.5 * std::ldexp(1.0, -23)).epsilon(1e-6));   // scale 2 + 3 ulp
+    CHECK(beyond.largest_relative == Approx(1.5 * std::ldexp(1.0, -23)).epsilon(1e-6));  // scale 2 + 3 ulp
     // Exactly on it: layers 2^23 and 1 against 2^23 - 1; difference 2, scale 2^24. 2 = 2^-23 x 2^24.
     CHECK(verdict_of(one_pixel(0x1p23f - 1, {0x1p23f, 1.0f}), {"part*"}).holds);
     CHECK(verdict_of(one_pixel(0x1p23f - 1, {0x1p23f, 1.0f}), {"part*"}).largest_relative == std::ldexp(1.0, -23));
     // Cancelling layers widen the scale, not the difference.
-    CHECK(verdict_of(one_pixel(1.0f, {1000.0f + 0x1p-13f, -999.0f}), {"part*"}).holds);   // 2^-13 <= 2000 x 2^-23
+    CHECK(verdict_of(one_pixel(1.0f, {1000.0f + 0x1p-13f, -999.0f}), {"part*"}).holds);  // 2^-13 <= 2000 x 2^-23
     CHECK(!verdict_of(one_pixel(1.0f, {1000.0f + 0x1p-11f, -999.0f}), {"part*"}).holds);
 }
 
 TEST_CASE("half files are held against half's rounding, the coarser type deciding", "[display][verify][law1]") {
-    CHECK(verdict_of(one_pixel(1.0f, {1.0f + 0x1p-9f}, StoredType::half_float), {"part*"}).bound == std::ldexp(1.0, -10));
+    CHECK(verdict_of(one_pixel(1.0f, {1.0f + 0x1p-9f}, StoredType::half_float), {"part*"}).bound ==
+          std::ldexp(1.0, -10));
     CHECK(verdict_of(one_pixel(1.0f, {1.0f + 0x1p-9f}, StoredType::half_float), {"part*"}).holds);
     CHECK(!verdict_of(one_pixel(1.0f, {1.0f + 3 * 0x1p-10f}, StoredType::half_float), {"part*"}).holds);
-    auto mixed = image_of(1, 1, {color_layer("", {{1, 1, 1}}), color_layer("a", {{1.0f + 0x1p-9f, 1, 1}}, StoredType::half_float)});
+    auto mixed = image_of(
+        1, 1, {color_layer("", {{1, 1, 1}}), color_layer("a", {{1.0f + 0x1p-9f, 1, 1}}, StoredType::half_float)});
     CHECK(verdict_of(mixed, {"a"}).bound == std::ldexp(1.0, -10));
     CHECK(verdict_of(mixed, {"a"}).holds);
 }
@@ -105,8 +112,8 @@ TEST_CASE("a split rounded to half holds however dark it is", "[display][verify]
 TEST_CASE("largest errors come with their pixels, absolute and relative apart", "[display][verify]") {
     std::vector<std::array<float, 3>> whole(6, {1, 1, 1}), layer = whole;
     whole[4] = {100, 1, 1};
-    layer[4] = {101, 1, 1};         // absolute 1, relative 1 / 201
-    layer[2] = {1, 1, 1.5f};        // absolute 0.5, relative 0.2
+    layer[4] = {101, 1, 1};   // absolute 1, relative 1 / 201
+    layer[2] = {1, 1, 1.5f};  // absolute 0.5, relative 0.2
     const auto verdict = verdict_of(image_of(3, 2, {color_layer("", whole), color_layer("a", layer)}), {"a"});
     CHECK(!verdict.holds);
     CHECK(verdict.largest_absolute == 1.0);
@@ -123,7 +130,9 @@ TEST_CASE("largest errors come with their pixels, absolute and relative apart", 
 
 TEST_CASE("values that are not finite fail a split and are counted per pixel", "[display][verify][law6]") {
     constexpr float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
-    auto image = image_of(3, 1, {color_layer("", {{1, 1, 1}, {inf, 1, 1}, {1, 1, 1}}), color_layer("a", {{nan, nan, 1}, {inf, 1, 1}, {1, 1, 1}})});
+    auto image = image_of(3, 1,
+                          {color_layer("", {{1, 1, 1}, {inf, 1, 1}, {1, 1, 1}}),
+                           color_layer("a", {{nan, nan, 1}, {inf, 1, 1}, {1, 1, 1}})});
     const auto verdict = verdict_of(image, {"a"});
     CHECK(!verdict.holds);
     CHECK(verdict.non_finite == 2);
@@ -138,7 +147,7 @@ TEST_CASE("layers are chosen once each, never the sum itself", "[display][verify
     CHECK(verdict_of(image, {"part0", "part*", "part?"}).layers == std::vector<std::string>{"part0", "part1"});
     CHECK(verdict_of(image, {"part*"}, "beauty").holds);
     image.layers.pop_back();
-    CHECK(verdict_of(image, {"*"}).holds);      // all but the nameless one
+    CHECK(verdict_of(image, {"*"}).holds);  // all but the nameless one
     CHECK(verdict_of(one_pixel(1.0f, {1.0f}), {"*"}, "part0").layers == std::vector<std::string>{"beauty"});
     CHECK(!check_split(image, "part0", {"part0"}).ok());
 }
@@ -163,8 +172,10 @@ TEST_CASE("unknown layers, ids and empty sums get errors with near misses", "[di
 }
 
 TEST_CASE("single planes and vectors can be summed too", "[display][verify]") {
-    auto image = image_of(1, 1, {{"depth", "", {{"Y", StoredType::single_float, {3}}}}, {"a", "", {{"Y", StoredType::single_float, {1}}}},
-                                 {"b", "", {{"Y", StoredType::single_float, {2}}, {"A", StoredType::single_float, {9}}}}});
+    auto image = image_of(1, 1,
+                          {{"depth", "", {{"Y", StoredType::single_float, {3}}}},
+                           {"a", "", {{"Y", StoredType::single_float, {1}}}},
+                           {"b", "", {{"Y", StoredType::single_float, {2}}, {"A", StoredType::single_float, {9}}}}});
     CHECK(verdict_of(image, {"a", "b"}, "depth").holds);
     CHECK(!verdict_of(image, {"a"}, "depth").holds);
 }
@@ -209,7 +220,9 @@ TEST_CASE("a heat map is brighter where the residual is larger", "[display][veri
     REQUIRE(image.width == verdict.residual.size());
     std::vector<unsigned char> rgb(PNG_IMAGE_SIZE(image));
     REQUIRE(png_image_finish_read(&image, nullptr, rgb.data(), 0, nullptr) != 0);
-    const auto luma = [&rgb](std::size_t i) { return 0.2126 * rgb[3 * i] + 0.7152 * rgb[3 * i + 1] + 0.0722 * rgb[3 * i + 2]; };
+    const auto luma = [&rgb](std::size_t i) {
+        return 0.2126 * rgb[3 * i] + 0.7152 * rgb[3 * i + 1] + 0.0722 * rgb[3 * i + 2];
+    };
     CHECK(luma(0) == 0);
     for (std::size_t i = 2; i + 1 < verdict.residual.size(); ++i) {
         CAPTURE(i);
@@ -220,5 +233,6 @@ TEST_CASE("a heat map is brighter where the residual is larger", "[display][veri
     CHECK(rgb[3 * 11 + 2] > rgb[3 * 11]);
     CHECK(rgb[3 * 12] > 2 * rgb[3 * 12 + 2]);
     const std::size_t last = verdict.residual.size() - 1;
-    CHECK(std::vector<unsigned char>(rgb.begin() + static_cast<std::ptrdiff_t>(3 * last), rgb.end()) == std::vector<unsigned char>{0, 255, 255});
+    CHECK(std::vector<unsigned char>(rgb.begin() + static_cast<std::ptrdiff_t>(3 * last), rgb.end()) ==
+          std::vector<unsigned char>{0, 255, 255});
 }
