@@ -145,7 +145,7 @@ std::vector<Group> make_groups(std::vector<Dfa> dfas, std::span<const ChannelSou
         for (const Group& group : groups) {
             list += "\n  " + std::to_string(group.dfa.states()) + " states: " + channel_names(group, channels);
         }
-        fail("these channels need " + std::to_string(groups.size()) + " automata of at most " +
+        fail("these channels need " + std::to_string(groups.size()) + " groups of at most " +
                  std::to_string(options.state_cap) + " states; " + std::to_string(options.group_cap) + " are allowed",
              "expressions such as C.*X.* multiply with one another; use fewer of them at a time:" + list);
     }
@@ -212,7 +212,7 @@ Result<Program> Program::compile(std::span<const ChannelSource> channels, const 
             fail(std::to_string(channels.size()) + " channels; at most 65535 can be compiled together");
         }
         LanguageOptions language_options;
-        language_options.state_cap = options.state_cap;
+        language_options.state_cap = std::max(options.state_cap, limits::boolean_states);
         language_options.renderer_words = !options.any_word;
         Languages languages = build_languages(channels, language_options);
         std::vector<Group> groups = make_groups(std::move(languages.channels), channels, options);

@@ -35,7 +35,8 @@ struct ChannelSource {
 };
 
 struct CompileOptions {
-    std::size_t state_cap = 50'000;  ///< states of one group before channels are spread over more groups
+    std::size_t state_cap = 50'000;  ///< states of one group before channels are spread over more groups; one channel
+                                     ///< alone may have more, up to a fixed bound
     std::size_t group_cap = 8;       ///< groups before compilation is refused with a message naming the channels
     /// Renderers report words of the form C (R | T | V | user)* (L | B | O), so that is all a Program tells apart: the
     /// tables are several times smaller and a state is dead as soon as no such word can be completed. Set this to follow
