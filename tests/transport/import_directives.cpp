@@ -56,7 +56,7 @@ TEST_CASE("settings before WorldBegin are kept as written", "[import]") {
     CHECK(scene.camera.type == "perspective");
     CHECK(*scene.camera.parameters.real_or("fov", 0) == 39);
     CHECK(scene.camera.location.line == 13);
-    REQUIRE(scene.warnings.size() == 1);    // the option
+    REQUIRE(scene.warnings.size() == 1);  // the option
     CHECK(scene.warnings[0].line == 2);
 }
 
@@ -134,22 +134,24 @@ TEST_CASE("Attribute fills what a directive leaves open, until its block ends", 
 }
 
 TEST_CASE("objects hold shapes in their own space and instances carry the transform", "[import]") {
-    const SceneDescription scene = scene_of("WorldBegin ObjectInstance \"tree\"\n"
-                                            "AttributeBegin Translate 5 0 0 ObjectBegin \"tree\" Scale 2 2 2\n" + triangle +
-                                            "ObjectEnd Translate 0 1 0 ObjectInstance \"tree\" AttributeEnd\n" + triangle);
+    const SceneDescription scene = scene_of(
+        "WorldBegin ObjectInstance \"tree\"\n"
+        "AttributeBegin Translate 5 0 0 ObjectBegin \"tree\" Scale 2 2 2\n" +
+        triangle + "ObjectEnd Translate 0 1 0 ObjectInstance \"tree\" AttributeEnd\n" + triangle);
     REQUIRE(scene.objects.size() == 1);
     REQUIRE(scene.objects[0].shapes.size() == 1);
-    CHECK(scene.objects[0].shapes[0].positions[1] == Vec3{7, 0, 0});    // the transform at the definition acts inside
+    CHECK(scene.objects[0].shapes[0].positions[1] == Vec3{7, 0, 0});  // the transform at the definition acts inside
     REQUIRE(scene.instances.size() == 2);
     CHECK(scene.instances[0].object == 0);
     CHECK(scene.instances[0].to_world.is_identity());
-    CHECK(scene.instances[1].to_world.point({0, 0, 0}) == Vec3{5, 1, 0});   // ObjectEnd took the scale away again
+    CHECK(scene.instances[1].to_world.point({0, 0, 0}) == Vec3{5, 1, 0});  // ObjectEnd took the scale away again
     REQUIRE(scene.shapes.size() == 1);
     CHECK(scene.shapes[0].positions[1] == Vec3{1, 0, 0});
 }
 
 TEST_CASE("an area light inside an object stays dark, as in pbrt, and says so", "[import]") {
-    const SceneDescription scene = scene_of("WorldBegin ObjectBegin \"o\"\nAreaLightSource \"diffuse\"\n" + triangle + "ObjectEnd");
+    const SceneDescription scene =
+        scene_of("WorldBegin ObjectBegin \"o\"\nAreaLightSource \"diffuse\"\n" + triangle + "ObjectEnd");
     CHECK(scene.objects[0].shapes[0].area_light == -1);
     REQUIRE(scene.warnings.size() == 1);
     CHECK(contains(scene.warnings[0].message, "do not emit"));
@@ -159,18 +161,22 @@ TEST_CASE("Include continues the state, Import does not leak it, and both read g
     const ScratchFolder folder("include");
     folder.write("parts/inner.pbrt", triangle);
     folder.write("parts/included.pbrt.gz", gzip("Translate 1 0 0 Include \"parts/inner.pbrt\"\n"));
-    folder.write("parts/beside.pbrt", "Include \"inner.pbrt\"\n");     // found beside the file that names it
-    folder.write("imported.pbrt", "Translate 0 0 9 CoordinateSystem \"there\" MakeNamedMaterial \"m\" \"string type\" \"diffuse\" NamedMaterial \"m\" " + triangle);
-    const auto scene = import_pbrt(folder.write("scene.pbrt", "WorldBegin Include \"parts/included.pbrt.gz\" Import \"imported.pbrt\"\n" + triangle +
-                                                                  "Include \"parts/beside.pbrt\" NamedMaterial \"m\" " + triangle));
+    folder.write("parts/beside.pbrt", "Include \"inner.pbrt\"\n");  // found beside the file that names it
+    folder.write("imported.pbrt",
+                 "Translate 0 0 9 CoordinateSystem \"there\" MakeNamedMaterial \"m\" \"string type\" \"diffuse\" "
+                 "NamedMaterial \"m\" " +
+                     triangle);
+    const auto scene = import_pbrt(
+        folder.write("scene.pbrt", "WorldBegin Include \"parts/included.pbrt.gz\" Import \"imported.pbrt\"\n" +
+                                       triangle + "Include \"parts/beside.pbrt\" NamedMaterial \"m\" " + triangle));
     if (!scene) FAIL(scene.error().to_string());
     REQUIRE(scene->shapes.size() == 5);
     CHECK(scene->shapes[0].positions[0] == Vec3{1, 0, 0});
     CHECK(scene->shapes[1].positions[0] == Vec3{1, 0, 9});
     CHECK(scene->shapes[1].label == "m");
-    CHECK(scene->shapes[2].positions[0] == Vec3{1, 0, 0});      // the import's translation ended with it
+    CHECK(scene->shapes[2].positions[0] == Vec3{1, 0, 0});  // the import's translation ended with it
     CHECK(scene->shapes[2].label.empty());
-    CHECK(scene->shapes[4].label == "m");                       // its named material did not
+    CHECK(scene->shapes[4].label == "m");  // its named material did not
 }
 
 TEST_CASE("file names become absolute, the scene's folder before the including file's", "[import]") {
@@ -178,8 +184,9 @@ TEST_CASE("file names become absolute, the scene's folder before the including f
     folder.write("a.png", "");
     folder.write("parts/a.png", "");
     folder.write("parts/b.spd", "400 1 700 1");
-    folder.write("parts/textures.pbrt", "Texture \"a\" \"float\" \"imagemap\" \"string filename\" \"a.png\"\n"
-                                        "Material \"conductor\" \"spectrum eta\" \"b.spd\" \"spectrum k\" \"metal-Cu-k\"");
+    folder.write("parts/textures.pbrt",
+                 "Texture \"a\" \"float\" \"imagemap\" \"string filename\" \"a.png\"\n"
+                 "Material \"conductor\" \"spectrum eta\" \"b.spd\" \"spectrum k\" \"metal-Cu-k\"");
     const auto scene = import_pbrt(folder.write("scene.pbrt", "WorldBegin Include \"parts/textures.pbrt\"\n"));
     if (!scene) FAIL(scene.error().to_string());
     CHECK(*scene->textures[0].parameters.string_or("filename", "") == folder.file("a.png"));
@@ -188,8 +195,9 @@ TEST_CASE("file names become absolute, the scene's folder before the including f
 }
 
 TEST_CASE("a degenerate triangle is dropped with one warning, a thin one stays", "[import]") {
-    const SceneDescription scene = scene_of("WorldBegin Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 2 0 0 1 1e-30 0]\n"
-                                            "\"integer indices\" [0 0 1  0 1 2  0 1 3  0 1 4]");
+    const SceneDescription scene = scene_of(
+        "WorldBegin Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 2 0 0 1 1e-30 0]\n"
+        "\"integer indices\" [0 0 1  0 1 2  0 1 3  0 1 4]");
     REQUIRE(scene.shapes.size() == 1);
     CHECK(scene.shapes[0].indices == std::vector<std::uint32_t>{0, 1, 2, 0, 1, 4});
     REQUIRE(scene.warnings.size() == 1);
@@ -198,7 +206,8 @@ TEST_CASE("a degenerate triangle is dropped with one warning, a thin one stays",
 }
 
 TEST_CASE("a parameter given twice keeps the last value, and an idle one is named", "[import]") {
-    const SceneDescription scene = scene_of("WorldBegin Shape \"sphere\" \"float radius\" 1 \"float radius\" 2 \"float raduis\" 3");
+    const SceneDescription scene =
+        scene_of("WorldBegin Shape \"sphere\" \"float radius\" 1 \"float radius\" 2 \"float raduis\" 3");
     CHECK(scene.shapes[0].radius == 2);
     REQUIRE(scene.warnings.size() == 2);
     CHECK(contains(scene.warnings[0].message, "given twice"));
@@ -212,7 +221,9 @@ TEST_CASE("rgb values under another colour space move to the film's", "[import]"
         Material "diffuse" "rgb reflectance" [0.5 0.2 0.1]
         Material "conductor" "rgb eta" [0.2 0.9 1.1]
         LightSource "infinite" "rgb L" [2 2 2])");
-    const auto numbers = [](const SceneEntity& entity, const char* name) { return entity.parameters.find(name)->numbers; };
+    const auto numbers = [](const SceneEntity& entity, const char* name) {
+        return entity.parameters.find(name)->numbers;
+    };
     // Both spaces share D65; 1e-9 is the rounding of two matrix products.
     for (const double c : numbers(scene.materials[1], "reflectance")) CHECK(c == Approx(1).margin(1e-9));
     for (const double c : numbers(scene.lights[0], "L")) CHECK(c == Approx(2).margin(1e-9));
@@ -221,21 +232,23 @@ TEST_CASE("rgb values under another colour space move to the film's", "[import]"
     CHECK(rgb[0] == Approx(1.6605 * 0.5 - 0.5876 * 0.2 - 0.0728 * 0.1).margin(2e-3));
     CHECK(rgb[1] == Approx(-0.1246 * 0.5 + 1.1329 * 0.2 - 0.0083 * 0.1).margin(2e-3));
     CHECK(rgb[2] == Approx(-0.0182 * 0.5 - 0.1006 * 0.2 + 1.1187 * 0.1).margin(2e-3));
-    CHECK(numbers(scene.materials[3], "eta") == std::vector<double>{0.2, 0.9, 1.1});    // no colour: untouched
+    CHECK(numbers(scene.materials[3], "eta") == std::vector<double>{0.2, 0.9, 1.1});  // no colour: untouched
 }
 
 TEST_CASE("a million numbers in one list parse in linear time", "[import]") {
     std::string text = "WorldBegin Shape \"trianglemesh\" \"point3 P\" [";
     for (int i = 0; i < 100000; ++i) text += "0 0 0 1 0.25 0 0 -1.5e-1 2 ";
     text += "] \"integer indices\" [";
-    for (int i = 0; i < 300000; i += 3) text += std::to_string(i) + " " + std::to_string(i + 1) + " " + std::to_string(i + 2) + " ";
+    for (int i = 0; i < 300000; i += 3)
+        text += std::to_string(i) + " " + std::to_string(i + 1) + " " + std::to_string(i + 2) + " ";
     const SceneDescription scene = scene_of(text + "]");
     CHECK(scene.shapes[0].indices.size() == 300000);
     CHECK(scene.shapes[0].positions[299999] == Vec3{0, -0.15f, 2});
 }
 
 TEST_CASE("the scenes that ship with the project are read without a warning", "[import]") {
-    for (const char* name : {"cornell-color", "cornell-grey", "furnace-box", "furnace-sphere", "mis-plates", "point-plane", "sky-image", "still-life"}) {
+    for (const char* name : {"cornell-color", "cornell-grey", "furnace-box", "furnace-sphere", "mis-plates",
+                             "point-plane", "sky-image", "still-life"}) {
         INFO(name);
         const auto scene = import_pbrt(std::string(RAYLEX_SOURCE_DIR) + "/experiments/scenes/" + name + "/scene.pbrt");
         if (!scene) FAIL(scene.error().to_string());

@@ -24,7 +24,8 @@ Image read(const std::string& path, const std::string& encoding = {}) {
 }
 
 std::string big_endian(std::uint32_t value) {
-    return {static_cast<char>(value >> 24), static_cast<char>(value >> 16 & 255), static_cast<char>(value >> 8 & 255), static_cast<char>(value & 255)};
+    return {static_cast<char>(value >> 24), static_cast<char>(value >> 16 & 255), static_cast<char>(value >> 8 & 255),
+            static_cast<char>(value & 255)};
 }
 
 std::string png_chunk(const std::string& type, const std::string& content) {
@@ -41,7 +42,8 @@ std::string png_chunk(const std::string& type, const std::string& content) {
 std::string png(std::uint32_t width, std::uint32_t height, int depth, int color, const std::string& rows) {
     std::string packed(compressBound(static_cast<uLong>(rows.size())), '\0');
     auto size = static_cast<uLongf>(packed.size());
-    REQUIRE(compress(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(rows.data()), static_cast<uLong>(rows.size())) == Z_OK);
+    REQUIRE(compress(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(rows.data()),
+                     static_cast<uLong>(rows.size())) == Z_OK);
     packed.resize(size);
     std::string header = big_endian(width);
     header += big_endian(height);
@@ -61,7 +63,8 @@ std::string float_bytes(std::initializer_list<float> values, std::endian order) 
 }
 
 /// Every proper prefix of `content` must be refused with the file's name, from `least` bytes up.
-void check_truncation(const ScratchFolder& folder, const std::string& name, const std::string& content, std::size_t step = 1) {
+void check_truncation(const ScratchFolder& folder, const std::string& name, const std::string& content,
+                      std::size_t step = 1) {
     for (std::size_t size = 0; size < content.size(); size += step) {
         const auto image = read_image(folder.write(name, content.substr(0, size)));
         INFO(name << " cut to " << size << " of " << content.size());
@@ -82,9 +85,9 @@ TEST_CASE("an 8-bit PNG is sRGB by default, linear or gamma on demand, row 0 on 
     REQUIRE(srgb.channels == 3);
     CHECK(srgb.at(0, 0, 0) == 1);
     CHECK(srgb.at(0, 0, 1) == 0);
-    CHECK(srgb.at(1, 0, 1) == Approx(0.215861).margin(1e-6));   // IEC 61966-2-1 of 128/255
+    CHECK(srgb.at(1, 0, 1) == Approx(0.215861).margin(1e-6));  // IEC 61966-2-1 of 128/255
     CHECK(srgb.at(0, 1, 2) == 1);
-    CHECK(srgb.at(1, 1, 0) == Approx(0.051269).margin(1e-6));   // of 64/255
+    CHECK(srgb.at(1, 1, 0) == Approx(0.051269).margin(1e-6));  // of 64/255
     CHECK(read(path, "sRGB").pixels == srgb.pixels);
     CHECK(read(path, "linear").at(1, 0, 1) == Approx(128 / 255.0));
     CHECK(read(path, "gamma 2").at(1, 1, 0) == Approx(64 / 255.0 * 64 / 255.0));
@@ -116,9 +119,13 @@ TEST_CASE("a 16-bit PNG keeps its precision and alpha is never decoded", "[image
 TEST_CASE("TGA is read from both ends, raw and run-length encoded", "[image]") {
     const ScratchFolder folder("tga");
     using namespace std::string_literals;
-    const auto header = [](char type, char descriptor) { return "\0\0"s + type + "\0\0\0\0\0\0\0\0\0\2\0\2\0\x18"s + descriptor; };
-    const std::string raw = header(2, 0) + "\0\0\xff\0\0\xff"s + "\xff\0\0\xff\0\0"s;      // bottom row red, top row blue (BGR)
-    const std::string packed = header(10, 0x20) + "\x81\xff\0\0\x01\0\0\xff\0\0\xff"s;     // from the top: blue run, red pair
+    const auto header = [](char type, char descriptor) {
+        return "\0\0"s + type + "\0\0\0\0\0\0\0\0\0\2\0\2\0\x18"s + descriptor;
+    };
+    const std::string raw =
+        header(2, 0) + "\0\0\xff\0\0\xff"s + "\xff\0\0\xff\0\0"s;  // bottom row red, top row blue (BGR)
+    const std::string packed =
+        header(10, 0x20) + "\x81\xff\0\0\x01\0\0\xff\0\0\xff"s;  // from the top: blue run, red pair
     for (const std::string& content : {raw, packed}) {
         const Image image = read(folder.write("a.tga", content));
         CHECK(image.at(0, 0, 2) == 1);
@@ -168,7 +175,8 @@ TEST_CASE("PFM is read bottom-up in both byte orders, with its scale", "[image]"
         CHECK(read(folder.write("c.pfm", color)).pixels == std::vector<float>{2, 4, 8});
         check_truncation(folder, "t.pfm", color);
     }
-    for (const char* header : {"PF\n0 1\n-1\n", "PF\n1 -1\n-1\n", "PF\nx\n", "Pf\n1 1\n0\n", "Pf\n1 1\nnan\n", "PF\n2000000000 2000000000\n-1\n"})
+    for (const char* header : {"PF\n0 1\n-1\n", "PF\n1 -1\n-1\n", "PF\nx\n", "Pf\n1 1\n0\n", "Pf\n1 1\nnan\n",
+                               "PF\n2000000000 2000000000\n-1\n"})
         CHECK_FALSE(read_image(folder.write("b.pfm", std::string(header) + "0123456789abcdef")));
 }
 
@@ -176,7 +184,8 @@ TEST_CASE("Radiance HDR keeps values above 1 and ignores the encoding", "[image]
     const ScratchFolder folder("hdr");
     using namespace std::string_literals;
     // Shared exponent: mantissa 128 at exponent 130 is 128 * 2^(130 - 136) = 2.
-    const std::string file = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n"s + "\x80\x40\x20\x82"s + "\x80\x80\x80\x81"s;
+    const std::string file =
+        "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n"s + "\x80\x40\x20\x82"s + "\x80\x80\x80\x81"s;
     const Image image = read(folder.write("a.hdr", file), "linear");
     CHECK(image.pixels == std::vector<float>{2, 1, 0.5f, 1, 1, 1});
     CHECK(read(folder.file("a.hdr")).pixels == image.pixels);

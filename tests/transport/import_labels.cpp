@@ -16,10 +16,14 @@ SceneDescription labelled_scene() {
         MakeNamedMaterial "wall" "string type" "diffuse"  MakeNamedMaterial "walnut" "string type" "diffuse"
         MakeNamedMaterial "lamp" "string type" "diffuse"
         LightSource "spot" LightSource "infinite" LightSource "spot"
-        NamedMaterial "wall" )" + mesh + "NamedMaterial \"walnut\" " + mesh + R"( Material "diffuse" )" + mesh + R"(
-        AttributeBegin NamedMaterial "lamp" AreaLightSource "diffuse" )" + mesh + R"( AttributeEnd
-        AttributeBegin NamedMaterial "wall" AreaLightSource "diffuse" )" + mesh + R"( AttributeEnd
-        ObjectBegin "tree" NamedMaterial "walnut" )" + mesh + R"( ObjectEnd
+        NamedMaterial "wall" )" + mesh +
+                                      "NamedMaterial \"walnut\" " + mesh + R"( Material "diffuse" )" + mesh + R"(
+        AttributeBegin NamedMaterial "lamp" AreaLightSource "diffuse" )" +
+                                      mesh + R"( AttributeEnd
+        AttributeBegin NamedMaterial "wall" AreaLightSource "diffuse" )" +
+                                      mesh + R"( AttributeEnd
+        ObjectBegin "tree" NamedMaterial "walnut" )" +
+                                      mesh + R"( ObjectEnd
         ObjectInstance "tree" ObjectInstance "tree")");
     scene.shapes[2].source_file = "dragon.ply";
     return scene;
@@ -47,7 +51,8 @@ TEST_CASE("without rules an object's label is its named material", "[labels]") {
 
 TEST_CASE("the first rule that matches wins, over materials and mesh files alike", "[labels]") {
     SceneDescription scene = labelled_scene();
-    apply(scene, {rule(Selector::material, "wal?", "plaster"), rule(Selector::mesh_file, "*.ply", "beast"), rule(Selector::material, "wal*", "rest")});
+    apply(scene, {rule(Selector::material, "wal?", "plaster"), rule(Selector::mesh_file, "*.ply", "beast"),
+                  rule(Selector::material, "wal*", "rest")});
     CHECK(scene.shapes[0].label == "plaster");
     CHECK(scene.shapes[1].label == "rest");
     CHECK(scene.shapes[2].label == "beast");
@@ -64,8 +69,9 @@ TEST_CASE("instances go by their object's name and number", "[labels]") {
 
 TEST_CASE("lights go by kind and number in file order, area lights by their shape's material too", "[labels]") {
     SceneDescription scene = labelled_scene();
-    apply(scene, {rule(Selector::light, "spot:1", "rim"), rule(Selector::light, "spot", "key"), rule(Selector::area_light_material, "la*", "practical"),
-                  rule(Selector::light, "area*", "area"), rule(Selector::light, "infinite", "sky")});
+    apply(scene, {rule(Selector::light, "spot:1", "rim"), rule(Selector::light, "spot", "key"),
+                  rule(Selector::area_light_material, "la*", "practical"), rule(Selector::light, "area*", "area"),
+                  rule(Selector::light, "infinite", "sky")});
     CHECK(scene.lights[0].group == "key");
     CHECK(scene.lights[1].group == "sky");
     CHECK(scene.lights[2].group == "rim");
@@ -82,8 +88,10 @@ TEST_CASE("a rule that matches nothing is an error with near misses", "[labels][
         LabelRule rule;
         const char* hint;
     };
-    for (const Case& c : {Case{rule(Selector::material, "wallnut", "x"), "'walnut'"}, Case{rule(Selector::light, "spot:2", "x"), "'spot:0'"},
-                          Case{rule(Selector::mesh_file, "dargon.ply", "x"), "'dragon.ply'"}, Case{rule(Selector::instance, "trees", "x"), "'tree'"},
+    for (const Case& c : {Case{rule(Selector::material, "wallnut", "x"), "'walnut'"},
+                          Case{rule(Selector::light, "spot:2", "x"), "'spot:0'"},
+                          Case{rule(Selector::mesh_file, "dargon.ply", "x"), "'dragon.ply'"},
+                          Case{rule(Selector::instance, "trees", "x"), "'tree'"},
                           Case{rule(Selector::area_light_material, "lmap", "x"), "'lamp'"}}) {
         SceneDescription scene = labelled_scene();
         const auto status = apply_label_rules(scene, {c.rule});

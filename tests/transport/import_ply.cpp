@@ -54,12 +54,16 @@ class PlyWriter {
 };
 
 /// A triangle, a quadrilateral and a pentagon over five vertices, with normals, texture coordinates and things to skip.
-std::string full_file(Order order, const std::string& u = "u", const std::string& v = "v", const std::string& list = "vertex_indices") {
+std::string full_file(Order order, const std::string& u = "u", const std::string& v = "v",
+                      const std::string& list = "vertex_indices") {
     std::string text = std::string("ply\nformat ") + format_name(order) +
-                       " 1.0\ncomment made by a test\nobj_info nothing\nelement extra 2\nproperty list uchar short skipped\nproperty double d\n"
+                       " 1.0\ncomment made by a test\nobj_info nothing\nelement extra 2\nproperty list uchar short "
+                       "skipped\nproperty double d\n"
                        "element vertex 5\nproperty uchar red\nproperty float x\nproperty double y\nproperty float z\n"
-                       "property float nx\nproperty float ny\nproperty float nz\nproperty float " + u + "\nproperty float " + v +
-                       "\nelement face 3\nproperty uchar flags\nproperty list uchar int " + list + "\nelement edge 1\nproperty int a\nend_header\n";
+                       "property float nx\nproperty float ny\nproperty float nz\nproperty float " +
+                       u + "\nproperty float " + v +
+                       "\nelement face 3\nproperty uchar flags\nproperty list uchar int " + list +
+                       "\nelement edge 1\nproperty int a\nend_header\n";
     PlyWriter w(order);
     for (int row = 0; row < 2; ++row) {
         w.put<std::uint8_t>(static_cast<std::uint8_t>(row));
@@ -69,8 +73,15 @@ std::string full_file(Order order, const std::string& u = "u", const std::string
     }
     const double xyz[5][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {-1, 0.5, 0}};
     for (const auto& p : xyz) {
-        w.put<std::uint8_t>(200).put<float>(static_cast<float>(p[0])).put<double>(p[1]).put<float>(static_cast<float>(p[2]));
-        w.put<float>(0).put<float>(0).put<float>(1).put<float>(static_cast<float>(p[0]) / 4).put<float>(static_cast<float>(p[1]) / 4);
+        w.put<std::uint8_t>(200)
+            .put<float>(static_cast<float>(p[0]))
+            .put<double>(p[1])
+            .put<float>(static_cast<float>(p[2]));
+        w.put<float>(0)
+            .put<float>(0)
+            .put<float>(1)
+            .put<float>(static_cast<float>(p[0]) / 4)
+            .put<float>(static_cast<float>(p[1]) / 4);
         w.end_row();
     }
     const std::vector<std::vector<int>> faces{{0, 1, 2}, {0, 1, 2, 3}, {0, 1, 2, 3, 4}};
@@ -94,7 +105,9 @@ std::string small_file(Order order, float bad = 1, std::int32_t index = 2) {
     w.end_row();
     w.put<std::uint8_t>(3).put<std::int32_t>(0).put<std::int32_t>(1).put<std::int32_t>(index);
     return std::string("ply\nformat ") + format_name(order) +
-           " 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_index\nend_header\n" + w.data;
+           " 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty "
+           "list uchar int vertex_index\nend_header\n" +
+           w.data;
 }
 
 raylex::Error ply_error(const std::string& content) {
@@ -105,13 +118,16 @@ raylex::Error ply_error(const std::string& content) {
     return mesh.error();
 }
 
-std::string header(const std::string& lines) { return "ply\n" + lines + "end_header\n"; }
+std::string header(const std::string& lines) {
+    return "ply\n" + lines + "end_header\n";
+}
 const std::string xyz_lines = "element vertex 1\nproperty float x\nproperty float y\nproperty float z\n";
 const std::string face_lines = "element face 1\nproperty list uchar int vertex_indices\n";
 
 }  // namespace
 
-TEST_CASE("ASCII, little- and big-endian files give the same mesh; quads stay patches and polygons become fans", "[import][ply]") {
+TEST_CASE("ASCII, little- and big-endian files give the same mesh; quads stay patches and polygons become fans",
+          "[import][ply]") {
     for (const Order order : {Order::ascii, Order::little, Order::big}) {
         INFO(format_name(order));
         const auto mesh = parse_ply(full_file(order), "m.ply");
@@ -142,7 +158,9 @@ TEST_CASE("carriage returns and blank lines do not matter", "[import][ply]") {
 }
 
 TEST_CASE("faces of fewer than three vertices are left out and counted", "[import][ply]") {
-    std::string text = header("format ascii 1.0\n" + xyz_lines + "element face 3\nproperty list uchar int vertex_indices\n") + "0 0 0\n0\n1 0\n2 0 0\n";
+    std::string text =
+        header("format ascii 1.0\n" + xyz_lines + "element face 3\nproperty list uchar int vertex_indices\n") +
+        "0 0 0\n0\n1 0\n2 0 0\n";
     const auto mesh = parse_ply(text, "m.ply");
     if (!mesh) FAIL(mesh.error().to_string());
     CHECK(mesh->short_faces == 3);
@@ -155,7 +173,8 @@ TEST_CASE("a file that ends early is an error wherever it ends", "[law7][import]
         // The last element is skipped but must be there too. In ASCII a number cut short is another number, so cuts go
         // from blank to blank.
         for (std::size_t size = 0; size + 1 < whole.size(); ++size) {
-            if (order == Order::ascii && size > whole.find("end_header") && whole[size] != ' ' && whole[size] != '\n') continue;
+            if (order == Order::ascii && size > whole.find("end_header") && whole[size] != ' ' && whole[size] != '\n')
+                continue;
             if (order == Order::ascii && size + 3 > whole.size()) continue;
             const auto mesh = parse_ply(whole.substr(0, size), "m.ply");
             INFO(format_name(order) << " cut to " << size << " of " << whole.size());
@@ -172,7 +191,8 @@ TEST_CASE("a file that ends early is an error wherever it ends", "[law7][import]
 TEST_CASE("an index out of range names the face, the index and the place", "[law7][import][ply]") {
     for (const std::int32_t index : {3, -1}) {
         const raylex::Error ascii = ply_error(small_file(Order::ascii, 1, index));
-        CHECK(contains(ascii.message, "face 0 refers to vertex " + std::to_string(index) + "; expected an index from 0 to 2"));
+        CHECK(contains(ascii.message,
+                       "face 0 refers to vertex " + std::to_string(index) + "; expected an index from 0 to 2"));
         CHECK(ascii.line > 9);
         const raylex::Error big = ply_error(small_file(Order::big, 1, index));
         CHECK(contains(big.message, "face 0 refers to vertex " + std::to_string(index)));
@@ -182,12 +202,15 @@ TEST_CASE("an index out of range names the face, the index and the place", "[law
 
 TEST_CASE("a vertex that is not finite names the vertex and the place", "[law7][import][ply]") {
     for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
-        CHECK(contains(ply_error(small_file(Order::little, bad)).message, "vertex 2 has a 'y' that is not a finite float"));
-        const raylex::Error ascii = ply_error(header("format ascii 1.0\n" + xyz_lines + face_lines) + "0 " + (std::isnan(bad) ? "nan" : "inf") + " 0\n0\n");
+        CHECK(contains(ply_error(small_file(Order::little, bad)).message,
+                       "vertex 2 has a 'y' that is not a finite float"));
+        const raylex::Error ascii = ply_error(header("format ascii 1.0\n" + xyz_lines + face_lines) + "0 " +
+                                              (std::isnan(bad) ? "nan" : "inf") + " 0\n0\n");
         CHECK(ascii.line == 10);
         CHECK(contains(ascii.message, "vertex 0 has a 'y'"));
     }
-    CHECK(contains(ply_error(header("format ascii 1.0\n" + xyz_lines + face_lines) + "0 1e99 0\n0\n").message, "not a finite float"));
+    CHECK(contains(ply_error(header("format ascii 1.0\n" + xyz_lines + face_lines) + "0 1e99 0\n0\n").message,
+                   "not a finite float"));
 }
 
 TEST_CASE("a header that does not parse names its line", "[law7][import][ply]") {
@@ -208,7 +231,8 @@ TEST_CASE("a header that does not parse names its line", "[law7][import][ply]") 
         {header("format ascii 1.0\nelement vertex 99999999999\n"), 3, "beyond 2147483647"},
         {header("format ascii 1.0\nproperty float x\n"), 3, "before any 'element'"},
         {header("format ascii 1.0\nelement vertex 1\nproperty half x\n"), 4, "unknown PLY type 'half'"},
-        {header("format ascii 1.0\nelement face 1\nproperty list float int vertex_indices\n"), 4, "expected an integer type"},
+        {header("format ascii 1.0\nelement face 1\nproperty list float int vertex_indices\n"), 4,
+         "expected an integer type"},
         {header("format ascii 1.0\nelement face 1\nproperty list uchar int\n"), 4, "expected 'property"},
         {header("format ascii 1.0\nvertex 3\n"), 3, "found 'vertex' in the PLY header"},
         {header("format ascii 1.0\n" + face_lines), 0, "no 'vertex' element"},
@@ -227,20 +251,30 @@ TEST_CASE("a header that does not parse names its line", "[law7][import][ply]") 
 TEST_CASE("a count that the file cannot hold is refused before memory is asked for", "[law7][import][ply]") {
     for (const char* format : {"ascii", "binary_little_endian"}) {
         const std::string start = std::string("format ") + format + " 1.0\n";
-        CHECK(contains(ply_error(header(start + "element vertex 2000000000\nproperty float x\nproperty float y\nproperty float z\n" + face_lines) + "0 0 0").message,
-                       "claims 2000000000 rows"));
+        CHECK(contains(
+            ply_error(header(start +
+                             "element vertex 2000000000\nproperty float x\nproperty float y\nproperty float z\n" +
+                             face_lines) +
+                      "0 0 0")
+                .message,
+            "claims 2000000000 rows"));
     }
     // A list may not run past the end either.
     PlyWriter w(Order::little);
     w.put<float>(0).put<float>(0).put<float>(0).put<std::uint32_t>(4000000000U).put<std::int32_t>(0);
-    CHECK(contains(ply_error(header("format binary_little_endian 1.0\n" + xyz_lines + "element face 1\nproperty list uint int vertex_indices\n") + w.data).message,
+    CHECK(contains(ply_error(header("format binary_little_endian 1.0\n" + xyz_lines +
+                                    "element face 1\nproperty list uint int vertex_indices\n") +
+                             w.data)
+                       .message,
                    "ends early"));
 }
 
 TEST_CASE("a plymesh becomes shapes that remember their file; triangles and quads part ways", "[import][ply]") {
     const ScratchFolder folder("plymesh");
     folder.write("meshes/all.ply", full_file(Order::big));
-    const auto scene = import_pbrt(folder.write("s.pbrt", "WorldBegin Scale 2 2 -2 Shape \"plymesh\" \"string filename\" \"meshes/all.ply\" \"float alpha\" 0.5"));
+    const auto scene = import_pbrt(folder.write(
+        "s.pbrt",
+        "WorldBegin Scale 2 2 -2 Shape \"plymesh\" \"string filename\" \"meshes/all.ply\" \"float alpha\" 0.5"));
     if (!scene) FAIL(scene.error().to_string());
     REQUIRE(scene->shapes.size() == 2);
     CHECK(scene->shapes[0].kind == ShapeKind::bilinear_mesh);
@@ -252,7 +286,8 @@ TEST_CASE("a plymesh becomes shapes that remember their file; triangles and quad
         CHECK(shape.flip_normal);
         CHECK(shape.alpha == 0.5f);
     }
-    const auto broken = import_pbrt(folder.write("b.pbrt", "WorldBegin\nShape \"plymesh\" \"string filename\" \"s.pbrt\""));
+    const auto broken =
+        import_pbrt(folder.write("b.pbrt", "WorldBegin\nShape \"plymesh\" \"string filename\" \"s.pbrt\""));
     REQUIRE_FALSE(broken);
     CHECK(broken.error().file == folder.file("s.pbrt"));
     CHECK(contains(broken.error().hint, "b.pbrt:2"));

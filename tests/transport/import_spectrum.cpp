@@ -34,7 +34,9 @@ Rgb resolved(const std::string& name, SpectrumRole role, const ColorContext& con
     return *rgb;
 }
 
-Triple xyz_of(const Rgb& rgb, ColorSpace space = ColorSpace::srgb) { return multiply(xyz_from_rgb(space), Triple{rgb.r, rgb.g, rgb.b}); }
+Triple xyz_of(const Rgb& rgb, ColorSpace space = ColorSpace::srgb) {
+    return multiply(xyz_from_rgb(space), Triple{rgb.r, rgb.g, rgb.b});
+}
 
 std::array<double, 2> chromaticity(const Rgb& rgb, ColorSpace space = ColorSpace::srgb) {
     const Triple xyz = xyz_of(rgb, space);
@@ -51,7 +53,9 @@ std::string error_message(const Parameter& parameter, SpectrumRole role) {
     return rgb.error().message + "|" + rgb.error().hint;
 }
 
-double reflectance(double eta, double k) { return ((eta - 1) * (eta - 1) + k * k) / ((eta + 1) * (eta + 1) + k * k); }
+double reflectance(double eta, double k) {
+    return ((eta - 1) * (eta - 1) + k * k) / ((eta + 1) * (eta + 1) + k * k);
+}
 
 }  // namespace
 
@@ -71,8 +75,9 @@ TEST_CASE("standard illuminants have their published chromaticities", "[spectrum
         double x, y;
     };
     // CIE 15:2004, tables T.3 and 11.2. Our daylight series is interpolated from 10 nm components: 1e-4 covers that.
-    for (const Case& c : {Case{"stdillum-A", 0.44758, 0.40745}, Case{"stdillum-D50", 0.34567, 0.35851}, Case{"stdillum-D55", 0.33243, 0.34744},
-                          Case{"stdillum-D65", 0.31272, 0.32903}, Case{"stdillum-D75", 0.29903, 0.31488}, Case{"stdillum-E", 0.33331, 0.33331}}) {
+    for (const Case& c : {Case{"stdillum-A", 0.44758, 0.40745}, Case{"stdillum-D50", 0.34567, 0.35851},
+                          Case{"stdillum-D55", 0.33243, 0.34744}, Case{"stdillum-D65", 0.31272, 0.32903},
+                          Case{"stdillum-D75", 0.29903, 0.31488}, Case{"stdillum-E", 0.33331, 0.33331}}) {
         VisibleSpectrum s{};
         REQUIRE(find_named_spectrum(c.name, s));
         const Triple xyz = integrate_xyz(s);
@@ -83,7 +88,8 @@ TEST_CASE("standard illuminants have their published chromaticities", "[spectrum
 }
 
 TEST_CASE("the sRGB matrix is the published one and white is exactly grey in every space", "[spectrum]") {
-    const Matrix3 published{{{3.2404542, -1.5371385, -0.4985314}, {-0.9692660, 1.8760108, 0.0415560}, {0.0556434, -0.2040259, 1.0572252}}};
+    const Matrix3 published{
+        {{3.2404542, -1.5371385, -0.4985314}, {-0.9692660, 1.8760108, 0.0415560}, {0.0556434, -0.2040259, 1.0572252}}};
     for (std::size_t r = 0; r < 3; ++r)
         for (std::size_t c = 0; c < 3; ++c)
             // The published matrix rounds D65 to (0.3127, 0.3290); ours integrates it: 5e-4 apart.
@@ -92,7 +98,7 @@ TEST_CASE("the sRGB matrix is the published one and white is exactly grey in eve
         ColorContext context;
         context.scene_space = space;
         const Rgb white = resolved(std::string(white_spectrum_name(space)), SpectrumRole::illuminant, context);
-        for (int c = 0; c < 3; ++c) CHECK(white[c] == Approx(1).margin(1e-6));      // float rounding of double sums
+        for (int c = 0; c < 3; ++c) CHECK(white[c] == Approx(1).margin(1e-6));  // float rounding of double sums
     }
 }
 
@@ -109,15 +115,18 @@ TEST_CASE("a flat spectrum is exactly grey as a reflectance and as an index of r
 TEST_CASE("every light spectrum has luminance 1, whatever its scale", "[spectrum]") {
     const auto luminance_of = [](const Parameter& p) { return xyz_of(resolved(p, SpectrumRole::illuminant))[1]; };
     // 1e-6: a float holds each channel to 6e-8, and saturated spectra have channels of 10.
-    for (const double scale : {1.0, 7.0}) CHECK(luminance_of(parameter_of(ParameterType::spectrum, {300, scale, 800, scale})) == Approx(1).margin(1e-6));
-    for (const double kelvin : {800.0, 2856.0, 6500.0, 20000.0}) CHECK(luminance_of(parameter_of(ParameterType::blackbody, {kelvin})) == Approx(1).margin(1e-6));
+    for (const double scale : {1.0, 7.0})
+        CHECK(luminance_of(parameter_of(ParameterType::spectrum, {300, scale, 800, scale})) == Approx(1).margin(1e-6));
+    for (const double kelvin : {800.0, 2856.0, 6500.0, 20000.0})
+        CHECK(luminance_of(parameter_of(ParameterType::blackbody, {kelvin})) == Approx(1).margin(1e-6));
     // A line outside the space is brought to its border: no negative channel.
-    const Rgb line = resolved(parameter_of(ParameterType::spectrum, {500, 0, 501, 1, 502, 0}), SpectrumRole::illuminant);
+    const Rgb line =
+        resolved(parameter_of(ParameterType::spectrum, {500, 0, 501, 1, 502, 0}), SpectrumRole::illuminant);
     CHECK(xyz_of(line)[1] == Approx(1).margin(1e-6));
     CHECK(line.r == 0);
     CHECK(resolved(parameter_of(ParameterType::spectrum, {300, 0, 800, 0}), SpectrumRole::illuminant).is_black());
     const Rgb rgb = resolved(parameter_of(ParameterType::rgb, {15, 2, 0}), SpectrumRole::illuminant);
-    CHECK(rgb == Rgb(15, 2, 0));    // an rgb light means its numbers
+    CHECK(rgb == Rgb(15, 2, 0));  // an rgb light means its numbers
 }
 
 TEST_CASE("blackbodies lie on the Planckian locus", "[spectrum]") {
@@ -125,11 +134,13 @@ TEST_CASE("blackbodies lie on the Planckian locus", "[spectrum]") {
         double kelvin, x, y;
     };
     // Wyszecki and Stiles, Color Science, table 1(3.11) and CIE 15 for A (2855.5 K); four published decimals.
-    for (const Case& c : {Case{2000, 0.5267, 0.4133}, Case{2855.5, 0.4476, 0.4074}, Case{4000, 0.3805, 0.3768}, Case{6500, 0.3135, 0.3237},
-                          Case{10000, 0.2807, 0.2884}}) {
+    for (const Case& c : {Case{2000, 0.5267, 0.4133}, Case{2855.5, 0.4476, 0.4074}, Case{4000, 0.3805, 0.3768},
+                          Case{6500, 0.3135, 0.3237}, Case{10000, 0.2807, 0.2884}}) {
         ColorContext wide;
-        wide.scene_space = ColorSpace::rec2020;     // holds the locus from 2000 K on
-        const auto xy = chromaticity(resolved(parameter_of(ParameterType::blackbody, {c.kelvin}), SpectrumRole::illuminant, wide), ColorSpace::rec2020);
+        wide.scene_space = ColorSpace::rec2020;  // holds the locus from 2000 K on
+        const auto xy =
+            chromaticity(resolved(parameter_of(ParameterType::blackbody, {c.kelvin}), SpectrumRole::illuminant, wide),
+                         ColorSpace::rec2020);
         INFO(c.kelvin << " K: " << xy[0] << " " << xy[1]);
         CHECK(xy[0] == Approx(c.x).margin(3e-4));
         CHECK(xy[1] == Approx(c.y).margin(3e-4));
@@ -143,7 +154,8 @@ TEST_CASE("metals have their colours at normal incidence", "[spectrum]") {
     };
     // Linear sRGB reflectances computed spectrally (N. Hoffman, SIGGRAPH 2010-2013 course notes, table of metals); 0.05
     // covers the step from spectral to RGB indices and other measurements.
-    for (const Case& c : {Case{"Cu", 0.955, 0.638, 0.538}, Case{"Au", 1.000, 0.782, 0.344}, Case{"Ag", 0.972, 0.960, 0.915}, Case{"Al", 0.913, 0.922, 0.924}}) {
+    for (const Case& c : {Case{"Cu", 0.955, 0.638, 0.538}, Case{"Au", 1.000, 0.782, 0.344},
+                          Case{"Ag", 0.972, 0.960, 0.915}, Case{"Al", 0.913, 0.922, 0.924}}) {
         const Rgb eta = resolved(std::string("metal-") + c.name + "-eta", SpectrumRole::unbounded);
         const Rgb k = resolved(std::string("metal-") + c.name + "-k", SpectrumRole::unbounded);
         INFO(c.name << ": eta " << eta.r << " " << eta.g << " " << eta.b << ", k " << k.r << " " << k.g << " " << k.b);
@@ -164,14 +176,15 @@ TEST_CASE("glasses have their catalogue indices at the helium d line", "[spectru
         double nd;
     };
     // SCHOTT data sheets, 587.56 nm; our samples stand at 587 and 588 nm, 1e-4 apart at most.
-    for (const Case& c : {Case{"glass-BK7", 1.51680}, Case{"glass-BAF10", 1.67003}, Case{"glass-FK51A", 1.48656}, Case{"glass-LASF9", 1.85025},
-                          Case{"glass-F5", 1.67270}, Case{"glass-F10", 1.72825}, Case{"glass-F11", 1.78472}}) {
+    for (const Case& c : {Case{"glass-BK7", 1.51680}, Case{"glass-BAF10", 1.67003}, Case{"glass-FK51A", 1.48656},
+                          Case{"glass-LASF9", 1.85025}, Case{"glass-F5", 1.67270}, Case{"glass-F10", 1.72825},
+                          Case{"glass-F11", 1.78472}}) {
         VisibleSpectrum s{};
         REQUIRE(find_named_spectrum(c.name, s));
         INFO(c.name);
         CHECK(s[588 - visible_begin] == Approx(c.nd).margin(1e-4));
         const Rgb rgb = resolved(c.name, SpectrumRole::unbounded);
-        CHECK(rgb.b > rgb.g);       // normal dispersion
+        CHECK(rgb.b > rgb.g);  // normal dispersion
         CHECK(rgb.g > rgb.r);
     }
 }
@@ -187,7 +200,9 @@ TEST_CASE("reflectances and lights move to the rendering space, indices do not",
 
 TEST_CASE("a spectrum file is read, and its slips are named", "[spectrum][law7]") {
     const ScratchFolder folder("spd");
-    const auto file = [&](const std::string& content) { return parameter_of(ParameterType::spectrum, {}, {folder.write("s.spd", content)}); };
+    const auto file = [&](const std::string& content) {
+        return parameter_of(ParameterType::spectrum, {}, {folder.write("s.spd", content)});
+    };
     CHECK(resolved(file("# nm value\n200 0.25 # low\n\n900\t0.25\r\n"), SpectrumRole::unbounded) == Rgb(0.25f));
     const auto broken = resolve_spectrum(file("400 1\n500 x\n"), SpectrumRole::unbounded, {});
     REQUIRE_FALSE(broken);
@@ -211,7 +226,8 @@ TEST_CASE("what is no colour is an error that says what was expected", "[spectru
     CHECK(contains(error_message(parameter_of(T::spectrum, {400, 1, 500}), SpectrumRole::albedo), "3 numbers"));
     CHECK(contains(error_message(parameter_of(T::spectrum, {500, 1, 400, 1}), SpectrumRole::albedo), "increasing"));
     CHECK(contains(error_message(parameter_of(T::point3, {1, 1, 1}), SpectrumRole::albedo), "is no colour"));
-    CHECK(contains(error_message(parameter_of(T::spectrum, {}, {"metal-Cu-et"}), SpectrumRole::unbounded), "did you mean 'metal-Cu-eta'? Known spectra: glass-BK7"));
+    CHECK(contains(error_message(parameter_of(T::spectrum, {}, {"metal-Cu-et"}), SpectrumRole::unbounded),
+                   "did you mean 'metal-Cu-eta'? Known spectra: glass-BK7"));
     CHECK_FALSE(resolve_named_spectrum("metal-Xx-eta", SpectrumRole::unbounded, {}));
     ParameterSet set;
     CHECK(*spectrum_or(set, "value", Rgb(0.5f), SpectrumRole::albedo, {}) == Rgb(0.5f));

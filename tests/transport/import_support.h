@@ -50,6 +50,8 @@ inline raylex::Error error_of(const std::string& text, const std::string& path =
     return scene.error();
 }
 
-inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+inline bool contains(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
 
 }  // namespace import_test

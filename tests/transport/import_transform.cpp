@@ -32,47 +32,54 @@ TEST_CASE("LookAt is left-handed: looking down -z, +x is on the image's left", "
     check_close(scene.camera_to_world.point({0, 0, 0}), {0, 1, 4});
     check_close(scene.camera_to_world.vector({0, 0, 1}), {0, 0, -1});
     check_close(scene.camera_to_world.vector({0, 1, 0}), {0, 1, 0});
-    check_close(scene.camera_to_world.vector({1, 0, 0}), {-1, 0, 0});     // camera +x (image right) is world -x
+    check_close(scene.camera_to_world.vector({1, 0, 0}), {-1, 0, 0});  // camera +x (image right) is world -x
 }
 
 TEST_CASE("a leading Scale -1 1 1 mirrors the image", "[transform]") {
-    const SceneDescription scene = scene_of("Scale -1 1 1 LookAt 0 1 4  0 1 0  0 1 0 Camera \"perspective\" WorldBegin");
+    const SceneDescription scene =
+        scene_of("Scale -1 1 1 LookAt 0 1 4  0 1 0  0 1 0 Camera \"perspective\" WorldBegin");
     check_close(scene.camera_to_world.vector({1, 0, 0}), {1, 0, 0});
     check_close(scene.camera_to_world.vector({0, 0, 1}), {0, 0, -1});
 }
 
 TEST_CASE("the last transformation written acts first", "[transform]") {
-    const SceneDescription scene = scene_of("WorldBegin Translate 10 0 0 Rotate 90 0 0 1 Scale 2 1 1\n"
-                                            "Shape \"trianglemesh\" \"point3 P\" [1 0 0  0 1 0  0 0 1]");
-    CHECK(scene.shapes[0].positions[0] == Vec3{10, 2, 0});      // multiples of 90 degrees are exact
+    const SceneDescription scene = scene_of(
+        "WorldBegin Translate 10 0 0 Rotate 90 0 0 1 Scale 2 1 1\n"
+        "Shape \"trianglemesh\" \"point3 P\" [1 0 0  0 1 0  0 0 1]");
+    CHECK(scene.shapes[0].positions[0] == Vec3{10, 2, 0});  // multiples of 90 degrees are exact
     CHECK(scene.shapes[0].positions[1] == Vec3{9, 0, 0});
 }
 
 TEST_CASE("matrices are written column by column; Transform replaces and ConcatTransform composes", "[transform]") {
-    const SceneDescription scene = scene_of("WorldBegin Scale 5 5 5 Transform [1 0 0 0  0 1 0 0  0 0 1 0  7 8 9 1] ConcatTransform [2 0 0 0  0 2 0 0  0 0 2 0  0 0 0 1]\n"
-                                            "Shape \"trianglemesh\" \"point3 P\" [1 0 0  0 1 0  0 0 1]");
+    const SceneDescription scene = scene_of(
+        "WorldBegin Scale 5 5 5 Transform [1 0 0 0  0 1 0 0  0 0 1 0  7 8 9 1] ConcatTransform [2 0 0 0  0 2 0 0  0 0 "
+        "2 0  0 0 0 1]\n"
+        "Shape \"trianglemesh\" \"point3 P\" [1 0 0  0 1 0  0 0 1]");
     CHECK(scene.shapes[0].positions[0] == Vec3{9, 8, 9});
 }
 
 TEST_CASE("CoordSysTransform returns to the camera's and to a named system", "[transform]") {
-    const SceneDescription scene = scene_of("Translate 0 0 -4 Camera \"perspective\" WorldBegin Translate 1 0 0 CoordinateSystem \"mark\" Identity\n"
-                                            "CoordSysTransform \"camera\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]\n"
-                                            "CoordSysTransform \"mark\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]\n"
-                                            "CoordSysTransform \"world\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]");
+    const SceneDescription scene = scene_of(
+        "Translate 0 0 -4 Camera \"perspective\" WorldBegin Translate 1 0 0 CoordinateSystem \"mark\" Identity\n"
+        "CoordSysTransform \"camera\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]\n"
+        "CoordSysTransform \"mark\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]\n"
+        "CoordSysTransform \"world\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]");
     CHECK(scene.shapes[0].positions[0] == Vec3{0, 0, 4});
     CHECK(scene.shapes[1].positions[0] == Vec3{1, 0, 0});
     CHECK(scene.shapes[2].positions[0] == Vec3{0, 0, 0});
 }
 
 TEST_CASE("a transform that moves and moves back is no motion", "[transform]") {
-    const SceneDescription scene = scene_of("WorldBegin ActiveTransform StartTime Translate 1 0 0 ActiveTransform EndTime Translate 1 0 0\n"
-                                            "ActiveTransform All Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]");
+    const SceneDescription scene = scene_of(
+        "WorldBegin ActiveTransform StartTime Translate 1 0 0 ActiveTransform EndTime Translate 1 0 0\n"
+        "ActiveTransform All Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]");
     CHECK(scene.shapes[0].positions[0] == Vec3{1, 0, 0});
 }
 
 TEST_CASE("the surface turns under ReverseOrientation xor a mirror", "[transform]") {
     const auto flipped = [](const std::string& before) {
-        const SceneDescription scene = scene_of("WorldBegin " + before + " Shape \"sphere\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]");
+        const SceneDescription scene = scene_of(
+            "WorldBegin " + before + " Shape \"sphere\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]");
         CHECK(scene.shapes[0].flip_normal == scene.shapes[1].flip_normal);
         return scene.shapes[0].flip_normal;
     };
@@ -103,7 +110,7 @@ TEST_CASE("the inverse undoes the transform, and products agree with applying on
             for (std::size_t c = 0; c < 4; ++c)
                 // Condition numbers of these matrices reach 1e4: 1e4 * 1e-16 with room.
                 CHECK(identity.matrix()[r][c] == Approx(r == c ? 1 : 0).margin(1e-9));
-        check_close((a * b).point(p), a.point(b.point(p)), 2e-4f);      // b's result is rounded to float, then stretched
+        check_close((a * b).point(p), a.point(b.point(p)), 2e-4f);  // b's result is rounded to float, then stretched
         check_close((a * b).vector(p), a.vector(b.vector(p)), 2e-4f);
         // A normal stays perpendicular to what it was perpendicular to.
         const Vec3 n{1, 2, -1}, tangent{1, 0, 1};

@@ -8,7 +8,9 @@ namespace {
 
 constexpr std::size_t space_count = 4;
 
-Triple xyz_of(const std::array<double, 2>& xy) { return {xy[0] / xy[1], 1, (1 - xy[0] - xy[1]) / xy[1]}; }
+Triple xyz_of(const std::array<double, 2>& xy) {
+    return {xy[0] / xy[1], 1, (1 - xy[0] - xy[1]) / xy[1]};
+}
 
 // SMPTE RP 177: scale the primaries' XYZ so that they add up to the white.
 Matrix3 derive_xyz_from_rgb(ColorSpace space) {
@@ -58,7 +60,7 @@ Matrix3 multiply(const Matrix3& a, const Matrix3& b) {
 Matrix3 inverse(const Matrix3& m) {
     const auto minor = [&m](std::size_t r, std::size_t c) {
         const std::size_t r1 = (r + 1) % 3, r2 = (r + 2) % 3, c1 = (c + 1) % 3, c2 = (c + 2) % 3;
-        return m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1];   // cyclic indices carry the sign
+        return m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1];  // cyclic indices carry the sign
     };
     const double determinant = m[0][0] * minor(0, 0) + m[0][1] * minor(0, 1) + m[0][2] * minor(0, 2);
     Matrix3 result{};
@@ -89,11 +91,15 @@ Triple white_xyz(ColorSpace space) {
     return {xyz[0] / xyz[1], 1, xyz[2] / xyz[1]};
 }
 
-const Matrix3& xyz_from_rgb(ColorSpace space) { return matrices(space).to_xyz; }
-const Matrix3& rgb_from_xyz(ColorSpace space) { return matrices(space).from_xyz; }
+const Matrix3& xyz_from_rgb(ColorSpace space) {
+    return matrices(space).to_xyz;
+}
+const Matrix3& rgb_from_xyz(ColorSpace space) {
+    return matrices(space).from_xyz;
+}
 
-// An rgb reflectance is relative to its own space's white: in pbrt, (1, 1, 1) is the constant spectrum 1 in every space.
-// An rgb light is a multiple of its space's white as a spectrum, and keeps that colour on any film.
+// An rgb reflectance is relative to its own space's white: in pbrt, (1, 1, 1) is the constant spectrum 1 in every
+// space. An rgb light is a multiple of its space's white as a spectrum, and keeps that colour on any film.
 Matrix3 rgb_from_rgb(ColorSpace to, ColorSpace from, bool white_to_white) {
     Matrix3 xyz = xyz_from_rgb(from);
     const Triple white_to = white_xyz(to), white_from = white_xyz(from);
@@ -103,13 +109,18 @@ Matrix3 rgb_from_rgb(ColorSpace to, ColorSpace from, bool white_to_white) {
     return multiply(rgb_from_xyz(to), xyz);
 }
 
-// sRGB: IEC 61966-2-1; DCI-P3 primaries with D65: SMPTE EG 432-1; Rec. 2020: ITU-R BT.2020; ACES2065-1: SMPTE ST 2065-1.
+// sRGB: IEC 61966-2-1; DCI-P3 primaries with D65: SMPTE EG 432-1; Rec. 2020: ITU-R BT.2020; ACES2065-1: SMPTE ST
+// 2065-1.
 std::array<std::array<double, 2>, 3> primaries(ColorSpace space) {
     switch (space) {
-        case ColorSpace::srgb: break;
-        case ColorSpace::dci_p3: return {{{0.680, 0.320}, {0.265, 0.690}, {0.150, 0.060}}};
-        case ColorSpace::rec2020: return {{{0.708, 0.292}, {0.170, 0.797}, {0.131, 0.046}}};
-        case ColorSpace::aces2065_1: return {{{0.7347, 0.2653}, {0.0, 1.0}, {0.0001, -0.0770}}};
+        case ColorSpace::srgb:
+            break;
+        case ColorSpace::dci_p3:
+            return {{{0.680, 0.320}, {0.265, 0.690}, {0.150, 0.060}}};
+        case ColorSpace::rec2020:
+            return {{{0.708, 0.292}, {0.170, 0.797}, {0.131, 0.046}}};
+        case ColorSpace::aces2065_1:
+            return {{{0.7347, 0.2653}, {0.0, 1.0}, {0.0001, -0.0770}}};
     }
     return {{{0.64, 0.33}, {0.30, 0.60}, {0.15, 0.06}}};
 }

@@ -8,7 +8,7 @@
 
 namespace raylex::transport {
 
-using Matrix3 = std::array<std::array<double, 3>, 3>;     ///< row-major
+using Matrix3 = std::array<std::array<double, 3>, 3>;  ///< row-major
 using Triple = std::array<double, 3>;
 
 [[nodiscard]] Triple multiply(const Matrix3& m, const Triple& v);
@@ -18,13 +18,15 @@ using Triple = std::array<double, 3>;
 
 /// White of a space: CIE D65, or D60 for ACES2065-1, as the spectrum that albedos are seen under.
 [[nodiscard]] std::string_view white_spectrum_name(ColorSpace space);
-/// XYZ of that spectrum with Y = 1, integrated with the same tables as every other spectrum, so that white is exactly grey.
+/// XYZ of that spectrum with Y = 1, integrated with the same tables as every other spectrum, so that white is exactly
+/// grey.
 [[nodiscard]] Triple white_xyz(ColorSpace space);
 /// From the primaries' chromaticities and white_xyz; RGB (1, 1, 1) has Y = 1.
 [[nodiscard]] const Matrix3& xyz_from_rgb(ColorSpace space);
 [[nodiscard]] const Matrix3& rgb_from_xyz(ColorSpace space);
 /// Linear RGB of one space to another. `white_to_white`: grey stays grey when the whites differ (von Kries scaling in
-/// XYZ), which is what a reflectance needs; a light keeps its XYZ instead, so the white of one space may be tinted in another.
+/// XYZ), which is what a reflectance needs; a light keeps its XYZ instead, so the white of one space may be tinted in
+/// another.
 [[nodiscard]] Matrix3 rgb_from_rgb(ColorSpace to, ColorSpace from, bool white_to_white);
 
 /// xy chromaticities of red, green and blue.

@@ -12,7 +12,9 @@ namespace raylex::transport {
 inline constexpr int visible_begin = 380, visible_end = 780;
 inline constexpr std::size_t visible_samples = visible_end - visible_begin + 1;
 using VisibleSpectrum = std::array<double, visible_samples>;
-[[nodiscard]] constexpr double visible_wavelength(std::size_t sample) { return visible_begin + static_cast<double>(sample); }
+[[nodiscard]] constexpr double visible_wavelength(std::size_t sample) {
+    return visible_begin + static_cast<double>(sample);
+}
 
 /// CIE 1931 2-degree colour matching functions, the 5 nm table interpolated linearly.
 struct MatchingFunctions {
@@ -20,9 +22,10 @@ struct MatchingFunctions {
 };
 [[nodiscard]] const MatchingFunctions& matching_functions();
 
-/// Values of a piecewise linear spectrum at the visible samples. `wavelengths` increases strictly. Outside its range the
-/// spectrum is 0 as in pbrt, or keeps its end values with `extend`.
-[[nodiscard]] VisibleSpectrum resample(const std::vector<double>& wavelengths, const std::vector<double>& values, bool extend);
+/// Values of a piecewise linear spectrum at the visible samples. `wavelengths` increases strictly. Outside its range
+/// the spectrum is 0 as in pbrt, or keeps its end values with `extend`.
+[[nodiscard]] VisibleSpectrum resample(const std::vector<double>& wavelengths, const std::vector<double>& values,
+                                       bool extend);
 
 /// Planck's law at `kelvin`, divided by its peak over all wavelengths.
 [[nodiscard]] VisibleSpectrum blackbody_spectrum(double kelvin);

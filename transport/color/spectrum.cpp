@@ -14,10 +14,12 @@ namespace raylex::transport {
 namespace {
 
 struct SampledSpectrum {
-    std::vector<double> wavelengths, values;    ///< nm, strictly increasing
+    std::vector<double> wavelengths, values;  ///< nm, strictly increasing
 };
 
-Rgb to_rgb(const Triple& v) { return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])}; }
+Rgb to_rgb(const Triple& v) {
+    return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
+}
 
 /// Takes scene-space RGB to the rendering space, within what the role allows.
 Rgb to_rendering(Triple rgb, SpectrumRole role, const ColorContext& context) {
@@ -73,9 +75,11 @@ Triple project_illuminant(const VisibleSpectrum& s, ColorSpace space) {
 Rgb project(const VisibleSpectrum& s, SpectrumRole role, const ColorContext& context) {
     // A flat spectrum is exactly grey, not grey up to the rounding of four hundred products.
     const bool flat = std::all_of(s.begin(), s.end(), [&s](double v) { return v == s[0]; });
-    if (role == SpectrumRole::illuminant) return to_rendering(project_illuminant(s, context.scene_space), role, context);
+    if (role == SpectrumRole::illuminant)
+        return to_rendering(project_illuminant(s, context.scene_space), role, context);
     if (flat) return to_rendering({s[0], s[0], s[0]}, role, context);
-    return to_rendering(role == SpectrumRole::albedo ? project_albedo(s, context.scene_space) : project_unbounded(s, context.scene_space),
+    return to_rendering(role == SpectrumRole::albedo ? project_albedo(s, context.scene_space)
+                                                     : project_unbounded(s, context.scene_space),
                         role, context);
 }
 
@@ -84,7 +88,8 @@ Result<Rgb> project_samples(const SampledSpectrum& samples, SpectrumRole role, c
 }
 
 /// `numbers` are wavelength, value, wavelength, value ...
-Result<SampledSpectrum> from_pairs(const std::vector<double>& numbers, const SourceLocation& where, const std::string& what) {
+Result<SampledSpectrum> from_pairs(const std::vector<double>& numbers, const SourceLocation& where,
+                                   const std::string& what) {
     if (numbers.empty() || numbers.size() % 2 != 0)
         return error_at(where, what + " has " + std::to_string(numbers.size()) +
                                    " numbers; expected pairs of wavelength (nm) and value");
@@ -94,7 +99,8 @@ Result<SampledSpectrum> from_pairs(const std::vector<double>& numbers, const Sou
             return error_at(where, what + ": pair " + std::to_string(i / 2) + " is not finite");
         if (i > 0 && !(numbers[i] > numbers[i - 2])) {
             std::ostringstream text;
-            text << what << ": wavelength " << numbers[i] << " follows " << numbers[i - 2] << "; expected increasing wavelengths";
+            text << what << ": wavelength " << numbers[i] << " follows " << numbers[i - 2]
+                 << "; expected increasing wavelengths";
             return error_at(where, text.str());
         }
         samples.wavelengths.push_back(numbers[i]);
@@ -118,7 +124,12 @@ Result<SampledSpectrum> read_spd(const std::string& path) {
             double value = 0;
             const auto [stop, status] = std::from_chars(begin, end, value);
             if (status != std::errc() || stop != end)
-                return Error{"found '" + word + "'; expected a number: wavelength (nm) and value by turns", path, number, 0, line, {}};
+                return Error{"found '" + word + "'; expected a number: wavelength (nm) and value by turns",
+                             path,
+                             number,
+                             0,
+                             line,
+                             {}};
             numbers.push_back(value);
         }
     }
@@ -135,27 +146,31 @@ std::string known_names_hint(std::string_view name) {
 
 Result<Rgb> resolve_rgb(const Parameter& parameter, SpectrumRole role, const ColorContext& context) {
     if (parameter.numbers.size() != 3)
-        return error_at(parameter.location, "'rgb " + parameter.name + "' has " + std::to_string(parameter.numbers.size()) +
-                                                " numbers; expected 3");
+        return error_at(parameter.location, "'rgb " + parameter.name + "' has " +
+                                                std::to_string(parameter.numbers.size()) + " numbers; expected 3");
     for (const double c : parameter.numbers) {
         if (!std::isfinite(c) || c < 0)
-            return error_at(parameter.location, "'rgb " + parameter.name + "' has a negative or infinite component; expected numbers of at least 0");
+            return error_at(
+                parameter.location,
+                "'rgb " + parameter.name + "' has a negative or infinite component; expected numbers of at least 0");
         if (role == SpectrumRole::albedo && c > 1)
-            return error_at(parameter.location, "'rgb " + parameter.name + "' has a component above 1; expected a reflectance in [0, 1]");
+            return error_at(parameter.location,
+                            "'rgb " + parameter.name + "' has a component above 1; expected a reflectance in [0, 1]");
     }
     return to_rendering({parameter.numbers[0], parameter.numbers[1], parameter.numbers[2]}, role, context);
 }
 
 Result<Rgb> resolve_text(const Parameter& parameter, SpectrumRole role, const ColorContext& context) {
     if (parameter.strings.size() != 1)
-        return error_at(parameter.location, "'spectrum " + parameter.name + "' has " + std::to_string(parameter.strings.size()) +
-                                                " names; expected one");
+        return error_at(parameter.location, "'spectrum " + parameter.name + "' has " +
+                                                std::to_string(parameter.strings.size()) + " names; expected one");
     const std::string& name = parameter.strings.front();
     VisibleSpectrum named{};
     if (find_named_spectrum(name, named)) return project(named, role, context);
     const bool file = std::ifstream(name).good();
     if (!file)
-        return error_at(parameter.location, "'" + name + "' is neither a named spectrum nor a readable file", known_names_hint(name));
+        return error_at(parameter.location, "'" + name + "' is neither a named spectrum nor a readable file",
+                        known_names_hint(name));
     Result<SampledSpectrum> samples = read_spd(name);
     if (!samples) return samples.error();
     return project_samples(*samples, role, context);
@@ -166,27 +181,33 @@ Result<Rgb> resolve_text(const Parameter& parameter, SpectrumRole role, const Co
 Result<Rgb> resolve_spectrum(const Parameter& parameter, SpectrumRole role, const ColorContext& context) {
     parameter.used = true;
     switch (parameter.type) {
-        case ParameterType::rgb: return resolve_rgb(parameter, role, context);
+        case ParameterType::rgb:
+            return resolve_rgb(parameter, role, context);
         case ParameterType::blackbody:
             if (parameter.numbers.size() != 1 || !(parameter.numbers[0] > 0) || !std::isfinite(parameter.numbers[0]))
-                return error_at(parameter.location, "'blackbody " + parameter.name + "' expects one temperature in kelvin, above 0");
+                return error_at(parameter.location,
+                                "'blackbody " + parameter.name + "' expects one temperature in kelvin, above 0");
             return project(blackbody_spectrum(parameter.numbers[0]), role, context);
         case ParameterType::spectrum: {
             if (!parameter.strings.empty()) return resolve_text(parameter, role, context);
-            Result<SampledSpectrum> samples = from_pairs(parameter.numbers, parameter.location, "'spectrum " + parameter.name + "'");
+            Result<SampledSpectrum> samples =
+                from_pairs(parameter.numbers, parameter.location, "'spectrum " + parameter.name + "'");
             if (!samples) return samples.error();
             return project_samples(*samples, role, context);
         }
         case ParameterType::real:
         case ParameterType::integer: {
             if (parameter.numbers.size() != 1 || !std::isfinite(parameter.numbers[0]) || parameter.numbers[0] < 0)
-                return error_at(parameter.location, "'" + parameter.name + "' expects one number of at least 0, or a colour");
+                return error_at(parameter.location,
+                                "'" + parameter.name + "' expects one number of at least 0, or a colour");
             const double grey = parameter.numbers[0];
             return to_rendering({grey, grey, grey}, role, context);
         }
-        default: break;
+        default:
+            break;
     }
-    return error_at(parameter.location, "'" + parameter.name + "' is no colour; expected rgb, blackbody, spectrum or float");
+    return error_at(parameter.location,
+                    "'" + parameter.name + "' is no colour; expected rgb, blackbody, spectrum or float");
 }
 
 Result<Rgb> spectrum_or(const ParameterSet& parameters, std::string_view name, const Rgb& fallback, SpectrumRole role,

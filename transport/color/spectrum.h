@@ -29,9 +29,9 @@ namespace raylex::transport {
 
 /// What a spectrum stands for decides how it becomes RGB.
 enum class SpectrumRole : std::uint8_t {
-    albedo,       ///< reflectance under the white of the colour space, clamped to [0, 1]
-    unbounded,    ///< eta, k, sigma: mean under each primary's response; never converted between RGB spaces
-    illuminant    ///< emission: luminance-normalised as pbrt does, then XYZ to RGB
+    albedo,     ///< reflectance under the white of the colour space, clamped to [0, 1]
+    unbounded,  ///< eta, k, sigma: mean under each primary's response; never converted between RGB spaces
+    illuminant  ///< emission: luminance-normalised as pbrt does, then XYZ to RGB
 };
 
 /// Reads an rgb, blackbody or spectrum parameter (named, file, or wavelength-value pairs), or a single real as grey,

@@ -18,13 +18,13 @@ struct DefaultParameter {
 };
 
 struct GraphicsState {
-    std::array<Transform, 2> ctm;               ///< at the shutter's opening and closing
-    std::array<bool, 2> active{true, true};     ///< which of the two ActiveTransform writes to
+    std::array<Transform, 2> ctm;            ///< at the shutter's opening and closing
+    std::array<bool, 2> active{true, true};  ///< which of the two ActiveTransform writes to
     bool reverse_orientation = false;
-    std::size_t material = 0;                   ///< index into the builder's material references
+    std::size_t material = 0;  ///< index into the builder's material references
     int area_light = -1;
     ColorSpace color_space = ColorSpace::srgb;
-    std::map<std::string, std::vector<DefaultParameter>> defaults;   ///< by Attribute's target
+    std::map<std::string, std::vector<DefaultParameter>> defaults;  ///< by Attribute's target
 };
 
 }  // namespace raylex::transport

@@ -16,20 +16,26 @@ namespace {
 
 std::string lower_extension(const std::string& path) {
     std::string extension = std::filesystem::path(path).extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     return extension;
 }
 
-bool starts_with(const std::string& content, std::string_view magic) { return content.compare(0, magic.size(), magic) == 0; }
+bool starts_with(const std::string& content, std::string_view magic) {
+    return content.compare(0, magic.size(), magic) == 0;
+}
 
 }  // namespace
 
 // IEC 61966-2-1 for sRGB.
 float Encoding::decode(double stored) const {
     switch (kind) {
-        case Kind::linear: return static_cast<float>(stored);
-        case Kind::gamma: return static_cast<float>(std::pow(stored, exponent));
-        case Kind::srgb: break;
+        case Kind::linear:
+            return static_cast<float>(stored);
+        case Kind::gamma:
+            return static_cast<float>(std::pow(stored, exponent));
+        case Kind::srgb:
+            break;
     }
     return static_cast<float>(stored <= 0.04045 ? stored / 12.92 : std::pow((stored + 0.055) / 1.055, 2.4));
 }
@@ -42,9 +48,11 @@ Result<Encoding> parse_encoding(const std::string& text) {
         double exponent = 0;
         const char* const end = text.data() + text.size();
         const auto [stop, status] = std::from_chars(text.data() + prefix.size(), end, exponent);
-        if (status == std::errc() && stop == end && exponent > 0 && std::isfinite(exponent)) return Encoding{Encoding::Kind::gamma, exponent};
+        if (status == std::errc() && stop == end && exponent > 0 && std::isfinite(exponent))
+            return Encoding{Encoding::Kind::gamma, exponent};
     }
-    return Error{"unknown image encoding '" + text + "'; expected sRGB, linear or gamma <exponent above 0>", {}, 0, 0, {}, {}};
+    return Error{
+        "unknown image encoding '" + text + "'; expected sRGB, linear or gamma <exponent above 0>", {}, 0, 0, {}, {}};
 }
 
 // The content decides, not the name: only TGA has no magic number.
@@ -59,8 +67,8 @@ Result<Image> read_image(const std::string& path, const std::string& encoding) {
     if (!content) return content.error();
     if (starts_with(*content, "\x76\x2f\x31\x01")) return read_exr_image(path);
     if (starts_with(*content, "PF") || starts_with(*content, "Pf")) return read_pfm(*content, path);
-    const bool known = starts_with(*content, "\x89PNG") || starts_with(*content, "\xff\xd8") || starts_with(*content, "#?") ||
-                       lower_extension(path) == ".tga";
+    const bool known = starts_with(*content, "\x89PNG") || starts_with(*content, "\xff\xd8") ||
+                       starts_with(*content, "#?") || lower_extension(path) == ".tga";
     if (!known) return Error{"unknown image format; expected PNG, JPEG, TGA, HDR, OpenEXR or PFM", path, 0, 0, {}, {}};
     return read_with_stb(*content, path, *decoding);
 }

@@ -15,7 +15,8 @@ struct Image {
 
     [[nodiscard]] float at(int x, int y, int c) const {
         return pixels[(static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) *
-                          static_cast<std::size_t>(channels) + static_cast<std::size_t>(c)];
+                          static_cast<std::size_t>(channels) +
+                      static_cast<std::size_t>(c)];
     }
 };
 

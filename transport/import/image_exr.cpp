@@ -31,15 +31,18 @@ Result<Image> read_channels(const std::string& path) {
     const std::vector<std::string> names = choose_channels(channels);
     if (names.empty()) {
         std::string list;
-        for (auto it = channels.begin(); it != channels.end(); ++it) list.append(list.empty() ? "" : " ").append(it.name());
+        for (auto it = channels.begin(); it != channels.end(); ++it)
+            list.append(list.empty() ? "" : " ").append(it.name());
         return Error{"OpenEXR image has channels " + list + "; expected R G B, Y or a single one", path, 0, 0, {}, {}};
     }
     for (const std::string& name : names)
         if (channels[name.c_str()].xSampling != 1 || channels[name.c_str()].ySampling != 1)
-            return Error{"OpenEXR channel '" + name + "' is subsampled; expected one sample per pixel", path, 0, 0, {}, {}};
+            return Error{
+                "OpenEXR channel '" + name + "' is subsampled; expected one sample per pixel", path, 0, 0, {}, {}};
     const auto window = file.header().dataWindow();
-    const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1, height = std::int64_t{window.max.y} - window.min.y + 1;
-    constexpr std::int64_t most = std::int64_t{1} << 31;     // samples
+    const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1,
+                       height = std::int64_t{window.max.y} - window.min.y + 1;
+    constexpr std::int64_t most = std::int64_t{1} << 31;  // samples
     if (width <= 0 || height <= 0 || width > most / height / static_cast<std::int64_t>(names.size()))
         return Error{"OpenEXR image is empty or beyond 2^31 samples", path, 0, 0, {}, {}};
 
@@ -50,8 +53,9 @@ Result<Image> read_channels(const std::string& path) {
     image.pixels.resize(static_cast<std::size_t>(width * height) * names.size());
     Imf::FrameBuffer target;
     for (std::size_t c = 0; c < names.size(); ++c)
-        target.insert(names[c], Imf::Slice::Make(Imf::FLOAT, image.pixels.data() + c, window, sizeof(float) * names.size(),
-                                                 sizeof(float) * names.size() * static_cast<std::size_t>(width)));
+        target.insert(names[c],
+                      Imf::Slice::Make(Imf::FLOAT, image.pixels.data() + c, window, sizeof(float) * names.size(),
+                                       sizeof(float) * names.size() * static_cast<std::size_t>(width)));
     file.setFrameBuffer(target);
     file.readPixels(window.min.y, window.max.y);
     return image;

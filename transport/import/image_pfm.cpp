@@ -52,7 +52,8 @@ Result<Image> read_pfm(const std::string& content, const std::string& path) {
     Image image;
     image.channels = header.word() == "PF" ? 3 : 1;
     double scale = 0;
-    if (!parse_whole(header.word(), image.width) || !parse_whole(header.word(), image.height) || image.width <= 0 || image.height <= 0)
+    if (!parse_whole(header.word(), image.width) || !parse_whole(header.word(), image.height) || image.width <= 0 ||
+        image.height <= 0)
         return failure("PFM header has no size; expected a width and a height above 0");
     if (!parse_whole(header.word(), scale) || scale == 0 || !std::isfinite(scale))
         return failure("PFM header has no scale; expected a number other than 0, negative for little-endian data");
@@ -60,7 +61,8 @@ Result<Image> read_pfm(const std::string& content, const std::string& path) {
     const std::uint64_t count = row * static_cast<std::uint64_t>(image.height);
     const std::uint64_t left = content.size() > header.data_begin() ? content.size() - header.data_begin() : 0;
     if (left / 4 < count)
-        return failure("PFM file is truncated: found " + std::to_string(left) + " bytes of pixels, expected " + std::to_string(count * 4));
+        return failure("PFM file is truncated: found " + std::to_string(left) + " bytes of pixels, expected " +
+                       std::to_string(count * 4));
     const bool swap = (scale < 0) != (std::endian::native == std::endian::little);
     const float factor = static_cast<float>(std::abs(scale));
     image.pixels.resize(count);

@@ -12,7 +12,7 @@ namespace raylex::transport {
 struct Encoding {
     enum class Kind : std::uint8_t { srgb, linear, gamma };
     Kind kind = Kind::srgb;
-    double exponent = 1;        ///< of gamma: linear = stored ^ exponent
+    double exponent = 1;  ///< of gamma: linear = stored ^ exponent
 
     [[nodiscard]] float decode(double stored) const;
 };

@@ -23,8 +23,8 @@
 #endif
 
 #include <array>
-#include <memory>
 #include <limits>
+#include <memory>
 
 #include "transport/import/image_readers.h"
 
@@ -51,7 +51,9 @@ bool jpeg_is_whole(const std::string& content) {
 bool tga_is_whole(const std::string& content) {
     constexpr std::size_t header = 18;
     if (content.size() < header) return false;
-    const auto byte = [&content](std::size_t i) { return static_cast<std::size_t>(static_cast<unsigned char>(content[i])); };
+    const auto byte = [&content](std::size_t i) {
+        return static_cast<std::size_t>(static_cast<unsigned char>(content[i]));
+    };
     const std::size_t pixel = (byte(16) + 7) / 8, pixels = (byte(12) | byte(13) << 8) * (byte(14) | byte(15) << 8);
     std::size_t at = header + byte(0) + (byte(1) != 0 ? (byte(5) | byte(6) << 8) * ((byte(7) + 7) / 8) : 0);
     const bool run_length = byte(2) >= 8;
@@ -69,17 +71,26 @@ bool tga_is_whole(const std::string& content) {
 
 Result<Image> read_with_stb(const std::string& content, const std::string& path, const Encoding& encoding) {
     const auto failure = [&path](const char* reason) {
-        return Error{std::string("corrupt or unsupported image: ") + (reason != nullptr ? reason : "cannot decode"), path, 0, 0, {}, {}};
+        return Error{std::string("corrupt or unsupported image: ") + (reason != nullptr ? reason : "cannot decode"),
+                     path,
+                     0,
+                     0,
+                     {},
+                     {}};
     };
     if (content.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) return failure("larger than 2 GiB");
-    if (content.compare(0, 2, "\xff\xd8") == 0 && !jpeg_is_whole(content)) return failure("JPEG is truncated; expected an end-of-image marker");
-    const bool tga = content.compare(0, 4, "\x89PNG") != 0 && content.compare(0, 2, "\xff\xd8") != 0 && content.compare(0, 2, "#?") != 0;
+    if (content.compare(0, 2, "\xff\xd8") == 0 && !jpeg_is_whole(content))
+        return failure("JPEG is truncated; expected an end-of-image marker");
+    const bool tga = content.compare(0, 4, "\x89PNG") != 0 && content.compare(0, 2, "\xff\xd8") != 0 &&
+                     content.compare(0, 2, "#?") != 0;
     if (tga && !tga_is_whole(content)) return failure("TGA is truncated; expected as many pixels as its header says");
     const auto* bytes = reinterpret_cast<const stbi_uc*>(content.data());
     const int size = static_cast<int>(content.size());
     Image image;
     int &w = image.width, &h = image.height, &c = image.channels;
-    const auto samples = [&] { return static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * static_cast<std::size_t>(c); };
+    const auto samples = [&] {
+        return static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * static_cast<std::size_t>(c);
+    };
 
     if (stbi_is_hdr_from_memory(bytes, size) != 0) {
         const std::unique_ptr<float, StbFree> pixels(stbi_loadf_from_memory(bytes, size, &w, &h, &c, 0));

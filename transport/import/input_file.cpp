@@ -19,7 +19,9 @@ struct FileCloser {
     void operator()(std::FILE* file) const { std::fclose(file); }
 };
 
-Error file_error(const std::string& path, std::string message) { return {std::move(message), path, 0, 0, {}, {}}; }
+Error file_error(const std::string& path, std::string message) {
+    return {std::move(message), path, 0, 0, {}, {}};
+}
 
 Result<std::string> read_bytes(const std::string& path) {
     std::error_code status;
@@ -53,7 +55,8 @@ Result<std::string> inflate_gzip(const std::string& path, const std::string& com
         if (used == content.size()) content.resize(content.size() * 2);
         // zlib counts in unsigned int: hand over at most 1 GiB at a time.
         constexpr std::size_t most = std::size_t{1} << 30;
-        const std::size_t room = std::min(content.size() - used, most), offered = std::min(compressed.size() - consumed, most);
+        const std::size_t room = std::min(content.size() - used, most),
+                          offered = std::min(compressed.size() - consumed, most);
         stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(compressed.data() + consumed));
         stream.avail_in = static_cast<uInt>(offered);
         stream.next_out = reinterpret_cast<Bytef*>(content.data() + used);

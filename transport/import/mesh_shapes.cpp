@@ -10,11 +10,13 @@ namespace raylex::transport {
 namespace {
 
 /// The values of an array parameter, or an Error when it has another type. Absent: no values.
-Result<std::vector<double>> array_of(const ParameterSet& set, std::string_view name, ParameterType type, const char* type_name) {
+Result<std::vector<double>> array_of(const ParameterSet& set, std::string_view name, ParameterType type,
+                                     const char* type_name) {
     const Parameter* parameter = set.find(name);
     if (parameter == nullptr) return std::vector<double>();
     if (parameter->type != type)
-        return error_at(parameter->location, "mesh parameter '" + std::string(name) + "' has the wrong type; expected \"" + type_name + " " +
+        return error_at(parameter->location, "mesh parameter '" + std::string(name) +
+                                                 "' has the wrong type; expected \"" + type_name + " " +
                                                  std::string(name) + "\"");
     return parameter->numbers;
 }
@@ -24,7 +26,8 @@ const SourceLocation& location_of(const ParameterSet& set, std::string_view name
     return parameter != nullptr ? parameter->location : set.location;
 }
 
-Result<std::vector<Vec3>> triples(const ParameterSet& set, std::string_view name, ParameterType type, const char* type_name) {
+Result<std::vector<Vec3>> triples(const ParameterSet& set, std::string_view name, ParameterType type,
+                                  const char* type_name) {
     const Result<std::vector<double>> numbers = array_of(set, name, type, type_name);
     if (!numbers) return numbers.error();
     std::vector<Vec3> result(numbers->size() / 3);
@@ -32,7 +35,8 @@ Result<std::vector<Vec3>> triples(const ParameterSet& set, std::string_view name
         const double* n = numbers->data() + 3 * i;
         result[i] = {static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2])};
         if (!is_finite(result[i]))
-            return error_at(location_of(set, name), "vertex " + std::to_string(i) + " of '" + std::string(name) + "' is beyond the range of float");
+            return error_at(location_of(set, name), "vertex " + std::to_string(i) + " of '" + std::string(name) +
+                                                        "' is beyond the range of float");
     }
     return result;
 }
@@ -44,20 +48,23 @@ Result<std::vector<std::uint32_t>> indices_of(const ParameterSet& set, std::size
     std::vector<std::uint32_t> indices;
     if (numbers->empty()) {
         if (vertices != group)
-            return error_at(set.location, "mesh of " + std::to_string(vertices) + " vertices has no \"integer indices\"; expected them, or exactly " +
+            return error_at(set.location, "mesh of " + std::to_string(vertices) +
+                                              " vertices has no \"integer indices\"; expected them, or exactly " +
                                               std::to_string(group) + " vertices");
         for (std::size_t i = 0; i < group; ++i) indices.push_back(static_cast<std::uint32_t>(i));
         return indices;
     }
     const SourceLocation& where = location_of(set, "indices");
     if (numbers->size() % group != 0)
-        return error_at(where, "'indices' has " + std::to_string(numbers->size()) + " values; expected a multiple of " + std::to_string(group));
+        return error_at(where, "'indices' has " + std::to_string(numbers->size()) + " values; expected a multiple of " +
+                                   std::to_string(group));
     indices.reserve(numbers->size());
     for (std::size_t i = 0; i < numbers->size(); ++i) {
         const double value = (*numbers)[i];
         if (value < 0 || value >= static_cast<double>(vertices))
-            return error_at(where, "index " + std::to_string(static_cast<std::int64_t>(value)) + " (value " + std::to_string(i) +
-                                       " of 'indices') is out of range; expected 0 to " + std::to_string(static_cast<std::int64_t>(vertices) - 1));
+            return error_at(where, "index " + std::to_string(static_cast<std::int64_t>(value)) + " (value " +
+                                       std::to_string(i) + " of 'indices') is out of range; expected 0 to " +
+                                       std::to_string(static_cast<std::int64_t>(vertices) - 1));
         indices.push_back(static_cast<std::uint32_t>(value));
     }
     return indices;
@@ -67,13 +74,14 @@ Result<std::vector<Vec2>> uvs_of(const ParameterSet& set, std::size_t vertices) 
     const Result<std::vector<double>> numbers = array_of(set, "uv", ParameterType::point2, "point2");
     if (!numbers) return numbers.error();
     if (!numbers->empty() && numbers->size() != 2 * vertices)
-        return error_at(location_of(set, "uv"), "'uv' has " + std::to_string(numbers->size() / 2) + " points for " + std::to_string(vertices) +
-                                                    " vertices; expected as many");
+        return error_at(location_of(set, "uv"), "'uv' has " + std::to_string(numbers->size() / 2) + " points for " +
+                                                    std::to_string(vertices) + " vertices; expected as many");
     std::vector<Vec2> uvs(numbers->size() / 2);
     for (std::size_t i = 0; i < uvs.size(); ++i) {
         uvs[i] = {static_cast<float>((*numbers)[2 * i]), static_cast<float>((*numbers)[2 * i + 1])};
         if (!std::isfinite(uvs[i].x) || !std::isfinite(uvs[i].y))
-            return error_at(location_of(set, "uv"), "'uv' of vertex " + std::to_string(i) + " is beyond the range of float");
+            return error_at(location_of(set, "uv"),
+                            "'uv' of vertex " + std::to_string(i) + " is beyond the range of float");
     }
     return uvs;
 }
@@ -81,8 +89,8 @@ Result<std::vector<Vec2>> uvs_of(const ParameterSet& set, std::size_t vertices) 
 Result<std::vector<Vec3>> normals_of(const ParameterSet& set, std::size_t vertices) {
     Result<std::vector<Vec3>> normals = triples(set, "N", ParameterType::normal, "normal");
     if (normals && !normals->empty() && normals->size() != vertices)
-        return error_at(location_of(set, "N"), "'N' has " + std::to_string(normals->size()) + " normals for " + std::to_string(vertices) +
-                                                   " vertices; expected as many");
+        return error_at(location_of(set, "N"), "'N' has " + std::to_string(normals->size()) + " normals for " +
+                                                   std::to_string(vertices) + " vertices; expected as many");
     return normals;
 }
 
@@ -106,7 +114,8 @@ Status transform_vertices(SceneShape& shape, const ShapeContext& context) {
     }
     for (std::size_t i = 0; i < shape.positions.size(); ++i)
         if (!is_finite(shape.positions[i]) || (!shape.normals.empty() && !is_finite(shape.normals[i])))
-            return error_at(shape.location, "vertex " + std::to_string(i) + " is not finite after the current transformation");
+            return error_at(shape.location,
+                            "vertex " + std::to_string(i) + " is not finite after the current transformation");
     shape.flip_normal = context.reverse_orientation != t.swaps_handedness();
     return success();
 }
@@ -118,7 +127,8 @@ std::size_t drop_degenerate(SceneShape& shape) {
     for (std::size_t i = 0; i + group <= shape.indices.size(); i += group) {
         const std::uint32_t* k = shape.indices.data() + i;
         const auto p = [&](std::size_t corner) -> const Vec3& { return shape.positions[k[corner]]; };
-        const bool degenerate = group == 3 ? has_no_area(p(0), p(1), p(2)) : has_no_area(p(0), p(1), p(2)) && has_no_area(p(1), p(3), p(2));
+        const bool degenerate =
+            group == 3 ? has_no_area(p(0), p(1), p(2)) : has_no_area(p(0), p(1), p(2)) && has_no_area(p(1), p(3), p(2));
         if (degenerate) continue;
         if (kept != i)
             for (std::size_t c = 0; c < group; ++c) shape.indices[kept + c] = k[c];
@@ -131,11 +141,13 @@ std::size_t drop_degenerate(SceneShape& shape) {
 
 void warn_dropped(std::size_t dropped, const SceneShape& shape, const std::string& what, std::vector<Error>& warnings) {
     if (dropped > 0)
-        warnings.push_back(error_at(shape.location, std::to_string(dropped) + " of the faces of " + what + " have no area and are left out"));
+        warnings.push_back(error_at(
+            shape.location, std::to_string(dropped) + " of the faces of " + what + " have no area and are left out"));
 }
 
 /// What both kinds of inline mesh share.
-Result<std::vector<SceneShape>> make_inline_mesh(ShapeKind kind, const ParameterSet& set, const ShapeContext& context, std::vector<Error>& warnings) {
+Result<std::vector<SceneShape>> make_inline_mesh(ShapeKind kind, const ParameterSet& set, const ShapeContext& context,
+                                                 std::vector<Error>& warnings) {
     SceneShape shape;
     shape.kind = kind;
     shape.location = set.location;
@@ -143,7 +155,8 @@ Result<std::vector<SceneShape>> make_inline_mesh(ShapeKind kind, const Parameter
     if (!positions) return positions.error();
     if (positions->empty()) return error_at(set.location, "mesh has no vertices; expected \"point3 P\"");
     shape.positions = std::move(*positions);
-    Result<std::vector<std::uint32_t>> indices = indices_of(set, shape.positions.size(), kind == ShapeKind::triangle_mesh ? 3 : 4);
+    Result<std::vector<std::uint32_t>> indices =
+        indices_of(set, shape.positions.size(), kind == ShapeKind::triangle_mesh ? 3 : 4);
     if (!indices) return indices.error();
     shape.indices = std::move(*indices);
     Result<std::vector<Vec2>> uvs = uvs_of(set, shape.positions.size());
@@ -162,31 +175,38 @@ Result<std::vector<SceneShape>> make_inline_mesh(ShapeKind kind, const Parameter
 
 }  // namespace
 
-Result<std::vector<SceneShape>> make_triangle_mesh(const ParameterSet& set, const ShapeContext& context, std::vector<Error>& warnings) {
+Result<std::vector<SceneShape>> make_triangle_mesh(const ParameterSet& set, const ShapeContext& context,
+                                                   std::vector<Error>& warnings) {
     if (const Parameter* tangents = set.find("S"))
-        warnings.push_back(error_at(tangents->location, "tangents 'S' are not used; anisotropic materials follow the texture coordinates"));
+        warnings.push_back(error_at(tangents->location,
+                                    "tangents 'S' are not used; anisotropic materials follow the texture coordinates"));
     return make_inline_mesh(ShapeKind::triangle_mesh, set, context, warnings);
 }
 
-Result<std::vector<SceneShape>> make_bilinear_mesh(const ParameterSet& set, const ShapeContext& context, std::vector<Error>& warnings) {
+Result<std::vector<SceneShape>> make_bilinear_mesh(const ParameterSet& set, const ShapeContext& context,
+                                                   std::vector<Error>& warnings) {
     if (const Parameter* image = set.find("emissionfilename"))
-        return error_at(image->location, "'emissionfilename' is not supported yet; the patch would emit the wrong light");
+        return error_at(image->location,
+                        "'emissionfilename' is not supported yet; the patch would emit the wrong light");
     return make_inline_mesh(ShapeKind::bilinear_mesh, set, context, warnings);
 }
 
-Result<std::vector<SceneShape>> make_ply_mesh(const ParameterSet& set, const ShapeContext& context, std::vector<Error>& warnings) {
+Result<std::vector<SceneShape>> make_ply_mesh(const ParameterSet& set, const ShapeContext& context,
+                                              std::vector<Error>& warnings) {
     const Result<std::string> name = set.string_or("filename", "");
     if (!name) return name.error();
     const SourceLocation& where = location_of(set, "filename");
     if (name->empty()) return error_at(where, "plymesh without a file; expected \"string filename\"");
     if (const Parameter* displacement = set.find("displacement"))
-        return error_at(displacement->location, "displacement of meshes is not supported yet; the surface would be wrong");
+        return error_at(displacement->location,
+                        "displacement of meshes is not supported yet; the surface would be wrong");
     const Result<std::string> path = context.search.find(*name, where);
     if (!path) return path.error();
     Result<PlyMesh> mesh = read_ply(*path);
     if (!mesh) {
         Error error = mesh.error();
-        error.hint += (error.hint.empty() ? "" : "; ") + std::string("named by the plymesh at ") + where.file + ":" + std::to_string(where.line);
+        error.hint += (error.hint.empty() ? "" : "; ") + std::string("named by the plymesh at ") + where.file + ":" +
+                      std::to_string(where.line);
         return error;
     }
 

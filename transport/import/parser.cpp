@@ -10,22 +10,22 @@ namespace {
 
 /// What follows a directive's word.
 enum class Form : std::uint8_t {
-    nothing,        // AttributeBegin
-    numbers,        // Translate 1 2 3
-    matrix,         // Transform [ 16 numbers ]
-    word,           // ActiveTransform All
-    name,           // NamedMaterial "x"
-    typed,          // Shape "sphere" parameters
-    texture,        // Texture "name" "float" "constant" parameters
-    media,          // MediumInterface "inside" ["outside"]
-    option          // Option "bool x" true
+    nothing,  // AttributeBegin
+    numbers,  // Translate 1 2 3
+    matrix,   // Transform [ 16 numbers ]
+    word,     // ActiveTransform All
+    name,     // NamedMaterial "x"
+    typed,    // Shape "sphere" parameters
+    texture,  // Texture "name" "float" "constant" parameters
+    media,    // MediumInterface "inside" ["outside"]
+    option    // Option "bool x" true
 };
 
 struct DirectiveRow {
     const char* name;
     Form form;
-    std::size_t count;          ///< of numbers
-    const char* arguments;      ///< for messages
+    std::size_t count;      ///< of numbers
+    const char* arguments;  ///< for messages
 };
 
 // Ordered as DirectiveId.
@@ -86,7 +86,8 @@ Error unknown_directive(const Tokenizer& tokenizer, const Token& token) {
     } else if (const std::string near = nearest_name(token.text.substr(0, 40), names); !near.empty()) {
         hint = "did you mean " + near + "?";
     }
-    return tokenizer.error(token, "unknown directive " + describe(token) + "; expected a directive such as Shape or Material", hint);
+    return tokenizer.error(
+        token, "unknown directive " + describe(token) + "; expected a directive such as Shape or Material", hint);
 }
 
 class DirectiveReader {
@@ -96,16 +97,26 @@ class DirectiveReader {
 
     Status read() {
         switch (row_.form) {
-            case Form::nothing: return success();
-            case Form::numbers: return read_numbers();
-            case Form::matrix: return read_matrix();
-            case Form::word: return read_word();
-            case Form::name: return read_string(row_.arguments);
-            case Form::typed: return read_strings({row_.arguments}, true);
+            case Form::nothing:
+                return success();
+            case Form::numbers:
+                return read_numbers();
+            case Form::matrix:
+                return read_matrix();
+            case Form::word:
+                return read_word();
+            case Form::name:
+                return read_string(row_.arguments);
+            case Form::typed:
+                return read_strings({row_.arguments}, true);
             case Form::texture:
-                return read_strings({row_.arguments, "the texture's value type, \"float\" or \"spectrum\"", "the texture's type in quotes"}, true);
-            case Form::media: return read_media();
-            case Form::option: return read_option();
+                return read_strings({row_.arguments, "the texture's value type, \"float\" or \"spectrum\"",
+                                     "the texture's type in quotes"},
+                                    true);
+            case Form::media:
+                return read_media();
+            case Form::option:
+                return read_option();
         }
         return success();
     }
@@ -115,9 +126,10 @@ class DirectiveReader {
         for (std::size_t i = 0; i < row_.count; ++i) {
             const Result<Token> token = tokenizer_.next();
             if (!token) return token.error();
-            const Result<double> value = parse_number(
-                tokenizer_, *token,
-                "number " + std::to_string(i + 1) + " of " + std::to_string(row_.count) + " after " + row_.name + " (" + row_.arguments + ")");
+            const Result<double> value =
+                parse_number(tokenizer_, *token,
+                             "number " + std::to_string(i + 1) + " of " + std::to_string(row_.count) + " after " +
+                                 row_.name + " (" + row_.arguments + ")");
             if (!value) return value.error();
             directive_.numbers[i] = *value;
         }
@@ -128,7 +140,8 @@ class DirectiveReader {
         const Result<Token> token = tokenizer_.next();
         if (!token) return token.error();
         if (token->kind != kind)
-            return tokenizer_.error(*token, "found " + describe(*token) + "; expected " + shown + ": " + row_.name + " takes " + row_.arguments);
+            return tokenizer_.error(*token, "found " + describe(*token) + "; expected " + shown + ": " + row_.name +
+                                                " takes " + row_.arguments);
         return success();
     }
 
@@ -174,13 +187,14 @@ class DirectiveReader {
         if (!token) return token.error();
         tokenizer_.push_back(*token);
         if (token->kind == TokenKind::string) return read_string(row_.arguments);
-        directive_.strings.push_back(directive_.strings.front());    // one name stands for both sides
+        directive_.strings.push_back(directive_.strings.front());  // one name stands for both sides
         directive_.string_locations.push_back(directive_.string_locations.front());
         return success();
     }
 
     Status read_option() {
-        if (Status status = parse_parameters(tokenizer_, directive_.parameters, directive_.warnings); !status) return status;
+        if (Status status = parse_parameters(tokenizer_, directive_.parameters, directive_.warnings); !status)
+            return status;
         if (directive_.parameters.parameters.size() == 1) return success();
         const Result<Token> token = tokenizer_.next();
         if (!token) return token.error();
@@ -200,7 +214,8 @@ Result<std::optional<Directive>> parse_directive(Tokenizer& tokenizer) {
     const Result<Token> token = tokenizer.next();
     if (!token) return token.error();
     if (token->kind == TokenKind::end) return std::optional<Directive>();
-    const auto* row = std::find_if(std::begin(table), std::end(table), [&](const DirectiveRow& r) { return token->text == r.name; });
+    const auto* row =
+        std::find_if(std::begin(table), std::end(table), [&](const DirectiveRow& r) { return token->text == r.name; });
     if (token->kind != TokenKind::word || row == std::end(table)) return unknown_directive(tokenizer, *token);
     Directive directive;
     directive.id = static_cast<DirectiveId>(row - std::begin(table));

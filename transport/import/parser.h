@@ -13,24 +13,59 @@ namespace raylex::transport {
 
 /// Every directive of pbrt-v4, in the order of the table in parser.cpp.
 enum class DirectiveId : std::uint8_t {
-    accelerator, active_transform, area_light_source, attribute, attribute_begin, attribute_end, camera, color_space,
-    concat_transform, coordinate_system, coord_sys_transform, film, identity, import, include, integrator, light_source,
-    look_at, make_named_material, make_named_medium, material, medium_interface, named_material, object_begin,
-    object_end, object_instance, option, pixel_filter, reverse_orientation, rotate, sampler, scale, shape, texture,
-    transform, transform_begin, transform_end, transform_times, translate, world_begin
+    accelerator,
+    active_transform,
+    area_light_source,
+    attribute,
+    attribute_begin,
+    attribute_end,
+    camera,
+    color_space,
+    concat_transform,
+    coordinate_system,
+    coord_sys_transform,
+    film,
+    identity,
+    import,
+    include,
+    integrator,
+    light_source,
+    look_at,
+    make_named_material,
+    make_named_medium,
+    material,
+    medium_interface,
+    named_material,
+    object_begin,
+    object_end,
+    object_instance,
+    option,
+    pixel_filter,
+    reverse_orientation,
+    rotate,
+    sampler,
+    scale,
+    shape,
+    texture,
+    transform,
+    transform_begin,
+    transform_end,
+    transform_times,
+    translate,
+    world_begin
 };
 
 /// A directive with its arguments, located. What the arguments are depends on the directive: names and types in
 /// `strings`, matrices and vectors in `numbers`.
 struct Directive {
     DirectiveId id = DirectiveId::identity;
-    std::string_view name;                      ///< as pbrt spells it
-    SourceLocation location;                    ///< of the directive's word
+    std::string_view name;    ///< as pbrt spells it
+    SourceLocation location;  ///< of the directive's word
     std::vector<std::string> strings;
     std::vector<SourceLocation> string_locations;
     std::array<double, 16> numbers{};
     ParameterSet parameters;
-    std::vector<Error> warnings;                ///< parameters given twice (the last one holds)
+    std::vector<Error> warnings;  ///< parameters given twice (the last one holds)
 };
 
 /// The next directive, or nothing at the end of the text. Errors carry line, column, excerpt and what was expected.

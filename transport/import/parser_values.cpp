@@ -14,16 +14,22 @@ struct TypeRow {
     const char* name;
     ParameterType type;
     ValueKind kind;
-    std::size_t group;      ///< numbers per item
+    std::size_t group;  ///< numbers per item
 };
 
 constexpr TypeRow type_table[] = {
-    {"bool", ParameterType::boolean, ValueKind::boolean, 1},    {"integer", ParameterType::integer, ValueKind::number, 1},
-    {"float", ParameterType::real, ValueKind::number, 1},       {"string", ParameterType::string, ValueKind::string, 1},
-    {"rgb", ParameterType::rgb, ValueKind::number, 3},          {"blackbody", ParameterType::blackbody, ValueKind::number, 1},
-    {"spectrum", ParameterType::spectrum, ValueKind::either, 1}, {"point2", ParameterType::point2, ValueKind::number, 2},
-    {"vector2", ParameterType::vector2, ValueKind::number, 2},  {"point3", ParameterType::point3, ValueKind::number, 3},
-    {"vector3", ParameterType::vector3, ValueKind::number, 3},  {"normal", ParameterType::normal, ValueKind::number, 3},
+    {"bool", ParameterType::boolean, ValueKind::boolean, 1},
+    {"integer", ParameterType::integer, ValueKind::number, 1},
+    {"float", ParameterType::real, ValueKind::number, 1},
+    {"string", ParameterType::string, ValueKind::string, 1},
+    {"rgb", ParameterType::rgb, ValueKind::number, 3},
+    {"blackbody", ParameterType::blackbody, ValueKind::number, 1},
+    {"spectrum", ParameterType::spectrum, ValueKind::either, 1},
+    {"point2", ParameterType::point2, ValueKind::number, 2},
+    {"vector2", ParameterType::vector2, ValueKind::number, 2},
+    {"point3", ParameterType::point3, ValueKind::number, 3},
+    {"vector3", ParameterType::vector3, ValueKind::number, 3},
+    {"normal", ParameterType::normal, ValueKind::number, 3},
     {"texture", ParameterType::texture, ValueKind::string, 1},
 };
 
@@ -41,11 +47,11 @@ Error unknown_type(const Tokenizer& tokenizer, const Token& token, const std::st
         list += std::string(list.empty() ? "" : ", ") + row.name;
     }
     // Spellings of pbrt-v3, which pbrt-v4 dropped.
-    const std::string near = type == "point"    ? "point3"
-                             : type == "vector" ? "vector3"
+    const std::string near = type == "point"     ? "point3"
+                             : type == "vector"  ? "vector3"
                              : type == "normal3" ? "normal"
-                             : type == "color"  ? "rgb"
-                                                : nearest_name(type, names);
+                             : type == "color"   ? "rgb"
+                                                 : nearest_name(type, names);
     return tokenizer.error(token, "unknown parameter type '" + type + "'; expected one of " + list,
                            near.empty() ? "" : "did you mean '" + near + "'?");
 }
@@ -53,7 +59,7 @@ Error unknown_type(const Tokenizer& tokenizer, const Token& token, const std::st
 /// Splits "type name" at blanks.
 struct Declaration {
     std::string type, name;
-    bool more = false;      ///< a third word
+    bool more = false;  ///< a third word
 };
 
 Declaration split_declaration(std::string_view text) {
@@ -87,7 +93,8 @@ class ValueReader {
 
     Status add(const Token& token) {
         if (token.kind == TokenKind::string) return add_string(token);
-        if (token.kind != TokenKind::word) return tokenizer_.error(token, "found " + describe(token) + "; expected " + expected());
+        if (token.kind != TokenKind::word)
+            return tokenizer_.error(token, "found " + describe(token) + "; expected " + expected());
         if (row_.kind == ValueKind::boolean) return add_boolean(token);
         if (row_.kind == ValueKind::string || !parameter_.strings.empty())
             return tokenizer_.error(token, "found " + describe(token) + "; expected " + expected() + " in quotes");
@@ -105,17 +112,20 @@ class ValueReader {
     }
 
     [[nodiscard]] std::string expected() const {
-        const char* what = row_.kind == ValueKind::boolean ? "true or false"
+        const char* what = row_.kind == ValueKind::boolean                                 ? "true or false"
                            : row_.kind == ValueKind::string || !parameter_.strings.empty() ? "a string"
-                           : parameter_.type == ParameterType::integer ? "an integer" : "a number";
+                           : parameter_.type == ParameterType::integer                     ? "an integer"
+                                                                                           : "a number";
         return std::string(what) + " for '" + row_.name + " " + parameter_.name + "'";
     }
 
   private:
     Status add_string(const Token& token) {
-        const bool allowed = row_.kind == ValueKind::string || (row_.kind == ValueKind::either && parameter_.numbers.empty());
+        const bool allowed =
+            row_.kind == ValueKind::string || (row_.kind == ValueKind::either && parameter_.numbers.empty());
         if (!allowed) {
-            const bool quoted_boolean = row_.kind == ValueKind::boolean && (token.text == "true" || token.text == "false");
+            const bool quoted_boolean =
+                row_.kind == ValueKind::boolean && (token.text == "true" || token.text == "false");
             return tokenizer_.error(token, "found " + describe(token) + "; expected " + expected(),
                                     quoted_boolean ? "pbrt-v4 writes booleans without quotes" : "");
         }
@@ -168,7 +178,8 @@ Status parse_values(Tokenizer& tokenizer, const Token& declaration, const TypeRo
             if (!token) return token.error();
             if (token->kind == TokenKind::close_bracket) break;
             if (token->kind == TokenKind::end)
-                return tokenizer.error(open, "'[' is never closed; expected ']' after the values of '" + parameter.name + "'");
+                return tokenizer.error(
+                    open, "'[' is never closed; expected ']' after the values of '" + parameter.name + "'");
             if (Status status = reader.add(*token); !status) return status;
         }
     } else if (Status status = reader.add(*token); !status) {
@@ -180,7 +191,8 @@ Status parse_values(Tokenizer& tokenizer, const Token& declaration, const TypeRo
 void keep_last(ParameterSet& set, Parameter parameter, std::vector<Error>& warnings) {
     for (Parameter& earlier : set.parameters) {
         if (earlier.name != parameter.name) continue;
-        warnings.push_back(error_at(parameter.location, "parameter '" + parameter.name + "' is given twice; the last value holds"));
+        warnings.push_back(
+            error_at(parameter.location, "parameter '" + parameter.name + "' is given twice; the last value holds"));
         earlier = std::move(parameter);
         return;
     }
@@ -202,7 +214,8 @@ Result<double> parse_number(const Tokenizer& tokenizer, const Token& token, cons
     if (status == std::errc::invalid_argument || stop != end) return failure("");
     if (status == std::errc::result_out_of_range) {
         // Too small is zero for our purposes, too large is not a number we can hold: the exponent's sign tells.
-        const bool tiny = token.text.find("e-") != std::string_view::npos || token.text.find("E-") != std::string_view::npos;
+        const bool tiny =
+            token.text.find("e-") != std::string_view::npos || token.text.find("E-") != std::string_view::npos;
         if (!tiny) return failure(", too large for a double");
         return 0.0;
     }

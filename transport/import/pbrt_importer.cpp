@@ -17,7 +17,7 @@ namespace {
 
 /// One open scene file.
 struct Source {
-    std::string path, identity;     // identity: the same for every way to write the path
+    std::string path, identity;  // identity: the same for every way to write the path
     std::string text;
     Tokenizer tokenizer;
     bool imported = false;
@@ -80,11 +80,13 @@ class Importer {
         const std::string identity = identity_of(*path);
         for (const auto& source : sources_)
             if (source->identity == identity)
-                return error_at(where, "'" + directive.strings[0] + "' includes itself, by way of " + std::to_string(sources_.size()) + " open file(s)");
+                return error_at(where, "'" + directive.strings[0] + "' includes itself, by way of " +
+                                           std::to_string(sources_.size()) + " open file(s)");
         Result<std::string> text = read_file(*path);
         if (!text) {
             Error error = text.error();
-            error.hint += "named at " + where.file + ":" + std::to_string(where.line) + ":" + std::to_string(where.column);
+            error.hint +=
+                "named at " + where.file + ":" + std::to_string(where.line) + ":" + std::to_string(where.column);
             return error;
         }
         push(*path, std::move(*text), imported);
@@ -117,8 +119,8 @@ class Importer {
 
     SceneBuilder builder_;
     fs::path folder_;
-    std::vector<std::unique_ptr<Source>> sources_;      ///< open, the innermost last
-    std::vector<std::unique_ptr<Source>> closed_;       ///< for excerpts of errors found at the end
+    std::vector<std::unique_ptr<Source>> sources_;  ///< open, the innermost last
+    std::vector<std::unique_ptr<Source>> closed_;   ///< for excerpts of errors found at the end
 };
 
 }  // namespace

@@ -22,7 +22,8 @@ using ply::Scalar;
 /// Reads scalars from ASCII text; remembers the line for messages.
 class AsciiSource {
   public:
-    AsciiSource(std::string_view content, const Header& header) : content_(content), at_(header.data_begin), line_(header.lines + 1) {}
+    AsciiSource(std::string_view content, const Header& header)
+        : content_(content), at_(header.data_begin), line_(header.lines + 1) {}
 
     bool read(Scalar, double& value) {
         skip_blanks();
@@ -73,14 +74,30 @@ class BinarySource {
         const char* from = content_.data() + at_;
         at_ += size;
         switch (type) {
-            case Scalar::int8: value = load<std::int8_t>(from); break;
-            case Scalar::uint8: value = load<std::uint8_t>(from); break;
-            case Scalar::int16: value = load<std::int16_t>(from); break;
-            case Scalar::uint16: value = load<std::uint16_t>(from); break;
-            case Scalar::int32: value = load<std::int32_t>(from); break;
-            case Scalar::uint32: value = load<std::uint32_t>(from); break;
-            case Scalar::float32: value = static_cast<double>(load<float>(from)); break;
-            case Scalar::float64: value = load<double>(from); break;
+            case Scalar::int8:
+                value = load<std::int8_t>(from);
+                break;
+            case Scalar::uint8:
+                value = load<std::uint8_t>(from);
+                break;
+            case Scalar::int16:
+                value = load<std::int16_t>(from);
+                break;
+            case Scalar::uint16:
+                value = load<std::uint16_t>(from);
+                break;
+            case Scalar::int32:
+                value = load<std::int32_t>(from);
+                break;
+            case Scalar::uint32:
+                value = load<std::uint32_t>(from);
+                break;
+            case Scalar::float32:
+                value = static_cast<double>(load<float>(from));
+                break;
+            case Scalar::float64:
+                value = load<double>(from);
+                break;
         }
         return true;
     }
@@ -122,7 +139,8 @@ bool is_index_list(const Property& property) {
 template <class Source>
 class MeshReader {
   public:
-    MeshReader(Source source, const Header& header, const std::string& path) : source_(source), header_(header), path_(path) {}
+    MeshReader(Source source, const Header& header, const std::string& path)
+        : source_(source), header_(header), path_(path) {}
 
     Result<PlyMesh> read() {
         const Element* vertices = header_.find("vertex");
@@ -130,8 +148,8 @@ class MeshReader {
         for (const Element& element : header_.elements) {
             // Refuses a count that the file cannot hold before memory is asked for.
             if (!source_.can_hold(element.count, element.properties.size(), element.smallest_row()))
-                return failure("PLY file is truncated: element '" + element.name + "' claims " + std::to_string(element.count) +
-                               " rows, found " + source_.found());
+                return failure("PLY file is truncated: element '" + element.name + "' claims " +
+                               std::to_string(element.count) + " rows, found " + source_.found());
             Status status = &element == vertices ? read_vertices(element) : read_rows(element);
             if (!status) return status.error();
         }
@@ -177,7 +195,8 @@ class MeshReader {
         for (std::size_t row = 0; row < element.count; ++row)
             for (const Property& property : element.properties) {
                 double value = 0;
-                Status status = faces && is_index_list(property) ? read_face(element, property, row) : read_property(element, property, row, value);
+                Status status = faces && is_index_list(property) ? read_face(element, property, row)
+                                                                 : read_property(element, property, row, value);
                 if (!status) return status;
             }
         return success();
@@ -185,7 +204,8 @@ class MeshReader {
 
     /// One scalar, or a list whose values are skipped.
     Status read_property(const Element& element, const Property& property, std::size_t row, double& value) {
-        if (!source_.read(property.is_list ? property.count_type : property.type, value)) return truncated(element, property, row);
+        if (!source_.read(property.is_list ? property.count_type : property.type, value))
+            return truncated(element, property, row);
         if (!property.is_list) return success();
         if (!(value >= 0)) return failure("negative list count in " + element.name + " " + std::to_string(row));
         for (double left = value; left >= 1; --left) {
@@ -199,13 +219,15 @@ class MeshReader {
         double count = 0;
         if (!source_.read(property.count_type, count)) return truncated(element, property, row);
         if (!(count >= 0) || count != std::floor(count))
-            return failure("face " + std::to_string(row) + " has a vertex count that is not a whole number of at least 0");
+            return failure("face " + std::to_string(row) +
+                           " has a vertex count that is not a whole number of at least 0");
         if (count < 3) ++mesh_.short_faces;
         std::uint32_t corners[4] = {};
         for (std::size_t i = 0; static_cast<double>(i) < count; ++i) {
             double index = 0;
             if (!source_.read(property.type, index)) return truncated(element, property, row);
-            if (!(index >= 0) || !(index < static_cast<double>(vertex_count_)) || index != std::floor(index)) return bad_index(row, index);
+            if (!(index >= 0) || !(index < static_cast<double>(vertex_count_)) || index != std::floor(index))
+                return bad_index(row, index);
             add_corner(corners, i, count, static_cast<std::uint32_t>(index));
         }
         return success();
@@ -231,8 +253,9 @@ class MeshReader {
     }
 
     Error truncated(const Element& element, const Property& property, std::size_t row) {
-        return failure("PLY data ends early or is no number: found " + source_.found() + "; expected '" + property.name + "' of " +
-                       element.name + " " + std::to_string(row) + " of " + std::to_string(element.count));
+        return failure("PLY data ends early or is no number: found " + source_.found() + "; expected '" +
+                       property.name + "' of " + element.name + " " + std::to_string(row) + " of " +
+                       std::to_string(element.count));
     }
 
     Error failure(const std::string& message) const {

@@ -14,9 +14,9 @@ struct ScalarRow {
     Scalar type;
 };
 constexpr ScalarRow scalar_names[] = {
-    {"char", Scalar::int8},   {"int8", Scalar::int8},     {"uchar", Scalar::uint8},   {"uint8", Scalar::uint8},
-    {"short", Scalar::int16}, {"int16", Scalar::int16},   {"ushort", Scalar::uint16}, {"uint16", Scalar::uint16},
-    {"int", Scalar::int32},   {"int32", Scalar::int32},   {"uint", Scalar::uint32},   {"uint32", Scalar::uint32},
+    {"char", Scalar::int8},     {"int8", Scalar::int8},       {"uchar", Scalar::uint8},    {"uint8", Scalar::uint8},
+    {"short", Scalar::int16},   {"int16", Scalar::int16},     {"ushort", Scalar::uint16},  {"uint16", Scalar::uint16},
+    {"int", Scalar::int32},     {"int32", Scalar::int32},     {"uint", Scalar::uint32},    {"uint32", Scalar::uint32},
     {"float", Scalar::float32}, {"float32", Scalar::float32}, {"double", Scalar::float64}, {"float64", Scalar::float64},
 };
 
@@ -65,7 +65,8 @@ class HeaderParser {
             } else if (words_[0] == "property") {
                 status = parse_property();
             } else {
-                status = failure("found '" + shown(words_[0]) + "' in the PLY header; expected format, element, property, comment or end_header");
+                status = failure("found '" + shown(words_[0]) +
+                                 "' in the PLY header; expected format, element, property, comment or end_header");
             }
             if (!status) return status.error();
         }
@@ -90,11 +91,14 @@ class HeaderParser {
     }
 
     Status parse_format() {
-        if (words_.size() != 3 || words_[2] != "1.0") return failure("expected 'format <ascii|binary_little_endian|binary_big_endian> 1.0'");
+        if (words_.size() != 3 || words_[2] != "1.0")
+            return failure("expected 'format <ascii|binary_little_endian|binary_big_endian> 1.0'");
         if (words_[1] == "ascii") header_.format = Format::ascii;
         else if (words_[1] == "binary_little_endian") header_.format = Format::little_endian;
         else if (words_[1] == "binary_big_endian") header_.format = Format::big_endian;
-        else return failure("unknown PLY format '" + shown(words_[1]) + "'; expected ascii, binary_little_endian or binary_big_endian");
+        else
+            return failure("unknown PLY format '" + shown(words_[1]) +
+                           "'; expected ascii, binary_little_endian or binary_big_endian");
         return success();
     }
 
@@ -114,7 +118,8 @@ class HeaderParser {
         if (header_.elements.empty()) return failure("'property' before any 'element'");
         Property property;
         const bool list = words_.size() == 5 && words_[1] == "list";
-        if (!list && words_.size() != 3) return failure("expected 'property <type> <name>' or 'property list <count type> <type> <name>'");
+        if (!list && words_.size() != 3)
+            return failure("expected 'property <type> <name>' or 'property list <count type> <type> <name>'");
         property.is_list = list;
         property.name = words_.back();
         if (list && !find_scalar(words_[2], property.count_type)) return unknown_type(words_[2]);
@@ -126,7 +131,8 @@ class HeaderParser {
     }
 
     Error unknown_type(std::string_view name) const {
-        return failure("unknown PLY type '" + shown(name) + "'; expected char, uchar, short, ushort, int, uint, float or double");
+        return failure("unknown PLY type '" + shown(name) +
+                       "'; expected char, uchar, short, ushort, int, uint, float or double");
     }
 
     static std::string shown(std::string_view word) { return std::string(word.substr(0, 40)); }
@@ -149,13 +155,17 @@ class HeaderParser {
 std::size_t size_of(Scalar type) {
     switch (type) {
         case Scalar::int8:
-        case Scalar::uint8: return 1;
+        case Scalar::uint8:
+            return 1;
         case Scalar::int16:
-        case Scalar::uint16: return 2;
+        case Scalar::uint16:
+            return 2;
         case Scalar::int32:
         case Scalar::uint32:
-        case Scalar::float32: return 4;
-        case Scalar::float64: break;
+        case Scalar::float32:
+            return 4;
+        case Scalar::float64:
+            break;
     }
     return 8;
 }
@@ -172,6 +182,8 @@ const Element* Header::find(std::string_view name) const {
     return nullptr;
 }
 
-Result<Header> parse_header(std::string_view content, const std::string& path) { return HeaderParser(content, path).parse(); }
+Result<Header> parse_header(std::string_view content, const std::string& path) {
+    return HeaderParser(content, path).parse();
+}
 
 }  // namespace raylex::transport::ply

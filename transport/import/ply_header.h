@@ -19,7 +19,7 @@ struct Property {
     std::string name;
     Scalar type = Scalar::float32;
     bool is_list = false;
-    Scalar count_type = Scalar::uint8;      ///< of a list
+    Scalar count_type = Scalar::uint8;  ///< of a list
 };
 
 struct Element {
@@ -34,8 +34,8 @@ struct Element {
 struct Header {
     Format format = Format::ascii;
     std::vector<Element> elements;
-    std::size_t data_begin = 0;             ///< byte offset behind the end_header line
-    int lines = 0;                          ///< lines of the header
+    std::size_t data_begin = 0;  ///< byte offset behind the end_header line
+    int lines = 0;               ///< lines of the header
 
     [[nodiscard]] const Element* find(std::string_view name) const;
 };

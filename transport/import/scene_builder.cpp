@@ -20,7 +20,8 @@ Where allowed_where(DirectiveId id) {
         case DirectiveId::pixel_filter:
         case DirectiveId::sampler:
         case DirectiveId::transform_times:
-        case DirectiveId::world_begin: return Where::before_world;
+        case DirectiveId::world_begin:
+            return Where::before_world;
         case DirectiveId::area_light_source:
         case DirectiveId::attribute_begin:
         case DirectiveId::attribute_end:
@@ -36,8 +37,10 @@ Where allowed_where(DirectiveId id) {
         case DirectiveId::shape:
         case DirectiveId::texture:
         case DirectiveId::transform_begin:
-        case DirectiveId::transform_end: return Where::in_world;
-        default: return Where::anywhere;
+        case DirectiveId::transform_end:
+            return Where::in_world;
+        default:
+            return Where::anywhere;
     }
 }
 
@@ -45,8 +48,10 @@ Where allowed_where(DirectiveId id) {
 constexpr struct {
     const char* name;
     ColorSpace space;
-} space_names[] = {
-    {"srgb", ColorSpace::srgb}, {"dci-p3", ColorSpace::dci_p3}, {"rec2020", ColorSpace::rec2020}, {"aces2065-1", ColorSpace::aces2065_1}};
+} space_names[] = {{"srgb", ColorSpace::srgb},
+                   {"dci-p3", ColorSpace::dci_p3},
+                   {"rec2020", ColorSpace::rec2020},
+                   {"aces2065-1", ColorSpace::aces2065_1}};
 
 Parameter grey(std::string name, double value) {
     Parameter parameter;
@@ -73,31 +78,43 @@ Status SceneBuilder::apply(Directive& directive, const SearchPath& search) {
     scene_.warnings.insert(scene_.warnings.end(), directive.warnings.begin(), directive.warnings.end());
     switch (directive.id) {
         case DirectiveId::accelerator:
-        case DirectiveId::transform_times:      // without moving transforms its times mean nothing
+        case DirectiveId::transform_times:  // without moving transforms its times mean nothing
         case DirectiveId::include:
-        case DirectiveId::import: return success();
+        case DirectiveId::import:
+            return success();
         case DirectiveId::attribute_begin:
-        case DirectiveId::transform_begin: return begin_block(Block::attribute, directive.location);
+        case DirectiveId::transform_begin:
+            return begin_block(Block::attribute, directive.location);
         case DirectiveId::attribute_end:
-        case DirectiveId::transform_end: return end_block(Block::attribute, directive);
-        case DirectiveId::object_end: return end_block(Block::object, directive);
-        case DirectiveId::world_begin: return world_begin(directive);
-        case DirectiveId::color_space: return color_space(directive);
-        case DirectiveId::attribute: return attribute(directive);
-        case DirectiveId::option: return option(directive);
+        case DirectiveId::transform_end:
+            return end_block(Block::attribute, directive);
+        case DirectiveId::object_end:
+            return end_block(Block::object, directive);
+        case DirectiveId::world_begin:
+            return world_begin(directive);
+        case DirectiveId::color_space:
+            return color_space(directive);
+        case DirectiveId::attribute:
+            return attribute(directive);
+        case DirectiveId::option:
+            return option(directive);
         case DirectiveId::reverse_orientation:
             state_.reverse_orientation = !state_.reverse_orientation;
             return success();
-        case DirectiveId::medium_interface: return medium_interface(directive);
+        case DirectiveId::medium_interface:
+            return medium_interface(directive);
         case DirectiveId::make_named_medium:
             named_media_.emplace(directive.strings[0], directive.location);
             return success();
-        case DirectiveId::camera: return camera(directive);
+        case DirectiveId::camera:
+            return camera(directive);
         case DirectiveId::film:
         case DirectiveId::integrator:
         case DirectiveId::pixel_filter:
-        case DirectiveId::sampler: return settings(directive, search);
-        case DirectiveId::active_transform: return active_transform(directive);
+        case DirectiveId::sampler:
+            return settings(directive, search);
+        case DirectiveId::active_transform:
+            return active_transform(directive);
         case DirectiveId::identity:
         case DirectiveId::translate:
         case DirectiveId::scale:
@@ -106,16 +123,20 @@ Status SceneBuilder::apply(Directive& directive, const SearchPath& search) {
         case DirectiveId::transform:
         case DirectiveId::concat_transform:
         case DirectiveId::coordinate_system:
-        case DirectiveId::coord_sys_transform: return transform(directive);
-        default: return world_entity(directive, search);
+        case DirectiveId::coord_sys_transform:
+            return transform(directive);
+        default:
+            return world_entity(directive, search);
     }
 }
 
 Status SceneBuilder::require_block(const Directive& directive) const {
     const Where where = allowed_where(directive.id);
     const std::string name(directive.name);
-    if (where == Where::before_world && in_world_) return error_at(directive.location, name + " after WorldBegin; expected it before");
-    if (where == Where::in_world && !in_world_) return error_at(directive.location, name + " before WorldBegin; expected it after");
+    if (where == Where::before_world && in_world_)
+        return error_at(directive.location, name + " after WorldBegin; expected it before");
+    if (where == Where::in_world && !in_world_)
+        return error_at(directive.location, name + " before WorldBegin; expected it after");
     return success();
 }
 
@@ -130,8 +151,9 @@ Status SceneBuilder::end_block(Block block, const Directive& directive) {
         const std::string opener = block == Block::object ? "ObjectBegin" : "AttributeBegin";
         std::string hint;
         if (!stack_.empty() && stack_.back().block != Block::import)
-            hint = "the innermost open block is the " + std::string(stack_.back().block == Block::object ? "ObjectBegin" : "AttributeBegin") +
-                   " at line " + std::to_string(stack_.back().opened.line);
+            hint = "the innermost open block is the " +
+                   std::string(stack_.back().block == Block::object ? "ObjectBegin" : "AttributeBegin") + " at line " +
+                   std::to_string(stack_.back().opened.line);
         return error_at(directive.location, std::string(directive.name) + " without its " + opener, hint);
     }
     if (block == Block::object) active_object_ = -1;
@@ -165,7 +187,8 @@ Status SceneBuilder::world_begin(const Directive&) {
 
 Status SceneBuilder::color_space(const Directive& directive) {
     std::string name = directive.strings[0];
-    std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    std::transform(name.begin(), name.end(), name.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     std::vector<std::string> known;
     for (const auto& row : space_names) {
         if (name == row.name) {
@@ -189,7 +212,8 @@ Status SceneBuilder::medium_interface(const Directive& directive) const {
             std::vector<std::string> known;
             for (const auto& [medium, where] : named_media_) known.push_back(medium);
             const std::string near = nearest_name(name, known);
-            return error_at(directive.string_locations[i], "no medium is called '" + name + "'", near.empty() ? "" : "did you mean '" + near + "'?");
+            return error_at(directive.string_locations[i], "no medium is called '" + name + "'",
+                            near.empty() ? "" : "did you mean '" + near + "'?");
         }
         return error_at(directive.location, "participating media are not supported yet: medium '" + name +
                                                 "' would change the image; expected MediumInterface \"\" \"\" or none");
@@ -198,13 +222,22 @@ Status SceneBuilder::medium_interface(const Directive& directive) const {
 }
 
 Status SceneBuilder::option(const Directive& directive) {
-    static const std::vector<std::string> known{"disablepixeljitter", "disabletexturefiltering", "disablewavelengthjitter", "displacementedgescale",
-                                                "forcediffuse", "msereferenceimage", "msereferenceout", "pixelstats", "rendercoordsys", "seed",
+    static const std::vector<std::string> known{"disablepixeljitter",
+                                                "disabletexturefiltering",
+                                                "disablewavelengthjitter",
+                                                "displacementedgescale",
+                                                "forcediffuse",
+                                                "msereferenceimage",
+                                                "msereferenceout",
+                                                "pixelstats",
+                                                "rendercoordsys",
+                                                "seed",
                                                 "wavefront"};
     const Parameter& parameter = directive.parameters.parameters.front();
     if (std::find(known.begin(), known.end(), parameter.name) == known.end()) {
         const std::string near = nearest_name(parameter.name, known);
-        return error_at(parameter.location, "unknown option '" + parameter.name + "'", near.empty() ? "" : "did you mean '" + near + "'?");
+        return error_at(parameter.location, "unknown option '" + parameter.name + "'",
+                        near.empty() ? "" : "did you mean '" + near + "'?");
     }
     scene_.warnings.push_back(error_at(parameter.location, "option '" + parameter.name + "' has no effect here"));
     return success();
@@ -214,7 +247,9 @@ Status SceneBuilder::attribute(Directive& directive) {
     static const std::vector<std::string> targets{"shape", "light", "material", "medium", "texture"};
     const std::string& target = directive.strings[0];
     if (std::find(targets.begin(), targets.end(), target) == targets.end())
-        return error_at(directive.string_locations[0], "unknown target '" + target + "' of Attribute; expected shape, light, material, medium or texture");
+        return error_at(
+            directive.string_locations[0],
+            "unknown target '" + target + "' of Attribute; expected shape, light, material, medium or texture");
     std::vector<DefaultParameter>& defaults = state_.defaults[target];
     for (Parameter& parameter : directive.parameters.parameters) {
         std::erase_if(defaults, [&](const DefaultParameter& d) { return d.parameter.name == parameter.name; });
@@ -262,7 +297,8 @@ void convert_colors(ParameterSet& set, ColorSpace to, ColorSpace from, bool ligh
         // Colours outside the target space: a reflectance stays within [0, 1] and a light stays positive.
         const double top = *std::max_element(parameter.numbers.begin(), parameter.numbers.end());
         for (std::size_t i = 0; i + 3 <= parameter.numbers.size(); i += 3) {
-            const Triple rgb = multiply(matrix, Triple{parameter.numbers[i], parameter.numbers[i + 1], parameter.numbers[i + 2]});
+            const Triple rgb =
+                multiply(matrix, Triple{parameter.numbers[i], parameter.numbers[i + 1], parameter.numbers[i + 2]});
             for (std::size_t c = 0; c < 3; ++c)
                 parameter.numbers[i + c] = !light && top <= 1 ? std::clamp(rgb[c], 0.0, 1.0) : std::max(rgb[c], 0.0);
         }

@@ -32,10 +32,10 @@ class SceneBuilder {
         Block block;
         GraphicsState state;
         SourceLocation opened;
-        std::map<std::string, std::array<Transform, 2>> coordinate_systems;   // import only
+        std::map<std::string, std::array<Transform, 2>> coordinate_systems;  // import only
     };
     struct MaterialReference {
-        int index = -1;             // into materials; -1: by name
+        int index = -1;  // into materials; -1: by name
         std::string name;
         SourceLocation location;
     };
@@ -71,7 +71,8 @@ class SceneBuilder {
     Status shape(Directive& directive, const SearchPath& search);
     Status object_begin(const Directive& directive);
     Status instance(const Directive& directive);
-    Result<SceneEntity> make_entity(Directive& directive, std::string type, const char* target, bool light, const SearchPath& search);
+    Result<SceneEntity> make_entity(Directive& directive, std::string type, const char* target, bool light,
+                                    const SearchPath& search);
     Status resolve_files(ParameterSet& set, const SearchPath& search) const;
     // scene_builder_names.cpp
     Status resolve_materials();
@@ -86,7 +87,7 @@ class SceneBuilder {
     std::vector<Saved> stack_;
     std::map<std::string, std::array<Transform, 2>> coordinate_systems_;
     std::vector<MaterialReference> material_references_;
-    std::vector<InstanceReference> instance_references_;    // parallel to scene_.instances
+    std::vector<InstanceReference> instance_references_;  // parallel to scene_.instances
     std::map<std::string, int> named_materials_;
     std::map<std::string, SourceLocation> named_media_;
     int active_object_ = -1;

@@ -16,10 +16,12 @@ std::string did_you_mean(const std::string& name, const std::vector<std::string>
 Result<SceneDescription> SceneBuilder::finish(const SourceLocation& file_end) {
     if (!stack_.empty()) {
         const bool object = stack_.back().block == Block::object;
-        return error_at(stack_.back().opened, std::string(object ? "ObjectBegin" : "AttributeBegin") + " is never closed; expected " +
-                                                  (object ? "ObjectEnd" : "AttributeEnd") + " before the end of the scene");
+        return error_at(stack_.back().opened,
+                        std::string(object ? "ObjectBegin" : "AttributeBegin") + " is never closed; expected " +
+                            (object ? "ObjectEnd" : "AttributeEnd") + " before the end of the scene");
     }
-    if (!in_world_) return error_at(file_end, "the scene ends before WorldBegin; expected WorldBegin and the scene's content");
+    if (!in_world_)
+        return error_at(file_end, "the scene ends before WorldBegin; expected WorldBegin and the scene's content");
     if (Status status = resolve_materials(); !status) return status.error();
     if (Status status = resolve_instances(); !status) return status.error();
     if (Status status = check_textures(); !status) return status.error();
@@ -43,7 +45,8 @@ Status SceneBuilder::resolve_materials() {
         for (const Parameter& parameter : material.parameters.parameters) {
             if (parameter.name != "materials") continue;
             for (const std::string& name : parameter.strings)
-                if (named_materials_.count(name) == 0 && name != "interface" && !name.empty()) return missing(name, parameter.location);
+                if (named_materials_.count(name) == 0 && name != "interface" && !name.empty())
+                    return missing(name, parameter.location);
         }
     }
     const auto settle = [this](SceneShape& shape) {
@@ -67,7 +70,8 @@ Status SceneBuilder::resolve_instances() {
         const InstanceReference& reference = instance_references_[i];
         const auto found = objects.find(reference.name);
         if (found == objects.end())
-            return error_at(reference.location, "no object is called '" + reference.name + "'", did_you_mean(reference.name, known));
+            return error_at(reference.location, "no object is called '" + reference.name + "'",
+                            did_you_mean(reference.name, known));
         scene_.instances[i].object = found->second;
     }
     return success();
@@ -83,8 +87,9 @@ Error SceneBuilder::no_such_texture(const std::string& name, const SourceLocatio
     std::vector<std::string> known;
     for (const SceneTexture& texture : scene_.textures) known.push_back(texture.name);
     const std::string near = nearest_name(name, known);
-    return error_at(where, std::string("no ") + kind + "texture is called '" + name + "'",
-                    near == name ? "'" + name + "' is defined later or with the other value type" : did_you_mean(name, known));
+    return error_at(
+        where, std::string("no ") + kind + "texture is called '" + name + "'",
+        near == name ? "'" + name + "' is defined later or with the other value type" : did_you_mean(name, known));
 }
 
 // A texture may use those before it; materials and shapes may use all.
@@ -110,7 +115,8 @@ Status SceneBuilder::check_textures() const {
 }
 
 Status SceneBuilder::check_shape(const SceneShape& shape) const {
-    if (shape.alpha_texture.empty() || has_texture(shape.alpha_texture, false, false, scene_.textures.size())) return success();
+    if (shape.alpha_texture.empty() || has_texture(shape.alpha_texture, false, false, scene_.textures.size()))
+        return success();
     return no_such_texture(shape.alpha_texture, shape.location, "float ");
 }
 

@@ -17,21 +17,30 @@ Transform from_columns(const std::array<double, 16>& numbers) {
 Status SceneBuilder::transform(const Directive& directive) {
     const std::array<double, 16>& n = directive.numbers;
     switch (directive.id) {
-        case DirectiveId::translate: return concatenate(Transform::translate(n[0], n[1], n[2]), directive.location);
-        case DirectiveId::scale: return concatenate(Transform::scale(n[0], n[1], n[2]), directive.location);
+        case DirectiveId::translate:
+            return concatenate(Transform::translate(n[0], n[1], n[2]), directive.location);
+        case DirectiveId::scale:
+            return concatenate(Transform::scale(n[0], n[1], n[2]), directive.location);
         case DirectiveId::rotate: {
             const Transform rotation = Transform::rotate(n[0], n[1], n[2], n[3]);
-            if (!rotation.invertible()) return error_at(directive.location, "Rotate about a null axis; expected degrees and an axis of positive length");
+            if (!rotation.invertible())
+                return error_at(directive.location,
+                                "Rotate about a null axis; expected degrees and an axis of positive length");
             return concatenate(rotation, directive.location);
         }
         case DirectiveId::look_at: {
             const Transform view = Transform::look_at({n[0], n[1], n[2]}, {n[3], n[4], n[5]}, {n[6], n[7], n[8]});
             if (!view.invertible())
-                return error_at(directive.location, "LookAt: the view direction is null or parallel to the up vector; expected eye, look, up that span a view");
+                return error_at(directive.location,
+                                "LookAt: the view direction is null or parallel to the up vector; expected eye, look, "
+                                "up that span a view");
             return concatenate(view, directive.location);
         }
-        case DirectiveId::concat_transform: return concatenate(from_columns(n), directive.location);
-        case DirectiveId::coordinate_system: coordinate_systems_[directive.strings[0]] = state_.ctm; return success();
+        case DirectiveId::concat_transform:
+            return concatenate(from_columns(n), directive.location);
+        case DirectiveId::coordinate_system:
+            coordinate_systems_[directive.strings[0]] = state_.ctm;
+            return success();
         case DirectiveId::coord_sys_transform: {
             const auto found = coordinate_systems_.find(directive.strings[0]);
             if (found != coordinate_systems_.end()) {
@@ -41,10 +50,12 @@ Status SceneBuilder::transform(const Directive& directive) {
             std::vector<std::string> known;
             for (const auto& [name, transforms] : coordinate_systems_) known.push_back(name);
             const std::string near = nearest_name(directive.strings[0], known);
-            return error_at(directive.string_locations[0], "no coordinate system is called '" + directive.strings[0] + "'",
+            return error_at(directive.string_locations[0],
+                            "no coordinate system is called '" + directive.strings[0] + "'",
                             near.empty() ? "" : "did you mean '" + near + "'?");
         }
-        default: break;
+        default:
+            break;
     }
     // Identity and Transform replace.
     const Transform replacement = directive.id == DirectiveId::transform ? from_columns(n) : Transform();
@@ -56,7 +67,8 @@ Status SceneBuilder::transform(const Directive& directive) {
 Status SceneBuilder::active_transform(const Directive& directive) {
     const std::string& which = directive.strings[0];
     if (which != "StartTime" && which != "EndTime" && which != "All")
-        return error_at(directive.string_locations[0], "found '" + which + "'; expected StartTime, EndTime or All after ActiveTransform");
+        return error_at(directive.string_locations[0],
+                        "found '" + which + "'; expected StartTime, EndTime or All after ActiveTransform");
     state_.active = {which != "EndTime", which != "StartTime"};
     return success();
 }

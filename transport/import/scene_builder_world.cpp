@@ -14,31 +14,43 @@ bool names_a_file(const Parameter& parameter) {
 }
 
 /// pbrt's three spellings of "nothing but a boundary".
-std::string material_type(const std::string& written) { return written.empty() || written == "none" ? "interface" : written; }
+std::string material_type(const std::string& written) {
+    return written.empty() || written == "none" ? "interface" : written;
+}
 
 }  // namespace
 
 Status SceneBuilder::world_entity(Directive& directive, const SearchPath& search) {
     switch (directive.id) {
-        case DirectiveId::material: return material(directive, search);
-        case DirectiveId::make_named_material: return named_material(directive, search);
+        case DirectiveId::material:
+            return material(directive, search);
+        case DirectiveId::make_named_material:
+            return named_material(directive, search);
         case DirectiveId::named_material:
             material_references_.push_back({-1, directive.strings[0], directive.string_locations[0]});
             state_.material = material_references_.size() - 1;
             return success();
-        case DirectiveId::texture: return texture(directive, search);
-        case DirectiveId::light_source: return light(directive, search);
-        case DirectiveId::area_light_source: return area_light(directive, search);
-        case DirectiveId::shape: return shape(directive, search);
-        case DirectiveId::object_begin: return object_begin(directive);
-        case DirectiveId::object_instance: return instance(directive);
-        default: break;
+        case DirectiveId::texture:
+            return texture(directive, search);
+        case DirectiveId::light_source:
+            return light(directive, search);
+        case DirectiveId::area_light_source:
+            return area_light(directive, search);
+        case DirectiveId::shape:
+            return shape(directive, search);
+        case DirectiveId::object_begin:
+            return object_begin(directive);
+        case DirectiveId::object_instance:
+            return instance(directive);
+        default:
+            break;
     }
     return error_at(directive.location, std::string(directive.name) + " is not handled");
 }
 
 /// Own parameters first; those set by Attribute fill the gaps. Colours end up in the film's space, files absolute.
-Result<SceneEntity> SceneBuilder::make_entity(Directive& directive, std::string type, const char* target, bool light, const SearchPath& search) {
+Result<SceneEntity> SceneBuilder::make_entity(Directive& directive, std::string type, const char* target, bool light,
+                                              const SearchPath& search) {
     SceneEntity entity;
     entity.type = std::move(type);
     entity.location = directive.location;
@@ -75,7 +87,8 @@ Status SceneBuilder::resolve_files(ParameterSet& set, const SearchPath& search) 
                 const std::string near = nearest_name(name, named_spectra());
                 std::string known;
                 for (const std::string& each : named_spectra()) known += " " + each;
-                error.hint += (near.empty() ? "; known spectra:" : "; did you mean '" + near + "'? Known spectra:") + known;
+                error.hint +=
+                    (near.empty() ? "; known spectra:" : "; did you mean '" + near + "'? Known spectra:") + known;
                 return error;
             }
             name = std::move(*path);
@@ -96,14 +109,17 @@ Status SceneBuilder::material(Directive& directive, const SearchPath& search) {
 Status SceneBuilder::named_material(Directive& directive, const SearchPath& search) {
     const std::string name = directive.strings[0];
     std::vector<Parameter>& parameters = directive.parameters.parameters;
-    const auto type = std::find_if(parameters.begin(), parameters.end(), [](const Parameter& p) { return p.name == "type"; });
+    const auto type =
+        std::find_if(parameters.begin(), parameters.end(), [](const Parameter& p) { return p.name == "type"; });
     if (type == parameters.end())
-        return error_at(directive.location, "named material '" + name + "' has no type; expected \"string type\" \"diffuse\" or the like");
+        return error_at(directive.location,
+                        "named material '" + name + "' has no type; expected \"string type\" \"diffuse\" or the like");
     if (type->type != ParameterType::string || type->strings.size() != 1)
         return error_at(type->location, "'type' of a named material; expected one \"string type\"");
     if (const auto earlier = named_materials_.find(name); earlier != named_materials_.end()) {
         const SourceLocation& where = scene_.materials[static_cast<std::size_t>(earlier->second)].location;
-        return error_at(directive.string_locations[0], "material '" + name + "' is defined twice; the first is at " + where.file + ":" + std::to_string(where.line));
+        return error_at(directive.string_locations[0], "material '" + name + "' is defined twice; the first is at " +
+                                                           where.file + ":" + std::to_string(where.line));
     }
     const std::string written = type->strings.front();
     parameters.erase(type);
@@ -118,11 +134,13 @@ Status SceneBuilder::named_material(Directive& directive, const SearchPath& sear
 Status SceneBuilder::texture(Directive& directive, const SearchPath& search) {
     const std::string &name = directive.strings[0], &value = directive.strings[1];
     if (value != "float" && value != "spectrum")
-        return error_at(directive.string_locations[1], "texture '" + name + "' has value type '" + value + "'; expected \"float\" or \"spectrum\"");
+        return error_at(directive.string_locations[1],
+                        "texture '" + name + "' has value type '" + value + "'; expected \"float\" or \"spectrum\"");
     for (const SceneTexture& earlier : scene_.textures)
         if (earlier.name == name && earlier.spectrum == (value == "spectrum"))
-            return error_at(directive.string_locations[0], value + " texture '" + name + "' is defined twice; the first is at " + earlier.location.file + ":" +
-                                                               std::to_string(earlier.location.line));
+            return error_at(directive.string_locations[0],
+                            value + " texture '" + name + "' is defined twice; the first is at " +
+                                earlier.location.file + ":" + std::to_string(earlier.location.line));
     const Result<Transform> transform = still_transform(directive.location);
     if (!transform) return transform.error();
     Result<SceneEntity> entity = make_entity(directive, directive.strings[2], "texture", false, search);
@@ -166,21 +184,26 @@ Status SceneBuilder::shape(Directive& directive, const SearchPath& search) {
     ParameterSet set = std::move(directive.parameters);
     if (const auto found = state_.defaults.find("shape"); found != state_.defaults.end())
         for (const DefaultParameter& fallback : found->second)
-            if (std::none_of(set.parameters.begin(), set.parameters.end(), [&](const Parameter& p) { return p.name == fallback.parameter.name; }))
+            if (std::none_of(set.parameters.begin(), set.parameters.end(),
+                             [&](const Parameter& p) { return p.name == fallback.parameter.name; }))
                 set.parameters.push_back(fallback.parameter);
-    Result<std::vector<SceneShape>> shapes = make_shapes(directive.strings[0], set, {*transform, state_.reverse_orientation, search}, scene_.warnings);
+    Result<std::vector<SceneShape>> shapes =
+        make_shapes(directive.strings[0], set, {*transform, state_.reverse_orientation, search}, scene_.warnings);
     if (!shapes) return shapes.error();
     for (std::size_t i = 0; i < own; ++i)
         if (!set.parameters[i].used)
-            scene_.warnings.push_back(error_at(set.parameters[i].location, "parameter '" + set.parameters[i].name + "' means nothing to shape '" +
-                                                                               directive.strings[0] + "'"));
+            scene_.warnings.push_back(error_at(
+                set.parameters[i].location,
+                "parameter '" + set.parameters[i].name + "' means nothing to shape '" + directive.strings[0] + "'"));
     const bool emits = state_.area_light >= 0;
     if (emits && active_object_ >= 0)
-        scene_.warnings.push_back(error_at(directive.location, "area lights do not emit from object instances (pbrt's rule); this shape is dark"));
+        scene_.warnings.push_back(error_at(
+            directive.location, "area lights do not emit from object instances (pbrt's rule); this shape is dark"));
     for (SceneShape& shape : *shapes) {
-        shape.material = static_cast<int>(state_.material);     // a reference until finish()
+        shape.material = static_cast<int>(state_.material);  // a reference until finish()
         shape.area_light = active_object_ >= 0 ? -1 : state_.area_light;
-        auto& target = active_object_ >= 0 ? scene_.objects[static_cast<std::size_t>(active_object_)].shapes : scene_.shapes;
+        auto& target =
+            active_object_ >= 0 ? scene_.objects[static_cast<std::size_t>(active_object_)].shapes : scene_.shapes;
         target.push_back(std::move(shape));
     }
     return success();
@@ -188,9 +211,11 @@ Status SceneBuilder::shape(Directive& directive, const SearchPath& search) {
 
 Status SceneBuilder::object_begin(const Directive& directive) {
     const std::string& name = directive.strings[0];
-    if (active_object_ >= 0) return error_at(directive.location, "ObjectBegin inside ObjectBegin; expected ObjectEnd first");
+    if (active_object_ >= 0)
+        return error_at(directive.location, "ObjectBegin inside ObjectBegin; expected ObjectEnd first");
     for (const SceneObject& object : scene_.objects)
-        if (object.name == name) return error_at(directive.string_locations[0], "object '" + name + "' is defined twice");
+        if (object.name == name)
+            return error_at(directive.string_locations[0], "object '" + name + "' is defined twice");
     if (Status status = begin_block(Block::object, directive.location); !status) return status;
     active_object_ = static_cast<int>(scene_.objects.size());
     scene_.objects.push_back({name, {}});
@@ -198,7 +223,8 @@ Status SceneBuilder::object_begin(const Directive& directive) {
 }
 
 Status SceneBuilder::instance(const Directive& directive) {
-    if (active_object_ >= 0) return error_at(directive.location, "ObjectInstance inside ObjectBegin; objects cannot be nested");
+    if (active_object_ >= 0)
+        return error_at(directive.location, "ObjectInstance inside ObjectBegin; objects cannot be nested");
     const Result<Transform> transform = still_transform(directive.location);
     if (!transform) return transform.error();
     SceneInstance instance;

@@ -10,7 +10,8 @@ namespace raylex::transport {
 namespace {
 
 constexpr std::string_view supported[] = {"trianglemesh", "plymesh", "sphere", "disk", "cylinder", "bilinearmesh"};
-constexpr std::string_view unsupported[] = {"curve", "loopsubdiv", "cone", "paraboloid", "hyperboloid", "nurbs", "heightfield"};
+constexpr std::string_view unsupported[] = {"curve",       "loopsubdiv", "cone",       "paraboloid",
+                                            "hyperboloid", "nurbs",      "heightfield"};
 
 /// Reads real parameters one after the other and keeps the first failure.
 class RealReader {
@@ -53,7 +54,8 @@ Result<std::vector<SceneShape>> make_quadric(ShapeKind kind, const ParameterSet&
     if (kind == ShapeKind::disk) {
         shape.height = real("height", 0);
         shape.inner_radius = real("innerradius", 0);
-        real.require(shape.inner_radius >= 0 && shape.inner_radius < shape.radius, "'innerradius' leaves nothing; expected 0 up to below the radius");
+        real.require(shape.inner_radius >= 0 && shape.inner_radius < shape.radius,
+                     "'innerradius' leaves nothing; expected 0 up to below the radius");
     } else {
         const bool sphere = kind == ShapeKind::sphere;
         const float a = real("zmin", sphere ? -shape.radius : -1), b = real("zmax", sphere ? shape.radius : 1);
@@ -76,7 +78,8 @@ Error unknown_shape(const std::string& type, const SourceLocation& where) {
     if (std::find(std::begin(unsupported), std::end(unsupported), type) != std::end(unsupported))
         return error_at(where, "shape '" + type + "' is not supported yet; supported are " + list);
     const std::string near = nearest_name(type, names);
-    return error_at(where, "unknown shape '" + type + "'; expected one of " + list, near.empty() ? "" : "did you mean '" + near + "'?");
+    return error_at(where, "unknown shape '" + type + "'; expected one of " + list,
+                    near.empty() ? "" : "did you mean '" + near + "'?");
 }
 
 /// `alpha`: a number or the name of a float texture, for every kind of shape.
@@ -85,7 +88,9 @@ Status read_alpha(const ParameterSet& set, std::vector<SceneShape>& shapes) {
     if (alpha == nullptr) return success();
     const bool texture = alpha->type == ParameterType::texture && alpha->strings.size() == 1;
     const bool number = alpha->type == ParameterType::real && alpha->numbers.size() == 1;
-    if (!texture && !number) return error_at(alpha->location, "'alpha' has the wrong type; expected one \"float alpha\" or \"texture alpha\"");
+    if (!texture && !number)
+        return error_at(alpha->location,
+                        "'alpha' has the wrong type; expected one \"float alpha\" or \"texture alpha\"");
     for (SceneShape& shape : shapes) {
         if (texture) shape.alpha_texture = alpha->strings.front();
         else shape.alpha = static_cast<float>(std::clamp(alpha->numbers.front(), 0.0, 1.0));
@@ -95,8 +100,8 @@ Status read_alpha(const ParameterSet& set, std::vector<SceneShape>& shapes) {
 
 }  // namespace
 
-Result<std::vector<SceneShape>> make_shapes(const std::string& type, const ParameterSet& set, const ShapeContext& context,
-                                            std::vector<Error>& warnings) {
+Result<std::vector<SceneShape>> make_shapes(const std::string& type, const ParameterSet& set,
+                                            const ShapeContext& context, std::vector<Error>& warnings) {
     Result<std::vector<SceneShape>> shapes = unknown_shape(type, set.location);
     if (type == "trianglemesh") shapes = make_triangle_mesh(set, context, warnings);
     else if (type == "plymesh") shapes = make_ply_mesh(set, context, warnings);

@@ -15,13 +15,13 @@ struct ShapeContext {
     SearchPath search;
 };
 
-/// The shapes of one directive: none when nothing of positive area is left (a warning says so), two for a mesh file that
-/// holds triangles and quadrilaterals. Material, area light and label are the caller's business.
+/// The shapes of one directive: none when nothing of positive area is left (a warning says so), two for a mesh file
+/// that holds triangles and quadrilaterals. Material, area light and label are the caller's business.
 ///
-/// Conventions of pbrt: vertices go through object_to_world in double and are then rounded to float; normals through its
-/// inverse transpose, not normalised, and change sign under ReverseOrientation; the surface's own side turns
+/// Conventions of pbrt: vertices go through object_to_world in double and are then rounded to float; normals through
+/// its inverse transpose, not normalised, and change sign under ReverseOrientation; the surface's own side turns
 /// (flip_normal) under ReverseOrientation xor a transformation that swaps handedness.
-Result<std::vector<SceneShape>> make_shapes(const std::string& type, const ParameterSet& parameters, const ShapeContext& context,
-                                            std::vector<Error>& warnings);
+Result<std::vector<SceneShape>> make_shapes(const std::string& type, const ParameterSet& parameters,
+                                            const ShapeContext& context, std::vector<Error>& warnings);
 
 }  // namespace raylex::transport

@@ -6,8 +6,12 @@ namespace raylex::transport {
 
 namespace {
 
-constexpr bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\v' || c == '\f'; }
-constexpr bool ends_word(char c) { return is_blank(c) || c == '"' || c == '[' || c == ']' || c == '#'; }
+constexpr bool is_blank(char c) {
+    return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\v' || c == '\f';
+}
+constexpr bool ends_word(char c) {
+    return is_blank(c) || c == '"' || c == '[' || c == ']' || c == '#';
+}
 
 }  // namespace
 
@@ -93,11 +97,15 @@ Result<std::string> unescape(const Tokenizer& tokenizer, const Token& token) {
 
 std::string describe(const Token& token) {
     switch (token.kind) {
-        case TokenKind::end: return "the end of the file";
-        case TokenKind::open_bracket: return "'['";
-        case TokenKind::close_bracket: return "']'";
+        case TokenKind::end:
+            return "the end of the file";
+        case TokenKind::open_bracket:
+            return "'['";
+        case TokenKind::close_bracket:
+            return "']'";
         case TokenKind::word:
-        case TokenKind::string: break;
+        case TokenKind::string:
+            break;
     }
     constexpr std::size_t most = 40;
     std::string shown;

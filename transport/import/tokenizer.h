@@ -14,9 +14,9 @@ enum class TokenKind : std::uint8_t { word, string, open_bracket, close_bracket,
 
 struct Token {
     TokenKind kind = TokenKind::end;
-    std::string_view text;      ///< as written; of a string: what stands between the quotes, escapes not yet replaced
-    bool escaped = false;       ///< a string that holds a backslash
-    int line = 1, column = 1;   ///< of its first byte
+    std::string_view text;     ///< as written; of a string: what stands between the quotes, escapes not yet replaced
+    bool escaped = false;      ///< a string that holds a backslash
+    int line = 1, column = 1;  ///< of its first byte
 };
 
 class Tokenizer {

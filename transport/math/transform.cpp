@@ -69,7 +69,9 @@ Double3 cross(const Double3& a, const Double3& b) {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-double norm(const Double3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
+double norm(const Double3& v) {
+    return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
 
 Double3 unit(const Double3& v) {
     const double length = norm(v);
@@ -111,18 +113,20 @@ Transform Transform::rotate(double degrees, double x, double y, double z) {
         cosine = quarter == 0 ? 1 : std::abs(quarter) == 2 ? -1 : 0;
     }
     const double versine = 1 - cosine;
-    const Matrix4 m{{{a[0] * a[0] * versine + cosine, a[0] * a[1] * versine - a[2] * sine, a[0] * a[2] * versine + a[1] * sine, 0},
-                     {a[0] * a[1] * versine + a[2] * sine, a[1] * a[1] * versine + cosine, a[1] * a[2] * versine - a[0] * sine, 0},
-                     {a[0] * a[2] * versine - a[1] * sine, a[1] * a[2] * versine + a[0] * sine, a[2] * a[2] * versine + cosine, 0},
-                     {0, 0, 0, 1}}};
+    const Matrix4 m{
+        {{a[0] * a[0] * versine + cosine, a[0] * a[1] * versine - a[2] * sine, a[0] * a[2] * versine + a[1] * sine, 0},
+         {a[0] * a[1] * versine + a[2] * sine, a[1] * a[1] * versine + cosine, a[1] * a[2] * versine - a[0] * sine, 0},
+         {a[0] * a[2] * versine - a[1] * sine, a[1] * a[2] * versine + a[0] * sine, a[2] * a[2] * versine + cosine, 0},
+         {0, 0, 0, 1}}};
     return {m, transpose(m)};
 }
 
-Transform Transform::look_at(const std::array<double, 3>& eye, const std::array<double, 3>& look, const std::array<double, 3>& up) {
+Transform Transform::look_at(const std::array<double, 3>& eye, const std::array<double, 3>& look,
+                             const std::array<double, 3>& up) {
     const Double3 forward{look[0] - eye[0], look[1] - eye[1], look[2] - eye[2]};
     if (!(norm(forward) > 0) || !(norm(up) > 0)) return Transform(Matrix4{});
     const Double3 direction = unit(forward);
-    const Double3 sideways = cross(unit(up), direction);    // left-handed: up x forward is the camera's +x
+    const Double3 sideways = cross(unit(up), direction);  // left-handed: up x forward is the camera's +x
     if (!(norm(sideways) > 1e-12)) return Transform(Matrix4{});
     const Double3 right = unit(sideways);
     const Double3 true_up = cross(direction, right);
@@ -145,7 +149,9 @@ Transform Transform::inverse() const {
     return inverted;
 }
 
-bool Transform::is_identity() const { return m_ == identity_matrix(); }
+bool Transform::is_identity() const {
+    return m_ == identity_matrix();
+}
 
 bool Transform::swaps_handedness() const {
     const double determinant = m_[0][0] * (m_[1][1] * m_[2][2] - m_[1][2] * m_[2][1]) -

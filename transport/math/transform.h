@@ -20,7 +20,8 @@ class Transform {
     static Transform rotate(double degrees, double x, double y, double z);
     /// World to camera, left-handed, +z towards `look` (pbrt's LookAt). Not invertible when `up` and the view direction
     /// are parallel or null; so is a rotation about a null axis.
-    static Transform look_at(const std::array<double, 3>& eye, const std::array<double, 3>& look, const std::array<double, 3>& up);
+    static Transform look_at(const std::array<double, 3>& eye, const std::array<double, 3>& look,
+                             const std::array<double, 3>& up);
 
     friend Transform operator*(const Transform& a, const Transform& b);  ///< b is applied first
     [[nodiscard]] Transform inverse() const;

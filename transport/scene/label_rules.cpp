@@ -16,11 +16,16 @@ using Selector = LabelRule::Selector;
 
 const char* selector_name(Selector selector) {
     switch (selector) {
-        case Selector::material: return "material";
-        case Selector::mesh_file: return "mesh file";
-        case Selector::instance: return "instance";
-        case Selector::light: return "light";
-        case Selector::area_light_material: return "area light's material";
+        case Selector::material:
+            return "material";
+        case Selector::mesh_file:
+            return "mesh file";
+        case Selector::instance:
+            return "instance";
+        case Selector::light:
+            return "light";
+        case Selector::area_light_material:
+            return "area light's material";
     }
     return "";
 }
@@ -45,7 +50,8 @@ LightNames light_names(const SceneDescription& scene) {
 /// Works on one scene: finds what each rule selects and writes the label where no earlier rule did.
 class RuleApplier {
   public:
-    explicit RuleApplier(SceneDescription& scene) : scene_(scene), lights_(light_names(scene)), light_taken_(lights_.kinds.size()) {
+    explicit RuleApplier(SceneDescription& scene)
+        : scene_(scene), lights_(light_names(scene)), light_taken_(lights_.kinds.size()) {
         for_each_shape([this](SceneShape&) { shape_taken_.push_back(false); });
         instance_taken_.resize(scene.instances.size());
         std::map<int, int> count;
@@ -61,14 +67,23 @@ class RuleApplier {
         candidates_.clear();
         switch (rule.selector) {
             case Selector::material:
-            case Selector::mesh_file: apply_to_shapes(rule); break;
-            case Selector::instance: apply_to_instances(rule); break;
-            case Selector::light: apply_to_lights(rule); break;
-            case Selector::area_light_material: apply_to_emitters(rule); break;
+            case Selector::mesh_file:
+                apply_to_shapes(rule);
+                break;
+            case Selector::instance:
+                apply_to_instances(rule);
+                break;
+            case Selector::light:
+                apply_to_lights(rule);
+                break;
+            case Selector::area_light_material:
+                apply_to_emitters(rule);
+                break;
         }
         if (matched_ == 0) return nothing_matched(rule);
         if (written_ == 0)
-            scene_.warnings.push_back(error_at(rule.location, "label rule '" + rule.pattern + "' selects only what earlier rules labelled"));
+            scene_.warnings.push_back(
+                error_at(rule.location, "label rule '" + rule.pattern + "' selects only what earlier rules labelled"));
         return success();
     }
 
@@ -115,7 +130,8 @@ class RuleApplier {
     }
 
     std::string& group(std::size_t light) {
-        return light < scene_.lights.size() ? scene_.lights[light].group : scene_.area_lights[light - scene_.lights.size()].group;
+        return light < scene_.lights.size() ? scene_.lights[light].group
+                                            : scene_.area_lights[light - scene_.lights.size()].group;
     }
 
     void apply_to_lights(const LabelRule& rule) {
@@ -136,12 +152,16 @@ class RuleApplier {
     Error nothing_matched(const LabelRule& rule) const {
         const std::vector<std::string> known(candidates_.begin(), candidates_.end());
         std::string hint;
-        if (const std::string near = nearest_name(rule.pattern, known); !near.empty()) hint = "did you mean '" + near + "'? ";
+        if (const std::string near = nearest_name(rule.pattern, known); !near.empty())
+            hint = "did you mean '" + near + "'? ";
         constexpr std::size_t most = 20;
         hint += known.empty() ? std::string("the scene has none") : "the scene has:";
         for (std::size_t i = 0; i < std::min(known.size(), most); ++i) hint += " " + known[i];
         if (known.size() > most) hint += " and " + std::to_string(known.size() - most) + " more";
-        return error_at(rule.location, "label rule matches nothing: no " + std::string(selector_name(rule.selector)) + " is called '" + rule.pattern + "'", hint);
+        return error_at(rule.location,
+                        "label rule matches nothing: no " + std::string(selector_name(rule.selector)) + " is called '" +
+                            rule.pattern + "'",
+                        hint);
     }
 
     SceneDescription& scene_;

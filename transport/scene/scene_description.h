@@ -41,7 +41,7 @@ struct SceneShape {
 
     std::vector<Vec3> positions, normals;       ///< normals: one per position, or none
     std::vector<Vec2> uvs;                      ///< one per position, or none
-    std::vector<std::uint32_t> indices;         ///< 3 per triangle, 4 per bilinear patch (pbrt's order: p00 p10 p01 p11)
+    std::vector<std::uint32_t> indices;         ///< 3 per triangle, 4 per patch (p00 p10 p01 p11)
 
     float radius = 1, z_min = -1, z_max = 1, phi_max = 360;    ///< sphere, cylinder; degrees
     float height = 0, inner_radius = 0;                        ///< disk
@@ -52,7 +52,7 @@ struct SceneShape {
     int area_light = -1;                        ///< index into area_lights
     float alpha = 1;                            ///< constant opacity
     std::string alpha_texture;                  ///< name of a float texture; overrides alpha
-    std::string label;                          ///< LPE object label; the named material's name until a rule says otherwise
+    std::string label;                          ///< LPE object label; as imported: the named material's name
 };
 
 struct SceneObject {
