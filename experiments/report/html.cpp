@@ -69,7 +69,7 @@ button:focus-visible, .layer:focus-visible { outline: 2px solid var(--mark); out
 .layer span { display: block; padding: .25rem .5rem .35rem; font-size: 13px; overflow-wrap: anywhere; }
 .layer code { display: block; color: var(--faint); font-size: 11.5px; overflow-wrap: anywhere; }
 .layer[aria-pressed="true"] { border-color: var(--mark); box-shadow: 0 0 0 1px var(--mark); }
-.wide { overflow-x: auto; }
+.wide { overflow-x: auto; margin-bottom: 1rem; } .tables { display: flex; flex-wrap: wrap; gap: .5rem 3rem; align-items: flex-start; }
 table { border-collapse: collapse; font-size: 13.5px; } th { text-align: left; font-weight: 600; color: var(--faint); }
 td, th { padding: .2rem .9rem .2rem 0; vertical-align: top; border-bottom: 1px solid var(--line); } td.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
 td { overflow-wrap: anywhere; } td:first-child { white-space: nowrap; }

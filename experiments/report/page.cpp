@@ -95,8 +95,9 @@ class Page {
     [[nodiscard]] std::string finish() const {
         std::string verdict;
         if (judged_ == 0) verdict = "No partition is declared, so there is nothing to judge.";
-        else if (failed_ == 0) verdict = "<span class=\"holds\">Every split holds:</span> in each of " + std::to_string(judged_) +
-                                         (judged_ == 1 ? " partition" : " partitions") + " the layers sum to their whole at every pixel, up to the rounding of the file.";
+        else if (failed_ == 0)
+            verdict = "<span class=\"holds\">Every split holds:</span> in " + (judged_ == 1 ? std::string("the one partition") : "each of " + std::to_string(judged_) + " partitions") +
+                      " the layers sum to their whole at every pixel, up to the rounding of the file.";
         else verdict = "<span class=\"fails\">" + std::to_string(failed_) + " of " + std::to_string(judged_) + " partitions do not hold.</span>";
         return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
                "<title>raylex report</title>\n<style>" + std::string(page_style()) + "</style>\n</head>\n<body>\n<h1>raylex report</h1>\n<p>" + verdict + "</p>\n"

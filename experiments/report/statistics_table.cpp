@@ -63,7 +63,7 @@ std::string path_lengths(const Json& json) {
 std::string statistics_table(const std::string& json_text) {
     const Json json = Json::parse(json_text, nullptr, false);
     if (json.is_discarded() || !json.is_object() || !json.contains("phases")) return {};
-    std::string text = phases(json) + "<div class=\"wide\"><table>\n";
+    std::string text = "<div class=\"tables\">\n" + phases(json) + "<div class=\"wide\"><table>\n";
     text += row("Camera samples", counted(number_at(json, "/samples/camera")));
     text += row("Samples per CPU second", counted(number_at(json, "/samples/per_cpu_second")));
     text += row("Camera rays", counted(number_at(json, "/rays/camera")));
@@ -72,7 +72,7 @@ std::string statistics_table(const std::string& json_text) {
     text += row("Merged attributions", counted(number_at(json, "/attribution_overflow")));
     text += row("Contributions that were not finite", counted(number_at(json, "/invalid_samples/count")));
     text += row("Peak memory", text_of("%.0f MB", number_at(json, "/peak_memory_bytes") * 1e-6));
-    text += "</table></div>\n" + path_lengths(json);
+    text += "</table></div>\n" + path_lengths(json) + "</div>\n";
     const auto warnings = json.find("warnings");
     if (warnings != json.end() && warnings->is_array() && !warnings->empty()) {
         text += "<p>Warnings:</p>\n<ul>\n";
