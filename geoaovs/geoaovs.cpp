@@ -32,7 +32,8 @@ Rgb camera_vector(const ShadingBatch& hits, const Rgb& v) {
 }
 
 Rgb camera_point(const ShadingBatch& hits, const Rgb& v) {
-    return camera_vector(hits, v) + Rgb(hits.world_to_camera[0][3], hits.world_to_camera[1][3], hits.world_to_camera[2][3]);
+    return camera_vector(hits, v) +
+           Rgb(hits.world_to_camera[0][3], hits.world_to_camera[1][3], hits.world_to_camera[2][3]);
 }
 
 using Value = float (*)(const ShadingBatch&, std::size_t hit);

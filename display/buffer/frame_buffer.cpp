@@ -21,9 +21,10 @@ double sample_alpha(const SampleTable& table, int row, std::span<const int> extr
 Status check_layout(const FrameBufferLayout& layout) {
     if (layout.width <= 0 || layout.height <= 0)
         return error_at({}, "frame buffer of " + std::to_string(layout.width) + " x " + std::to_string(layout.height) +
-                     " pixels; expected positive width and height");
+                                " pixels; expected positive width and height");
     if (layout.block_size <= 0 || !std::has_single_bit(static_cast<unsigned>(layout.block_size)))
-        return error_at({}, "frame buffer block size " + std::to_string(layout.block_size) + "; expected a power of two");
+        return error_at({},
+                        "frame buffer block size " + std::to_string(layout.block_size) + "; expected a power of two");
     return success();
 }
 
@@ -74,8 +75,8 @@ Result<FrameBuffer> FrameBuffer::create(const FrameBufferLayout& layout, std::sp
         return FrameBuffer(layout, channels);
     } catch (const std::bad_alloc&) {
         return error_at({}, "not enough memory for a frame buffer of " + std::to_string(layout.width) + " x " +
-                     std::to_string(layout.height) + " pixels and " + std::to_string(channels.size()) +
-                     " channels; expected about 48 bytes per pixel and colour channel");
+                                std::to_string(layout.height) + " pixels and " + std::to_string(channels.size()) +
+                                " channels; expected about 48 bytes per pixel and colour channel");
     }
 }
 
@@ -136,12 +137,10 @@ void FrameBuffer::accumulate_run(const SampleTable& table, const Run& run) {
         Channel& channel = storage.channels[index];
         const auto id = static_cast<ChannelId>(index);
         if (!table.touched(id) && !channel.reads_untouched) continue;
-        if (channel.definition.rule == FilterRule::filter)
-            storage.add_filtered(channel, index, table, run);
+        if (channel.definition.rule == FilterRule::filter) storage.add_filtered(channel, index, table, run);
         else if (channel.definition.rule == FilterRule::average || channel.definition.rule == FilterRule::sum)
             storage.add_plain(channel, index, table, run);
-        else
-            storage.add_picked(channel, index, table, run);
+        else storage.add_picked(channel, index, table, run);
     }
 }
 

@@ -32,9 +32,13 @@ std::string difference(const ChannelDefinition& a, const ChannelDefinition& b) {
 
 }  // namespace
 
-const FrameBufferLayout& FrameBuffer::layout() const { return storage_->layout; }
+const FrameBufferLayout& FrameBuffer::layout() const {
+    return storage_->layout;
+}
 
-std::span<const ChannelDefinition> FrameBuffer::channels() const { return storage_->definitions; }
+std::span<const ChannelDefinition> FrameBuffer::channels() const {
+    return storage_->definitions;
+}
 
 std::uint64_t FrameBuffer::sample_count(int x, int y) const {
     return storage_->samples[static_cast<std::size_t>(y) * static_cast<std::size_t>(storage_->layout.width) +
@@ -57,18 +61,16 @@ std::vector<double> FrameBuffer::resolve(ChannelId id) const {
     const auto components = static_cast<std::size_t>(channel.components);
     const int exponent = storage.layout.quantum_exponent;
     const FilterRule rule = channel.definition.rule;
-    const double miss = channel.definition.style == ChannelStyle::name ? static_cast<double>(channel.definition.miss_value) : 0;
+    const double miss =
+        channel.definition.style == ChannelStyle::name ? static_cast<double>(channel.definition.miss_value) : 0;
     std::vector<double> result(storage.pixel_count() * components);
     for (std::size_t i = 0; i < result.size(); ++i) {
         const std::size_t pixel = i / components;
         if (rule == FilterRule::filter)
             result[i] = mean_of(channel.sum[i], storage.weight[pixel], storage.samples[pixel], exponent);
-        else if (channel.seen[pixel] == 0)
-            result[i] = miss;
-        else if (is_z_rule(rule) || is_extremum(rule))
-            result[i] = channel.picked[i];
-        else
-            result[i] = mean_of(channel.sum[i], 0, rule == FilterRule::sum ? 1 : channel.seen[pixel], exponent);
+        else if (channel.seen[pixel] == 0) result[i] = miss;
+        else if (is_z_rule(rule) || is_extremum(rule)) result[i] = channel.picked[i];
+        else result[i] = mean_of(channel.sum[i], 0, rule == FilterRule::sum ? 1 : channel.seen[pixel], exponent);
     }
     return result;
 }
@@ -111,7 +113,7 @@ Status FrameBuffer::merge(const FrameBuffer& other) {
         return error_at({}, "frame buffers of different size, block size or quantum cannot be merged");
     if (mine.channels.size() != theirs.channels.size())
         return error_at({}, "frame buffers with " + std::to_string(mine.channels.size()) + " and " +
-                     std::to_string(theirs.channels.size()) + " channels cannot be merged");
+                                std::to_string(theirs.channels.size()) + " channels cannot be merged");
     for (std::size_t i = 0; i < mine.channels.size(); ++i)
         if (const std::string text = difference(mine.definitions[i], theirs.definitions[i]); !text.empty())
             return error_at({}, "frame buffers with different channels cannot be merged: " + text);

@@ -10,23 +10,22 @@ namespace {
 using RowState = SampleTable::RowState;
 
 /// The value of one camera sample under a kernel: see the rules at the head of frame_buffer.h.
-void fold_sample(const SampleTable& table, ChannelId id, int components, int row, std::span<const int> extra, double* out) {
+void fold_sample(const SampleTable& table, ChannelId id, int components, int row, std::span<const int> extra,
+                 double* out) {
     const double* values = table.values(id);
     const bool plain = table.channel(id).style == ChannelStyle::name;
     const double fill = table.fill_value(id);
     std::fill_n(out, components, 0.0);
     double through = 1;
-    bool any_written = false, any_set = false;
+    bool any_set = false;
     const auto take = [&](int r) {
         const double opacity = table.opacity[static_cast<std::size_t>(r)].average();
         const RowState state = plain ? table.row_state(id, r) : RowState::untouched;
         const double* v = values + static_cast<std::size_t>(r) * static_cast<std::size_t>(components);
         double weight = 1;
-        if (state == RowState::written)
-            weight = extra.empty() ? 1.0 : through * opacity;
+        if (state == RowState::written) weight = extra.empty() ? 1.0 : through * opacity;
         else if (state == RowState::untouched && fill != 0)
             weight = 0;  // v holds the miss value; it counts once, below
-        any_written = any_written || state == RowState::written;
         any_set = any_set || state != RowState::untouched;
         through *= 1 - opacity;
         if (weight == 0) return;
@@ -100,10 +99,8 @@ void FrameBuffer::Storage::add_filtered(Channel& channel, std::size_t index, con
     }
     const bool statistics = !channel.square_sum.empty();
     BlockSums sums;
-    if (components == 3)
-        sum_block<3>(table, run.begin, run.end, values, statistics, sums);
-    else
-        sum_block<1>(table, run.begin, run.end, values, statistics, sums);
+    if (components == 3) sum_block<3>(table, run.begin, run.end, values, statistics, sums);
+    else sum_block<1>(table, run.begin, run.end, values, statistics, sums);
     const std::size_t at = run.pixel * components;
     // A sum of nothing is not added, so that its memory page is not needed either.
     if (sums.weighted != std::array<double, 3>{})
@@ -125,7 +122,8 @@ void FrameBuffer::Storage::add_plain(Channel& channel, std::size_t index, const 
     run.for_each_row([&](int row) {
         if (!counts(table, id, row)) return;
         ++taken;
-        for (std::size_t c = 0; c < components; ++c) sum[c] += table.values(id)[static_cast<std::size_t>(row) * components + c];
+        for (std::size_t c = 0; c < components; ++c)
+            sum[c] += table.values(id)[static_cast<std::size_t>(row) * components + c];
     });
     channel.seen[run.pixel] += taken;
     if (sum != std::array<double, 3>{})

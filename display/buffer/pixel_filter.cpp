@@ -9,8 +9,8 @@ namespace {
 constexpr double pi = std::numbers::pi;
 constexpr int smooth_segments = 256;  // a Gaussian's straight pieces are then within 2e-5 of it at the centre
 
-// The kernels. Formulas: M. Pharr, W. Jakob, G. Humphreys, Physically Based Rendering, 4th ed., section 8.8, but for the
-// Blackman-Harris window: F. J. Harris, "On the use of windows for harmonic analysis with the discrete Fourier
+// The kernels. Formulas: M. Pharr, W. Jakob, G. Humphreys, Physically Based Rendering, 4th ed., section 8.8, but for
+// the Blackman-Harris window: F. J. Harris, "On the use of windows for harmonic analysis with the discrete Fourier
 // transform", Proc. IEEE 66 (1978), 4-term minimum.
 
 double normal_density(double x, double sigma) {
@@ -25,7 +25,9 @@ double mitchell(double x, double b, double c) {
     return 0;
 }
 
-double sinc(double x) { return std::abs(x) < 1e-8 ? 1.0 : std::sin(pi * x) / (pi * x); }
+double sinc(double x) {
+    return std::abs(x) < 1e-8 ? 1.0 : std::sin(pi * x) / (pi * x);
+}
 
 double blackman_harris(double x, double radius) {
     const double phase = pi * x / radius;
@@ -120,10 +122,11 @@ Registry<PixelFilterFactory> in_tree_filters() {
     registry.add({"gaussian", "Gaussian, lowered to zero at the radius",
                   joined(radius_parameters("1.5"), {real_parameter("sigma", "0.5", "standard deviation, pixels, > 0")}),
                   build_gaussian});
-    registry.add({"mitchell", "Mitchell-Netravali cubic; has negative lobes",
-                  joined(radius_parameters("2"), {real_parameter("B", "0.3333333333333333", "blur; B + 2 C = 1 advised"),
-                                                  real_parameter("C", "0.3333333333333333", "ringing")}),
-                  build_mitchell});
+    registry.add(
+        {"mitchell", "Mitchell-Netravali cubic; has negative lobes",
+         joined(radius_parameters("2"), {real_parameter("B", "0.3333333333333333", "blur; B + 2 C = 1 advised"),
+                                         real_parameter("C", "0.3333333333333333", "ringing")}),
+         build_mitchell});
     registry.add({"blackman-harris", "4-term Blackman-Harris window; like a Gaussian, no negative lobes",
                   radius_parameters("1.5"), build_blackman_harris});
     registry.add({"sinc", "Lanczos-windowed sinc; has negative lobes",
@@ -140,7 +143,9 @@ FilterProfile::FilterProfile(const std::function<double(double)>& profile, doubl
     std::vector<double> values(count + 1);
     for (std::size_t i = 0; i <= count; ++i) values[i] = profile(static_cast<double>(i) * step);
 
-    struct WidePiece { double start, width, left, right, sign; };
+    struct WidePiece {
+        double start, width, left, right, sign;
+    };
     std::vector<WidePiece> wide;
     for (std::size_t i = 0; i < count; ++i) {
         const double start = static_cast<double>(i) * step, a = values[i], b = values[i + 1];

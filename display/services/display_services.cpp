@@ -8,7 +8,9 @@ namespace {
 
 using RowState = SampleTable::RowState;
 
-bool holds_triples(ChannelType type) { return component_count(type) == 3; }
+bool holds_triples(ChannelType type) {
+    return component_count(type) == 3;
+}
 
 }  // namespace
 
@@ -129,6 +131,8 @@ int DisplayServices::add_sample(int row, const ExtraSample& sample) {
     return added;
 }
 
-void DisplayServices::discard_iteration() { table_.discard(); }
+void DisplayServices::discard_iteration() {
+    table_.discard();
+}
 
 }  // namespace raylex::display

@@ -29,8 +29,9 @@ Status check_channel(const ChannelDefinition& channel, const lpe::ChannelSource&
         if (prefix == "noclamp") continue;
         const std::string found = "channel '" + channel.name + "' has the prefix '" + prefix + ";'";
         if (prefix == "noinfinitecheck")
-            return error_at(location_of(channel), found + ", which would let non-finite values into an image; expected "
-                                                          "an expression without it");
+            return error_at(location_of(channel), found +
+                                                      ", which would let non-finite values into an image; expected "
+                                                      "an expression without it");
         return error_at(location_of(channel),
                         found + ", which this version does not honour; expected no prefix, or 'noclamp;'");
     }
@@ -58,8 +59,9 @@ Result<std::vector<lpe::ChannelSource>> collect_sources(std::span<const ChannelD
         source.origin_column = channel.origin_column;
         for (const std::size_t other : channel.rest_of) {
             if (other >= channels.size() || index_of[other] == channels.size())
-                return error_at(location_of(channel), "channel '" + channel.name +
-                                                          "' is the rest of a channel that has no light path expression");
+                return error_at(
+                    location_of(channel),
+                    "channel '" + channel.name + "' is the rest of a channel that has no light path expression");
             source.rest_of.push_back(index_of[other]);
         }
         if (const Status status = check_channel(channel, source); !status) return status.error();
@@ -110,7 +112,7 @@ class Fractions {
   private:
     std::span<const LobePart> parts_;
     RgbD total_;
-    std::array<std::size_t, 3> picked_{};       // part 0 for a colour to which nothing is given
+    std::array<std::size_t, 3> picked_{};  // part 0 for a colour to which nothing is given
     std::array<bool, 3> proportional_{};
 };
 
@@ -266,9 +268,9 @@ void LpeServices::split(Tracker& tracker, std::span<const LobePart> parts) {
 }
 
 /// Brings `branches` down to `target` by collapsing the smallest. The collapse moves, per colour, all that the chosen
-/// branches hold to one of them, drawn in proportion to what it held: the sum is kept exactly and each branch's expected
-/// share is what it was. One random number serves the three colours, so that they mostly agree on the survivor; at most
-/// three survive, so three more than the excess are chosen.
+/// branches hold to one of them, drawn in proportion to what it held: the sum is kept exactly and each branch's
+/// expected share is what it was. One random number serves the three colours, so that they mostly agree on the
+/// survivor; at most three survive, so three more than the excess are chosen.
 void LpeServices::collapse(BranchList& branches, std::size_t target, std::uint64_t& random_state) {
     const std::size_t chosen_count = branches.count - target + 3;
     std::array<std::uint16_t, BranchList::room> order;
@@ -276,9 +278,8 @@ void LpeServices::collapse(BranchList& branches, std::size_t target, std::uint64
     std::array<double, BranchList::room> size;
     for (std::size_t i = 0; i < branches.count; ++i) size[i] = branches.size(i);
     std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(chosen_count),
-                      order.begin() + static_cast<std::ptrdiff_t>(branches.count), [&](std::uint16_t a, std::uint16_t b) {
-                          return size[a] != size[b] ? size[a] < size[b] : a < b;
-                      });
+                      order.begin() + static_cast<std::ptrdiff_t>(branches.count),
+                      [&](std::uint16_t a, std::uint16_t b) { return size[a] != size[b] ? size[a] < size[b] : a < b; });
     const double random = next_random(random_state);
     for (std::size_t c = 0; c < 3; ++c) {
         double total = 0, below = 0;

@@ -11,19 +11,32 @@ namespace {
 
 const char* type_name(ParameterType type) {
     switch (type) {
-        case ParameterType::boolean: return "bool";
-        case ParameterType::integer: return "integer";
-        case ParameterType::real: return "float";
-        case ParameterType::string: return "string";
-        case ParameterType::rgb: return "rgb";
-        case ParameterType::blackbody: return "blackbody";
-        case ParameterType::spectrum: return "spectrum";
-        case ParameterType::point2: return "point2";
-        case ParameterType::vector2: return "vector2";
-        case ParameterType::point3: return "point3";
-        case ParameterType::vector3: return "vector3";
-        case ParameterType::normal: return "normal";
-        case ParameterType::texture: return "texture";
+        case ParameterType::boolean:
+            return "bool";
+        case ParameterType::integer:
+            return "integer";
+        case ParameterType::real:
+            return "float";
+        case ParameterType::string:
+            return "string";
+        case ParameterType::rgb:
+            return "rgb";
+        case ParameterType::blackbody:
+            return "blackbody";
+        case ParameterType::spectrum:
+            return "spectrum";
+        case ParameterType::point2:
+            return "point2";
+        case ParameterType::vector2:
+            return "vector2";
+        case ParameterType::point3:
+            return "point3";
+        case ParameterType::vector3:
+            return "vector3";
+        case ParameterType::normal:
+            return "normal";
+        case ParameterType::texture:
+            return "texture";
     }
     return "value";
 }
@@ -46,7 +59,9 @@ Status require_single(const Parameter& parameter, const SourceLocation& set_loca
     return success();
 }
 
-char lower(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
+char lower(char c) {
+    return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+}
 
 /// Optimal string alignment distance (insert, delete, replace, swap neighbours), letter case ignored.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
@@ -100,8 +115,8 @@ Result<double> ParameterSet::real_or(std::string_view name, double fallback) con
 Result<std::int64_t> ParameterSet::integer_or(std::string_view name, std::int64_t fallback) const {
     const Parameter* parameter = find(name);
     if (parameter == nullptr) return fallback;
-    if (Status status = require_single(*parameter, location, ParameterType::integer,
-                                       parameter->type == ParameterType::integer);
+    if (Status status =
+            require_single(*parameter, location, ParameterType::integer, parameter->type == ParameterType::integer);
         !status)
         return status.error();
     const double value = parameter->numbers.front();
@@ -115,8 +130,8 @@ Result<std::int64_t> ParameterSet::integer_or(std::string_view name, std::int64_
 Result<bool> ParameterSet::boolean_or(std::string_view name, bool fallback) const {
     const Parameter* parameter = find(name);
     if (parameter == nullptr) return fallback;
-    if (Status status = require_single(*parameter, location, ParameterType::boolean,
-                                       parameter->type == ParameterType::boolean);
+    if (Status status =
+            require_single(*parameter, location, ParameterType::boolean, parameter->type == ParameterType::boolean);
         !status)
         return status.error();
     return parameter->booleans.front() != 0;
@@ -125,8 +140,8 @@ Result<bool> ParameterSet::boolean_or(std::string_view name, bool fallback) cons
 Result<std::string> ParameterSet::string_or(std::string_view name, std::string_view fallback) const {
     const Parameter* parameter = find(name);
     if (parameter == nullptr) return std::string(fallback);
-    if (Status status = require_single(*parameter, location, ParameterType::string,
-                                       parameter->type == ParameterType::string);
+    if (Status status =
+            require_single(*parameter, location, ParameterType::string, parameter->type == ParameterType::string);
         !status)
         return status.error();
     return parameter->strings.front();

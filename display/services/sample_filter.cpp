@@ -64,8 +64,8 @@ Result<std::unique_ptr<SampleFilter>> build_clamp(const ParameterSet& parameters
     const Result<double> limit = parameters.real_or("luminance", 10.0);
     if (!limit) return limit.error();
     if (!(*limit > 0))
-        return error_at(parameters.location, "sample filter 'clamp' has luminance " + std::to_string(*limit) +
-                                                 "; expected a value above 0");
+        return error_at(parameters.location,
+                        "sample filter 'clamp' has luminance " + std::to_string(*limit) + "; expected a value above 0");
     if (context.beauty < 0)
         return error_at(parameters.location,
                         "sample filter 'clamp' derives its factor from beauty, which this render leaves out; expected "
@@ -92,7 +92,8 @@ Result<std::unique_ptr<SampleFilter>> build_clamp(const ParameterSet& parameters
 Registry<SampleFilterFactory> in_tree_filters() {
     Registry<SampleFilterFactory> registry("sample filter");
     registry.add({"none", "leaves the samples as they are", {}, build_none});
-    registry.add({"clamp", "scales samples brighter than a luminance down to it, all light channels by one factor",
+    registry.add({"clamp",
+                  "scales samples brighter than a luminance down to it, all light channels by one factor",
                   {{"luminance", ParameterType::real, "10", "largest luminance a sample keeps, > 0"}},
                   build_clamp});
     return registry;

@@ -36,7 +36,8 @@ void SampleTable::clear_rows(int count) {
         if (touched_[channel] == 0) continue;
         touched_[channel] = 0;
         double* first = values_.data() + offset_[channel];
-        std::fill(first, first + rows * static_cast<std::size_t>(component_count(channels_[channel].type)), fill_[channel]);
+        std::fill(first, first + rows * static_cast<std::size_t>(component_count(channels_[channel].type)),
+                  fill_[channel]);
         if (channels_[channel].style == ChannelStyle::name)
             std::fill_n(row_states_.begin() + static_cast<std::ptrdiff_t>(channel * row_capacity_), rows,
                         RowState::untouched);

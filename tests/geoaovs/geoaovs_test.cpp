@@ -46,8 +46,8 @@ ShadingBatch one_hit() {
     const float matrix[3][4] = {{0, -1, 0, 20}, {0, 0, 1, -30}, {1, 0, 0, -10}};
     for (int r = 0; r < 3; ++r) std::copy_n(matrix[r], 4, hits.world_to_camera[r]);
     hits.row[0] = 1;
-    set(hits.position, 0, 14, 20, 33);         // 4 ahead, 3 up
-    set(hits.shading_normal, 0, -1, 0, 0);     // towards the camera
+    set(hits.position, 0, 14, 20, 33);      // 4 ahead, 3 up
+    set(hits.shading_normal, 0, -1, 0, 0);  // towards the camera
     set(hits.geometric_normal, 0, 0, 0.6f, 0.8f);
     hits.s[0] = 0.25f;
     hits.t[0] = 0.75f;
@@ -75,8 +75,8 @@ TEST_CASE("every AOV has its value in its space", "[geoaovs]") {
     CHECK(value("Pw") == std::vector<double>{14, 20, 33});
     CHECK(value("Nn") == std::vector<double>{0, 0, -1});
     CHECK(value("Ngn") == std::vector<double>{f(-0.6f), f(0.8f), 0});
-    CHECK(value("z") == std::vector<double>{4});      // along the axis
-    CHECK(value("VLen") == std::vector<double>{5});   // radial: 3-4-5
+    CHECK(value("z") == std::vector<double>{4});     // along the axis
+    CHECK(value("VLen") == std::vector<double>{5});  // radial: 3-4-5
     CHECK(value("st") == std::vector<double>{0.25, 0.75, 0});
     CHECK(value("id") == std::vector<double>{42});
     CHECK(value("albedo") == std::vector<double>{f(0.1f), f(0.2f), f(0.3f)});
@@ -107,8 +107,8 @@ TEST_CASE("at an edge depth and id are those of the nearest sample, normals fade
     display::DisplayServices services(table);
     const GeometricAovs aovs(channels);
     ShadingBatch hits = one_hit();
-    aovs.write(hits, services);   // row 1: 5 away
-    hits.row[0] = 2;              // row 2: nearer, another object; rows 0 and 3 miss
+    aovs.write(hits, services);  // row 1: 5 away
+    hits.row[0] = 2;             // row 2: nearer, another object; rows 0 and 3 miss
     hits.position[0][0] = 12;
     hits.distance[0] = 3.5f;
     hits.object_id[0] = 7;

@@ -18,8 +18,7 @@ constexpr ChannelId color = 0, depth = 1, index = 2, light = 3;
 std::vector<ChannelDefinition> four_channels() {
     return {plain_channel("color", ChannelType::rgb),
             plain_channel("depth", ChannelType::real, FilterRule::zmin, std::numeric_limits<float>::infinity()),
-            plain_channel("index", ChannelType::integer, FilterRule::zmin),
-            test::expression_channel("light", "CL")};
+            plain_channel("index", ChannelType::integer, FilterRule::zmin), test::expression_channel("light", "CL")};
 }
 
 struct Fixture {
@@ -67,12 +66,12 @@ TEST_CASE("bad ids, rows and types are refused, counted per channel and change n
     Fixture f;
     CHECK_FALSE(f.services.splat(invalid_channel, 0, 1.0f));
     CHECK_FALSE(f.services.splat(4, 0, Rgb(1)));
-    CHECK_FALSE(f.services.splat(color, 0, 1.0f));              // a float into a colour
-    CHECK_FALSE(f.services.splat(depth, 0, Rgb(1)));            // a colour into a float
-    CHECK_FALSE(f.services.splat(index, 0, 1.0f));              // ids cannot be splatted
+    CHECK_FALSE(f.services.splat(color, 0, 1.0f));    // a float into a colour
+    CHECK_FALSE(f.services.splat(depth, 0, Rgb(1)));  // a colour into a float
+    CHECK_FALSE(f.services.splat(index, 0, 1.0f));    // ids cannot be splatted
     CHECK_FALSE(f.services.write(depth, 0, std::int32_t{1}));
     CHECK_FALSE(f.services.write(index, 0, 1.0f));
-    CHECK_FALSE(f.services.write(color, 4, Rgb(1)));            // rows 0 to 3 exist
+    CHECK_FALSE(f.services.write(color, 4, Rgb(1)));  // rows 0 to 3 exist
     CHECK_FALSE(f.services.write(color, -1, Rgb(1)));
     CHECK_FALSE(f.services.write_distance(4, 1.0f));
     CHECK_FALSE(f.services.write_opacity(-1, Rgb(1)));

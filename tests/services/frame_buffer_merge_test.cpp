@@ -37,14 +37,12 @@ std::vector<ChannelDefinition> every_rule() {
 /// Fills `table` with one block of one pixel: values over many orders of magnitude, equal depths among them.
 void fill_block(SampleTable& table, int pixel, int block) {
     Random random(static_cast<std::uint64_t>(pixel * 1000 + block));
-    std::vector<CameraRow> rows = test::pixel_rows(pixel % width, pixel / width,
-                                                   static_cast<std::uint64_t>(block * block_size), block_size);
+    std::vector<CameraRow> rows =
+        test::pixel_rows(pixel % width, pixel / width, static_cast<std::uint64_t>(block * block_size), block_size);
     for (CameraRow& row : rows) row.filter_weight = random.below(4) == 0 ? -1.2f : 1.2f;
     table.begin(rows);
     DisplayServices services(table);
-    const auto value = [&] {
-        return static_cast<float>(std::ldexp(random.uniform() - 0.3, random.below(60) - 40));
-    };
+    const auto value = [&] { return static_cast<float>(std::ldexp(random.uniform() - 0.3, random.below(60) - 40)); };
     const auto color = [&] { return Rgb(value(), value(), value()); };
     for (int row = 0; row < block_size; ++row) {
         services.write_opacity(row, Rgb(random.uniform_float()));
@@ -95,7 +93,8 @@ void shuffle(std::vector<std::pair<int, int>>& blocks, Random& random) {
     for (std::size_t i = blocks.size(); i > 1; --i) std::swap(blocks[i - 1], blocks[random.bits() % i]);
 }
 
-TEST_CASE("blocks dealt to several buffers at random and merged in random order give the same bits", "[frame_buffer][law3]") {
+TEST_CASE("blocks dealt to several buffers at random and merged in random order give the same bits",
+          "[frame_buffer][law3]") {
     const std::vector<std::uint64_t> expected = bits_of(render_in_order());
     const std::vector<ChannelDefinition> channels = every_rule();
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {

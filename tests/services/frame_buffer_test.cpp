@@ -43,9 +43,11 @@ void check_alternating_mean(std::uint64_t samples) {
     CHECK(std::abs(buffer.resolve(0)[0] - 0.5) < 1e-9);  // stability.md row 40
 }
 
-// Block sums are added exactly, so only the rounding inside one block of 16 is left, whatever the number of blocks: 2^20
-// samples show what 2^27 do.
-TEST_CASE("the mean of alternating 0.1 and 0.9 does not drift", "[frame_buffer]") { check_alternating_mean(1 << 20); }
+// Block sums are added exactly, so only the rounding inside one block of 16 is left, whatever the number of blocks:
+// 2^20 samples show what 2^27 do.
+TEST_CASE("the mean of alternating 0.1 and 0.9 does not drift", "[frame_buffer]") {
+    check_alternating_mean(1 << 20);
+}
 
 TEST_CASE("the mean of alternating 0.1 and 0.9 does not drift over 2^27 samples", "[frame_buffer][.full]") {
     check_alternating_mean(1 << 27);
@@ -68,7 +70,8 @@ TEST_CASE("statistics survive an offset of 1e6", "[frame_buffer][statistical]") 
     CHECK(variance[0] * n == Approx(1).margin(3 * std::sqrt(2.0 / n)));
     long double mean = 0, squares = 0;
     for (const double v : values) mean += static_cast<long double>(v) / n;
-    for (const double v : values) squares += (static_cast<long double>(v) - mean) * (static_cast<long double>(v) - mean);
+    for (const double v : values)
+        squares += (static_cast<long double>(v) - mean) * (static_cast<long double>(v) - mean);
     const auto two_pass = static_cast<double>(squares / (n - 1) / n);
     // Block sums are rounded at 2^-53 x 1.6e7 = 2e-9 of sums whose deviations are of order 4; 1e-6 leaves a margin.
     CHECK(variance[0] == Approx(two_pass).epsilon(1e-6));
@@ -76,7 +79,8 @@ TEST_CASE("statistics survive an offset of 1e6", "[frame_buffer][statistical]") 
     CHECK(variance[2] == Approx(9 * two_pass).epsilon(1e-6));
 }
 
-TEST_CASE("the variance of the mean predicts the scatter of means, negative weights included", "[frame_buffer][statistical]") {
+TEST_CASE("the variance of the mean predicts the scatter of means, negative weights included",
+          "[frame_buffer][statistical]") {
     std::vector<ChannelDefinition> channels{plain_channel("v", ChannelType::real)};
     channels[0].statistics = true;
     const PixelFilter filter = *make_pixel_filter("mitchell", {});
@@ -86,7 +90,8 @@ TEST_CASE("the variance of the mean predicts the scatter of means, negative weig
     Random random(11);
     for (int x = 0; x < pixels; ++x) {
         std::vector<CameraRow> rows = pixel_rows(x, 0, 0, n);
-        for (CameraRow& row : rows) row.filter_weight = filter.sample(random.uniform_float(), random.uniform_float()).weight;
+        for (CameraRow& row : rows)
+            row.filter_weight = filter.sample(random.uniform_float(), random.uniform_float()).weight;
         table.begin(rows);
         for (int row = 0; row < n; ++row) table.values(0)[row] = 3 + 0.5 * random.normal();
         table.touch(0);
@@ -123,8 +128,8 @@ TEST_CASE("a constant image is constant under every pixel filter", "[frame_buffe
         const std::vector<double> values = buffer.resolve(0), alpha = buffer.resolve_alpha();
         // Weighted sums of 16 terms in double: 16 x 2^-53 of their absolute sum, which weights that cancel to no less
         // than a tenth of it can raise tenfold. Weights that cancel completely (the sum is exactly 0) are the one
-        // exception: the mean is then over the count, and 0. For sinc (23 % of the weights negative) that is expected in
-        // 0.7 of the 64 pixels; more than 6 have a probability below 1e-5.
+        // exception: the mean is then over the count, and 0. For sinc (23 % of the weights negative) that is expected
+        // in 0.7 of the 64 pixels; more than 6 have a probability below 1e-5.
         for (const double v : values)
             if (v != 0) CHECK(v == Approx(0.7).epsilon(1e-13));
         CHECK(std::count(values.begin(), values.end(), 0.0) <= 3 * (filter.has_negative_lobes() ? 6 : 0));
@@ -171,7 +176,8 @@ TEST_CASE("rules pick what they say, by depth with ties to the smaller sample", 
 }
 
 TEST_CASE("a rule on an expression channel counts samples without light as black", "[frame_buffer]") {
-    std::vector<ChannelDefinition> channels{test::expression_channel("min", "CL"), test::expression_channel("mean", "CL")};
+    std::vector<ChannelDefinition> channels{test::expression_channel("min", "CL"),
+                                            test::expression_channel("mean", "CL")};
     channels[0].rule = FilterRule::min;
     channels[1].rule = FilterRule::average;
     FrameBuffer buffer({1, 1}, channels);
@@ -206,17 +212,18 @@ TEST_CASE("straight-through rows add light, composite what is written and raise 
     services.write(2, leaf, 2.0f);
     services.write(2, wall, 5.0f);
     buffer.accumulate(table);
-    CHECK(buffer.resolve(0)[0] == 2.0);                          // (3 + 1) / 2 samples
-    CHECK(buffer.resolve_alpha()[0] == 0.5);                     // 1 - (1 - 0.25)(1 - 1) of one sample in two
-    CHECK(buffer.resolve(1)[0] == 0.125);                        // 0.25 / 2
-    CHECK(buffer.resolve(1)[1] == 0.375);                        // 0.75 x 1 / 2
+    CHECK(buffer.resolve(0)[0] == 2.0);       // (3 + 1) / 2 samples
+    CHECK(buffer.resolve_alpha()[0] == 0.5);  // 1 - (1 - 0.25)(1 - 1) of one sample in two
+    CHECK(buffer.resolve(1)[0] == 0.125);     // 0.25 / 2
+    CHECK(buffer.resolve(1)[1] == 0.375);     // 0.75 x 1 / 2
     CHECK(buffer.resolve(2)[0] == 2.0);
     CHECK(buffer.sample_count(0, 0) == 2);
 }
 
 TEST_CASE("under a kernel misses count with the miss value, or 0 when that is infinite", "[frame_buffer]") {
-    const std::vector<ChannelDefinition> channels{plain_channel("seven", ChannelType::real, FilterRule::filter, 7),
-                                                  plain_channel("far", ChannelType::real, FilterRule::filter, infinity)};
+    const std::vector<ChannelDefinition> channels{
+        plain_channel("seven", ChannelType::real, FilterRule::filter, 7),
+        plain_channel("far", ChannelType::real, FilterRule::filter, infinity)};
     FrameBuffer buffer({2, 1}, channels);
     SampleTable table(channels, 4, 0);
     table.begin(pixel_rows(0, 0, 0, 4));
@@ -234,7 +241,8 @@ TEST_CASE("under a kernel misses count with the miss value, or 0 when that is in
 }
 
 TEST_CASE("sums out of range are rejected and counted, whole colours at a time", "[frame_buffer][law6]") {
-    const std::vector<ChannelDefinition> channels{plain_channel("v", ChannelType::rgb), plain_channel("w", ChannelType::rgb)};
+    const std::vector<ChannelDefinition> channels{plain_channel("v", ChannelType::rgb),
+                                                  plain_channel("w", ChannelType::rgb)};
     FrameBuffer buffer({1, 1}, channels);
     SampleTable table(channels, 16, 0);
     const double bad[4] = {1e300, std::numeric_limits<double>::quiet_NaN(), 1e15, 1.0};

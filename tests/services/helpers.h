@@ -38,7 +38,8 @@ inline std::string join(std::initializer_list<std::string_view> parts) {
 }
 
 inline display::ChannelDefinition plain_channel(std::string name, display::ChannelType type,
-                                                display::FilterRule rule = display::FilterRule::filter, float miss = 0) {
+                                                display::FilterRule rule = display::FilterRule::filter,
+                                                float miss = 0) {
     display::ChannelDefinition channel;
     channel.name = std::move(name);
     channel.type = type;

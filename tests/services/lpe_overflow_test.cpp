@@ -14,7 +14,7 @@ using test::build_setup;
 using test::Classes;
 
 constexpr int vertices = 20, cycle = 7;
-const Rgb diffuse_part(0.25f, 0.5f, 0.375f), glossy_part(0.5f, 0.125f, 0.25f);   // the rest is volume: neither
+const Rgb diffuse_part(0.25f, 0.5f, 0.375f), glossy_part(0.5f, 0.125f, 0.25f);  // the rest is volume: neither
 
 /// beauty, then two partitions of it: by the number of diffuse events modulo 7, and by that of specular ones. Together
 /// they need 49 states, all of them about equally likely after a few bounces: twice what a tracker holds.
@@ -51,7 +51,7 @@ double expected_share(std::size_t channel, std::size_t c) {
 /// Mean and variance over samples of each channel's share of one path.
 struct Moments {
     std::vector<std::array<double, 3>> mean, variance;
-    double worst_sum = 0;            // largest |sum of a partition's shares - 1| of a sample and colour
+    double worst_sum = 0;  // largest |sum of a partition's shares - 1| of a sample and colour
     std::uint64_t overflow = 0;
 };
 
@@ -111,12 +111,13 @@ TEST_CASE("overflow keeps every sum and is unbiased in every share", "[lpe_servi
     const LpeSetup setup = build_setup(channels, 0);
     REQUIRE(setup.program().group_count() == 1);
     const Moments exact = measure(setup, channels, samples, LpeServices::Attribution::exact, 5);
-    CHECK(exact.overflow > samples);   // more than once a path
-    CHECK(exact.worst_sum < 1e-12);    // 20 moves and their collapses, 2^-53 each
+    CHECK(exact.overflow > samples);  // more than once a path
+    CHECK(exact.worst_sum < 1e-12);   // 20 moves and their collapses, 2^-53 each
     CHECK(worst_deviation(exact, samples) < allowed_deviation);
 }
 
-TEST_CASE("overflow keeps every sum where the compiler spread a program over groups", "[lpe_services][law1][law5][statistical]") {
+TEST_CASE("overflow keeps every sum where the compiler spread a program over groups",
+          "[lpe_services][law1][law5][statistical]") {
     const std::vector<ChannelDefinition> channels = count_modulo();
     lpe::CompileOptions options;
     options.state_cap = 30;

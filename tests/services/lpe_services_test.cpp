@@ -41,7 +41,8 @@ void follow_random_path(LpeServices& services, const Classes& classes, int row, 
     for (int vertex = 0; vertex < length; ++vertex) {
         std::array<LobePart, 4> parts;
         const int count = 1 + random.below(4);
-        for (int i = 0; i < count; ++i) parts[static_cast<std::size_t>(i)] = {any(classes.scattering), random_color(random)};
+        for (int i = 0; i < count; ++i)
+            parts[static_cast<std::size_t>(i)] = {any(classes.scattering), random_color(random)};
         services.move(tracker, std::span(parts).first(static_cast<std::size_t>(count)));
         Tracker lit = tracker;
         services.move(lit, any(classes.terminals));
@@ -53,7 +54,7 @@ void follow_random_path(LpeServices& services, const Classes& classes, int row, 
 
 struct Rendered {
     std::vector<double> beauty;
-    double worst = 0;                     // largest |sum - beauty| / beauty over rows and colours
+    double worst = 0;  // largest |sum - beauty| / beauty over rows and colours
     std::uint64_t overflow = 0;
 };
 
@@ -64,7 +65,8 @@ Rendered render_random_paths(const std::vector<ChannelDefinition>& channels, con
     SampleTable table(channels, rows, 0);
     table.begin(test::pixel_rows(3, 4, 0, rows));
     LpeServices services(setup, table, 17);
-    for (int row = 0; row < rows; ++row) follow_random_path(services, classes, row, static_cast<std::uint64_t>(row), row % 64);
+    for (int row = 0; row < rows; ++row)
+        follow_random_path(services, classes, row, static_cast<std::uint64_t>(row), row % 64);
     Rendered result;
     result.beauty.assign(table.values(0), table.values(0) + 3 * rows);
     result.overflow = services.overflow_count();
@@ -140,7 +142,8 @@ TEST_CASE("each colour is attributed in proportion to what the lobes carried of 
 }
 
 TEST_CASE("a channel that does not tell lobes apart has exactly what beauty has", "[lpe_services][law5]") {
-    const std::vector<ChannelDefinition> channels{plain_channel("beauty", ChannelType::rgb), expression_channel("all", "C.*"),
+    const std::vector<ChannelDefinition> channels{plain_channel("beauty", ChannelType::rgb),
+                                                  expression_channel("all", "C.*"),
                                                   expression_channel("lit", "C[RT]+L")};
     const LpeSetup setup = build_setup(channels, 0);
     SampleTable table(channels, 1, 0);
@@ -154,8 +157,8 @@ TEST_CASE("a channel that does not tell lobes apart has exactly what beauty has"
 }
 
 TEST_CASE("a colour to which no lobe gives anything belongs to the first", "[lpe_services][law5]") {
-    const std::vector<ChannelDefinition> channels{plain_channel("beauty", ChannelType::rgb), expression_channel("d", "C<RD>L"),
-                                                  expression_channel("s", "C<RS>L")};
+    const std::vector<ChannelDefinition> channels{plain_channel("beauty", ChannelType::rgb),
+                                                  expression_channel("d", "C<RD>L"), expression_channel("s", "C<RS>L")};
     const LpeSetup setup = build_setup(channels, 0);
     const Classes classes(setup);
     SampleTable table(channels, 1, 0);
@@ -172,8 +175,10 @@ TEST_CASE("a colour to which no lobe gives anything belongs to the first", "[lpe
     CHECK(table.values(2)[2] == 2);
 }
 
-TEST_CASE("contributions that are not finite reach nothing and are logged with pixel and sample", "[lpe_services][law6]") {
-    const std::vector<ChannelDefinition> channels{plain_channel("beauty", ChannelType::rgb), expression_channel("l", "CL")};
+TEST_CASE("contributions that are not finite reach nothing and are logged with pixel and sample",
+          "[lpe_services][law6]") {
+    const std::vector<ChannelDefinition> channels{plain_channel("beauty", ChannelType::rgb),
+                                                  expression_channel("l", "CL")};
     const LpeSetup setup = build_setup(channels, 0);
     const Classes classes(setup);
     SampleTable table(channels, 2, 1);
@@ -204,7 +209,8 @@ TEST_CASE("contributions that are not finite reach nothing and are logged with p
 }
 
 TEST_CASE("a path is live while something can still accept it", "[lpe_services][law4]") {
-    std::vector<ChannelDefinition> channels{expression_channel("direct", "C<RD>L"), expression_channel("caustic", "C<RD><RS>+L")};
+    std::vector<ChannelDefinition> channels{expression_channel("direct", "C<RD>L"),
+                                            expression_channel("caustic", "C<RD><RS>+L")};
     const LpeSetup setup = build_setup(channels, invalid_channel);
     const Classes classes(setup);
     SampleTable table(channels, 1, 0);
@@ -256,14 +262,16 @@ TEST_CASE("without expression channels only beauty is filled", "[lpe_services]")
 
 TEST_CASE("prefixes that nothing honours are refused by name", "[lpe_services][law7]") {
     const auto build = [](const std::string& expression) {
-        std::vector<ChannelDefinition> channels{plain_channel("beauty", ChannelType::rgb), expression_channel("mine", expression)};
+        std::vector<ChannelDefinition> channels{plain_channel("beauty", ChannelType::rgb),
+                                                expression_channel("mine", expression)};
         channels[1].origin = "job.toml";
         channels[1].origin_line = 8;
         return LpeSetup::build(channels, 0);
     };
     CHECK(build("noclamp;C<RD>L"));
     CHECK(build("lpe:noclamp;C<RD>L"));
-    for (const std::string prefix : {"unoccluded", "nothruput", "shadows", "holdouts", "overwrite", "noinfinitecheck"}) {
+    for (const std::string prefix :
+         {"unoccluded", "nothruput", "shadows", "holdouts", "overwrite", "noinfinitecheck"}) {
         const auto setup = build(test::join({"noclamp;", prefix, ";C<RD>L"}));
         REQUIRE_FALSE(setup);
         CHECK(setup.error().message.find(test::join({"'", prefix, ";'"})) != std::string::npos);

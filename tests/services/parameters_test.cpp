@@ -77,7 +77,7 @@ TEST_CASE("near misses are slips, not guesses", "[parameters]") {
     CHECK(nearest_name("Mitchell", names) == "mitchell");
     CHECK(nearest_name("bxo", names) == "box");  // swapped neighbours are one slip
     CHECK(nearest_name("triangle", names).empty());
-    CHECK(nearest_name("z", {"P"}).empty());     // every letter replaced is another word
+    CHECK(nearest_name("z", {"P"}).empty());  // every letter replaced is another word
     CHECK(nearest_name("anything", {}).empty());
 }
 

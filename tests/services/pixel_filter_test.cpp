@@ -20,13 +20,18 @@ struct Kernel {
     std::function<double(double)> value;
 };
 
-double lowered_gaussian(double x) { return std::exp(-2 * x * x) - std::exp(-2 * 1.5 * 1.5); }  // sigma 0.5
+double lowered_gaussian(double x) {
+    return std::exp(-2 * x * x) - std::exp(-2 * 1.5 * 1.5);
+}  // sigma 0.5
 
 double mitchell_third(double x) {  // B = C = 1/3, x in [0, 2]: Mitchell and Netravali 1988
-    return x < 1 ? (7 * x * x * x - 12 * x * x + 16.0 / 3) / 6 : (-7.0 / 3 * x * x * x + 12 * x * x - 20 * x + 32.0 / 3) / 6;
+    return x < 1 ? (7 * x * x * x - 12 * x * x + 16.0 / 3) / 6
+                 : (-7.0 / 3 * x * x * x + 12 * x * x - 20 * x + 32.0 / 3) / 6;
 }
 
-double sinc(double x) { return x == 0 ? 1 : std::sin(std::numbers::pi * x) / (std::numbers::pi * x); }
+double sinc(double x) {
+    return x == 0 ? 1 : std::sin(std::numbers::pi * x) / (std::numbers::pi * x);
+}
 
 double blackman_harris(double x) {
     const double p = 2 * std::numbers::pi * (x / 3 + 0.5);
@@ -51,7 +56,8 @@ double integrate(const std::function<double(double)>& f, double from, double to,
     return sum * (to - from) / steps;
 }
 
-TEST_CASE("every filter has pbrt's default radius and only the oscillating ones have negative lobes", "[pixel_filter]") {
+TEST_CASE("every filter has pbrt's default radius and only the oscillating ones have negative lobes",
+          "[pixel_filter]") {
     CHECK(pixel_filter_registry().names().size() == kernels().size());
     for (const auto& [name, kernel] : kernels()) {
         CAPTURE(name);
@@ -73,8 +79,8 @@ TEST_CASE("evaluate is the kernel's formula, normalised", "[pixel_filter]") {
             const double x = kernel.radius * i / 100, y = kernel.radius * (i * 37 % 100) / 100;
             const double expected = kernel.value(x) * kernel.value(y) / (integral * integral);
             // 256 straight pieces per radius (1024 for sinc): relative to the peak, h^2 f'' / 8 < 1e-4 at the worst.
-            CHECK(std::abs(static_cast<double>(filter.evaluate(static_cast<float>(x), static_cast<float>(y))) - expected) <
-                  1e-4 * peak * peak);
+            CHECK(std::abs(static_cast<double>(filter.evaluate(static_cast<float>(x), static_cast<float>(y))) -
+                           expected) < 1e-4 * peak * peak);
         }
         CHECK(filter.evaluate(filter.radius_x() * 1.01f, 0) == 0.0f);
     }
@@ -134,8 +140,8 @@ TEST_CASE("samples follow |kernel| and carry its sign", "[pixel_filter]") {
         // z = 3.7: a false alarm once in 10^4 per axis, were the seed not fixed.
         CHECK(chi_x < test::chi_square_quantile(bins - 1, 3.7));
         CHECK(chi_y < test::chi_square_quantile(bins - 1, 3.7));
-        // Where the straight pieces cross zero they may differ from the curve within one piece (radius / 1024 or less of
-        // small |f|): a share of samples below 1e-4.
+        // Where the straight pieces cross zero they may differ from the curve within one piece (radius / 1024 or less
+        // of small |f|): a share of samples below 1e-4.
         CHECK(wrong_sign < samples / 10'000);
     }
 }

@@ -33,9 +33,9 @@ TEST_CASE("clamp scales beauty and splits by one factor and leaves the rest alon
         for (int c = 0; c < 3; ++c) table.values(id)[3 * row + c] = v;
     };
     for (ChannelId id = 0; id < 4; ++id) {
-        set(id, 0, 3);       // sample 0 is 3 + 5 = 8 over its two rows: factor 1 / 4
+        set(id, 0, 3);  // sample 0 is 3 + 5 = 8 over its two rows: factor 1 / 4
         set(id, extra, 5);
-        set(id, 1, 1.5);     // sample 1 stays
+        set(id, 1, 1.5);  // sample 1 stays
     }
     (*filter)->apply(table);
     for (const ChannelId id : {0, 1}) {
