@@ -207,7 +207,7 @@ TEST_CASE("mistakes in materials are located and name what was expected") {
     e = error_of(entity("diffuse", {string("normalmap", "n.png")}));
     CHECK(e.message.find("normalmap") != std::string::npos);
     e = error_of(entity("conductor", {rgb("reflectance", 1, 1, 1), string("eta", "metal-Au-eta")}));
-    CHECK(e.message.find("only one") != std::string::npos);
+    CHECK(e.message.find("both given") != std::string::npos);
     e = error_of(entity("conductor", {real("roughness", -1)}));
     CHECK(e.message.find("roughness") != std::string::npos);
     e = error_of(entity("dielectric", {real("eta", -1.5)}));
