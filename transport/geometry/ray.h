@@ -50,16 +50,17 @@ inline float next_up(float v) {
 }
 inline float next_down(float v) { return -next_up(-v); }
 
-/// Origin of a ray that leaves `p` in `direction`: `offset` along the unit normal `n`, on the direction's side, each
-/// coordinate rounded away from the surface.
+/// Origin of a ray that leaves `p` in `direction`: `offset` along the unit normal `n`, on the direction's side. Each
+/// coordinate that moves goes on by 2^-23 of itself, at least an ulp, so that rounding cannot take the step back. Which
+/// way it moves is as good as random from ray to ray: hence no branches.
 inline Vec3 leave_surface(const Vec3& p, const Vec3& n, float offset, const Vec3& direction) {
-    const Vec3 shift = n * (dot(n, direction) < 0 ? -offset : offset);
-    Vec3 o = p + shift;
-    for (int i = 0; i < 3; ++i) {
-        if (shift[i] > 0) o[i] = next_up(o[i]);
-        else if (shift[i] < 0) o[i] = next_down(o[i]);
-    }
-    return o;
+    const Vec3 shift = n * std::copysign(offset, dot(n, direction));
+    const auto step = [](float coordinate, float by) {
+        const float moved = coordinate + by;
+        const float further = std::copysign(moved * 0x1p-23f, by);
+        return moved + (by != 0 ? further : 0.0f);
+    };
+    return {step(p.x, shift.x), step(p.y, shift.y), step(p.z, shift.z)};
 }
 
 }  // namespace raylex::transport

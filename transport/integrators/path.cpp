@@ -9,7 +9,7 @@ namespace raylex::transport {
 namespace {
 
 // Sampler dimensions of vertex k start at first_free_dimension + k * stride.
-enum VertexDimension : std::uint32_t { choice_dimension, light_dimension, scatter_dimension, roulette_dimension, key_dimension, stride };
+enum VertexDimension : std::uint32_t { choice_dimension, light_dimension, scatter_dimension, lobe_dimension, roulette_dimension, key_dimension, stride };
 constexpr std::uint32_t cutout_dimensions = 1u << 24;     // one per ray, far above every vertex's
 
 std::uint32_t dimension(const PathState& path, VertexDimension which) {
@@ -167,7 +167,7 @@ void PathIntegrator::resolve(PathThread& thread, ThreadServices& services) const
             thread.finish(row);
             continue;
         }
-        v.points[j].random_key = static_cast<std::uint32_t>(thread.samplers[row].random_bits(dimension(path, key_dimension)) >> 32);
+        v.points[j].random_key = thread.samplers[row].key(dimension(path, key_dimension));
         v.keep(j, kept++);
     }
     v.count = kept;
@@ -186,12 +186,13 @@ void PathIntegrator::sample_lights(PathThread& thread, ThreadServices& services)
     if (!can_sample_lights_) return;
     const VertexBatch& v = thread.vertices;
     const LightTable& lights = *context_.scene.lights;
+    const bool own_choice = lights.needs_choice_number(choice());
     for (std::size_t j = 0; j < v.count; ++j) {
         const std::uint32_t row = v.rows[j];
         const PathState& path = thread.paths[row];
         if (!v.bsdfs[j].has_density() || path.depth >= parameters_.max_depth) continue;
         const PixelSampler& sampler = thread.samplers[row];
-        const float u_choice = lights.lights().size() > 1 ? sampler.get_2d(dimension(path, choice_dimension)).x : 0.0f;
+        const float u_choice = own_choice ? sampler.get_1d(dimension(path, choice_dimension)) : 0.0f;
         LightSample sample;
         if (!lights.sample(choice(), *context_.scene.geometry, v.points[j].position, u_choice,
                            sampler.get_2d(dimension(path, light_dimension)), sample)) continue;
@@ -267,6 +268,7 @@ void PathIntegrator::add_lights(PathThread& thread, ThreadServices& services) co
 
 void PathIntegrator::scatter(PathThread& thread, ThreadServices& services) const {
     const VertexBatch& v = thread.vertices;
+    const bool lights_can_be_hit = context_.scene.lights->any_to_hit();
     for (std::size_t j = 0; j < v.count; ++j) {
         const std::uint32_t row = v.rows[j];
         PathState& path = thread.paths[row];
@@ -277,8 +279,7 @@ void PathIntegrator::scatter(PathThread& thread, ThreadServices& services) const
         }
         const Bsdf& bsdf = v.bsdfs[j];
         const SurfacePoint& point = v.points[j];
-        // The choice of lobe shares the pair of the choice of light.
-        const float u_lobe = bsdf.kind() == Bsdf::Kind::lambert ? 0.0f : sampler.get_2d(dimension(path, choice_dimension)).y;
+        const float u_lobe = bsdf.kind() == Bsdf::Kind::lambert ? 0.0f : sampler.get_1d(dimension(path, lobe_dimension));
         const BsdfSample s = bsdf.sample(point.wo, u_lobe, sampler.get_2d(dimension(path, scatter_dimension)));
         if (!(s.pdf > 0) || s.weight.is_black()) {
             thread.finish(row);
@@ -308,7 +309,8 @@ void PathIntegrator::scatter(PathThread& thread, ThreadServices& services) const
                 path.beta *= 1 / keep;
             }
         }
-        if (!services.lpe.live(thread.trackers[row])) {
+        const bool nothing_to_find = path.depth >= parameters_.max_depth && !lights_can_be_hit;
+        if (nothing_to_find || !services.lpe.live(thread.trackers[row])) {
             thread.finish(row);
             continue;
         }

@@ -1,6 +1,7 @@
 // Discrete choice in constant time (Walker 1977; Vose's construction, 1991).
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -45,6 +46,17 @@ class AliasTable {
         if (i >= bins_.size()) i = bins_.size() - 1;
         return scaled - static_cast<float>(i) < bins_[i].threshold ? static_cast<std::uint32_t>(i) : bins_[i].alias;
     }
+    /// The same, and `u` becomes uniform in [0, 1) again. It loses log2(size) of its 24 bits: for small tables.
+    [[nodiscard]] std::uint32_t choose_and_remap(float& u) const {
+        const float scaled = u * static_cast<float>(bins_.size());
+        std::size_t i = static_cast<std::size_t>(scaled);
+        if (i >= bins_.size()) i = bins_.size() - 1;
+        const float rest = scaled - static_cast<float>(i), threshold = bins_[i].threshold;
+        const bool own = rest < threshold;
+        u = std::min(own ? rest / threshold : (rest - threshold) / (1 - threshold), 0x1.fffffep-1f);
+        return own ? static_cast<std::uint32_t>(i) : bins_[i].alias;
+    }
+    [[nodiscard]] std::size_t size() const { return bins_.size(); }
     [[nodiscard]] float probability(std::uint32_t i) const { return bins_.empty() ? 0.0f : bins_[i].probability; }
 
   private:

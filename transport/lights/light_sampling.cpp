@@ -149,12 +149,12 @@ bool sample_infinite(const Light& light, const std::vector<EnvironmentImage>& im
 
 }  // namespace
 
-bool LightTable::sample(LightChoice choice, const EmbreeScene& geometry, const Vec3& from, float u_choice, const Vec2& u,
+bool LightTable::sample(LightChoice choice, const EmbreeScene& geometry, const Vec3& from, float u_choice, Vec2 u,
                         LightSample& s) const {
     const AliasTable& table = selection(choice);
     if (table.empty()) return false;
     s = LightSample();
-    s.light = table.choose(u_choice);
+    s.light = table.size() > shared_choice_limit ? table.choose(u_choice) : table.choose_and_remap(u.x);
     s.pdf = table.probability(s.light);
     const Light& light = lights_[s.light];
     switch (light.kind) {

@@ -124,6 +124,7 @@ void LightTable::finish(const EmbreeScene& geometry) {
         if (!(light.power > 0) && !light.emission.is_black()) light.power = light.emission.max();   // colours of negative luminance
         if (light.is_area() && !(light.area > 0)) light.power = 0;
         if (light.power > 0) ++lit;
+        any_to_hit_ = any_to_hit_ || (light.power > 0 && !light.is_delta());
         total += light.power;
     }
     // A tenth of the choices ignores power: a weak light close by is never starved.

@@ -46,9 +46,14 @@ class LightTable {
     static Result<LightTable> build(const SceneDescription& scene, EmbreeScene& geometry, std::vector<Error>& warnings);
 
     [[nodiscard]] bool can_sample(LightChoice choice) const { return !selection(choice).empty(); }
-    /// False when nothing can arrive at `from`. u_choice and u in [0, 1).
-    bool sample(LightChoice choice, const EmbreeScene& geometry, const Vec3& from, float u_choice, const Vec2& u,
+    /// Above this many lights the choice takes a number of its own; below, it shares u.x and costs few of its bits.
+    static constexpr std::size_t shared_choice_limit = 64;
+    [[nodiscard]] bool needs_choice_number(LightChoice choice) const { return selection(choice).size() > shared_choice_limit; }
+    /// False when nothing can arrive at `from`. u in [0, 1)^2; u_choice in [0, 1), read only if needs_choice_number().
+    bool sample(LightChoice choice, const EmbreeScene& geometry, const Vec3& from, float u_choice, Vec2 u,
                 LightSample& sample) const;
+    /// Whether a ray can find any light: if not, a path's last scattering need not be traced.
+    [[nodiscard]] bool any_to_hit() const { return any_to_hit_; }
 
     /// Density with which sample() would have found the point `at` (hit by `hit`) of an area light from `from`.
     [[nodiscard]] float density(LightChoice choice, const EmbreeScene& geometry, std::uint32_t light, const Vec3& from,
@@ -79,6 +84,7 @@ class LightTable {
     std::vector<EnvironmentImage> images_;
     std::vector<std::string> groups_{std::string()};
     AliasTable mis_selection_, full_selection_;
+    bool any_to_hit_ = false;
 };
 
 }  // namespace raylex::transport

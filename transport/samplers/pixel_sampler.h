@@ -99,6 +99,11 @@ class PixelSampler {
         return sampler_detail::mix(hash(dimension) ^ reversed_index_);
     }
 
+    /// A key for somebody else's hash: distinct per (pixel, sample, dimension), not itself random enough to use.
+    [[nodiscard]] std::uint32_t key(std::uint32_t dimension) const {
+        return static_cast<std::uint32_t>(((key_ ^ reversed_index_) + dimension * 0x9e3779b97f4a7c15ull) * 0xbf58476d1ce4e5b9ull >> 32);
+    }
+
   private:
     [[nodiscard]] std::uint64_t hash(std::uint32_t dimension) const {
         return sampler_detail::mix(key_ ^ (dimension * 0xd1342543de82ef95ull));
