@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <sstream>
@@ -184,6 +185,9 @@ Result<ColorManager> ColorManager::open(const std::string& config_path) {
     const std::string path = !config_path.empty() ? config_path : environment != nullptr ? environment : "";
     const bool from_environment = config_path.empty() && !path.empty();
     config->file = path.empty() ? "the config shipped with raylex" : path;
+    std::error_code ignored;
+    if (!path.empty() && std::filesystem::is_directory(path, ignored))
+        return config_error(path, "cannot read the OpenColorIO config", "this is a directory; expected a config file");
     try {
         if (path.empty()) {
             std::istringstream text{std::string(shipped_config_text())};

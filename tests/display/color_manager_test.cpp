@@ -210,7 +210,9 @@ TEST_CASE("bad configs, spaces, displays and views get errors that name them", "
     CHECK(bad.error().file == folder.file("bad.ocio"));
     CHECK(bad.error().message.find("$OCIO") != std::string::npos);
     unsetenv("OCIO");
-    CHECK(!ColorManager::open(folder.path()).ok());  // a folder
+    auto directory = ColorManager::open(folder.path());
+    REQUIRE(!directory.ok());
+    CHECK(directory.error().message.find("this is a directory") != std::string::npos);
 
     const ColorManager manager = shipped();
     const auto space = manager.matrix_to("ACESgc", {});
