@@ -74,8 +74,8 @@ SceneShape quad(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 }  // namespace
 
 TEST_CASE("no ray that leaves a triangle finds it again, at any scale and place", "[geometry]") {
-    // Rows 1 and 7 of the hard cases. 5 scales x 2 places x 20,000 rays; directions within 1e-6 of the plane are left out:
-    // there the direction's own rounding decides on which side it goes.
+    // Rows 1 and 7 of the hard cases. 5 scales x 2 places x 20,000 rays; directions within 1e-6 of the plane are left
+    // out: there the direction's own rounding decides on which side it goes.
     Random random(1);
     for (const float scale : {1e-6f, 1e-3f, 1.0f, 1e3f, 1e6f})
         for (const float away : {0.0f, 100.0f}) {
@@ -100,7 +100,8 @@ TEST_CASE("no ray that leaves a triangle finds it again, at any scale and place"
                 Ray leaving;
                 leaving.direction = random.direction();
                 if (abs_dot(leaving.direction, f.point.geometric_normal) < 1e-6f) continue;
-                leaving.origin = leave_surface(f.point.position, f.point.geometric_normal, f.source.offset, leaving.direction);
+                leaving.origin =
+                    leave_surface(f.point.position, f.point.geometric_normal, f.source.offset, leaving.direction);
                 ++tested;
                 const Found next = find(built, leaving);
                 again += next.hit.valid() && next.hit.primitive == f.hit.primitive;
@@ -134,9 +135,10 @@ TEST_CASE("rays that leave a quadric or patch outwards do not find it again, ins
     Random random(3);
     for (const float scale : {1e-6f, 1e-3f, 1.0f, 1e3f, 1e6f})
         for (const bool instanced : {false, true}) {
-            const Transform place = Transform::translate(3 * scale, -scale, 2 * scale) * Transform::rotate(31, 1, 2, 3) *
-                                    Transform::scale(scale, scale, scale);
-            for (const ShapeKind kind : {ShapeKind::sphere, ShapeKind::disk, ShapeKind::cylinder, ShapeKind::bilinear_mesh}) {
+            const Transform place = Transform::translate(3 * scale, -scale, 2 * scale) *
+                                    Transform::rotate(31, 1, 2, 3) * Transform::scale(scale, scale, scale);
+            for (const ShapeKind kind :
+                 {ShapeKind::sphere, ShapeKind::disk, ShapeKind::cylinder, ShapeKind::bilinear_mesh}) {
                 SceneDescription scene = empty_scene();
                 SceneShape shape = quadric(kind, instanced ? Transform() : place);
                 if (kind == ShapeKind::bilinear_mesh) {
@@ -164,10 +166,11 @@ TEST_CASE("rays that leave a quadric or patch outwards do not find it again, ins
                     if (!f.hit.valid()) continue;
                     Ray leaving;
                     leaving.direction = random.direction();
-                    if (kind == ShapeKind::cylinder || kind == ShapeKind::sphere)     // from outside: it curves away
+                    if (kind == ShapeKind::cylinder || kind == ShapeKind::sphere)  // from outside: it curves away
                         leaving.direction = face_forward(leaving.direction, f.point.geometric_normal);
                     if (abs_dot(leaving.direction, f.point.geometric_normal) < 1e-6f) continue;
-                    leaving.origin = leave_surface(f.point.position, f.point.geometric_normal, f.source.offset, leaving.direction);
+                    leaving.origin =
+                        leave_surface(f.point.position, f.point.geometric_normal, f.source.offset, leaving.direction);
                     ++tested;
                     again += find(built, leaving).hit.valid();
                 }
@@ -184,9 +187,12 @@ TEST_CASE("every shadow ray between two facing emitters is free", "[geometry]") 
     std::size_t blocked_count = 0;
     for (const float scale : {1e-6f, 1e-3f, 1.0f, 1e3f, 1e6f}) {
         SceneDescription scene = empty_scene();
-        const auto corner = [&](float x, float y, float z) { return Transform::rotate(20, 1, 1, 0).point(Vec3{x, y, z} * scale); };
+        const auto corner = [&](float x, float y, float z) {
+            return Transform::rotate(20, 1, 1, 0).point(Vec3{x, y, z} * scale);
+        };
         scene.shapes.push_back(quad(corner(-1, 0, -1), corner(1, 0, -1), corner(1, 0, 1), corner(-1, 0, 1)));
-        scene.shapes.push_back(quad(corner(-1, 0.7f, -1), corner(1, 0.7f, -1), corner(1, 0.7f, 1), corner(-1, 0.7f, 1)));
+        scene.shapes.push_back(
+            quad(corner(-1, 0.7f, -1), corner(1, 0.7f, -1), corner(1, 0.7f, 1), corner(-1, 0.7f, 1)));
         const EmbreeScene built = build(scene);
         const auto point_on = [&](std::uint32_t shape) {
             Hit hit;
@@ -239,18 +245,22 @@ TEST_CASE("no ray escapes from a closed box through its edges and corners", "[ge
     SceneDescription scene = empty_scene();
     SceneShape box;
     box.material = 0;
-    for (int i = 0; i < 8; ++i) box.positions.push_back(Transform::rotate(17, 1, 2, 3).point({i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? 1.0f : -1.0f}));
-    box.indices = {0, 1, 3, 0, 3, 2, 4, 6, 7, 4, 7, 5, 0, 4, 5, 0, 5, 1, 2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3};
+    for (int i = 0; i < 8; ++i)
+        box.positions.push_back(
+            Transform::rotate(17, 1, 2, 3).point({i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? 1.0f : -1.0f}));
+    box.indices = {0, 1, 3, 0, 3, 2, 4, 6, 7, 4, 7, 5, 0, 4, 5, 0, 5, 1,
+                   2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3};
     scene.shapes.push_back(box);
     const EmbreeScene built = build(scene);
     Random random(6);
     int misses = 0;
     for (int i = 0; i < 200000; ++i) {
-        const Vec3 a = box.positions[static_cast<std::size_t>(random() * 8)], b = box.positions[static_cast<std::size_t>(random() * 8)];
+        const Vec3 a = box.positions[static_cast<std::size_t>(random() * 8)],
+                   b = box.positions[static_cast<std::size_t>(random() * 8)];
         const float s = random();
         Ray ray;
         ray.origin = random.point(0.4f);
-        ray.direction = normalize(a * s + b * (1 - s) - ray.origin);      // at an edge, a diagonal or a corner
+        ray.direction = normalize(a * s + b * (1 - s) - ray.origin);  // at an edge, a diagonal or a corner
         misses += !find(built, ray).hit.valid();
     }
     CHECK(misses == 0);
@@ -327,7 +337,7 @@ TEST_CASE("partial quadrics end where their parameters say", "[geometry]") {
     Ray ray;
     ray.origin = {0.1f, -5, 0};
     ray.direction = {0, 1, 0};
-    const Found f = find(built, ray);       // the near half is missing: the ray meets the far one from inside
+    const Found f = find(built, ray);  // the near half is missing: the ray meets the far one from inside
     REQUIRE(f.hit.valid());
     CHECK(f.hit.t > 5);
     ray.origin = {10.2f, 0, 5};

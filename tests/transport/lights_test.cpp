@@ -38,7 +38,9 @@ double irradiance(const Lit& scene, const Vec3& p, const Vec3& n, int samples) {
     for (int i = 0; i < samples; ++i) {
         const PixelSampler sampler(SamplerKind::sobol, 0, 0, 0, static_cast<std::uint64_t>(i));
         LightSample s;
-        if (!scene.lights.sample(LightChoice::light_sampling, scene.geometry, p, sampler.get_1d(1), sampler.get_2d(2), s)) continue;
+        if (!scene.lights.sample(LightChoice::light_sampling, scene.geometry, p, sampler.get_1d(1), sampler.get_2d(2),
+                                 s))
+            continue;
         const float cosine = dot(n, s.wi);
         if (cosine > 0) sum += static_cast<double>(luminance(s.radiance) * cosine / s.pdf);
     }
@@ -58,7 +60,8 @@ TEST_CASE("a sphere light gives pi L (r/d)^2 cos at any distance", "[lights]") {
     // Rows K and 21: d/r from 2 to 1e8. The cone is sampled uniformly, so tiny cones leave no variance; wide ones are
     // integrated by 2^14 Owen-scrambled points, whose error is below 1e-5 here.
     for (const double distance : {2.0, 10.0, 1e3, 1e4, 1e6, 1e8}) {
-        const Lit scene = build("AttributeBegin\nTranslate 0 " + std::to_string(distance) + " 0\nAreaLightSource \"diffuse\" \"rgb L\" [2 2 2]\n"
+        const Lit scene = build("AttributeBegin\nTranslate 0 " + std::to_string(distance) +
+                                " 0\nAreaLightSource \"diffuse\" \"rgb L\" [2 2 2]\n"
                                 "Shape \"sphere\" \"float radius\" 1\nAttributeEnd");
         const double expected = 2 * 3.14159265358979 / (distance * distance);
         INFO("distance " << distance);
@@ -68,7 +71,8 @@ TEST_CASE("a sphere light gives pi L (r/d)^2 cos at any distance", "[lights]") {
 
 TEST_CASE("inside a sphere light the irradiance is pi L", "[lights]") {
     // Row 24. Sampled by area; cos/pdf is bounded from the centre's neighbourhood: 2^14 points leave well below 1e-3.
-    const Lit scene = build("AreaLightSource \"diffuse\" \"rgb L\" [1 1 1]\nReverseOrientation\nShape \"sphere\" \"float radius\" 2");
+    const Lit scene =
+        build("AreaLightSource \"diffuse\" \"rgb L\" [1 1 1]\nReverseOrientation\nShape \"sphere\" \"float radius\" 2");
     CHECK(irradiance(scene, {0.3f, 0.2f, -0.4f}, {0, 1, 0}, 1 << 14) == Approx(3.14159265358979).epsilon(1e-3));
 }
 
@@ -76,10 +80,13 @@ TEST_CASE("a disk light gives pi L r^2 / (r^2 + h^2) below its centre", "[lights
     // Row L, also with a transform that stretches the disk to twice its size. 2^14 scrambled points: error below 1e-4.
     for (const double scale : {1.0, 2.0}) {
         const std::string s = std::to_string(scale);
-        const Lit scene = build("AttributeBegin\nTranslate 0 0 3\nScale " + s + " " + s + " " + s + "\nRotate 180 1 0 0\n"
-                                "AreaLightSource \"diffuse\" \"rgb L\" [5 5 5]\nShape \"disk\" \"float radius\" 1\nAttributeEnd");
+        const Lit scene =
+            build("AttributeBegin\nTranslate 0 0 3\nScale " + s + " " + s + " " + s +
+                  "\nRotate 180 1 0 0\n"
+                  "AreaLightSource \"diffuse\" \"rgb L\" [5 5 5]\nShape \"disk\" \"float radius\" 1\nAttributeEnd");
         const double r2 = scale * scale;
-        CHECK(irradiance(scene, {0, 0, 0}, {0, 0, 1}, 1 << 14) == Approx(5 * 3.14159265358979 * r2 / (r2 + 9)).epsilon(1e-4));
+        CHECK(irradiance(scene, {0, 0, 0}, {0, 0, 1}, 1 << 14) ==
+              Approx(5 * 3.14159265358979 * r2 / (r2 + 9)).epsilon(1e-4));
     }
 }
 
@@ -95,16 +102,19 @@ TEST_CASE("a rectangle light gives Lambert's polygon formula, from 2 or 200 tria
     const std::string begin = "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1]\n";
     std::string positions = "\"point3 P\" [", indices = "\"integer indices\" [";
     for (int j = 0; j <= 10; ++j)
-        for (int i = 0; i <= 10; ++i) positions += std::to_string(-1 + 0.2 * i) + " " + std::to_string(-1 + 0.2 * j) + " 2 ";
+        for (int i = 0; i <= 10; ++i)
+            positions += std::to_string(-1 + 0.2 * i) + " " + std::to_string(-1 + 0.2 * j) + " 2 ";
     for (int j = 0; j < 10; ++j)
         for (int i = 0; i < 10; ++i) {
             const int a = 11 * j + i;
             for (const int k : {a, a + 12, a + 1, a, a + 11, a + 12}) indices += std::to_string(k) + " ";
         }
     // 2^14 scrambled points; 200 triangles share them, so each has fewer: 1e-3 covers both.
-    for (const std::string& shape : {std::string(R"(Shape "trianglemesh" "integer indices" [0 2 1 0 3 2] "point3 P" [-1 -1 2 1 -1 2 1 1 2 -1 1 2])"),
-                                     std::string(R"(Shape "bilinearmesh" "point3 P" [1 -1 2 -1 -1 2 1 1 2 -1 1 2])"),
-                                     "Shape \"trianglemesh\" " + indices + "] " + positions + "]"})
+    for (const std::string& shape :
+         {std::string(
+              R"(Shape "trianglemesh" "integer indices" [0 2 1 0 3 2] "point3 P" [-1 -1 2 1 -1 2 1 1 2 -1 1 2])"),
+          std::string(R"(Shape "bilinearmesh" "point3 P" [1 -1 2 -1 -1 2 1 1 2 -1 1 2])"),
+          "Shape \"trianglemesh\" " + indices + "] " + positions + "]"})
         CHECK(irradiance(build(begin + shape), {0, 0, 0}, {0, 0, 1}, 1 << 14) == Approx(expected).epsilon(1e-3));
 }
 
@@ -123,23 +133,25 @@ AttributeBegin Translate 0 0 4 Shape "disk" "float innerradius" 0.4 AttributeEnd
     for (std::uint64_t i = 0; i < 4000; ++i) {
         const PixelSampler sampler(SamplerKind::sobol, 1, 0, 0, i);
         LightSample s;
-        if (!scene.lights.sample(LightChoice::mis, scene.geometry, from, sampler.get_1d(1), sampler.get_2d(2), s)) continue;
+        if (!scene.lights.sample(LightChoice::mis, scene.geometry, from, sampler.get_1d(1), sampler.get_2d(2), s))
+            continue;
         Ray ray;
         ray.origin = from;
         ray.direction = s.wi;
         Hit hit;
         scene.geometry.intersect({&ray, 1}, {&hit, 1});
-        if (!hit.valid()) continue;             // the silhouette
+        if (!hit.valid()) continue;  // the silhouette
         const ShapeGeometry& shape = scene.geometry.shapes()[hit.shape];
         if (shape.first_light + hit.primitive != s.light) continue;
         SurfacePoint point;
         SurfaceSource source;
         scene.geometry.surfaces({&ray, 1}, {&hit, 1}, {&point, 1}, {&source, 1});
-        if (length(point.position - s.target) > 1e-3f) continue;          // its other side
-        if (abs_dot(point.geometric_normal, s.wi) < 0.05f) continue;      // grazing: 1/cos magnifies the roundings
+        if (length(point.position - s.target) > 1e-3f) continue;      // its other side
+        if (abs_dot(point.geometric_normal, s.wi) < 0.05f) continue;  // grazing: 1/cos magnifies the roundings
         ++compared;
         // Positions agree to about 1e-6; divided by the cosine kept above, 1e-4 is generous.
-        REQUIRE(scene.lights.density(LightChoice::mis, scene.geometry, s.light, from, point, hit) == Approx(s.pdf).epsilon(5e-4));
+        REQUIRE(scene.lights.density(LightChoice::mis, scene.geometry, s.light, from, point, hit) ==
+                Approx(s.pdf).epsilon(5e-4));
     }
     CHECK(compared > 1500);
 }
@@ -157,7 +169,7 @@ TEST_CASE("the octahedral map goes there and back and keeps areas", "[lights]") 
         REQUIRE(std::abs(back.y - uv.y) < 5e-4f);
         sum += d.z > 0.5f;
     }
-    CHECK(sum / 20000 == Approx(0.25).margin(1e-3));     // a cap's area is proportional to its height
+    CHECK(sum / 20000 == Approx(0.25).margin(1e-3));  // a cap's area is proportional to its height
 }
 
 TEST_CASE("an image environment is sampled by its luminance, and pdf() says so", "[lights]") {
@@ -170,18 +182,22 @@ TEST_CASE("an image environment is sampled by its luminance, and pdf() says so",
     constexpr int count = 1 << 14;
     for (std::uint64_t i = 0; i < count; ++i) {
         const PixelSampler sampler(SamplerKind::sobol, 3, 0, 0, i);
-        integral += static_cast<double>(image.pdf(sample_uniform_sphere(sampler.get_2d(0)))) * 4 * 3.14159265358979 / count;
+        integral +=
+            static_cast<double>(image.pdf(sample_uniform_sphere(sampler.get_2d(0)))) * 4 * 3.14159265358979 / count;
         Vec3 d;
         Rgb radiance;
         float pdf = 0;
         REQUIRE(image.sample(sampler.get_2d(1), d, radiance, pdf));
         REQUIRE(pdf > 0);
         flux += static_cast<double>(radiance.g / pdf) / count;
-        uniform_flux += static_cast<double>(image.radiance(sample_uniform_sphere(sampler.get_2d(0))).g) * 4 * 3.14159265358979 / count;
+        uniform_flux += static_cast<double>(image.radiance(sample_uniform_sphere(sampler.get_2d(0))).g) * 4 *
+                        3.14159265358979 / count;
     }
-    CHECK(integral == Approx(1).epsilon(0.01));               // stratified over 64 cells of a step function
+    CHECK(integral == Approx(1).epsilon(0.01));  // stratified over 64 cells of a step function
     CHECK(flux == Approx(uniform_flux).epsilon(0.01));
-    CHECK(flux == Approx((62 * 0.1 + 50) / 64 * 4 * 3.14159265358979).epsilon(1e-4));      // radiance / pdf is constant but for black
+    CHECK(
+        flux ==
+        Approx((62 * 0.1 + 50) / 64 * 4 * 3.14159265358979).epsilon(1e-4));  // radiance / pdf is constant but for black
 }
 
 TEST_CASE("weak lights keep a share of the choices and black ones get none", "[lights]") {
@@ -193,19 +209,22 @@ LightSource "point" "rgb I" [0 0 0] "point3 from" [0 1 0]
     int chosen[3] = {};
     for (std::uint64_t i = 0; i < 1000; ++i) {
         LightSample s;
-        REQUIRE(scene.lights.sample(LightChoice::mis, scene.geometry, {5, 5, 5}, static_cast<float>(i) / 1000, {}, s));
+        REQUIRE(scene.lights.sample(LightChoice::mis, scene.geometry, {5, 5, 5}, 0,
+                                    {static_cast<float>(i) / 1000, 0.5f}, s));  // few lights: u.x chooses
         ++chosen[s.light];
     }
-    CHECK(chosen[1] == 50);     // half of the tenth that ignores power
+    CHECK(chosen[1] == 50);  // half of the tenth that ignores power
     CHECK(chosen[2] == 0);
 }
 
 TEST_CASE("lights refuse what they cannot honour, with a location", "[lights]") {
-    for (const char* text : {"LightSource \"infinite\" \"point3 portal\" [0 0 0 1 0 0 1 1 0 0 1 0]", "LightSource \"goniometric\"",
-                             "LightSource \"spot\" \"point3 from\" [1 1 1] \"point3 to\" [1 1 1]",
-                             "AreaLightSource \"diffuse\" \"float power\" 100\nShape \"sphere\"", "LightSource \"infinite\" \"string filename\" \"no such.exr\""}) {
+    for (const char* text :
+         {"LightSource \"infinite\" \"point3 portal\" [0 0 0 1 0 0 1 1 0 0 1 0]", "LightSource \"goniometric\"",
+          "LightSource \"spot\" \"point3 from\" [1 1 1] \"point3 to\" [1 1 1]",
+          "AreaLightSource \"diffuse\" \"float power\" 100\nShape \"sphere\"",
+          "LightSource \"infinite\" \"string filename\" \"no such.exr\""}) {
         auto scene = import_pbrt_text(std::string("WorldBegin\n") + text, "test.pbrt");
-        if (!scene) continue;       // the importer may refuse it first
+        if (!scene) continue;  // the importer may refuse it first
         TextureTable textures;
         auto geometry = EmbreeScene::build(*scene, textures, {});
         REQUIRE(geometry.ok());

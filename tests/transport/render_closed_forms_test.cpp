@@ -4,7 +4,8 @@
 using namespace render_test;
 
 TEST_CASE("a point light over a plane gives its closed-form mean", "[render]") {
-    // reference: E = I cos / d^2 = 10 h / (h^2 + r^2)^1.5, L = E / (2 pi); mean over the image 0.221335 with a box filter.
+    // reference: E = I cos / d^2 = 10 h / (h^2 + r^2)^1.5, L = E / (2 pi); mean over the image 0.221335 with a box
+    // filter.
     auto scene = scene_of(R"(
 Film "rgb" "integer xresolution" 50 "integer yresolution" 50
 PixelFilter "box" "float xradius" 0.5 "float yradius" 0.5
@@ -37,7 +38,7 @@ Shape "sphere" "float radius" 1
     // The camera sees only the sphere; every path is 0.5 exactly, up to float rounding of one product.
     CHECK(estimate(output).mean == Approx(0.5).epsilon(1e-6));
     CHECK(estimate(output, 1).mean == Approx(0.5).epsilon(1e-6));
-    CHECK(estimate(output, 2).mean == 0);       // row F: a convex object never meets itself
+    CHECK(estimate(output, 2).mean == 0);  // row F: a convex object never meets itself
 }
 
 TEST_CASE("in a furnace of emitting walls every word has its own power of the albedo", "[render]") {
@@ -53,7 +54,8 @@ ReverseOrientation
 Shape "sphere" "float radius" 2
 )");
     transport::RenderSettings settings;
-    settings.channels = {lpe("k0", "C[<L.>O]"), lpe("k1", "C<RD>[<L.>O]"), lpe("k2", "C<RD>D[<L.>O]"), lpe("k6", "CD{6}[<L.>O]"), lpe("even", "C(DD)*[<L.>O]")};
+    settings.channels = {lpe("k0", "C[<L.>O]"), lpe("k1", "C<RD>[<L.>O]"), lpe("k2", "C<RD>D[<L.>O]"),
+                         lpe("k6", "CD{6}[<L.>O]"), lpe("even", "C(DD)*[<L.>O]")};
     settings.samples_per_pixel = 256;
     const auto output = render_of(scene, settings);
     const double expected[] = {2 - std::pow(0.5, 6), 1, 0.5, 0.25, std::pow(0.5, 6), 1 + 0.25 + 0.0625 + 1.0 / 64};
@@ -61,7 +63,7 @@ Shape "sphere" "float radius" 2
         const Estimate e = estimate(output, id);
         INFO("channel " << id << " mean " << e.mean << " +- " << e.error);
         CHECK(std::abs(e.mean - expected[id]) <= 4.5 * e.error + 1e-6 * expected[id]);
-        CHECK(e.error < 0.03 * expected[id] + 1e-9);        // so that the check can fail
+        CHECK(e.error < 0.03 * expected[id] + 1e-9);  // so that the check can fail
     }
 }
 
@@ -112,6 +114,6 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-9 3 0 9 3 0 9 
     const Estimate e = estimate(output);
     CHECK(std::abs(e.mean - expected) <= 4.5 * e.error + 1e-6);
     CHECK(e.error < 0.02 * expected);
-    CHECK(estimate(output, 1).mean == e.mean);      // straight-through leaves no event in this dialect
+    CHECK(estimate(output, 1).mean == e.mean);  // straight-through leaves no event in this dialect
     for (const double alpha : output.frame_buffer.resolve_alpha()) CHECK(alpha == Approx(1));
 }

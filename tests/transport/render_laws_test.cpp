@@ -7,12 +7,20 @@ using namespace render_test;
 
 namespace {
 
-std::vector<double> beauty_of(const transport::RenderOutput& output) { return output.frame_buffer.resolve(output.beauty); }
+std::vector<double> beauty_of(const transport::RenderOutput& output) {
+    return output.frame_buffer.resolve(output.beauty);
+}
 
 std::vector<display::ChannelDefinition> shipped_partition() {
-    return {lpe("emissive", "C[<L.>O]-CB"), lpe("background", "CB"), lpe("directDiffuse", "C<RD>[<L.>O]"),
-            lpe("indirectDiffuse", "C<RD>[DSV]+[<L.>O]"), lpe("subsurface", "C<TD>[DSV]*[<L.>O]"), lpe("directSpecular", "C<RS>[<L.>O]"),
-            lpe("indirectSpecular", "C<RS>[DSV]+[<L.>O]"), lpe("transmissive", "C<TS>[DSV]*[<L.>O]"), lpe("volume", "CV.*")};
+    return {lpe("emissive", "C[<L.>O]-CB"),
+            lpe("background", "CB"),
+            lpe("directDiffuse", "C<RD>[<L.>O]"),
+            lpe("indirectDiffuse", "C<RD>[DSV]+[<L.>O]"),
+            lpe("subsurface", "C<TD>[DSV]*[<L.>O]"),
+            lpe("directSpecular", "C<RS>[<L.>O]"),
+            lpe("indirectSpecular", "C<RS>[DSV]+[<L.>O]"),
+            lpe("transmissive", "C<TS>[DSV]*[<L.>O]"),
+            lpe("volume", "CV.*")};
 }
 
 }  // namespace
@@ -34,10 +42,11 @@ TEST_CASE("the shipped partition sums to beauty in every pixel", "[render][law1]
     double worst = 0, total = 0;
     for (std::size_t i = 0; i < sum.size(); ++i) {
         total += beauty[i];
-        if (magnitude[i] + std::abs(beauty[i]) > 0) worst = std::max(worst, std::abs(sum[i] - beauty[i]) / (magnitude[i] + std::abs(beauty[i])));
+        if (magnitude[i] + std::abs(beauty[i]) > 0)
+            worst = std::max(worst, std::abs(sum[i] - beauty[i]) / (magnitude[i] + std::abs(beauty[i])));
     }
     CHECK(total > 0);
-    CHECK(worst <= 1e-12);      // Law 1's bound for the double accumulators
+    CHECK(worst <= 1e-12);  // Law 1's bound for the double accumulators
 }
 
 TEST_CASE("beauty is bit-identical with 0, 8 and 64 channels and geometric AOVs", "[render][law2]") {
@@ -51,7 +60,7 @@ TEST_CASE("beauty is bit-identical with 0, 8 and 64 channels and geometric AOVs"
     for (int i = 0; i < 64; ++i) {
         std::string expression = "C";
         for (int bit = 0; bit < 6; ++bit) expression += i >> bit & 1 ? "D" : "S?";
-        settings.channels.push_back(lpe("c" + std::to_string(i), expression + "[<L.>O]"));
+        settings.channels.push_back(lpe(std::string("c").append(std::to_string(i)), expression + "[<L.>O]"));
     }
     for (const char* name : {"Nn", "z", "albedo"}) {
         display::ChannelDefinition aov;
@@ -68,7 +77,7 @@ TEST_CASE("images are bit-identical for any number of threads, and on a rerun", 
     auto built = transport::BuiltScene::build(scene);
     REQUIRE(built.ok());
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 20;        // a whole block and a part of one
+    settings.samples_per_pixel = 20;  // a whole block and a part of one
     settings.channels = {lpe("specular", "C<RS>.*"), lpe("diffuse", "C<RD>.*")};
     settings.threads = 1;
     auto one = transport::render(**built, settings);
@@ -96,12 +105,14 @@ TEST_CASE("without beauty the channels are the same bits for fewer rays", "[rend
     settings.beauty = false;
     const auto pruned = render_of(scene, settings);
     CHECK(pruned.beauty == display::invalid_channel);
-    for (display::ChannelId id = 0; id < 2; ++id) CHECK(pruned.frame_buffer.resolve(id) == full.frame_buffer.resolve(id + 1));
+    for (display::ChannelId id = 0; id < 2; ++id)
+        CHECK(pruned.frame_buffer.resolve(id) == full.frame_buffer.resolve(id + 1));
     CHECK(pruned.statistics.scattering_rays * 2 < full.statistics.scattering_rays);
     CHECK(pruned.statistics.shadow_rays * 2 < full.statistics.shadow_rays);
 }
 
-TEST_CASE("each lobe's channel is the render with that lobe alone, with no more variance than picking", "[render][law5]") {
+TEST_CASE("each lobe's channel is the render with that lobe alone, with no more variance than picking",
+          "[render][law5]") {
     const auto surface = [](const std::string& diffuse, const std::string& specular) {
         return scene_of(film + R"(
 Integrator "path" "integer maxdepth" 1
@@ -114,7 +125,8 @@ AttributeBegin
   Shape "sphere" "float radius" 0.5
 AttributeEnd
 LightSource "infinite" "rgb L" [0.3 0.3 0.3]
-Material "raylex:additive" "float roughness" 0.3 "bool remaproughness" false "rgb diffuse" [)" + diffuse + "] \"rgb specular\" [" + specular + R"(]
+Material "raylex:additive" "float roughness" 0.3 "bool remaproughness" false "rgb diffuse" [)" +
+                        diffuse + "] \"rgb specular\" [" + specular + R"(]
 Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-5 0 5 5 0 5 5 0 -5 -5 0 -5]
 )");
     };
@@ -125,17 +137,17 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-5 0 5 5 0 5 5 
     settings.picked_lobes = true;
     const auto picked = render_of(surface("0.4 0.5 0.3", "0.6 0.5 0.4"), settings);
     settings.picked_lobes = false;
-    settings.seed = 99;      // independent of the render above, as the deviation below assumes
+    settings.seed = 99;  // independent of the render above, as the deviation below assumes
     const auto diffuse = render_of(surface("0.4 0.5 0.3", "0 0 0"), settings);
     const auto specular = render_of(surface("0 0 0", "0.6 0.5 0.4"), settings);
     const Estimate d = estimate(both, 1), s = estimate(both, 2);
-    INFO("diffuse " << d.mean << " +- " << d.error << " alone " << estimate(diffuse).mean << " specular " << s.mean << " +- " << s.error << " alone "
-                    << estimate(specular).mean);
+    INFO("diffuse " << d.mean << " +- " << d.error << " alone " << estimate(diffuse).mean << " specular " << s.mean
+                    << " +- " << s.error << " alone " << estimate(specular).mean);
     CHECK(deviation(d, estimate(diffuse)) < 4.5);
     CHECK(deviation(s, estimate(specular)) < 4.5);
     CHECK(d.error < 0.005 * d.mean);
     CHECK(s.error < 0.005 * s.mean);
-    CHECK(estimate(picked).mean == estimate(both).mean);      // beauty does not know
+    CHECK(estimate(picked).mean == estimate(both).mean);  // beauty does not know
     CHECK(deviation(d, estimate(picked, 1)) < 4.5);
     // Conditional expectation never has more variance; 3 % for the noise of the variance estimates themselves.
     CHECK(d.error <= 1.03 * estimate(picked, 1).error);
@@ -157,7 +169,8 @@ TEST_CASE("Russian roulette changes cost, not the mean", "[render]") {
 }
 
 TEST_CASE("light sampling alone, scattering alone and both together agree, word by word", "[render]") {
-    // Rough surfaces and a large light, so that every strategy converges; specular chains cannot be found by light alone.
+    // Rough surfaces and a large light, so that every strategy converges; specular chains cannot be found by light
+    // alone.
     const auto scene = scene_of(film + R"(
 Integrator "path" "integer maxdepth" 3
 LookAt 0 1 3.9  0 1 0  0 1 0
@@ -178,7 +191,8 @@ LightSource "infinite" "rgb L" [0.5 0.5 0.5]
     transport::RenderSettings settings;
     settings.samples_per_pixel = 128;
     settings.max_depth = 3;
-    settings.channels = {lpe("direct diffuse", "C<RD>[<L.>O]"), lpe("direct specular", "C<RS>[<L.>O]"), lpe("sky", "C.*B"), lpe("rest", "C[DS]{2,}L")};
+    settings.channels = {lpe("direct diffuse", "C<RD>[<L.>O]"), lpe("direct specular", "C<RS>[<L.>O]"),
+                         lpe("sky", "C.*B"), lpe("rest", "C[DS]{2,}L")};
     std::vector<transport::RenderOutput> outputs;
     for (const char* strategy : {"mis", "light", "scattering"}) {
         settings.integrator = path_with(text_parameter("strategy", strategy));
@@ -188,8 +202,9 @@ LightSource "infinite" "rgb L" [0.5 0.5 0.5]
     for (display::ChannelId id = 0; id <= 4; ++id)
         for (std::size_t other = 1; other < 3; ++other) {
             const Estimate a = estimate(outputs[0], id), b = estimate(outputs[other], id);
-            INFO("channel " << id << " strategy " << other << ": " << a.mean << " +- " << a.error << ", " << b.mean << " +- " << b.error);
-            CHECK(deviation(a, b) < 4.5);       // 10 comparisons: a false alarm once in 15,000 seeds
+            INFO("channel " << id << " strategy " << other << ": " << a.mean << " +- " << a.error << ", " << b.mean
+                            << " +- " << b.error);
+            CHECK(deviation(a, b) < 4.5);  // 10 comparisons: a false alarm once in 15,000 seeds
             CHECK(b.error < 0.05 * b.mean);
         }
 }
@@ -201,7 +216,10 @@ TEST_CASE("a render that is stopped returns what it has, marked incomplete", "[r
     CHECK_FALSE(output->complete);
     CHECK(output->statistics.camera_samples == 0);
     std::uint64_t total = 0, done = 0;
-    auto whole = transport::render(scene_of(room), {}, [&](const transport::RenderProgress& p) { total = p.samples_total; done = p.samples_done; });
+    auto whole = transport::render(scene_of(room), {}, [&](const transport::RenderProgress& p) {
+        total = p.samples_total;
+        done = p.samples_done;
+    });
     REQUIRE(whole.ok());
     CHECK(whole->complete);
     CHECK(total == 24 * 24 * 64);

@@ -24,7 +24,8 @@ inline transport::SceneDescription scene_of(const std::string& text) {
     return *std::move(scene);
 }
 
-inline transport::RenderOutput render_of(const transport::SceneDescription& scene, const transport::RenderSettings& settings = {}) {
+inline transport::RenderOutput render_of(const transport::SceneDescription& scene,
+                                         const transport::RenderSettings& settings = {}) {
     auto output = transport::render(scene, settings);
     INFO((output ? std::string() : output.error().to_string()));
     REQUIRE(output.ok());
@@ -68,7 +69,8 @@ struct Estimate {
     double mean = 0, error = 0;
 };
 inline Estimate estimate(const transport::RenderOutput& output, display::ChannelId id) {
-    const std::vector<double> values = output.frame_buffer.resolve(id), variances = output.frame_buffer.resolve_variance_of_mean(id);
+    const std::vector<double> values = output.frame_buffer.resolve(id),
+                              variances = output.frame_buffer.resolve_variance_of_mean(id);
     const std::size_t pixels = values.size() / 3;
     REQUIRE(variances.size() == values.size());
     Estimate e;
@@ -81,10 +83,14 @@ inline Estimate estimate(const transport::RenderOutput& output, display::Channel
     e.error = std::sqrt(variance) / static_cast<double>(pixels);
     return e;
 }
-inline Estimate estimate(const transport::RenderOutput& output) { return estimate(output, output.beauty); }
+inline Estimate estimate(const transport::RenderOutput& output) {
+    return estimate(output, output.beauty);
+}
 
 /// |a - b| in standard errors of the difference. Beyond 4.5 by chance once in 150,000 comparisons.
-inline double deviation(const Estimate& a, const Estimate& b) { return std::abs(a.mean - b.mean) / std::hypot(a.error, b.error); }
+inline double deviation(const Estimate& a, const Estimate& b) {
+    return std::abs(a.mean - b.mean) / std::hypot(a.error, b.error);
+}
 
 inline const std::string film = R"(
 Film "rgb" "integer xresolution" 24 "integer yresolution" 24

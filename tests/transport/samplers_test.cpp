@@ -30,7 +30,8 @@ TEST_CASE("the first 2^k points of every sobol pair fill every elementary interv
             std::vector<int> counts(n, 0);
             for (std::uint64_t s = 0; s < n; ++s) {
                 const Vec2 p = PixelSampler(SamplerKind::sobol, 1, 17, 4, s).get_2d(dimension);
-                ++counts[static_cast<std::size_t>(static_cast<int>(p.x * static_cast<float>(nx)) * ny + static_cast<int>(p.y * static_cast<float>(ny)))];
+                ++counts[static_cast<std::size_t>(static_cast<int>(p.x * static_cast<float>(nx)) * ny +
+                                                  static_cast<int>(p.y * static_cast<float>(ny)))];
             }
             for (const int c : counts) REQUIRE(c == 1);
         }
@@ -46,8 +47,8 @@ TEST_CASE("a number depends on nothing but its key", "[samplers][law3]") {
 }
 
 TEST_CASE("pairs of different dimensions, and pixels, are uncorrelated", "[samplers]") {
-    // Correlation of n = 4096 uniform pairs has standard deviation 1/sqrt(n) = 0.0156; 600 comparisons at 5 sigma give a
-    // false alarm once in 3,000 runs, and the seed is fixed.
+    // Correlation of n = 4096 uniform pairs has standard deviation 1/sqrt(n) = 0.0156; 600 comparisons at 5 sigma give
+    // a false alarm once in 3,000 runs, and the seed is fixed.
     constexpr int n = 4096;
     for (const SamplerKind kind : {SamplerKind::independent, SamplerKind::sobol})
         for (std::uint32_t d = 0; d < 300; ++d) {

@@ -13,7 +13,7 @@ bool BilinearPatch::intersect(const DVec3& o, const DVec3& d, double t_min, doub
     const double a = dot(p00 - o, cross(d, left));
     const double end = dot(p10 - o, cross(d, right));
     const double c = dot(e10, cross(d, right - left));
-    const double b = end - a - c;                       // a + b u + c u^2 = 0
+    const double b = end - a - c;  // a + b u + c u^2 = 0
     double roots[2];
     int count = 0;
     // Planar trapezoids and parallelograms leave rounding noise in c: at 1e-14 of the other terms it moves u by 1e-14.

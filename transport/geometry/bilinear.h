@@ -17,7 +17,7 @@ struct BilinearPatch {
     /// Smallest t in (t_min, t_max), or false.
     bool intersect(const DVec3& origin, const DVec3& direction, double t_min, double t_max, double& t, double& u,
                    double& v) const;
-    [[nodiscard]] double area() const;      ///< by quadrature unless planar and a parallelogram
+    [[nodiscard]] double area() const;  ///< by quadrature unless planar and a parallelogram
 };
 
 }  // namespace raylex::transport

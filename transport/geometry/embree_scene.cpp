@@ -35,8 +35,12 @@ RTCBounds outward(const DVec3& lower, const DVec3& upper) {
     const auto down = [](double v) { return next_down(static_cast<float>(v)); };
     const auto up = [](double v) { return next_up(static_cast<float>(v)); };
     RTCBounds b{};
-    b.lower_x = down(lower.x); b.lower_y = down(lower.y); b.lower_z = down(lower.z);
-    b.upper_x = up(upper.x); b.upper_y = up(upper.y); b.upper_z = up(upper.z);
+    b.lower_x = down(lower.x);
+    b.lower_y = down(lower.y);
+    b.lower_z = down(lower.z);
+    b.upper_x = up(upper.x);
+    b.upper_y = up(upper.y);
+    b.upper_z = up(upper.z);
     return b;
 }
 
@@ -56,16 +60,18 @@ void bound_user_shape(const RTCBoundsFunctionArguments* args) {
     *args->bounds_o = outward(lower, upper);
 }
 
-bool intersect_user_shape(const ShapeGeometry& shape, unsigned primitive, const RTCRay& ray, double& t, double& u, double& v) {
+bool intersect_user_shape(const ShapeGeometry& shape, unsigned primitive, const RTCRay& ray, double& t, double& u,
+                          double& v) {
     const DVec3 o{ray.org_x, ray.org_y, ray.org_z}, d{ray.dir_x, ray.dir_y, ray.dir_z};
-    if (shape.kind == ShapeKind::bilinear_mesh) return shape.patch(primitive).intersect(o, d, ray.tnear, ray.tfar, t, u, v);
+    if (shape.kind == ShapeKind::bilinear_mesh)
+        return shape.patch(primitive).intersect(o, d, ray.tnear, ray.tfar, t, u, v);
     return shape.quadric.intersect(o, d, ray.tnear, ray.tfar, t, u, v);
 }
 
 void intersect_user(const RTCIntersectFunctionNArguments* args) {
     if (!args->valid[0]) return;
     const auto* user = static_cast<const UserShape*>(args->geometryUserPtr);
-    auto* rayhit = reinterpret_cast<RTCRayHit*>(args->rayhit);     // N is 1: only single-ray calls are made
+    auto* rayhit = reinterpret_cast<RTCRayHit*>(args->rayhit);  // N is 1: only single-ray calls are made
     if (!(rayhit->ray.mask & user->mask)) return;
     double t, u, v;
     if (!intersect_user_shape(*user->shape, args->primID, rayhit->ray, t, u, v)) return;
@@ -88,9 +94,13 @@ void occlude_user(const RTCOccludedFunctionNArguments* args) {
 
 RTCRay to_embree(const Ray& ray, unsigned mask) {
     RTCRay r;
-    r.org_x = ray.origin.x; r.org_y = ray.origin.y; r.org_z = ray.origin.z;
+    r.org_x = ray.origin.x;
+    r.org_y = ray.origin.y;
+    r.org_z = ray.origin.z;
     r.tnear = 0;
-    r.dir_x = ray.direction.x; r.dir_y = ray.direction.y; r.dir_z = ray.direction.z;
+    r.dir_x = ray.direction.x;
+    r.dir_y = ray.direction.y;
+    r.dir_z = ray.direction.z;
     r.time = 0;
     r.tfar = ray.t_max;
     r.mask = mask;
@@ -99,25 +109,31 @@ RTCRay to_embree(const Ray& ray, unsigned mask) {
     return r;
 }
 
-bool finite(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+bool finite(const Vec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
 
 Status check_mesh(const SceneShape& shape, std::size_t per_primitive) {
     for (std::size_t i = 0; i < shape.positions.size(); ++i)
         if (!finite(shape.positions[i]))
-            return error_at(shape.location, "vertex " + std::to_string(i) + " of the mesh is not finite; expected real numbers");
+            return error_at(shape.location,
+                            "vertex " + std::to_string(i) + " of the mesh is not finite; expected real numbers");
     for (const std::uint32_t index : shape.indices)
         if (index >= shape.positions.size())
-            return error_at(shape.location, "vertex index " + std::to_string(index) + " is out of range; the mesh has " +
+            return error_at(shape.location, "vertex index " + std::to_string(index) +
+                                                " is out of range; the mesh has " +
                                                 std::to_string(shape.positions.size()) + " vertices");
     if (shape.indices.size() % per_primitive != 0)
         return error_at(shape.location, "the number of indices is " + std::to_string(shape.indices.size()) +
                                             "; expected a multiple of " + std::to_string(per_primitive));
     if (!shape.normals.empty() && shape.normals.size() != shape.positions.size())
         return error_at(shape.location, std::to_string(shape.normals.size()) + " normals for " +
-                                            std::to_string(shape.positions.size()) + " vertices; expected one each or none");
+                                            std::to_string(shape.positions.size()) +
+                                            " vertices; expected one each or none");
     if (!shape.uvs.empty() && shape.uvs.size() != shape.positions.size())
         return error_at(shape.location, std::to_string(shape.uvs.size()) + " uv pairs for " +
-                                            std::to_string(shape.positions.size()) + " vertices; expected one each or none");
+                                            std::to_string(shape.positions.size()) +
+                                            " vertices; expected one each or none");
     return success();
 }
 
@@ -126,7 +142,8 @@ Status check_quadric(const SceneShape& shape) {
     for (const float v : {shape.radius, shape.z_min, shape.z_max, shape.phi_max, shape.height, shape.inner_radius})
         if (std::isnan(v)) return error_at(shape.location, "a parameter of the shape is not a number");
     if (!(shape.radius > 0) || !std::isfinite(shape.radius))
-        return error_at(shape.location, "the shape's radius is " + std::to_string(shape.radius) + "; expected a positive number");
+        return error_at(shape.location,
+                        "the shape's radius is " + std::to_string(shape.radius) + "; expected a positive number");
     return success();
 }
 
@@ -137,7 +154,7 @@ struct EmbreeScene::Device {
     RTCScene scene = nullptr;
     std::vector<RTCScene> objects;
     std::vector<std::unique_ptr<UserShape>> users;
-    std::vector<RTCGeometry> geometries;      // [shape]; null for empty meshes
+    std::vector<RTCGeometry> geometries;  // [shape]; null for empty meshes
     ErrorLog log;
 
     ~Device() {
@@ -162,7 +179,8 @@ EmbreeScene& EmbreeScene::operator=(EmbreeScene&&) noexcept = default;
 
 BilinearPatch ShapeGeometry::patch(std::uint32_t primitive) const {
     const std::uint32_t* i = patch_indices.data() + 4 * static_cast<std::size_t>(primitive);
-    return {DVec3(patch_positions[i[0]]), DVec3(patch_positions[i[1]]), DVec3(patch_positions[i[2]]), DVec3(patch_positions[i[3]])};
+    return {DVec3(patch_positions[i[0]]), DVec3(patch_positions[i[1]]), DVec3(patch_positions[i[2]]),
+            DVec3(patch_positions[i[3]])};
 }
 
 int EmbreeScene::label_index(const std::string& label) {
@@ -172,7 +190,8 @@ int EmbreeScene::label_index(const std::string& label) {
     return static_cast<int>(labels_.size()) - 1;
 }
 
-Status EmbreeScene::add_shape(const SceneShape& shape, const SceneDescription& scene, TextureTable& textures, bool instanced) {
+Status EmbreeScene::add_shape(const SceneShape& shape, const SceneDescription& scene, TextureTable& textures,
+                              bool instanced) {
     ShapeGeometry g;
     g.kind = shape.kind;
     g.flip_normal = shape.flip_normal;
@@ -239,7 +258,8 @@ Status EmbreeScene::add_shape(const SceneShape& shape, const SceneDescription& s
 Result<EmbreeScene> EmbreeScene::build(const SceneDescription& scene, TextureTable& textures, const Options& options) {
     static const std::vector<std::string> known = {"sse2", "sse4.2", "avx", "avx2", "avx512"};
     if (!options.isa.empty() && std::find(known.begin(), known.end(), options.isa) == known.end())
-        return error_at({"--isa", 0, 0}, "unknown instruction set '" + options.isa + "'; expected sse2, sse4.2, avx, avx2 or avx512",
+        return error_at({"--isa", 0, 0},
+                        "unknown instruction set '" + options.isa + "'; expected sse2, sse4.2, avx, avx2 or avx512",
                         nearest_name(options.isa, known));
     EmbreeScene result;
     result.isa_ = options.isa.empty() ? "native" : options.isa;
@@ -256,7 +276,7 @@ Result<EmbreeScene> EmbreeScene::build(const SceneDescription& scene, TextureTab
 
     std::size_t total = scene.shapes.size();
     for (const SceneObject& object : scene.objects) total += object.shapes.size();
-    result.shapes_.reserve(total);      // addresses are handed to Embree below
+    result.shapes_.reserve(total);  // addresses are handed to Embree below
     result.top_level_shapes_ = scene.shapes.size();
     for (const SceneShape& shape : scene.shapes)
         if (Status s = result.add_shape(shape, scene, textures, false); !s) return s.error();
@@ -273,7 +293,8 @@ Result<EmbreeScene> EmbreeScene::build(const SceneDescription& scene, TextureTab
             if (!geometry) continue;
             const ShapeGeometry& shape = result.shapes_[first + i];
             if (shape.kind != ShapeKind::triangle_mesh) {
-                device.users.push_back(std::make_unique<UserShape>(UserShape{&shape, shape.alpha >= 0 ? alpha_mask : opaque_mask}));
+                device.users.push_back(
+                    std::make_unique<UserShape>(UserShape{&shape, shape.alpha >= 0 ? alpha_mask : opaque_mask}));
                 rtcSetGeometryUserData(geometry, device.users.back().get());
             }
             rtcCommitGeometry(geometry);
@@ -290,7 +311,8 @@ Result<EmbreeScene> EmbreeScene::build(const SceneDescription& scene, TextureTab
     for (const SceneInstance& instance : scene.instances) {
         if (instance.object < 0 || static_cast<std::size_t>(instance.object) >= scene.objects.size())
             return error_at(instance.location, "instance of an object that is not defined");
-        if (!instance.to_world.invertible()) return error_at(instance.location, "the instance's transform has no inverse");
+        if (!instance.to_world.invertible())
+            return error_at(instance.location, "the instance's transform has no inverse");
         const auto object = static_cast<std::size_t>(instance.object);
         ShapeInstance placed{Placement(instance.to_world), first_shape[object],
                              instance.label.empty() ? -1 : result.label_index(instance.label)};
@@ -298,11 +320,13 @@ Result<EmbreeScene> EmbreeScene::build(const SceneDescription& scene, TextureTab
         rtcSetGeometryInstancedScene(geometry, device.objects[object]);
         float columns[12];
         for (std::size_t c = 0; c < 4; ++c)
-            for (std::size_t r = 0; r < 3; ++r) columns[3 * c + r] = static_cast<float>(placed.placement.to_world.m[r][c]);
+            for (std::size_t r = 0; r < 3; ++r)
+                columns[3 * c + r] = static_cast<float>(placed.placement.to_world.m[r][c]);
         rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
         rtcSetGeometryMask(geometry, any_mask);
         rtcCommitGeometry(geometry);
-        rtcAttachGeometryByID(device.scene, geometry, static_cast<unsigned>(result.top_level_shapes_ + result.instances_.size()));
+        rtcAttachGeometryByID(device.scene, geometry,
+                              static_cast<unsigned>(result.top_level_shapes_ + result.instances_.size()));
         rtcReleaseGeometry(geometry);
         result.instances_.push_back(placed);
     }
@@ -329,7 +353,7 @@ void EmbreeScene::intersect(std::span<const Ray> rays, std::span<Hit> hits) cons
         hit.u = rayhit.hit.u;
         hit.v = rayhit.hit.v;
         hit.primitive = rayhit.hit.primID;
-        hit.shape = rayhit.hit.geomID;      // Embree's invalid id is Hit::none
+        hit.shape = rayhit.hit.geomID;  // Embree's invalid id is Hit::none
         hit.instance = Hit::none;
         if (rayhit.hit.instID[0] != RTC_INVALID_GEOMETRY_ID && hit.shape != Hit::none) {
             hit.instance = rayhit.hit.instID[0] - top;

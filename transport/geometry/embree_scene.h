@@ -1,8 +1,8 @@
 // The scene's shapes and the acceleration structure over them. The only door to Embree: its headers are included by
 // embree_scene.cpp and nowhere else, so that moving to another version touches one file.
 //
-// Calls take batches, but rays are traced one by one (rtcIntersect1, rtcOccluded1, one flag): packet and stream calls may
-// break ties between equal distances differently, and then a pixel would depend on which rays happened to share its
+// Calls take batches, but rays are traced one by one (rtcIntersect1, rtcOccluded1, one flag): packet and stream calls
+// may break ties between equal distances differently, and then a pixel would depend on which rays happened to share its
 // batch (Law 3).
 #pragma once
 
@@ -26,35 +26,35 @@ namespace raylex::transport {
 struct ShapeGeometry {
     ShapeKind kind = ShapeKind::triangle_mesh;
     const Vec3* positions = nullptr;
-    const std::uint32_t* indices = nullptr;     ///< 3 per triangle, 4 per patch
+    const std::uint32_t* indices = nullptr;  ///< 3 per triangle, 4 per patch
     std::uint32_t primitive_count = 0;
     std::vector<Vec3> normals;
     std::vector<Vec2> uvs;
-    std::vector<Vec3> patch_positions;          ///< bilinear meshes keep their own
+    std::vector<Vec3> patch_positions;  ///< bilinear meshes keep their own
     std::vector<std::uint32_t> patch_indices;
     Quadric quadric;
     bool flip_normal = false;
     int material = 0;
-    int area_light = -1;                        ///< index into SceneDescription::area_lights; -1 also for instanced shapes
-    TextureId alpha = -1;                       ///< opacity; -1 = opaque everywhere
-    bool interface = false;                     ///< no surface at all: rays pass, but an area light on it shines
-    int label = 0;                              ///< index into object_labels()
-    std::uint32_t first_light = Hit::none;      ///< set by the light table: the light of primitive 0
+    int area_light = -1;                    ///< index into SceneDescription::area_lights; -1 also for instanced shapes
+    TextureId alpha = -1;                   ///< opacity; -1 = opaque everywhere
+    bool interface = false;                 ///< no surface at all: rays pass, but an area light on it shines
+    int label = 0;                          ///< index into object_labels()
+    std::uint32_t first_light = Hit::none;  ///< set by the light table: the light of primitive 0
 
     [[nodiscard]] BilinearPatch patch(std::uint32_t primitive) const;
 };
 
 struct ShapeInstance {
     Placement placement;
-    std::uint32_t first_shape = 0;   ///< of the object it places
-    int label = -1;                  ///< overrides the shapes' own unless -1
+    std::uint32_t first_shape = 0;  ///< of the object it places
+    int label = -1;                 ///< overrides the shapes' own unless -1
 };
 
 /// Where a surface point came from: what integrators need beside the SurfacePoint.
 struct SurfaceSource {
-    float offset = 0;                ///< how far a leaving ray starts off the surface; see ray.h
-    std::int32_t label = 0;          ///< index into object_labels()
-    std::int32_t object_id = 0;      ///< 1-based: top-level shapes first, then instances
+    float offset = 0;            ///< how far a leaving ray starts off the surface; see ray.h
+    std::int32_t label = 0;      ///< index into object_labels()
+    std::int32_t object_id = 0;  ///< 1-based: top-level shapes first, then instances
 };
 
 /// A length-3 interval in world space.
@@ -67,8 +67,8 @@ struct Bounds {
 class EmbreeScene {
   public:
     struct Options {
-        std::string isa;             ///< "", "sse2", "sse4.2", "avx", "avx2", "avx512"
-        int threads = 0;             ///< for building; 0 = all
+        std::string isa;  ///< "", "sse2", "sse4.2", "avx", "avx2", "avx512"
+        int threads = 0;  ///< for building; 0 = all
     };
 
     /// Non-finite vertices, indices out of range, singular transforms and Embree's own errors are Errors at the shape.
@@ -105,7 +105,7 @@ class EmbreeScene {
     Status add_shape(const SceneShape& shape, const SceneDescription& scene, TextureTable& textures, bool instanced);
     int label_index(const std::string& label);
     std::unique_ptr<Device> device_;
-    std::vector<ShapeGeometry> shapes_;         // top level, then those of every object in turn
+    std::vector<ShapeGeometry> shapes_;  // top level, then those of every object in turn
     std::vector<ShapeInstance> instances_;
     std::vector<std::string> labels_;
     std::size_t top_level_shapes_ = 0;

@@ -16,7 +16,9 @@ struct DVec3 {
     friend constexpr DVec3 operator+(const DVec3& a, const DVec3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
     friend constexpr DVec3 operator-(const DVec3& a, const DVec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
     friend constexpr DVec3 operator*(const DVec3& a, double s) { return {a.x * s, a.y * s, a.z * s}; }
-    [[nodiscard]] Vec3 to_float() const { return {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)}; }
+    [[nodiscard]] Vec3 to_float() const {
+        return {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
+    }
     // Friends, so that only DVec3 arguments find them: normalize({x, y, z}) keeps meaning a Vec3.
     friend constexpr double dot(const DVec3& a, const DVec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
     friend constexpr DVec3 cross(const DVec3& a, const DVec3& b) {

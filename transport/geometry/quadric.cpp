@@ -39,7 +39,8 @@ bool Quadric::accept(const DVec3& p, double& u, double& v) const {
     const double phi = angle_of(p);
     if (kind == ShapeKind::sphere) {
         const double theta = std::acos(std::clamp(p.z / radius, -1.0, 1.0));
-        if (partial && ((z_min > -radius && p.z < z_min) || (z_max < radius && p.z > z_max) || phi > phi_max)) return false;
+        if (partial && ((z_min > -radius && p.z < z_min) || (z_max < radius && p.z > z_max) || phi > phi_max))
+            return false;
         v = (theta - theta_min) / (theta_max - theta_min);
     } else if (kind == ShapeKind::cylinder) {
         if (p.z < z_min || p.z > z_max || phi > phi_max) return false;
@@ -65,8 +66,8 @@ bool Quadric::intersect(const DVec3& origin, const DVec3& direction, double t_mi
     const DVec3 oq = sphere ? o : DVec3{o.x, o.y, 0}, dq = sphere ? d : DVec3{d.x, d.y, 0};
     const double a = dot(dq, dq);
     if (!(a > 0)) return false;
-    // Discriminant from the point of closest approach: no cancellation for distant origins (Haines et al. 2019, "Precision
-    // Improvements for Ray/Sphere Intersection", Ray Tracing Gems 7).
+    // Discriminant from the point of closest approach: no cancellation for distant origins (Haines et al. 2019,
+    // "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems 7).
     const double b = -dot(oq, dq);
     const DVec3 closest = oq + dq * (b / a);
     const double discriminant = radius * radius - dot(closest, closest);
@@ -81,7 +82,10 @@ bool Quadric::intersect(const DVec3& origin, const DVec3& direction, double t_mi
         const double r = sphere ? length(p) : std::hypot(p.x, p.y);
         const double scale = radius / r;
         p = sphere ? p * scale : DVec3{p.x * scale, p.y * scale, p.z};
-        if (accept(p, u, v)) { t = root; return true; }
+        if (accept(p, u, v)) {
+            t = root;
+            return true;
+        }
     }
     return false;
 }
@@ -105,7 +109,7 @@ DVec3 Quadric::object_normal(const DVec3& p) const {
 
 double Quadric::object_area() const {
     if (kind == ShapeKind::disk) return phi_max * 0.5 * (radius * radius - inner_radius * inner_radius);
-    return phi_max * radius * (z_max - z_min);      // Archimedes: the sphere's zone has its cylinder's area
+    return phi_max * radius * (z_max - z_min);  // Archimedes: the sphere's zone has its cylinder's area
 }
 
 void Quadric::sample_area(double a, double b, double& u, double& v) const {
@@ -134,7 +138,8 @@ void Quadric::bounds(DVec3& lower, DVec3& upper) const {
     lower = {1e300, 1e300, 1e300};
     upper = {-1e300, -1e300, -1e300};
     for (int corner = 0; corner < 8; ++corner) {
-        const DVec3 p = placement.to_world.point({corner & 1 ? radius : -radius, corner & 2 ? radius : -radius, corner & 4 ? z1 : z0});
+        const DVec3 p = placement.to_world.point(
+            {corner & 1 ? radius : -radius, corner & 2 ? radius : -radius, corner & 4 ? z1 : z0});
         lower = {std::min(lower.x, p.x), std::min(lower.y, p.y), std::min(lower.z, p.z)};
         upper = {std::max(upper.x, p.x), std::max(upper.y, p.y), std::max(upper.z, p.z)};
     }
@@ -144,7 +149,8 @@ double Quadric::extent() const {
     DVec3 lower, upper;
     bounds(lower, upper);
     double largest = 0;
-    for (const double v : {lower.x, lower.y, lower.z, upper.x, upper.y, upper.z}) largest = std::max(largest, std::abs(v));
+    for (const double v : {lower.x, lower.y, lower.z, upper.x, upper.y, upper.z})
+        largest = std::max(largest, std::abs(v));
     return largest;
 }
 
@@ -152,7 +158,7 @@ bool Quadric::similarity(double& scale) const {
     const auto& m = placement.to_world.m;
     const DVec3 x{m[0][0], m[1][0], m[2][0]}, y{m[0][1], m[1][1], m[2][1]}, z{m[0][2], m[1][2], m[2][2]};
     scale = length(x);
-    const double tolerance = 1e-9 * scale * scale;      // far above double rounding, far below anything visible
+    const double tolerance = 1e-9 * scale * scale;  // far above double rounding, far below anything visible
     return std::abs(dot(x, y)) < tolerance && std::abs(dot(y, z)) < tolerance && std::abs(dot(z, x)) < tolerance &&
            std::abs(dot(y, y) - scale * scale) < tolerance && std::abs(dot(z, z) - scale * scale) < tolerance;
 }

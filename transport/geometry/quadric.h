@@ -11,12 +11,12 @@ namespace raylex::transport {
 
 struct Quadric {
     ShapeKind kind = ShapeKind::sphere;
-    double radius = 1, z_min = -1, z_max = 1;   ///< sphere, cylinder
-    double height = 0, inner_radius = 0;        ///< disk
-    double phi_max = 0;                         ///< radians
-    double theta_min = 0, theta_max = 0;        ///< sphere: angles from +z at z_min and z_max
-    bool partial = false;                       ///< something is cut away
-    bool reversed = false;                      ///< normals point inwards (ReverseOrientation)
+    double radius = 1, z_min = -1, z_max = 1;  ///< sphere, cylinder
+    double height = 0, inner_radius = 0;       ///< disk
+    double phi_max = 0;                        ///< radians
+    double theta_min = 0, theta_max = 0;       ///< sphere: angles from +z at z_min and z_max
+    bool partial = false;                      ///< something is cut away
+    bool reversed = false;                     ///< normals point inwards (ReverseOrientation)
     Placement placement;
 
     Quadric() = default;
@@ -38,12 +38,12 @@ struct Quadric {
     void sample_area(double a, double b, double& u, double& v) const;
 
     struct Point {
-        DVec3 position, normal;      ///< world; the normal unit and oriented
-        double area_scale = 1;       ///< world area per object-space area
+        DVec3 position, normal;  ///< world; the normal unit and oriented
+        double area_scale = 1;   ///< world area per object-space area
     };
     [[nodiscard]] Point world_point(double u, double v) const;
 
-    void bounds(DVec3& lower, DVec3& upper) const;   ///< world, conservative
+    void bounds(DVec3& lower, DVec3& upper) const;  ///< world, conservative
     /// A length no smaller than any object-space coordinate that occurs, in world units: scales double rounding.
     [[nodiscard]] double extent() const;
     /// Whether the transform keeps spheres spheres: then `scale` is its factor.

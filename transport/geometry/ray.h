@@ -18,7 +18,9 @@ namespace raylex::transport {
 inline constexpr float infinity = std::numeric_limits<float>::infinity();
 inline constexpr float unit_roundoff = 0x1p-24f;
 /// Bound on the relative error of n roundings (Higham 2002, lemma 3.1).
-constexpr float gamma_bound(int n) { return (float(n) * unit_roundoff) / (1 - float(n) * unit_roundoff); }
+constexpr float gamma_bound(int n) {
+    return (float(n) * unit_roundoff) / (1 - float(n) * unit_roundoff);
+}
 
 /// Shadow rays end this much short of the light, relative to their length: the direction's own rounding moves the far
 /// end by a few ulps of the distance, which a grazing view of the light multiplies (pbrt-v4's ShadowEpsilon).
@@ -34,21 +36,23 @@ struct Ray {
 struct Hit {
     static constexpr std::uint32_t none = 0xffffffffu;
     float t = infinity;
-    float u = 0, v = 0;                  ///< triangle: barycentrics of vertices 1 and 2; others: the shape's own (u, v)
-    std::uint32_t shape = none;          ///< index into EmbreeScene::shapes()
-    std::uint32_t primitive = 0;         ///< triangle or patch of a mesh
-    std::uint32_t instance = none;       ///< index into EmbreeScene::instances()
+    float u = 0, v = 0;             ///< triangle: barycentrics of vertices 1 and 2; others: the shape's own (u, v)
+    std::uint32_t shape = none;     ///< index into EmbreeScene::shapes()
+    std::uint32_t primitive = 0;    ///< triangle or patch of a mesh
+    std::uint32_t instance = none;  ///< index into EmbreeScene::instances()
 
     [[nodiscard]] bool valid() const { return shape != none; }
 };
 
 inline float next_up(float v) {
     if (std::isinf(v) && v > 0) return v;
-    if (v == 0) return std::numeric_limits<float>::min();      // denormals are flushed to zero while rendering
+    if (v == 0) return std::numeric_limits<float>::min();  // denormals are flushed to zero while rendering
     const auto bits = std::bit_cast<std::uint32_t>(v);
     return std::bit_cast<float>(v > 0 ? bits + 1 : bits - 1);
 }
-inline float next_down(float v) { return -next_up(-v); }
+inline float next_down(float v) {
+    return -next_up(-v);
+}
 
 /// Origin of a ray that leaves `p` in `direction`: `offset` along the unit normal `n`, on the direction's side. Each
 /// coordinate that moves goes on by 2^-23 of itself, at least an ulp, so that rounding cannot take the step back. Which

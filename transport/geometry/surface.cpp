@@ -16,9 +16,15 @@
 namespace raylex::transport {
 namespace {
 
-constexpr Vec3 absolute(const Vec3& v) { return {v.x < 0 ? -v.x : v.x, v.y < 0 ? -v.y : v.y, v.z < 0 ? -v.z : v.z}; }
-constexpr Vec3 largest(const Vec3& a, const Vec3& b) { return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}; }
-constexpr Vec3 smallest(const Vec3& a, const Vec3& b) { return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)}; }
+constexpr Vec3 absolute(const Vec3& v) {
+    return {v.x < 0 ? -v.x : v.x, v.y < 0 ? -v.y : v.y, v.z < 0 ? -v.z : v.z};
+}
+constexpr Vec3 largest(const Vec3& a, const Vec3& b) {
+    return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
+}
+constexpr Vec3 smallest(const Vec3& a, const Vec3& b) {
+    return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
+}
 
 /// A float product is exact in double, so slivers keep their normal.
 Vec3 exact_cross(const Vec3& a, const Vec3& b) {
@@ -53,12 +59,13 @@ void triangle_surface(const ShapeGeometry& shape, const Hit& hit, SurfacePoint& 
 
     point.shading_normal = point.geometric_normal;
     if (!shape.normals.empty()) {
-        const Vec3 unflipped = n * inverse_length;      // pbrt ignores the flip where vertex normals decide
+        const Vec3 unflipped = n * inverse_length;  // pbrt ignores the flip where vertex normals decide
         point.geometric_normal = point.shading_normal = unflipped;
-        apply_vertex_normal(shape.normals[index[0]] * b0 + shape.normals[index[1]] * b1 + shape.normals[index[2]] * b2, point);
+        apply_vertex_normal(shape.normals[index[0]] * b0 + shape.normals[index[1]] * b1 + shape.normals[index[2]] * b2,
+                            point);
     }
     if (shape.uvs.empty()) {
-        point.u = b1 + b2;      // default uvs (0,0), (1,0), (1,1)
+        point.u = b1 + b2;  // default uvs (0,0), (1,0), (1,1)
         point.v = b2;
         point.dpdu = e1;
         return;
@@ -112,21 +119,26 @@ void patch_surface(const ShapeGeometry& shape, const Hit& hit, SurfacePoint& poi
     point.u = hit.u;
     point.v = hit.v;
     const std::uint32_t* index = shape.patch_indices.data() + 4 * static_cast<std::size_t>(hit.primitive);
-    const float w00 = (1 - hit.u) * (1 - hit.v), w10 = hit.u * (1 - hit.v), w01 = (1 - hit.u) * hit.v, w11 = hit.u * hit.v;
+    const float w00 = (1 - hit.u) * (1 - hit.v), w10 = hit.u * (1 - hit.v), w01 = (1 - hit.u) * hit.v,
+                w11 = hit.u * hit.v;
     if (!shape.uvs.empty()) {
-        const Vec2 t00 = shape.uvs[index[0]], t10 = shape.uvs[index[1]], t01 = shape.uvs[index[2]], t11 = shape.uvs[index[3]];
+        const Vec2 t00 = shape.uvs[index[0]], t10 = shape.uvs[index[1]], t01 = shape.uvs[index[2]],
+                   t11 = shape.uvs[index[3]];
         point.u = t00.x * w00 + t10.x * w10 + t01.x * w01 + t11.x * w11;
         point.v = t00.y * w00 + t10.y * w10 + t01.y * w01 + t11.y * w11;
         // dp/ds by the chain rule from dp/d(u,v) and the inverse of d(s,t)/d(u,v).
-        const double su = (t10.x - t00.x) * (1 - v) + (t11.x - t01.x) * v, sv = (t01.x - t00.x) * (1 - u) + (t11.x - t10.x) * u;
-        const double tu = (t10.y - t00.y) * (1 - v) + (t11.y - t01.y) * v, tv = (t01.y - t00.y) * (1 - u) + (t11.y - t10.y) * u;
+        const double su = (t10.x - t00.x) * (1 - v) + (t11.x - t01.x) * v,
+                     sv = (t01.x - t00.x) * (1 - u) + (t11.x - t10.x) * u;
+        const double tu = (t10.y - t00.y) * (1 - v) + (t11.y - t01.y) * v,
+                     tv = (t01.y - t00.y) * (1 - u) + (t11.y - t10.y) * u;
         const double determinant = su * tv - sv * tu;
         if (determinant != 0) point.dpdu = ((dpdu * tv - dpdv * tu) * (1 / determinant)).to_float();
     }
     if (!shape.normals.empty()) {
         if (shape.flip_normal) point.geometric_normal = -n;
-        apply_vertex_normal(shape.normals[index[0]] * w00 + shape.normals[index[1]] * w10 + shape.normals[index[2]] * w01 +
-                                shape.normals[index[3]] * w11, point);
+        apply_vertex_normal(shape.normals[index[0]] * w00 + shape.normals[index[1]] * w10 +
+                                shape.normals[index[2]] * w01 + shape.normals[index[3]] * w11,
+                            point);
     }
     Vec3 reach;
     for (int i = 0; i < 4; ++i) reach = largest(reach, absolute(shape.patch_positions[index[i]]));
@@ -139,12 +151,13 @@ void place(const Placement& placement, SurfacePoint& point, float& offset) {
     const DVec3 local_normal(point.geometric_normal);
     const DVec3 world = placement.to_world.point(DVec3(point.position));
     const DVec3 normal = placement.to_object.normal_of_inverse(local_normal);
-    const double stretch = length(normal);      // of distances along the normal, inverted
+    const double stretch = length(normal);  // of distances along the normal, inverted
     double rounding = 0;
     const double axis[3] = {std::abs(local_normal.x), std::abs(local_normal.y), std::abs(local_normal.z)};
     for (int r = 0; r < 3; ++r) {
         const double* row = placement.to_object.m[r];
-        rounding += axis[r] * (std::abs(row[0] * world.x) + std::abs(row[1] * world.y) + std::abs(row[2] * world.z) + std::abs(row[3]));
+        rounding += axis[r] * (std::abs(row[0] * world.x) + std::abs(row[1] * world.y) + std::abs(row[2] * world.z) +
+                               std::abs(row[3]));
     }
     const DVec3 shading = normalize(placement.to_object.normal_of_inverse(DVec3(point.shading_normal)));
     point.position = world.to_float();

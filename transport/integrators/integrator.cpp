@@ -39,8 +39,8 @@ EventTable::EventTable(const display::LpeSetup& setup, const SceneView& scene) {
         straight_.push_back(setup.classify(straight_event(label)));
     }
     for (const Light& light : scene.lights->lights())
-        terminal_.push_back(setup.classify(terminal_event(light.is_environment(),
-                                                          scene.lights->groups()[static_cast<std::size_t>(light.group)])));
+        terminal_.push_back(setup.classify(
+            terminal_event(light.is_environment(), scene.lights->groups()[static_cast<std::size_t>(light.group)])));
 }
 
 void IntegratorCounters::add(const IntegratorCounters& other) {
@@ -64,10 +64,13 @@ Result<ChosenIntegrator> choose_integrator(const SceneEntity& entity, std::optio
     ChosenIntegrator chosen;
     SceneEntity asked = entity;
     if (asked.type.empty()) asked.type = "path";
-    static const std::vector<std::string> of_pbrt = {"ambientocclusion", "bdpt", "function", "lightpath", "mlt", "randomwalk",
-                                                     "simplepath", "simplevolpath", "sppm", "volpath"};
-    if (!integrator_registry().find(asked.type) && std::find(of_pbrt.begin(), of_pbrt.end(), asked.type) != of_pbrt.end()) {
-        chosen.warnings.push_back(error_at(asked.location, "integrator '" + asked.type + "' is not available; rendering with 'path'"));
+    static const std::vector<std::string> of_pbrt = {
+        "ambientocclusion", "bdpt",       "function",      "lightpath", "mlt",
+        "randomwalk",       "simplepath", "simplevolpath", "sppm",      "volpath"};
+    if (!integrator_registry().find(asked.type) &&
+        std::find(of_pbrt.begin(), of_pbrt.end(), asked.type) != of_pbrt.end()) {
+        chosen.warnings.push_back(
+            error_at(asked.location, "integrator '" + asked.type + "' is not available; rendering with 'path'"));
         for (const Parameter& p : entity.parameters.parameters) p.used = true;
         std::erase_if(asked.parameters.parameters, [](const Parameter& p) { return p.name != "maxdepth"; });
         asked.type = "path";
@@ -80,7 +83,8 @@ Result<ChosenIntegrator> choose_integrator(const SceneEntity& entity, std::optio
         std::vector<std::string> names;
         for (const ParameterDescription& each : (*entry)->parameters) names.push_back(each.name);
         const std::string near = nearest_name(p->name, names);
-        chosen.warnings.push_back(error_at(p->location, "integrator '" + asked.type + "' has no parameter '" + p->name + "'",
+        chosen.warnings.push_back(error_at(p->location,
+                                           "integrator '" + asked.type + "' has no parameter '" + p->name + "'",
                                            near.empty() ? "" : "did you mean '" + near + "'?"));
     }
     for (const Parameter& p : entity.parameters.parameters) p.used = true;

@@ -61,7 +61,9 @@ class EventTable {
         return scatter_[static_cast<std::size_t>(label) * lobe_count_ + lobe];
     }
     /// Straight through a cutout or an interface without a surface.
-    [[nodiscard]] lpe::EventClass straight(std::int32_t label) const { return straight_[static_cast<std::size_t>(label)]; }
+    [[nodiscard]] lpe::EventClass straight(std::int32_t label) const {
+        return straight_[static_cast<std::size_t>(label)];
+    }
     /// The terminal: L, or B for infinite lights, with the light's group.
     [[nodiscard]] lpe::EventClass terminal(std::uint32_t light) const { return terminal_[light]; }
     /// False when there is nothing to match: then moves may be skipped.
@@ -84,9 +86,9 @@ struct IntegratorContext {
     const EventTable* events = nullptr;
     const geoaovs::GeometricAovs* aovs = nullptr;
     std::span<const display::ChannelDefinition> channels;
-    float world_to_camera[3][4] = {};       ///< rigid part, for geoaovs::ShadingBatch
-    bool beauty = true;                     ///< false: what no channel can accept need not be simulated (Law 4)
-    int batch_capacity = 0;                 ///< most rays of one batch
+    float world_to_camera[3][4] = {};  ///< rigid part, for geoaovs::ShadingBatch
+    bool beauty = true;                ///< false: what no channel can accept need not be simulated (Law 4)
+    int batch_capacity = 0;            ///< most rays of one batch
 };
 
 /// Camera rays of one call. ray i belongs to row i and draws from samplers[i].
@@ -103,7 +105,7 @@ struct ThreadServices {
 /// Work done, for statistics. Added up over threads at the end.
 struct IntegratorCounters {
     std::uint64_t camera_rays = 0, scattering_rays = 0, shadow_rays = 0;
-    std::vector<std::uint64_t> path_lengths;      ///< [scattering events]
+    std::vector<std::uint64_t> path_lengths;  ///< [scattering events]
     void add(const IntegratorCounters& other);
 };
 
@@ -136,8 +138,8 @@ struct ChosenIntegrator {
     std::string name;
     std::vector<Error> warnings;
 };
-/// pbrt's integrators that are not here fall back to `path` with a warning; a name nobody knows is an Error. An empty type
-/// means `path`.
+/// pbrt's integrators that are not here fall back to `path` with a warning; a name nobody knows is an Error. An empty
+/// type means `path`.
 Result<ChosenIntegrator> choose_integrator(const SceneEntity& entity, std::optional<std::int64_t> max_depth);
 
 }  // namespace raylex::transport

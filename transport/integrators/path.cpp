@@ -9,8 +9,16 @@ namespace raylex::transport {
 namespace {
 
 // Sampler dimensions of vertex k start at first_free_dimension + k * stride.
-enum VertexDimension : std::uint32_t { choice_dimension, light_dimension, scatter_dimension, lobe_dimension, roulette_dimension, key_dimension, stride };
-constexpr std::uint32_t cutout_dimensions = 1u << 24;     // one per ray, far above every vertex's
+enum VertexDimension : std::uint32_t {
+    choice_dimension,
+    light_dimension,
+    scatter_dimension,
+    lobe_dimension,
+    roulette_dimension,
+    key_dimension,
+    stride
+};
+constexpr std::uint32_t cutout_dimensions = 1u << 24;  // one per ray, far above every vertex's
 
 std::uint32_t dimension(const PathState& path, VertexDimension which) {
     return first_free_dimension + path.depth * stride + which;
@@ -38,7 +46,8 @@ void PathIntegrator::integrate(const CameraBatch& batch, IntegratorThread& state
         resolve(thread, services);
         VertexBatch& v = thread.vertices;
         if (v.count == 0) continue;
-        context_.scene.materials->shade(*context_.scene.textures, {v.points.data(), v.count}, {v.bsdfs.data(), v.count});
+        context_.scene.materials->shade(*context_.scene.textures, {v.points.data(), v.count},
+                                        {v.bsdfs.data(), v.count});
         write_aovs(thread, services);
         sample_lights(thread, services);
         add_lights(thread, services);
@@ -99,7 +108,9 @@ void PathIntegrator::escape(PathThread& thread, ThreadServices& services, std::u
     for (const std::uint32_t light : lights.environments()) {
         const float light_pdf = path.certain ? 0.0f : lights.environment_density(choice(), light, ray.direction);
         const float weight = scattering_weight(path, light_pdf);
-        if (weight > 0) deliver(thread, services, row, path.beta * lights.environment_radiance(light, ray.direction) * weight, light);
+        if (weight > 0)
+            deliver(thread, services, row, path.beta * lights.environment_radiance(light, ray.direction) * weight,
+                    light);
     }
     thread.finish(row);
 }
@@ -112,7 +123,9 @@ void PathIntegrator::emit(PathThread& thread, ThreadServices& services, std::siz
     const Rgb emitted = lights.emitted(light, v.points[j].geometric_normal, v.points[j].wo);
     if (emitted.is_black()) return;
     const PathState& path = thread.paths[v.rows[j]];
-    const float light_pdf = path.certain ? 0.0f : lights.density(choice(), *context_.scene.geometry, light, path.from, v.points[j], v.hits[j]);
+    const float light_pdf =
+        path.certain ? 0.0f
+                     : lights.density(choice(), *context_.scene.geometry, light, path.from, v.points[j], v.hits[j]);
     const float weight = scattering_weight(path, light_pdf);
     if (weight > 0) deliver(thread, services, v.rows[j], path.beta * emitted * weight, light);
 }
@@ -157,7 +170,7 @@ void PathIntegrator::resolve(PathThread& thread, ThreadServices& services) const
         PathState& path = thread.paths[row];
         const bool emits = shape.first_light != Hit::none;
         if (cutouts && shape.alpha >= 0) {
-            if (emits && shape.interface) emit(thread, services, j);     // a light without a surface still shines
+            if (emits && shape.interface) emit(thread, services, j);  // a light without a surface still shines
             if (passes(thread, services, j)) continue;
         }
         if (path.depth == 0) record_first_hit(thread, services, j);
@@ -173,7 +186,8 @@ void PathIntegrator::resolve(PathThread& thread, ThreadServices& services) const
     v.count = kept;
 }
 
-void PathIntegrator::move(display::Tracker& tracker, display::LpeServices& lpe, std::int32_t label, const LobeList& lobes) const {
+void PathIntegrator::move(display::Tracker& tracker, display::LpeServices& lpe, std::int32_t label,
+                          const LobeList& lobes) const {
     if (!context_.events->any()) return;
     std::array<display::LobePart, max_lobes> parts;
     for (std::size_t i = 0; i < static_cast<std::size_t>(lobes.count); ++i)
@@ -195,7 +209,8 @@ void PathIntegrator::sample_lights(PathThread& thread, ThreadServices& services)
         const float u_choice = own_choice ? sampler.get_1d(dimension(path, choice_dimension)) : 0.0f;
         LightSample sample;
         if (!lights.sample(choice(), *context_.scene.geometry, v.points[j].position, u_choice,
-                           sampler.get_2d(dimension(path, light_dimension)), sample)) continue;
+                           sampler.get_2d(dimension(path, light_dimension)), sample))
+            continue;
         if (parameters_.strategy == PathStrategy::scattering && !sample.delta) continue;
         const BsdfEvaluation f = v.bsdfs[j].evaluate(v.points[j].wo, sample.wi);
         if (f.value.is_black()) continue;
@@ -207,7 +222,9 @@ void PathIntegrator::sample_lights(PathThread& thread, ThreadServices& services)
             // Only channels matter: a light whose group no channel can still accept is not worth a ray (Law 4).
             display::Tracker ahead = thread.trackers[row];
             move(ahead, services.lpe, v.sources[j].label, f.lobes);
-            if (!context_.scene.geometry->has_alpha() && !services.lpe.live_after(ahead, context_.events->terminal(sample.light))) continue;
+            if (!context_.scene.geometry->has_alpha() &&
+                !services.lpe.live_after(ahead, context_.events->terminal(sample.light)))
+                continue;
         }
         PendingLight& pending = thread.pending[thread.pending_count];
         pending = {row, sample.light, v.sources[j].label, value, f.lobes};
@@ -234,7 +251,9 @@ float PathIntegrator::straight_transmittance(Ray ray, display::Tracker& tracker,
         SurfaceSource source[1];
         geometry.surfaces(rays, hits, point, source);
         const ShapeGeometry& shape = geometry.shapes()[hit.shape];
-        transmittance *= 1 - std::clamp(context_.scene.textures->real(shape.alpha, {point[0].u, point[0].v, point[0].position}), 0.0f, 1.0f);
+        transmittance *=
+            1 - std::clamp(context_.scene.textures->real(shape.alpha, {point[0].u, point[0].v, point[0].position}),
+                           0.0f, 1.0f);
         if (!(transmittance > 0)) return 0;
         services.lpe.move(tracker, context_.events->straight(source[0].label));
         ray.origin = leave_surface(point[0].position, point[0].geometric_normal, source[0].offset, ray.direction);
@@ -257,7 +276,8 @@ void PathIntegrator::add_lights(PathThread& thread, ThreadServices& services) co
         move(tracker, services.lpe, pending.label, pending.lobes);
         Rgb value = pending.value;
         if (geometry.has_alpha()) {
-            const float transmittance = straight_transmittance(thread.shadow_rays[i], tracker, services, thread.counters);
+            const float transmittance =
+                straight_transmittance(thread.shadow_rays[i], tracker, services, thread.counters);
             if (!(transmittance > 0)) continue;
             value *= transmittance;
         }
@@ -273,13 +293,14 @@ void PathIntegrator::scatter(PathThread& thread, ThreadServices& services) const
         const std::uint32_t row = v.rows[j];
         PathState& path = thread.paths[row];
         const PixelSampler& sampler = thread.samplers[row];
-        if (path.depth >= parameters_.max_depth) {     // here for its AOVs only
+        if (path.depth >= parameters_.max_depth) {  // here for its AOVs only
             thread.finish(row);
             continue;
         }
         const Bsdf& bsdf = v.bsdfs[j];
         const SurfacePoint& point = v.points[j];
-        const float u_lobe = bsdf.kind() == Bsdf::Kind::lambert ? 0.0f : sampler.get_1d(dimension(path, lobe_dimension));
+        const float u_lobe =
+            bsdf.kind() == Bsdf::Kind::lambert ? 0.0f : sampler.get_1d(dimension(path, lobe_dimension));
         const BsdfSample s = bsdf.sample(point.wo, u_lobe, sampler.get_2d(dimension(path, scatter_dimension)));
         if (!(s.pdf > 0) || s.weight.is_black()) {
             thread.finish(row);
@@ -295,7 +316,8 @@ void PathIntegrator::scatter(PathThread& thread, ThreadServices& services) const
         path.from = point.position;
         move(thread.trackers[row], services.lpe, v.sources[j].label, s.lobes);
         if (!is_finite(path.beta)) {
-            services.lpe.contribute(path.beta, display::Technique::scattering, thread.trackers[row]);    // counted and logged
+            services.lpe.contribute(path.beta, display::Technique::scattering,
+                                    thread.trackers[row]);  // counted and logged
             thread.finish(row);
             continue;
         }

@@ -2,8 +2,8 @@
 //
 // The path integral is estimated from the camera: at each vertex one light sample (next event estimation) and one
 // scattering sample; an emitter can be found by both, and each gets the weight w = p^2 / (p^2 + q^2) of its density p
-// against the other's q, per steradian (Veach 1997, chapter 9). Lights without extent are found by sampling alone, mirrors
-// by scattering alone. Russian roulette from the second bounce on max(beta) eta^2, as pbrt-v4.
+// against the other's q, per steradian (Veach 1997, chapter 9). Lights without extent are found by sampling alone,
+// mirrors by scattering alone. Russian roulette from the second bounce on max(beta) eta^2, as pbrt-v4.
 //
 // Rays of a batch advance together, one vertex at a time; every stage is one loop over plain arrays:
 //
@@ -18,12 +18,12 @@
 namespace raylex::transport {
 
 /// How emitters are found. `mis` for images; the others estimate the same integral alone, for experiments and tests:
-/// `light` leaves area lights to light sampling (emitters seen directly or by delta lobes excepted), `scattering` leaves
-/// all but delta lights to scattering.
+/// `light` leaves area lights to light sampling (emitters seen directly or by delta lobes excepted), `scattering`
+/// leaves all but delta lights to scattering.
 enum class PathStrategy : std::uint8_t { mis, light, scattering };
 
 struct PathParameters {
-    std::uint32_t max_depth = 5;        ///< scattering events at most; emission after the last still counts
+    std::uint32_t max_depth = 5;  ///< scattering events at most; emission after the last still counts
     PathStrategy strategy = PathStrategy::mis;
     bool roulette = true;
 };

@@ -9,21 +9,21 @@ namespace raylex::transport {
 
 /// What a path carries from vertex to vertex.
 struct PathState {
-    Rgb beta{1};                  ///< product of scattering weights
-    float eta_scale = 1;          ///< product of eta^2 over transmissions: takes their radiance scaling out of roulette
-    float scatter_pdf = 0;        ///< density of the last direction, for its MIS weight
-    Vec3 from;                    ///< the vertex it left
-    float travelled = 0;          ///< along the camera ray, over cutouts passed
-    std::uint32_t depth = 0;      ///< scattering events so far
-    std::uint32_t segment = 0;    ///< rays so far, those beyond cutouts included: keys the cutouts' choices
-    bool certain = true;          ///< the last direction could not have been light-sampled (camera, delta lobes)
+    Rgb beta{1};                ///< product of scattering weights
+    float eta_scale = 1;        ///< product of eta^2 over transmissions: takes their radiance scaling out of roulette
+    float scatter_pdf = 0;      ///< density of the last direction, for its MIS weight
+    Vec3 from;                  ///< the vertex it left
+    float travelled = 0;        ///< along the camera ray, over cutouts passed
+    std::uint32_t depth = 0;    ///< scattering events so far
+    std::uint32_t segment = 0;  ///< rays so far, those beyond cutouts included: keys the cutouts' choices
+    bool certain = true;        ///< the last direction could not have been light-sampled (camera, delta lobes)
 };
 
 /// A light sample on its way to be tested for occlusion.
 struct PendingLight {
     std::uint32_t row = 0, light = 0;
     std::int32_t label = 0;
-    Rgb value;                    ///< what arrives at the camera if nothing is in between
+    Rgb value;  ///< what arrives at the camera if nothing is in between
     LobeList lobes;
 };
 
@@ -117,10 +117,12 @@ class PathIntegrator final : public Integrator {
     void sample_lights(PathThread& thread, ThreadServices& services) const;
     void add_lights(PathThread& thread, ThreadServices& services) const;
     /// What the cutouts along an otherwise free shadow ray let through; moves `tracker` past them.
-    float straight_transmittance(Ray ray, display::Tracker& tracker, ThreadServices& services, IntegratorCounters& counters) const;
+    float straight_transmittance(Ray ray, display::Tracker& tracker, ThreadServices& services,
+                                 IntegratorCounters& counters) const;
     void scatter(PathThread& thread, ThreadServices& services) const;
     void move(display::Tracker& tracker, display::LpeServices& lpe, std::int32_t label, const LobeList& lobes) const;
-    void deliver(PathThread& thread, ThreadServices& services, std::uint32_t row, const Rgb& value, std::uint32_t light) const;
+    void deliver(PathThread& thread, ThreadServices& services, std::uint32_t row, const Rgb& value,
+                 std::uint32_t light) const;
 
     [[nodiscard]] LightChoice choice() const {
         return parameters_.strategy == PathStrategy::light ? LightChoice::light_sampling : LightChoice::mis;

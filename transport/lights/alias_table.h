@@ -30,12 +30,16 @@ class AliasTable {
             bins_[s].threshold = static_cast<float>(scaled[s]);
             bins_[s].alias = l;
             scaled[l] -= 1 - scaled[s];
-            if (scaled[l] < 1) { large.pop_back(); small.push_back(l); }
+            if (scaled[l] < 1) {
+                large.pop_back();
+                small.push_back(l);
+            }
         }
         // Rounding leaves bins that should be full; a leftover of weight 0 must still never be chosen.
         const std::uint32_t heaviest = heaviest_of(weights);
         for (const std::uint32_t i : large) bins_[i] = {1.0f, i, bins_[i].probability};
-        for (const std::uint32_t i : small) bins_[i] = {weights[i] > 0 ? 1.0f : 0.0f, weights[i] > 0 ? i : heaviest, bins_[i].probability};
+        for (const std::uint32_t i : small)
+            bins_[i] = {weights[i] > 0 ? 1.0f : 0.0f, weights[i] > 0 ? i : heaviest, bins_[i].probability};
     }
 
     [[nodiscard]] bool empty() const { return bins_.empty(); }
@@ -60,7 +64,11 @@ class AliasTable {
     [[nodiscard]] float probability(std::uint32_t i) const { return bins_.empty() ? 0.0f : bins_[i].probability; }
 
   private:
-    struct Bin { float threshold = 1; std::uint32_t alias = 0; float probability = 0; };
+    struct Bin {
+        float threshold = 1;
+        std::uint32_t alias = 0;
+        float probability = 0;
+    };
     static std::uint32_t heaviest_of(const std::vector<double>& weights) {
         std::size_t best = 0;
         for (std::size_t i = 1; i < weights.size(); ++i)

@@ -9,7 +9,9 @@ namespace raylex::transport {
 namespace {
 
 /// What a pixel is sampled by: the mean of its channels serves every primary alike.
-float weight_of(const Rgb& c) { return std::max(c.average(), 0.0f); }
+float weight_of(const Rgb& c) {
+    return std::max(c.average(), 0.0f);
+}
 
 /// Largest i with cumulative[i] <= u, and where u stands within that step.
 std::size_t find_step(const float* cumulative, std::size_t steps, float u, float& within) {
@@ -66,7 +68,8 @@ EnvironmentImage::EnvironmentImage(int resolution, std::vector<Rgb> pixels, cons
         float* row = columns_.data() + y * (n + 1);
         for (std::size_t x = 0; x < n; ++x) {
             running += weight_of(pixels_[y * n + x]);
-            row[x + 1] = sum > 0 ? static_cast<float>(running / sum) : static_cast<float>(x + 1) / static_cast<float>(n);
+            row[x + 1] =
+                sum > 0 ? static_cast<float>(running / sum) : static_cast<float>(x + 1) / static_cast<float>(n);
         }
         row[n] = 1;
         row_sums[y] = sum;
@@ -84,7 +87,10 @@ EnvironmentImage::EnvironmentImage(int resolution, std::vector<Rgb> pixels, cons
 std::size_t EnvironmentImage::pixel_of(const Vec3& world_direction) const {
     const DVec3 local = normalize(placement_.to_object.vector(DVec3(world_direction)));
     const Vec2 uv = octahedral_from_direction(local.to_float());
-    const auto cell = [this](float v) { return static_cast<std::size_t>(std::clamp(static_cast<int>(v * static_cast<float>(resolution_)), 0, resolution_ - 1)); };
+    const auto cell = [this](float v) {
+        return static_cast<std::size_t>(
+            std::clamp(static_cast<int>(v * static_cast<float>(resolution_)), 0, resolution_ - 1));
+    };
     return cell(uv.y) * static_cast<std::size_t>(resolution_) + cell(uv.x);
 }
 
@@ -97,8 +103,12 @@ float EnvironmentImage::density(std::size_t pixel) const {
     return share * static_cast<float>(n) * static_cast<float>(n) * uniform_sphere_pdf();
 }
 
-Rgb EnvironmentImage::radiance(const Vec3& world_direction) const { return pixels_[pixel_of(world_direction)]; }
-float EnvironmentImage::pdf(const Vec3& world_direction) const { return density(pixel_of(world_direction)); }
+Rgb EnvironmentImage::radiance(const Vec3& world_direction) const {
+    return pixels_[pixel_of(world_direction)];
+}
+float EnvironmentImage::pdf(const Vec3& world_direction) const {
+    return density(pixel_of(world_direction));
+}
 
 bool EnvironmentImage::sample(const Vec2& u, Vec3& world_direction, Rgb& radiance, float& pdf) const {
     const auto n = static_cast<std::size_t>(resolution_);
@@ -110,7 +120,8 @@ bool EnvironmentImage::sample(const Vec2& u, Vec3& world_direction, Rgb& radianc
     pdf = density(pixel);
     if (!(pdf > 0)) return false;
     const float scale = 1 / static_cast<float>(n);
-    const Vec3 local = direction_from_octahedral({(static_cast<float>(x) + within_x) * scale, (static_cast<float>(y) + within_y) * scale});
+    const Vec3 local = direction_from_octahedral(
+        {(static_cast<float>(x) + within_x) * scale, (static_cast<float>(y) + within_y) * scale});
     world_direction = normalize(placement_.to_world.vector(DVec3(local))).to_float();
     radiance = pixels_[pixel];
     return true;

@@ -33,8 +33,8 @@ class EnvironmentImage {
     [[nodiscard]] float density(std::size_t pixel) const;
     int resolution_ = 0;
     std::vector<Rgb> pixels_;
-    std::vector<float> rows_;       // [resolution + 1] cumulative share of the rows
-    std::vector<float> columns_;    // [resolution][resolution + 1] cumulative share within a row
+    std::vector<float> rows_;     // [resolution + 1] cumulative share of the rows
+    std::vector<float> columns_;  // [resolution][resolution + 1] cumulative share within a row
     Placement placement_;
     double mean_ = 0;
 };

@@ -10,26 +10,32 @@
 namespace raylex::transport {
 
 enum class LightKind : std::uint8_t {
-    triangle, patch, quadric, sphere,            ///< area lights; `sphere`: a full one that its transform keeps a sphere
-    point, spot, distant,                        ///< delta lights: no ray ever hits them
-    uniform_environment, image_environment       ///< infinite
+    triangle,
+    patch,
+    quadric,
+    sphere,  ///< area lights; `sphere`: a full one that its transform keeps a sphere
+    point,
+    spot,
+    distant,  ///< delta lights: no ray ever hits them
+    uniform_environment,
+    image_environment  ///< infinite
 };
 
 struct Light {
     LightKind kind = LightKind::point;
     bool two_sided = false;
-    std::int32_t group = 0;           ///< index into LightTable::groups()
-    /// Radiance (area, environments; a factor on the image), radiant intensity (point, spot), or irradiance on a surface
-    /// facing it (distant).
+    std::int32_t group = 0;  ///< index into LightTable::groups()
+    /// Radiance (area, environments; a factor on the image), radiant intensity (point, spot), or irradiance on a
+    /// surface facing it (distant).
     Rgb emission;
-    Vec3 position;                    ///< point, spot; triangle: vertex 0
-    Vec3 direction;                   ///< spot: its axis; distant: towards the light; triangle: unit normal, emitting side
-    Vec3 edge1, edge2;                ///< triangle
-    float area = 0;                   ///< triangle, patch: world; quadric: object space; sphere: world
-    float cos_full = 1, cos_zero = 0; ///< spot: where the falloff begins and ends
-    std::uint32_t shape = 0, primitive = 0;   ///< area lights
-    std::int32_t environment = -1;    ///< index of the image
-    float power = 0;                  ///< watts-like estimate, the weight of its selection
+    Vec3 position;      ///< point, spot; triangle: vertex 0
+    Vec3 direction;     ///< spot: its axis; distant: towards the light; triangle: unit normal, emitting side
+    Vec3 edge1, edge2;  ///< triangle
+    float area = 0;     ///< triangle, patch: world; quadric: object space; sphere: world
+    float cos_full = 1, cos_zero = 0;        ///< spot: where the falloff begins and ends
+    std::uint32_t shape = 0, primitive = 0;  ///< area lights
+    std::int32_t environment = -1;           ///< index of the image
+    float power = 0;                         ///< watts-like estimate, the weight of its selection
 
     [[nodiscard]] bool is_delta() const { return kind >= LightKind::point && kind <= LightKind::distant; }
     [[nodiscard]] bool is_environment() const { return kind >= LightKind::uniform_environment; }

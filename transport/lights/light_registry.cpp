@@ -10,14 +10,17 @@
 namespace raylex::transport {
 namespace {
 
-std::string quoted(std::string_view name) { return std::string("'").append(name).append("'"); }
+std::string quoted(std::string_view name) {
+    return std::string("'").append(name).append("'");
+}
 
 Result<Vec3> point_or(const ParameterSet& set, std::string_view name, const Vec3& fallback) {
     const Parameter* p = set.find(name);
     if (!p) return fallback;
     if (p->type != ParameterType::point3 || p->numbers.size() != 3)
         return error_at(p->location, quoted(name).append(" must be one point3"));
-    return Vec3{static_cast<float>(p->numbers[0]), static_cast<float>(p->numbers[1]), static_cast<float>(p->numbers[2])};
+    return Vec3{static_cast<float>(p->numbers[0]), static_cast<float>(p->numbers[1]),
+                static_cast<float>(p->numbers[2])};
 }
 
 Status refuse(const ParameterSet& set, std::string_view name, const std::string& why) {
@@ -34,7 +37,9 @@ Result<Rgb> scaled_emission(const SceneEntity& light, std::string_view name, con
     return *emission * static_cast<float>(*scale);
 }
 
-Vec3 direction_in_world(const Transform& transform, const Vec3& v) { return normalize(normalize(DVec3(transform.vector(v)))).to_float(); }
+Vec3 direction_in_world(const Transform& transform, const Vec3& v) {
+    return normalize(normalize(DVec3(transform.vector(v)))).to_float();
+}
 
 Result<Light> make_point(const SceneLight& source, LightContext& context) {
     Light light;
@@ -63,11 +68,12 @@ Result<Light> make_spot(const SceneLight& source, LightContext& context) {
     auto from = point_or(source.parameters, "from", {}), to = point_or(source.parameters, "to", {0, 0, 1});
     if (!from) return from.error();
     if (!to) return to.error();
-    if (*from == *to) return error_at(source.location, "spot light: 'from' and 'to' are the same point; expected a direction");
+    if (*from == *to)
+        return error_at(source.location, "spot light: 'from' and 'to' are the same point; expected a direction");
     const double degree = static_cast<double>(pi) / 180;
     light.cos_zero = static_cast<float>(std::cos(*cone * degree));
     light.cos_full = static_cast<float>(std::cos((*cone - *delta) * degree));
-    if (!(light.cos_full > light.cos_zero)) light.cos_full = light.cos_zero + unit_roundoff;      // a hard edge
+    if (!(light.cos_full > light.cos_zero)) light.cos_full = light.cos_zero + unit_roundoff;  // a hard edge
     light.position = source.to_world.point(*from);
     light.direction = direction_in_world(source.to_world, *to - *from);
     // pbrt's k_e for "power": full inside the falloff, half of it on average within.
@@ -87,7 +93,8 @@ Result<Light> make_distant(const SceneLight& source, LightContext& context) {
     auto from = point_or(source.parameters, "from", {}), to = point_or(source.parameters, "to", {0, 0, 1});
     if (!from) return from.error();
     if (!to) return to.error();
-    if (*from == *to) return error_at(source.location, "distant light: 'from' and 'to' are the same point; expected a direction");
+    if (*from == *to)
+        return error_at(source.location, "distant light: 'from' and 'to' are the same point; expected a direction");
     light.emission = *illuminance > 0 ? *radiance * static_cast<float>(*illuminance) : *radiance;
     light.direction = direction_in_world(source.to_world, *from - *to);
     return light;
@@ -100,8 +107,10 @@ std::string resolve_path(const std::string& name, const std::string& beside) {
     return (std::filesystem::path(beside).parent_path() / path).string();
 }
 
-Result<EnvironmentImage> load_environment(const SceneLight& source, const std::string& file, const LightContext& context) {
-    auto image = read_image(resolve_path(file, source.location.file.empty() ? context.scene.file : source.location.file), "");
+Result<EnvironmentImage> load_environment(const SceneLight& source, const std::string& file,
+                                          const LightContext& context) {
+    auto image =
+        read_image(resolve_path(file, source.location.file.empty() ? context.scene.file : source.location.file), "");
     if (!image) {
         Error error = image.error();
         if (!error.hint.empty()) error.hint += "; ";
@@ -109,7 +118,8 @@ Result<EnvironmentImage> load_environment(const SceneLight& source, const std::s
         return error;
     }
     if (image->width != image->height)
-        return error_at(source.location, file + " is " + std::to_string(image->width) + " x " + std::to_string(image->height) +
+        return error_at(source.location, file + " is " + std::to_string(image->width) + " x " +
+                                             std::to_string(image->height) +
                                              "; an equal-area octahedral environment must be square");
     const auto count = static_cast<std::size_t>(image->width) * static_cast<std::size_t>(image->height);
     const bool grey = image->channels < 3;
@@ -128,7 +138,10 @@ Result<EnvironmentImage> load_environment(const SceneLight& source, const std::s
 }
 
 Result<Light> make_infinite(const SceneLight& source, LightContext& context) {
-    if (Status s = refuse(source.parameters, "portal", "is not supported yet; expected an infinite light without a portal"); !s) return s.error();
+    if (Status s =
+            refuse(source.parameters, "portal", "is not supported yet; expected an infinite light without a portal");
+        !s)
+        return s.error();
     Light light;
     light.kind = LightKind::uniform_environment;
     auto file = source.parameters.string_or("filename", "");
@@ -138,10 +151,12 @@ Result<Light> make_infinite(const SceneLight& source, LightContext& context) {
     if (file->empty()) {
         auto radiance = scaled_emission(source, "L", context);
         if (!radiance) return radiance.error();
-        light.emission = *illuminance > 0 ? *radiance * static_cast<float>(*illuminance / static_cast<double>(pi)) : *radiance;
+        light.emission =
+            *illuminance > 0 ? *radiance * static_cast<float>(*illuminance / static_cast<double>(pi)) : *radiance;
         return light;
     }
-    if (Status s = refuse(source.parameters, "L", "and 'filename' exclude each other in an infinite light"); !s) return s.error();
+    if (Status s = refuse(source.parameters, "L", "and 'filename' exclude each other in an infinite light"); !s)
+        return s.error();
     if (*illuminance > 0)
         return error_at(source.location, "'illuminance' of an image light is not supported yet; use 'scale'");
     auto scale = source.parameters.real_or("scale", 1);
@@ -157,7 +172,9 @@ Result<Light> make_infinite(const SceneLight& source, LightContext& context) {
 
 Result<AreaEmission> make_diffuse(const SceneAreaLight& source, LightContext& context) {
     for (const char* name : {"power", "filename"})
-        if (Status s = refuse(source.parameters, name, "of an area light is not supported yet; give radiance as 'L' and 'scale'"); !s)
+        if (Status s = refuse(source.parameters, name,
+                              "of an area light is not supported yet; give radiance as 'L' and 'scale'");
+            !s)
             return s.error();
     auto radiance = scaled_emission(source, "L", context);
     if (!radiance) return radiance.error();
@@ -171,22 +188,36 @@ const ParameterDescription scale_parameter{"scale", ParameterType::real, "1", "f
 Registry<LightFactory> make_lights() {
     using T = ParameterType;
     Registry<LightFactory> registry("light source");
-    registry.add({"point", "a point that shines equally in all directions",
-                  {{"I", T::rgb, "1 1 1", "radiant intensity"}, scale_parameter, {"power", T::real, "", "total power instead of I's"},
+    registry.add({"point",
+                  "a point that shines equally in all directions",
+                  {{"I", T::rgb, "1 1 1", "radiant intensity"},
+                   scale_parameter,
+                   {"power", T::real, "", "total power instead of I's"},
                    {"from", T::point3, "0 0 0", "position"}},
                   make_point});
-    registry.add({"spot", "a point that shines into a cone",
-                  {{"I", T::rgb, "1 1 1", "radiant intensity on the axis"}, scale_parameter, {"power", T::real, "", "total power instead of I's"},
-                   {"from", T::point3, "0 0 0", "position"}, {"to", T::point3, "0 0 1", "a point on the axis"},
+    registry.add({"spot",
+                  "a point that shines into a cone",
+                  {{"I", T::rgb, "1 1 1", "radiant intensity on the axis"},
+                   scale_parameter,
+                   {"power", T::real, "", "total power instead of I's"},
+                   {"from", T::point3, "0 0 0", "position"},
+                   {"to", T::point3, "0 0 1", "a point on the axis"},
                    {"coneangle", T::real, "30", "degrees from the axis where light ends"},
                    {"conedeltaangle", T::real, "5", "degrees over which it falls off inside that"}},
                   make_spot});
-    registry.add({"distant", "parallel light",
-                  {{"L", T::rgb, "1 1 1", "irradiance on a surface facing it"}, scale_parameter, {"illuminance", T::real, "", "factor on L"},
-                   {"from", T::point3, "0 0 0", "light flows from here"}, {"to", T::point3, "0 0 1", "to here"}},
+    registry.add({"distant",
+                  "parallel light",
+                  {{"L", T::rgb, "1 1 1", "irradiance on a surface facing it"},
+                   scale_parameter,
+                   {"illuminance", T::real, "", "factor on L"},
+                   {"from", T::point3, "0 0 0", "light flows from here"},
+                   {"to", T::point3, "0 0 1", "to here"}},
                   make_distant});
-    registry.add({"infinite", "radiance from all around: uniform, or a square equal-area octahedral image",
-                  {{"L", T::rgb, "1 1 1", "radiance"}, scale_parameter, {"filename", T::string, "", "image instead of L"},
+    registry.add({"infinite",
+                  "radiance from all around: uniform, or a square equal-area octahedral image",
+                  {{"L", T::rgb, "1 1 1", "radiance"},
+                   scale_parameter,
+                   {"filename", T::string, "", "image instead of L"},
                    {"illuminance", T::real, "", "of a surface facing it (uniform lights)"}},
                   make_infinite});
     return registry;
@@ -202,8 +233,11 @@ Registry<LightFactory>& light_registry() {
 Registry<AreaLightFactory>& area_light_registry() {
     static Registry<AreaLightFactory> registry = [] {
         Registry<AreaLightFactory> r("area light source");
-        r.add({"diffuse", "the same radiance in all directions of the normal's side",
-               {{"L", ParameterType::rgb, "1 1 1", "radiance"}, scale_parameter, {"twosided", ParameterType::boolean, "false", "both sides shine"}},
+        r.add({"diffuse",
+               "the same radiance in all directions of the normal's side",
+               {{"L", ParameterType::rgb, "1 1 1", "radiance"},
+                scale_parameter,
+                {"twosided", ParameterType::boolean, "false", "both sides shine"}},
                make_diffuse});
         return r;
     }();

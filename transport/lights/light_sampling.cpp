@@ -1,6 +1,6 @@
-// Sampling and densities, kind by kind. Spheres seen from outside are sampled by the cone they fill; its 1 - cos is kept as
-// s^2 / (1 + sqrt(1 - s^2)), exact for a sphere of 1e-8 of its distance (row 21 of the hard cases). Other area lights
-// are sampled uniformly by area, which is stable for small and far ones.
+// Sampling and densities, kind by kind. Spheres seen from outside are sampled by the cone they fill; its 1 - cos is
+// kept as s^2 / (1 + sqrt(1 - s^2)), exact for a sphere of 1e-8 of its distance (row 21 of the hard cases). Other area
+// lights are sampled uniformly by area, which is stable for small and far ones.
 #include <algorithm>
 #include <cmath>
 
@@ -29,7 +29,9 @@ float point_offset(const Vec3& n, const Vec3& p, const Vec3& extent) {
                              std::abs(n.z) * (std::abs(p.z) + extent.z));
 }
 
-Vec3 magnitudes(const Vec3& a, const Vec3& b) { return {std::abs(a.x) + std::abs(b.x), std::abs(a.y) + std::abs(b.y), std::abs(a.z) + std::abs(b.z)}; }
+Vec3 magnitudes(const Vec3& a, const Vec3& b) {
+    return {std::abs(a.x) + std::abs(b.x), std::abs(a.y) + std::abs(b.y), std::abs(a.z) + std::abs(b.z)};
+}
 
 bool sample_triangle(const Light& light, const Vec3& from, const Vec2& u, LightSample& s) {
     const Vec2 b = sample_uniform_triangle(u);
@@ -47,7 +49,8 @@ bool sample_patch(const Light& light, const ShapeGeometry& shape, const Vec3& fr
     s.target = patch.point(u.x, u.y).to_float();
     s.target_normal = (n * ((shape.flip_normal && shape.normals.empty() ? -1 : 1) / area)).to_float();
     if (!shape.normals.empty())
-        s.target_normal = face_forward(s.target_normal, shape.normals[shape.patch_indices[4 * static_cast<std::size_t>(light.primitive)]]);
+        s.target_normal = face_forward(
+            s.target_normal, shape.normals[shape.patch_indices[4 * static_cast<std::size_t>(light.primitive)]]);
     s.target_offset = point_offset(s.target_normal, s.target, {});
     return finish_area_sample(light, from, static_cast<float>(1 / area), s);
 }
@@ -86,7 +89,7 @@ bool sample_sphere(const Light& light, const Quadric& quadric, const Vec3& from,
     const Cone cone = cone_of(light, quadric, from);
     if (!cone.outside) return sample_quadric(light, quadric, from, u, s);
     if (quadric.reversed && !light.two_sided) return false;
-    const double h = u.x * cone.one_minus_cos;          // 1 - cos(theta)
+    const double h = u.x * cone.one_minus_cos;  // 1 - cos(theta)
     const double sin2 = h * (2 - h), cos_theta = 1 - h;
     // The near point lies where the ray meets the sphere: alpha is its angle at the centre (pbrt-v4, section 6.2.4).
     const double ratio = std::min(sin2 / cone.sin2, 1.0);
@@ -97,8 +100,9 @@ bool sample_sphere(const Light& light, const Quadric& quadric, const Vec3& from,
     const float phi = 2 * pi * u.y, c = std::cos(phi), sn = std::sin(phi);
     const float sin_theta = static_cast<float>(std::sqrt(sin2));
     s.wi = normalize(frame.s * (sin_theta * c) + frame.t * (sin_theta * sn) + axis * static_cast<float>(cos_theta));
-    const Vec3 outward = normalize(frame.s * (static_cast<float>(sin_alpha) * c) + frame.t * (static_cast<float>(sin_alpha) * sn) -
-                                   axis * static_cast<float>(cos_alpha));
+    const Vec3 outward =
+        normalize(frame.s * (static_cast<float>(sin_alpha) * c) + frame.t * (static_cast<float>(sin_alpha) * sn) -
+                  axis * static_cast<float>(cos_alpha));
     s.target = (DVec3(from) + cone.to_center + DVec3(outward) * cone.radius).to_float();
     s.target_normal = outward;
     s.target_offset = point_offset(outward, s.target, {});
@@ -119,7 +123,7 @@ bool sample_point(const Light& light, const Vec3& from, LightSample& s) {
         const float x = (-dot(light.direction, s.wi) - light.cos_zero) / (light.cos_full - light.cos_zero);
         if (!(x > 0)) return false;
         const float t = std::min(x, 1.0f);
-        falloff = t * t * (3 - 2 * t);      // smoothstep
+        falloff = t * t * (3 - 2 * t);  // smoothstep
     }
     s.radiance = light.emission * (falloff / d2);
     return true;
@@ -158,13 +162,19 @@ bool LightTable::sample(LightChoice choice, const EmbreeScene& geometry, const V
     s.pdf = table.probability(s.light);
     const Light& light = lights_[s.light];
     switch (light.kind) {
-        case LightKind::triangle: return sample_triangle(light, from, u, s);
-        case LightKind::patch: return sample_patch(light, geometry.shapes()[light.shape], from, u, s);
-        case LightKind::quadric: return sample_quadric(light, geometry.shapes()[light.shape].quadric, from, u, s);
-        case LightKind::sphere: return sample_sphere(light, geometry.shapes()[light.shape].quadric, from, u, s);
+        case LightKind::triangle:
+            return sample_triangle(light, from, u, s);
+        case LightKind::patch:
+            return sample_patch(light, geometry.shapes()[light.shape], from, u, s);
+        case LightKind::quadric:
+            return sample_quadric(light, geometry.shapes()[light.shape].quadric, from, u, s);
+        case LightKind::sphere:
+            return sample_sphere(light, geometry.shapes()[light.shape].quadric, from, u, s);
         case LightKind::point:
-        case LightKind::spot: return sample_point(light, from, s);
-        default: return sample_infinite(light, images_, u, s);
+        case LightKind::spot:
+            return sample_point(light, from, s);
+        default:
+            return sample_infinite(light, images_, u, s);
     }
 }
 
@@ -197,12 +207,16 @@ float LightTable::environment_density(LightChoice choice, std::uint32_t index, c
     const Light& light = lights_[index];
     const float chosen = selection(choice).probability(index);
     if (!(chosen > 0)) return 0;
-    return chosen * (light.kind == LightKind::uniform_environment ? uniform_sphere_pdf() : images_[static_cast<std::size_t>(light.environment)].pdf(direction));
+    return chosen * (light.kind == LightKind::uniform_environment
+                         ? uniform_sphere_pdf()
+                         : images_[static_cast<std::size_t>(light.environment)].pdf(direction));
 }
 
 Rgb LightTable::environment_radiance(std::uint32_t index, const Vec3& direction) const {
     const Light& light = lights_[index];
-    return light.kind == LightKind::uniform_environment ? light.emission : images_[static_cast<std::size_t>(light.environment)].radiance(direction) * light.emission;
+    return light.kind == LightKind::uniform_environment
+               ? light.emission
+               : images_[static_cast<std::size_t>(light.environment)].radiance(direction) * light.emission;
 }
 
 }  // namespace raylex::transport

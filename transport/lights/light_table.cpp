@@ -53,7 +53,7 @@ Light make_quadric(const ShapeGeometry& shape) {
 /// World area of a light's primitive, for its power.
 double world_area(const ShapeGeometry& shape, const Light& light) {
     if (light.kind != LightKind::quadric) return light.area;
-    double sum = 0;     // the stretch varies over the surface: 8 x 8 points uniform by object-space area
+    double sum = 0;  // the stretch varies over the surface: 8 x 8 points uniform by object-space area
     for (int j = 0; j < 8; ++j)
         for (int i = 0; i < 8; ++i) {
             double u, v;
@@ -78,7 +78,8 @@ Status LightTable::add_area_lights(const SceneDescription& scene, EmbreeScene& g
     for (const SceneObject& object : scene.objects)
         for (const SceneShape& shape : object.shapes)
             if (shape.area_light >= 0)
-                warnings.push_back(error_at(shape.location, "area lights in an object instance are ignored, as pbrt does"));
+                warnings.push_back(
+                    error_at(shape.location, "area lights in an object instance are ignored, as pbrt does"));
     for (std::uint32_t s = 0; s < geometry.top_level_shapes(); ++s) {
         ShapeGeometry& shape = geometry.shapes()[s];
         if (shape.area_light < 0) continue;
@@ -102,7 +103,8 @@ Status LightTable::add_area_lights(const SceneDescription& scene, EmbreeScene& g
             light.group = group;
             light.shape = s;
             light.primitive = i;
-            light.power = luminance(light.emission) * pi * static_cast<float>(world_area(shape, light)) * (light.two_sided ? 2.0f : 1.0f);
+            light.power = luminance(light.emission) * pi * static_cast<float>(world_area(shape, light)) *
+                          (light.two_sided ? 2.0f : 1.0f);
             lights_.push_back(light);
         }
     }
@@ -118,10 +120,14 @@ void LightTable::finish(const EmbreeScene& geometry) {
         if (light.kind == LightKind::distant) light.power = luminance(light.emission) * pi * radius * radius;
         if (light.is_environment()) {
             environment_lights_.push_back(i);
-            const float mean = light.environment >= 0 ? static_cast<float>(images_[static_cast<std::size_t>(light.environment)].mean_luminance()) : 1.0f;
+            const float mean =
+                light.environment >= 0
+                    ? static_cast<float>(images_[static_cast<std::size_t>(light.environment)].mean_luminance())
+                    : 1.0f;
             light.power = luminance(light.emission) * mean * 4 * pi * pi * radius * radius;
         }
-        if (!(light.power > 0) && !light.emission.is_black()) light.power = light.emission.max();   // colours of negative luminance
+        if (!(light.power > 0) && !light.emission.is_black())
+            light.power = light.emission.max();  // colours of negative luminance
         if (light.is_area() && !(light.area > 0)) light.power = 0;
         if (light.power > 0) ++lit;
         any_to_hit_ = any_to_hit_ || (light.power > 0 && !light.is_delta());
@@ -137,7 +143,8 @@ void LightTable::finish(const EmbreeScene& geometry) {
     mis_selection_ = AliasTable(weights);
 }
 
-Result<LightTable> LightTable::build(const SceneDescription& scene, EmbreeScene& geometry, std::vector<Error>& warnings) {
+Result<LightTable> LightTable::build(const SceneDescription& scene, EmbreeScene& geometry,
+                                     std::vector<Error>& warnings) {
     LightTable table;
     LightContext context{scene, table.images_};
     if (Status s = table.add_area_lights(scene, geometry, context, warnings); !s) return s.error();

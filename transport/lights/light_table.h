@@ -1,7 +1,7 @@
 // All lights of a scene: choosing one, sampling it, and the density of doing so for a direction found by scattering.
 //
-// The two must agree: whatever sample() can return has density() > 0 there, and a light that is never chosen has density
-// 0, so that the power heuristic gives its scattering hits the whole weight.
+// The two must agree: whatever sample() can return has density() > 0 there, and a light that is never chosen has
+// density 0, so that the power heuristic gives its scattering hits the whole weight.
 #pragma once
 
 #include <cstdint>
@@ -48,7 +48,9 @@ class LightTable {
     [[nodiscard]] bool can_sample(LightChoice choice) const { return !selection(choice).empty(); }
     /// Above this many lights the choice takes a number of its own; below, it shares u.x and costs few of its bits.
     static constexpr std::size_t shared_choice_limit = 64;
-    [[nodiscard]] bool needs_choice_number(LightChoice choice) const { return selection(choice).size() > shared_choice_limit; }
+    [[nodiscard]] bool needs_choice_number(LightChoice choice) const {
+        return selection(choice).size() > shared_choice_limit;
+    }
     /// False when nothing can arrive at `from`. u in [0, 1)^2; u_choice in [0, 1), read only if needs_choice_number().
     bool sample(LightChoice choice, const EmbreeScene& geometry, const Vec3& from, float u_choice, Vec2 u,
                 LightSample& sample) const;
@@ -76,7 +78,8 @@ class LightTable {
     [[nodiscard]] const AliasTable& selection(LightChoice choice) const {
         return choice == LightChoice::mis ? mis_selection_ : full_selection_;
     }
-    Status add_area_lights(const SceneDescription& scene, EmbreeScene& geometry, LightContext& context, std::vector<Error>& warnings);
+    Status add_area_lights(const SceneDescription& scene, EmbreeScene& geometry, LightContext& context,
+                           std::vector<Error>& warnings);
     void finish(const EmbreeScene& geometry);
     std::int32_t group_index(const std::string& group);
     std::vector<Light> lights_;

@@ -7,7 +7,8 @@
 
 namespace raylex::transport {
 
-Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescription& description, const BuildOptions& options) {
+Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescription& description,
+                                                            const BuildOptions& options) {
     const Stopwatch watch;
     std::shared_ptr<BuiltScene> scene(new BuiltScene());
     auto textures = TextureTable::build(description);
@@ -20,7 +21,8 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
     if (!geometry) return geometry.error();
     scene->geometry_ = std::make_unique<EmbreeScene>(*std::move(geometry));
     if (scene->materials_.size() == 0)
-        return error_at({description.file, 0, 0}, "the scene has no material; expected at least the default one at index 0");
+        return error_at({description.file, 0, 0},
+                        "the scene has no material; expected at least the default one at index 0");
     auto lights = LightTable::build(description, *scene->geometry_, scene->warnings);
     if (!lights) return lights.error();
     scene->lights_ = *std::move(lights);
@@ -34,7 +36,8 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
     scene->file = description.file;
     const auto report_unused = [&](const SceneEntity& entity, const std::string& kind) {
         for (const Parameter* p : entity.parameters.unused())
-            scene->warnings.push_back(error_at(p->location, kind + " '" + entity.type + "' has no parameter '" + p->name + "'; it is ignored"));
+            scene->warnings.push_back(error_at(
+                p->location, kind + " '" + entity.type + "' has no parameter '" + p->name + "'; it is ignored"));
     };
     for (const SceneLight& light : description.lights) report_unused(light, "light");
     for (const SceneAreaLight& light : description.area_lights) report_unused(light, "area light");
@@ -56,8 +59,8 @@ Result<SceneAlphabet> scene_alphabet(const SceneDescription& scene) {
     const auto add_shape = [&](const SceneShape& shape, const std::string& label) {
         labels.insert(label);
         const auto material = static_cast<std::size_t>(std::max(shape.material, 0));
-        const bool interface = material < scene.materials.size() &&
-                               (scene.materials[material].type == "interface" || scene.materials[material].type.empty());
+        const bool interface = material < scene.materials.size() && (scene.materials[material].type == "interface" ||
+                                                                     scene.materials[material].type.empty());
         if (interface || shape.alpha < 1 || !shape.alpha_texture.empty()) straight.insert(label);
         if (interface || material >= materials->size()) return;
         std::vector<LobeId> lobes;
@@ -85,7 +88,8 @@ Result<SceneAlphabet> scene_alphabet(const SceneDescription& scene) {
         groups.insert(group);
         alphabet.terminals.push_back(terminal_event(infinite, group));
     }
-    for (const auto& [label, lobe] : scattering) alphabet.scattering.push_back(scattering_event(label, lobe_kinds()[lobe]));
+    for (const auto& [label, lobe] : scattering)
+        alphabet.scattering.push_back(scattering_event(label, lobe_kinds()[lobe]));
     for (const std::string& label : straight) alphabet.scattering.push_back(straight_event(label));
     alphabet.has_straight = !straight.empty();
     alphabet.object_labels.assign(labels.begin(), labels.end());

@@ -11,14 +11,15 @@
 namespace raylex::transport {
 
 struct BuildOptions {
-    std::string isa;         ///< what Embree may use; see RenderSettings
-    int threads = 0;         ///< for the acceleration structure; 0 = all
+    std::string isa;  ///< what Embree may use; see RenderSettings
+    int threads = 0;  ///< for the acceleration structure; 0 = all
 };
 
 class BuiltScene {
   public:
     /// Everything is copied or compiled: the description may go afterwards.
-    static Result<std::shared_ptr<const BuiltScene>> build(const SceneDescription& description, const BuildOptions& options = {});
+    static Result<std::shared_ptr<const BuiltScene>> build(const SceneDescription& description,
+                                                           const BuildOptions& options = {});
 
     [[nodiscard]] SceneView view() const { return {geometry_.get(), &textures_, &materials_, &lights_}; }
     [[nodiscard]] const std::string& isa() const { return geometry_->isa(); }

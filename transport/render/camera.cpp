@@ -24,8 +24,8 @@ Matrix4 multiply(const Matrix4& a, const Matrix4& b) {
 
 }  // namespace
 
-Result<PerspectiveCamera> PerspectiveCamera::build(const SceneEntity& entity, const Transform& camera_to_world, int width,
-                                                   int height, std::vector<Error>& warnings) {
+Result<PerspectiveCamera> PerspectiveCamera::build(const SceneEntity& entity, const Transform& camera_to_world,
+                                                   int width, int height, std::vector<Error>& warnings) {
     if (!entity.type.empty() && entity.type != "perspective")
         return error_at(entity.location, "camera '" + entity.type + "' is not supported; expected 'perspective'");
     if (!camera_to_world.invertible()) return error_at(entity.location, "the camera's transform has no inverse");
@@ -34,16 +34,19 @@ Result<PerspectiveCamera> PerspectiveCamera::build(const SceneEntity& entity, co
     auto aspect = set.real_or("frameaspectratio", static_cast<double>(width) / height);
     for (const auto* each : {&fov, &lens, &focus, &aspect})
         if (!*each) return each->error();
-    if (!(*fov > 0 && *fov < 180)) return error_at(entity.location, "'fov' is " + std::to_string(*fov) + "; expected degrees between 0 and 180");
+    if (!(*fov > 0 && *fov < 180))
+        return error_at(entity.location, "'fov' is " + std::to_string(*fov) + "; expected degrees between 0 and 180");
     if (!(*aspect > 0)) return error_at(entity.location, "'frameaspectratio' must be positive");
     if (!(*focus > 0)) return error_at(entity.location, "'focaldistance' must be positive");
     std::array<double, 4> screen = *aspect > 1 ? std::array<double, 4>{-*aspect, *aspect, -1, 1}
                                                : std::array<double, 4>{-1, 1, -1 / *aspect, 1 / *aspect};
     if (const Parameter* p = set.find("screenwindow")) {
-        if (p->numbers.size() != 4) return error_at(p->location, "'screenwindow' must be four numbers: x min, x max, y min, y max");
+        if (p->numbers.size() != 4)
+            return error_at(p->location, "'screenwindow' must be four numbers: x min, x max, y min, y max");
         for (std::size_t i = 0; i < 4; ++i) screen[i] = p->numbers[i];
     }
-    for (const char* ignored : {"shutteropen", "shutterclose"}) static_cast<void>(set.find(ignored));    // nothing moves yet
+    for (const char* ignored : {"shutteropen", "shutterclose"})
+        static_cast<void>(set.find(ignored));  // nothing moves yet
     warn_unused(entity, "the perspective camera", warnings);
 
     PerspectiveCamera camera;
@@ -59,8 +62,10 @@ Result<PerspectiveCamera> PerspectiveCamera::build(const SceneEntity& entity, co
     camera.world_to_camera_ = camera_to_world.inverse().matrix();
     const double near = 1e-2, far = 1e3;
     const double sx = 2 / ((screen[1] - screen[0]) * tangent), sy = 2 / ((screen[3] - screen[2]) * tangent);
-    const double ox = -(screen[1] + screen[0]) / (screen[1] - screen[0]), oy = -(screen[3] + screen[2]) / (screen[3] - screen[2]);
-    const Matrix4 projection{{{sx, 0, ox, 0}, {0, sy, oy, 0}, {0, 0, far / (far - near), -far * near / (far - near)}, {0, 0, 1, 0}}};
+    const double ox = -(screen[1] + screen[0]) / (screen[1] - screen[0]),
+                 oy = -(screen[3] + screen[2]) / (screen[3] - screen[2]);
+    const Matrix4 projection{
+        {{sx, 0, ox, 0}, {0, sy, oy, 0}, {0, 0, far / (far - near), -far * near / (far - near)}, {0, 0, 1, 0}}};
     camera.world_to_screen_ = multiply(projection, camera.world_to_camera_);
     return camera;
 }
@@ -88,7 +93,8 @@ void PerspectiveCamera::rigid_world_to_camera(float (&matrix)[3][4]) const {
         for (int c = 0; c < 4; ++c) matrix[r][c] = static_cast<float>(m.m[r][c] * scale);
 }
 
-Result<FilmSettings> read_film(const SceneEntity& film, const std::optional<std::array<int, 2>>& resolution, std::vector<Error>& warnings) {
+Result<FilmSettings> read_film(const SceneEntity& film, const std::optional<std::array<int, 2>>& resolution,
+                               std::vector<Error>& warnings) {
     FilmSettings settings;
     const ParameterSet& set = film.parameters;
     auto width = set.integer_or("xresolution", settings.width), height = set.integer_or("yresolution", settings.height);
@@ -104,13 +110,17 @@ Result<FilmSettings> read_film(const SceneEntity& film, const std::optional<std:
     settings.width = static_cast<int>(*width);
     settings.height = static_cast<int>(*height);
     for (const char* name : {"cropwindow", "pixelbounds"})
-        if (const Parameter* p = set.find(name)) return error_at(p->location, std::string("'") + name + "' is not supported yet; expected the whole image");
+        if (const Parameter* p = set.find(name))
+            return error_at(p->location, std::string("'") + name + "' is not supported yet; expected the whole image");
     if (!film.type.empty() && film.type != "rgb")
-        warnings.push_back(error_at(film.location, "film '" + film.type + "' is written as plain radiance, as film 'rgb'"));
+        warnings.push_back(
+            error_at(film.location, "film '" + film.type + "' is written as plain radiance, as film 'rgb'"));
     for (const char* name : {"sensor", "iso", "exposuretime", "whitebalance", "maxcomponentvalue"})
         if (const Parameter* p = set.find(name)) {
             const bool harmless = std::string(name) == "sensor" && p->strings.size() == 1 && p->strings[0] == "cie1931";
-            if (!harmless) warnings.push_back(error_at(p->location, std::string("'") + name + "' is ignored: raylex writes plain radiance"));
+            if (!harmless)
+                warnings.push_back(
+                    error_at(p->location, std::string("'") + name + "' is ignored: raylex writes plain radiance"));
         }
     for (const char* name : {"filename", "savefp16", "diagonal"}) static_cast<void>(set.find(name));
     warn_unused(film, "the film", warnings);

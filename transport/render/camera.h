@@ -13,8 +13,8 @@ namespace raylex::transport {
 class PerspectiveCamera {
   public:
     /// An empty type means perspective. Other cameras are an Error at the directive; unknown parameters are warnings.
-    static Result<PerspectiveCamera> build(const SceneEntity& entity, const Transform& camera_to_world, int width, int height,
-                                           std::vector<Error>& warnings);
+    static Result<PerspectiveCamera> build(const SceneEntity& entity, const Transform& camera_to_world, int width,
+                                           int height, std::vector<Error>& warnings);
 
     /// The ray through raster position (x, y); `lens` in [0, 1)^2. Its direction is unit, in world space.
     [[nodiscard]] Ray generate(float x, float y, const Vec2& lens) const;
@@ -28,8 +28,8 @@ class PerspectiveCamera {
 
   private:
     Transform camera_to_world_;
-    Vec3 corner_, step_x_, step_y_;      // camera space, at z = 1: raster (0, 0) and one pixel right and down
-    Vec3 origin_;                        // world
+    Vec3 corner_, step_x_, step_y_;  // camera space, at z = 1: raster (0, 0) and one pixel right and down
+    Vec3 origin_;                    // world
     float lens_radius_ = 0, focal_distance_ = 1e6f;
     Matrix4 world_to_camera_{}, world_to_screen_{};
 };
@@ -38,6 +38,7 @@ class PerspectiveCamera {
 struct FilmSettings {
     int width = 1280, height = 720;
 };
-Result<FilmSettings> read_film(const SceneEntity& film, const std::optional<std::array<int, 2>>& resolution, std::vector<Error>& warnings);
+Result<FilmSettings> read_film(const SceneEntity& film, const std::optional<std::array<int, 2>>& resolution,
+                               std::vector<Error>& warnings);
 
 }  // namespace raylex::transport

@@ -1,4 +1,5 @@
-// Wall and CPU time, apart: with more threads than processors, or on a busy machine, only the CPU time says what work cost.
+// Wall and CPU time, apart: with more threads than processors, or on a busy machine, only the CPU time says what work
+// cost.
 #pragma once
 
 #include <chrono>
@@ -12,12 +13,16 @@ inline double cpu_seconds(clockid_t clock) {
     return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 /// CPU time of the calling thread.
-inline double thread_cpu_seconds() { return cpu_seconds(CLOCK_THREAD_CPUTIME_ID); }
+inline double thread_cpu_seconds() {
+    return cpu_seconds(CLOCK_THREAD_CPUTIME_ID);
+}
 
 /// Since its construction.
 class Stopwatch {
   public:
-    [[nodiscard]] double wall() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_).count(); }
+    [[nodiscard]] double wall() const {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_).count();
+    }
     [[nodiscard]] double process_cpu() const { return cpu_seconds(CLOCK_PROCESS_CPUTIME_ID) - cpu_; }
 
   private:

@@ -45,20 +45,24 @@ Status resolve_channels(const RenderSettings& settings, RenderJob& job) {
 Status resolve_filter(const SceneEntity& entity, RenderJob& job, std::vector<Error>& warnings) {
     ParameterSet parameters = entity.parameters;
     if (parameters.location.file.empty()) parameters.location = entity.location;
-    auto filter = display::make_pixel_filter(entity.type.empty() ? "gaussian" : entity.type, parameters);      // pbrt's default
+    auto filter =
+        display::make_pixel_filter(entity.type.empty() ? "gaussian" : entity.type, parameters);  // pbrt's default
     if (!filter) return filter.error();
     for (const Parameter* p : parameters.unused())
-        warnings.push_back(error_at(p->location, "pixel filter '" + entity.type + "' has no parameter '" + p->name + "'; it is ignored"));
+        warnings.push_back(error_at(
+            p->location, "pixel filter '" + entity.type + "' has no parameter '" + p->name + "'; it is ignored"));
     job.filter = std::make_unique<display::PixelFilter>(*std::move(filter));
     return success();
 }
 
-Status resolve_sampler(const SceneEntity& entity, const RenderSettings& settings, RenderJob& job, std::string& name, std::vector<Error>& warnings) {
+Status resolve_sampler(const SceneEntity& entity, const RenderSettings& settings, RenderJob& job, std::string& name,
+                       std::vector<Error>& warnings) {
     auto choice = choose_sampler(entity);
     if (!choice) return choice.error();
     warnings.insert(warnings.end(), choice->warnings.begin(), choice->warnings.end());
     for (const Parameter* p : entity.parameters.unused())
-        warnings.push_back(error_at(p->location, "sampler '" + entity.type + "' has no parameter '" + p->name + "'; it is ignored"));
+        warnings.push_back(
+            error_at(p->location, "sampler '" + entity.type + "' has no parameter '" + p->name + "'; it is ignored"));
     job.sampler = choice->kind;
     job.seed = settings.seed + choice->seed;
     job.samples_per_pixel = settings.samples_per_pixel.value_or(choice->samples_per_pixel);
@@ -82,7 +86,9 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
     const SceneEntity& filter = settings.filter ? *settings.filter : scene.filter;
     if (Status s = resolve_filter(filter, job, warnings); !s) return s.error();
     std::string sampler_name;
-    if (Status s = resolve_sampler(settings.sampler ? *settings.sampler : scene.sampler, settings, job, sampler_name, warnings); !s)
+    if (Status s = resolve_sampler(settings.sampler ? *settings.sampler : scene.sampler, settings, job, sampler_name,
+                                   warnings);
+        !s)
         return s.error();
     if (Status s = resolve_channels(settings, job); !s) return s.error();
     auto chosen = choose_integrator(settings.integrator ? *settings.integrator : scene.integrator, settings.max_depth);
@@ -94,11 +100,13 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
     job.lpe = std::make_unique<display::LpeSetup>(*std::move(lpe));
     if (settings.picked_lobes) job.attribution = display::LpeServices::Attribution::picked;
     if (settings.sample_filter) {
-        auto made = display::make_sample_filter(settings.sample_filter->type, settings.sample_filter->parameters, {job.channels, job.beauty});
+        auto made = display::make_sample_filter(settings.sample_filter->type, settings.sample_filter->parameters,
+                                                {job.channels, job.beauty});
         if (!made) return made.error();
         job.sample_filter = *std::move(made);
     }
-    job.threads = settings.threads > 0 ? settings.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    job.threads =
+        settings.threads > 0 ? settings.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     job.has_alpha = scene.view().geometry->has_alpha();
 
     const EventTable events(*job.lpe, scene.view());

@@ -89,7 +89,8 @@ void RenderLoop::render_task(RenderWorker& worker, std::uint64_t task) const {
     const std::uint64_t first = task / tiles_ * block_size, tile = task % tiles_;
     const int x0 = static_cast<int>(tile % tiles_x_) * tile_size, y0 = static_cast<int>(tile / tiles_x_) * tile_size;
     const auto count = static_cast<int>(std::min<std::uint64_t>(block_size, job_.samples_per_pixel - first));
-    worker.render_tile(x0, y0, std::min(x0 + tile_size, job_.film.width), std::min(y0 + tile_size, job_.film.height), first, count);
+    worker.render_tile(x0, y0, std::min(x0 + tile_size, job_.film.width), std::min(y0 + tile_size, job_.film.height),
+                       first, count);
 }
 
 void RenderLoop::work(RenderWorker& worker, std::uint64_t last) {
@@ -141,7 +142,8 @@ Status RenderLoop::run_tasks(std::uint64_t first, std::uint64_t last, const std:
 Status RenderLoop::run(const std::function<void(const RenderProgress&)>& progress, const std::atomic<bool>* stop) {
     stop_ = stop;
     const Stopwatch watch;
-    const std::uint64_t total = static_cast<std::uint64_t>(job_.film.width) * static_cast<std::uint64_t>(job_.film.height) * job_.samples_per_pixel;
+    const std::uint64_t total = static_cast<std::uint64_t>(job_.film.width) *
+                                static_cast<std::uint64_t>(job_.film.height) * job_.samples_per_pixel;
     const auto report = [&] {
         if (progress) progress({samples_done_.load(std::memory_order_relaxed), total, watch.wall()});
     };
@@ -169,7 +171,8 @@ void RenderLoop::collect(RenderStatistics& statistics) const {
         statistics.render_cpu_seconds += worker->cpu_seconds;
         statistics.attribution_overflow += worker->lpe().overflow_count();
         statistics.invalid_samples += worker->lpe().invalid_count();
-        statistics.invalid_log.insert(statistics.invalid_log.end(), worker->lpe().invalid_samples().begin(), worker->lpe().invalid_samples().end());
+        statistics.invalid_log.insert(statistics.invalid_log.end(), worker->lpe().invalid_samples().begin(),
+                                      worker->lpe().invalid_samples().end());
         for (const std::uint64_t refused : worker->display().refused()) statistics.refused_services_calls += refused;
     }
     std::sort(statistics.invalid_log.begin(), statistics.invalid_log.end(), [](const auto& a, const auto& b) {

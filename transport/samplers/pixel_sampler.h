@@ -3,11 +3,11 @@
 // Nothing is carried from one call to the next, so a path may skip numbers, threads may take any block of samples, and
 // a run with fewer rays sees the same numbers at the same places (Laws 3 and 4).
 //
-// "sobol" is the (0, 2)-sequence of the first two Sobol' dimensions, padded: each pair of dimensions takes a copy of its
-// own, with the sample index shuffled and the points scrambled by hash-based Owen scrambling (B. Burley 2020, "Practical
-// Hash-based Owen Scrambling", JCGT 9(4)). The hash of the scramble is N. Vegdahl's better-mixing variant of Laine and
-// Karras' (2021, "Building a Better LK Hash"). Any number of samples is fine; powers of two balance best. Points come
-// 2^32 to a copy; the index bits above take a fresh scramble.
+// "sobol" is the (0, 2)-sequence of the first two Sobol' dimensions, padded: each pair of dimensions takes a copy of
+// its own, with the sample index shuffled and the points scrambled by hash-based Owen scrambling (B. Burley 2020,
+// "Practical Hash-based Owen Scrambling", JCGT 9(4)). The hash of the scramble is N. Vegdahl's better-mixing variant of
+// Laine and Karras' (2021, "Building a Better LK Hash"). Any number of samples is fine; powers of two balance best.
+// Points come 2^32 to a copy; the index bits above take a fresh scramble.
 //
 // Nested uniform scrambling is reverse - hash - reverse, and the van der Corput sequence is the index reversed, so most
 // reversals cancel. The second dimension's matrix is Pascal's triangle modulo 2: five shift-and-xor steps.
@@ -56,7 +56,9 @@ constexpr std::uint64_t mix(std::uint64_t v) {
     return v ^ (v >> 31);
 }
 
-constexpr float unit_float(std::uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }
+constexpr float unit_float(std::uint32_t bits) {
+    return static_cast<float>(bits >> 8) * 0x1p-24f;
+}
 
 }  // namespace sampler_detail
 
@@ -65,7 +67,8 @@ class PixelSampler {
   public:
     PixelSampler() = default;
     PixelSampler(SamplerKind kind, std::uint64_t seed, std::int32_t x, std::int32_t y, std::uint64_t sample) {
-        const auto pixel = (static_cast<std::uint64_t>(static_cast<std::uint32_t>(y)) << 32) | static_cast<std::uint32_t>(x);
+        const auto pixel =
+            (static_cast<std::uint64_t>(static_cast<std::uint32_t>(y)) << 32) | static_cast<std::uint32_t>(x);
         const std::uint64_t pixel_key = sampler_detail::mix(sampler_detail::mix(seed + 0x9e3779b97f4a7c15ull) ^ pixel);
         sobol_ = kind == SamplerKind::sobol;
         const std::uint64_t copy = sobol_ ? sample >> 32 : sample;
@@ -101,7 +104,8 @@ class PixelSampler {
 
     /// A key for somebody else's hash: distinct per (pixel, sample, dimension), not itself random enough to use.
     [[nodiscard]] std::uint32_t key(std::uint32_t dimension) const {
-        return static_cast<std::uint32_t>(((key_ ^ reversed_index_) + dimension * 0x9e3779b97f4a7c15ull) * 0xbf58476d1ce4e5b9ull >> 32);
+        return static_cast<std::uint32_t>(
+            ((key_ ^ reversed_index_) + dimension * 0x9e3779b97f4a7c15ull) * 0xbf58476d1ce4e5b9ull >> 32);
     }
 
   private:

@@ -15,10 +15,11 @@ Result<SamplerChoice> read_choice(const SceneEntity& entity, SamplerKind kind, b
     auto seed = entity.parameters.integer_or("seed", 0);
     if (!seed) return seed.error();
     choice.seed = static_cast<std::uint64_t>(*seed);
-    static_cast<void>(entity.parameters.find("randomization"));    // ours is always Owen scrambling
+    static_cast<void>(entity.parameters.find("randomization"));  // ours is always Owen scrambling
     if (another_sequence)
-        choice.warnings.push_back(error_at(entity.location, "sampler '" + entity.type +
-                                  "' is rendered with 'sobol' (Owen-scrambled, padded): same expectation, other noise"));
+        choice.warnings.push_back(error_at(
+            entity.location, "sampler '" + entity.type +
+                                 "' is rendered with 'sobol' (Owen-scrambled, padded): same expectation, other noise"));
     return choice;
 }
 
@@ -50,7 +51,8 @@ Registry<SamplerFactory> make_registry() {
     add("zsobol", "rendered with sobol; pbrt also orders pixels along a Morton curve", SamplerKind::sobol, false);
     add("halton", "rendered with sobol", SamplerKind::sobol, true);
     add("pmj02bn", "rendered with sobol", SamplerKind::sobol, true);
-    registry.add({"stratified", "rendered with sobol, xsamples * ysamples a pixel",
+    registry.add({"stratified",
+                  "rendered with sobol, xsamples * ysamples a pixel",
                   {{"xsamples", ParameterType::integer, "4", "strata in x"},
                    {"ysamples", ParameterType::integer, "4", "strata in y"},
                    {"seed", ParameterType::integer, "0", "added to the render's seed"}},

@@ -15,10 +15,10 @@ namespace raylex::transport {
 /// What a Sampler directive means: which numbers, and how many samples a pixel.
 struct SamplerChoice {
     SamplerKind kind = SamplerKind::sobol;
-    std::string name;                       ///< what is really used: "sobol" or "independent"
-    std::uint64_t samples_per_pixel = 16;   ///< "pixelsamples" (stratified: the product of its two counts)
-    std::uint64_t seed = 0;                 ///< the scene's own seed, added to the render's
-    std::vector<Error> warnings;            ///< another sequence of pbrt's taken for ours
+    std::string name;                      ///< what is really used: "sobol" or "independent"
+    std::uint64_t samples_per_pixel = 16;  ///< "pixelsamples" (stratified: the product of its two counts)
+    std::uint64_t seed = 0;                ///< the scene's own seed, added to the render's
+    std::vector<Error> warnings;           ///< another sequence of pbrt's taken for ours
 };
 
 using SamplerFactory = std::function<Result<SamplerChoice>(const SceneEntity&)>;
