@@ -152,7 +152,7 @@ TEST_CASE("columns count bytes, as every error does") {
 
 TEST_CASE("a job that is no TOML names the line") {
     check_place(error_of("[scene\nfile = 'x'\n"), 1, 7);
-    check_place(error_of(std::string(scene) + "[scene]\nfile = 'b'\n"), 3, 2);
+    check_place(error_of(std::string(scene) + "[scene]\nfile = 'b'\n"), 3, 1);
 }
 
 TEST_CASE("the earliest error in the text is the one shown") {
