@@ -1,3 +1,5 @@
 #include "experiments/cli/command_line.h"
 
-int main(int argc, char** argv) { return raylex::experiments::run_command_line(argc, argv); }
+int main(int argc, char** argv) {
+    return raylex::experiments::run_command_line(argc, argv);
+}

@@ -21,11 +21,25 @@ int finish_parse(const CLI::App& app, const CLI::ParseError& error) {
 int run_command_line(int argc, const char* const* argv) {
     CommandContext context;
     context.arguments.assign(argv, argv + argc);
-    CLI::App app{"raylex renders pbrt-v4 scenes, splits their light by light path expressions, and checks that the splits add up.", "raylex"};
+    CLI::App app{
+        "raylex renders pbrt-v4 scenes, splits their light by light path expressions, and checks that the splits add "
+        "up.",
+        "raylex"};
     app.set_version_flag("--version", "raylex " + raylex_version() + " (" + raylex_revision() + ")");
     app.require_subcommand(1);
-    app.footer("Exit codes: 0 done, and what was checked holds; 1 a check does not hold; 2 bad usage or input; 130 after Ctrl-C.\n"
-               "'raylex SUBCOMMAND --help' describes each subcommand.");
+    app.footer(
+        "Exit codes: 0 done, and what was checked holds; 1 a check does not hold; 2 bad usage or input; 130 after "
+        "Ctrl-C.\n"
+        "'raylex SUBCOMMAND --help' describes each subcommand.");
+    app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
+        // The innermost subcommand that was named is the one whose help is of use.
+        std::string command = "raylex";
+        for (const CLI::App* at = failed; !at->get_subcommands().empty();) {
+            at = at->get_subcommands().front();
+            command += " " + at->get_name();
+        }
+        return std::string("raylex: error: ") + error.what() + "\nRun '" + command + " --help' for what is expected.\n";
+    });
     add_render_command(app, context);
     add_lpe_command(app, context);
     add_verify_command(app, context);
@@ -33,13 +47,9 @@ int run_command_line(int argc, const char* const* argv) {
     add_report_command(app, context);
     try {
         app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return finish_parse(app, error);
-    } catch (const std::bad_alloc&) {
+    } catch (const CLI::ParseError& error) { return finish_parse(app, error); } catch (const std::bad_alloc&) {
         return report_error("out of memory; a smaller --resolution or fewer channels need less");
-    } catch (const std::exception& error) {
-        return report_error(std::string("unexpected failure: ") + error.what());
-    }
+    } catch (const std::exception& error) { return report_error(std::string("unexpected failure: ") + error.what()); }
     if (std::fflush(stdout) != 0) return report_error("cannot write to standard output");
     return context.exit_code;
 }

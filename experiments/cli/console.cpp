@@ -1,9 +1,9 @@
 #include "experiments/cli/console.h"
 
+#include <unistd.h>
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <unistd.h>
 
 #include "experiments/cli/command_line.h"
 
@@ -15,13 +15,21 @@ int report_error(const std::string& message) {
     return exit_bad_input;
 }
 
-int report_error(const Error& error) { return report_error(error.to_string()); }
+int report_error(const Error& error) {
+    return report_error(error.to_string());
+}
 
-void print_warning(const std::string& message) { std::fprintf(stderr, "raylex: warning: %s\n", message.c_str()); }
+void print_warning(const std::string& message) {
+    std::fprintf(stderr, "raylex: warning: %s\n", message.c_str());
+}
 
-void print_line(const std::string& text) { std::printf("%s\n", text.c_str()); }
+void print_line(const std::string& text) {
+    std::printf("%s\n", text.c_str());
+}
 
-bool error_stream_is_terminal() { return isatty(STDERR_FILENO) == 1; }
+bool error_stream_is_terminal() {
+    return isatty(STDERR_FILENO) == 1;
+}
 
 std::string number_text(double value, int digits) {
     std::array<char, 64> text{};

@@ -1,7 +1,7 @@
 #include "experiments/cli/interrupt.h"
 
-#include <csignal>
 #include <unistd.h>
+#include <csignal>
 
 #include "experiments/cli/command_line.h"
 
@@ -18,7 +18,8 @@ extern "C" void on_interrupt(int) {
 }  // namespace
 
 void install_interrupt_handler() {
-    // Even when a shell started us with SIGINT ignored, as it does for background jobs: nothing is lost by an interrupt.
+    // Even when a shell started us with SIGINT ignored, as it does for background jobs: nothing is lost by an
+    // interrupt.
     struct sigaction action = {};
     action.sa_handler = on_interrupt;
     sigemptyset(&action.sa_mask);
@@ -29,6 +30,8 @@ void install_interrupt_handler() {
     std::signal(SIGPIPE, SIG_IGN);
 }
 
-const std::atomic<bool>& interrupt_flag() { return interrupted; }
+const std::atomic<bool>& interrupt_flag() {
+    return interrupted;
+}
 
 }  // namespace raylex::experiments

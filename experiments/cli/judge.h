@@ -7,14 +7,16 @@
 
 namespace raylex::experiments {
 
-/// Three lines: what was summed and whether it holds, the largest absolute error, the largest relative one and the bound.
+/// Three lines: what was summed and whether it holds, the largest absolute error, the largest relative one and the
+/// bound.
 std::string verdict_text(const display::SplitVerdict& verdict);
 
-/// One line for the end of a render: "partition 'auto': 3 layers sum to beauty (largest relative error 3e-08, bound 1.2e-07)".
+/// One line for the end of a render: "partition 'auto': 3 layers sum to beauty (largest relative error 3e-08,
+/// bound 1.2e-07)".
 std::string verdict_line(const display::SplitVerdict& verdict);
 
-/// Writes STEM.PARTITION.residual.png beside the image, or into the current directory when that fails. The text says where
-/// it is, or why there is none.
+/// Writes STEM.PARTITION.residual.png beside the image, or into the current directory when that fails. The text says
+/// where it is, or why there is none.
 std::string write_residual_map(const display::SplitVerdict& verdict, const display::ExrImage& image);
 
 }  // namespace raylex::experiments

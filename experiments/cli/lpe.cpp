@@ -19,13 +19,15 @@ struct LpeOptions {
     std::vector<std::string> channels;
 };
 
-lpe::Dialect dialect_of(const LpeOptions& options) { return options.dialect == "osl" ? lpe::Dialect::osl : lpe::Dialect::renderman; }
+lpe::Dialect dialect_of(const LpeOptions& options) {
+    return options.dialect == "osl" ? lpe::Dialect::osl : lpe::Dialect::renderman;
+}
 
 /// An error about a text of the command line is shown under that text.
 Error about(Error error, const std::string& what, const std::string& text) {
     if (error.file.empty()) error.file = what;
     if (error.excerpt.empty() && text.find('\n') == std::string::npos) error.excerpt = text;
-    if (error.line == 1) error.line = 0;   // an argument has one line
+    if (error.line == 1) error.line = 0;  // an argument has one line
     return error;
 }
 
@@ -42,7 +44,8 @@ int run_vectors(const LpeOptions& options) {
     auto report = lpe::run_vectors(options.file, dialect_of(options));
     if (!report) return report_error(report.error());
     for (const lpe::VectorRow& row : report->disagree) {
-        std::string line = options.file + ":" + std::to_string(row.line) + ": " + row.expression + "\t" + row.events + "\texpected " + row.expected + ", found " + row.found;
+        std::string line = options.file + ":" + std::to_string(row.line) + ": " + row.expression + "\t" + row.events +
+                           "\texpected " + row.expected + ", found " + row.found;
         if (!row.message.empty()) line += " (" + row.message + ")";
         print_line(line);
     }
@@ -58,7 +61,8 @@ Result<std::vector<lpe::ChannelSource>> named_channels(const LpeOptions& options
         if (!request) return request.error();
         for (const lpe::ChannelSource& known : sources)
             if (known.name == request->name)
-                return error_at({}, "the channel name '" + request->name + "' is used twice; expected every channel to have its own name");
+                return error_at({}, "the channel name '" + request->name +
+                                        "' is used twice; expected every channel to have its own name");
         sources.push_back({request->name, request->expression, request->dialect, request->location.file, 0, 0, {}});
     }
     return sources;
@@ -82,33 +86,48 @@ int run_check(const LpeOptions& options) {
 }
 
 CLI::Option* add_dialect(CLI::App& command, LpeOptions& options) {
-    return command.add_option("--dialect", options.dialect, "renderman (default) or osl")->option_text("D")->check(CLI::IsMember({"renderman", "osl"}));
+    return command.add_option("--dialect", options.dialect, "renderman (default) or osl")
+        ->option_text("D")
+        ->check(CLI::IsMember({"renderman", "osl"}));
 }
 
 }  // namespace
 
 void add_lpe_command(CLI::App& app, CommandContext& context) {
-    CLI::App* command = app.add_subcommand("lpe", "Light path expressions: matches paths, runs conformance vectors, proves partitions.");
+    CLI::App* command = app.add_subcommand(
+        "lpe", "Light path expressions: matches paths, runs conformance vectors, proves partitions.");
     command->require_subcommand(1);
     auto options = std::make_shared<LpeOptions>();
 
-    CLI::App* match = command->add_subcommand("match", "Says whether an expression accepts a path: prints 'match' or 'no match'.");
-    match->add_option("EXPR", options->expression, "the expression")->required()->option_text("");
-    match->add_option("EVENTS", options->events, "the path: events type,scatter[,label...] between blanks, '-' for no scatter")->required()->option_text("");
+    CLI::App* match =
+        command->add_subcommand("match", "Says whether an expression accepts a path: prints 'match' or 'no match'.");
+    match->add_option("EXPR", options->expression, "the expression")->required()->option_text("(required)");
+    match
+        ->add_option("EVENTS", options->events,
+                     "the path: events type,scatter[,label...] between blanks, '-' for no scatter")
+        ->required()
+        ->option_text("(required)");
     add_dialect(*match, *options);
-    match->footer("Types C R T V L B O U1..U12; scatter D G S s or -. Labels with blanks or commas stand in quotes.\n"
-                  "Example: raylex lpe match 'CD*<L.\"key\">' 'C,- R,D,floor L,-,key'\nExit codes: 0 match, 1 no match, 2 bad usage or input.");
+    match->footer(
+        "Types C R T V L B O U1..U12; scatter D G S s or -. Labels with blanks or commas stand in quotes.\n"
+        "Example: raylex lpe match 'CD*<L.\"key\">' 'C,- R,D,floor L,-,key'\nExit codes: 0 match, 1 no match, 2 bad "
+        "usage or input.");
     match->callback([options, &context] { context.exit_code = run_match(*options); });
 
-    CLI::App* vectors = command->add_subcommand("vectors", "Runs rows EXPR<TAB>EVENTS<TAB>1|0|ERR|NOCRASH and prints every row that disagrees.");
-    vectors->add_option("FILE.tsv", options->file, "the rows; '#' starts a comment")->required()->option_text("");
+    CLI::App* vectors = command->add_subcommand(
+        "vectors", "Runs rows EXPR<TAB>EVENTS<TAB>1|0|ERR|NOCRASH and prints every row that disagrees.");
+    vectors->add_option("FILE.tsv", options->file, "the rows; '#' starts a comment")
+        ->required()
+        ->option_text("(required)");
     add_dialect(*vectors, *options);
     vectors->footer("Ends with 'N agree, M disagree'. Exit codes: 0 all agree, 1 some disagree, 2 bad usage or input.");
     vectors->callback([options, &context] { context.exit_code = run_vectors(*options); });
 
-    CLI::App* check = command->add_subcommand("check", "Proves that the channels partition the beauty, or prints the shortest path that shows the contrary.");
+    CLI::App* check = command->add_subcommand(
+        "check", "Proves that the channels partition the beauty, or prints the shortest path that shows the contrary.");
     check->add_option("NAME=EXPR", options->channels, "the channels")->required()->option_text("...");
-    check->add_option("--of", options->of, "expression for what is split; default: every path a scene can produce")->option_text("BEAUTY");
+    check->add_option("--of", options->of, "expression for what is split; default: every path a scene can produce")
+        ->option_text("BEAUTY");
     add_dialect(*check, *options);
     check->footer("Exit codes: 0 proved, 1 a path is missed, counted twice or outside, 2 bad usage or input.");
     check->callback([options, &context] { context.exit_code = run_check(*options); });

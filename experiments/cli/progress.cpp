@@ -21,15 +21,18 @@ std::string Progress::describe(const transport::RenderProgress& progress, int wi
     std::string text;
     if (width > 0) {
         const int filled = static_cast<int>(done * width);
-        text = "[" + std::string(static_cast<std::size_t>(filled), '#') + std::string(static_cast<std::size_t>(width - filled), '.') + "] ";
+        text = "[" + std::string(static_cast<std::size_t>(filled), '#') +
+               std::string(static_cast<std::size_t>(width - filled), '.') + "] ";
     }
     std::array<char, 128> numbers{};
-    const double rate = progress.seconds > 0 ? static_cast<double>(progress.samples_done) / progress.seconds * 1e-6 : 0.0;
+    const double rate =
+        progress.seconds > 0 ? static_cast<double>(progress.samples_done) / progress.seconds * 1e-6 : 0.0;
     std::snprintf(numbers.data(), numbers.size(), "%3.0f %%  %.2f M samples/s  ", done * 100, rate);
     text += numbers.data();
     text += duration_text(progress.seconds);
     // Half a second of rendering says too little about the rest.
-    if (done < 1 && done > 0 && progress.seconds > 0.5) text += ", about " + duration_text(progress.seconds * (1 - done) / done) + " left";
+    if (done < 1 && done > 0 && progress.seconds > 0.5)
+        text += ", about " + duration_text(progress.seconds * (1 - done) / done) + " left";
     return text;
 }
 

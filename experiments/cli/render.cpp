@@ -23,7 +23,9 @@ struct RenderOptions {
     bool no_beauty = false, light_groups = false;
 };
 
-SourceLocation flag(const std::string& name) { return {name, 0, 0}; }
+SourceLocation flag(const std::string& name) {
+    return {name, 0, 0};
+}
 
 /// --lpe NAME=EXPR in the order given, each in the dialect of the last --dialect before it.
 Status read_expressions(const CLI::App& command, const RenderOptions& options, Job& job) {
@@ -97,39 +99,78 @@ Result<Job> assemble(const CLI::App& command, const RenderOptions& options) {
 }
 
 void add_options(CLI::App& command, RenderOptions& options) {
-    command.add_option("SCENE.pbrt|JOB.toml", options.input, "a pbrt-v4 scene, or a TOML job that names one")->required()->option_text("");
-    command.add_option("-o,--output", options.output, "image to write; default: the scene's or job's name with .exr, here")->option_text("OUT.exr");
-    command.add_option("--spp", options.spp, "samples per pixel; default: as the scene says")->option_text("N")->check(CLI::Range(1, 2147483647));
+    command.add_option("SCENE.pbrt|JOB.toml", options.input, "a pbrt-v4 scene, or a TOML job that names one")
+        ->required()
+        ->option_text("(required)");
+    command
+        .add_option("-o,--output", options.output, "image to write; default: the scene's or job's name with .exr, here")
+        ->option_text("OUT.exr");
+    command.add_option("--spp", options.spp, "samples per pixel; default: as the scene says")
+        ->option_text("N")
+        ->check(CLI::Range(1, 2147483647));
     command.add_option("--seed", options.seed, "seed of the sampler; default 0")->option_text("N");
-    command.add_option("--threads", options.threads, "threads; 0, the default, is all the machine offers")->option_text("N")->check(CLI::Range(0, 4096));
-    command.add_option("--resolution", options.resolution, "image size in pixels; default: as the scene says")->option_text("WxH");
-    command.add_option("--integrator", options.integrator, "integrator; default: as the scene says")->option_text("NAME");
-    command.add_option("--max-depth", options.max_depth, "at most N scattering events on a path")->option_text("N")->check(CLI::Range(0, 2147483647));
+    command.add_option("--threads", options.threads, "threads; 0, the default, is all the machine offers")
+        ->option_text("N")
+        ->check(CLI::Range(0, 4096));
+    command.add_option("--resolution", options.resolution, "image size in pixels; default: as the scene says")
+        ->option_text("WxH");
+    command.add_option("--integrator", options.integrator, "integrator; default: as the scene says")
+        ->option_text("NAME");
+    command.add_option("--max-depth", options.max_depth, "at most N scattering events on a path")
+        ->option_text("N")
+        ->check(CLI::Range(0, 2147483647));
     command.add_option("--sampler", options.sampler, "sampler; default: as the scene says")->option_text("NAME");
     command.add_option("--filter", options.filter, "pixel filter; default: as the scene says")->option_text("NAME");
-    command.add_option("--lpe", options.expressions, "adds a layer NAME with the light that the light path expression accepts; may be repeated")
-        ->option_text("NAME=EXPR")->expected(1)->allow_extra_args(false)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    command
+        .add_option("--lpe", options.expressions,
+                    "adds a layer NAME with the light that the light path expression accepts; may be repeated")
+        ->option_text("NAME=EXPR")
+        ->expected(1)
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     command.add_option("--dialect", options.dialects, "language of the --lpe that follow: renderman (default) or osl")
-        ->option_text("D")->expected(1)->allow_extra_args(false)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    command.add_option("--partition", options.partition, "'shipped' adds the layers of the shipped partition")->option_text("shipped")
+        ->option_text("D")
+        ->expected(1)
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    command.add_option("--partition", options.partition, "'shipped' adds the layers of the shipped partition")
+        ->option_text("shipped")
         ->check(CLI::IsMember({"shipped"}));
-    command.add_flag("--light-groups", options.light_groups, "adds a layer per light group, and one for lights without a group");
+    command.add_flag("--light-groups", options.light_groups,
+                     "adds a layer per light group, and one for lights without a group");
     command.add_flag("--no-beauty", options.no_beauty, "renders only what the layers need");
-    command.add_option("--aov", options.aovs, "adds a geometric AOV (Nn, Ngn, P, Pw, z, VLen, st, id, albedo); may be repeated")
-        ->option_text("NAME")->expected(1)->allow_extra_args(false)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    command.add_option("--ocio", options.ocio, "OpenColorIO config; default: $OCIO, else the one that ships with raylex")->option_text("FILE");
-    command.add_option("--rendering-space", options.rendering_space, "scene-linear space of the config to render in; default: the scene's own")->option_text("NAME");
-    command.add_option("--isa", options.isa, "instruction set: sse2, sse4.2, avx, avx2 or avx512; default: the best there is")->option_text("NAME");
-    command.add_option("--preview", options.preview, "also writes the beauty through the display's view as a PNG")->option_text("OUT.png");
-    command.add_option("--stats", options.statistics, "also writes times, ray counts and the like as JSON")->option_text("OUT.json");
+    command
+        .add_option("--aov", options.aovs,
+                    "adds a geometric AOV (Nn, Ngn, P, Pw, z, VLen, st, id, albedo); may be repeated")
+        ->option_text("NAME")
+        ->expected(1)
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    command
+        .add_option("--ocio", options.ocio, "OpenColorIO config; default: $OCIO, else the one that ships with raylex")
+        ->option_text("FILE");
+    command
+        .add_option("--rendering-space", options.rendering_space,
+                    "scene-linear space of the config to render in; default: the scene's own")
+        ->option_text("NAME");
+    command
+        .add_option("--isa", options.isa,
+                    "instruction set: sse2, sse4.2, avx, avx2 or avx512; default: the best there is")
+        ->option_text("NAME");
+    command.add_option("--preview", options.preview, "also writes the beauty through the display's view as a PNG")
+        ->option_text("OUT.png");
+    command.add_option("--stats", options.statistics, "also writes times, ray counts and the like as JSON")
+        ->option_text("OUT.json");
 }
 
 }  // namespace
 
-Result<ExpressionRequest> parse_named_expression(const std::string& text, lpe::Dialect dialect, const std::string& option) {
+Result<ExpressionRequest> parse_named_expression(const std::string& text, lpe::Dialect dialect,
+                                                 const std::string& option) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos || equals == 0)
-        return error_at(flag(option), "'" + text + "' is no named expression; expected NAME=EXPR, such as caustics='CDS+L'");
+        return error_at(flag(option),
+                        "'" + text + "' is no named expression; expected NAME=EXPR, such as caustics='CDS+L'");
     ExpressionRequest request;
     request.name = text.substr(0, equals);
     request.expression = text.substr(equals + 1);
@@ -142,9 +183,12 @@ void add_render_command(CLI::App& app, CommandContext& context) {
     CLI::App* command = app.add_subcommand("render", "Renders a scene to one multi-part OpenEXR file.");
     auto options = std::make_shared<RenderOptions>();
     add_options(*command, *options);
-    command->footer("Layers whose expressions share no path get a 'rest' layer with all other light, and are recorded as the partition 'auto'\n"
-                    "that 'raylex verify' checks. Ctrl-C writes what is rendered so far, marked incomplete. The keys of a TOML job are listed in\n"
-                    "experiments/README.md; flags override the job.");
+    command->footer(
+        "Layers whose expressions share no path get a 'rest' layer with all other light, and are recorded as the "
+        "partition 'auto'\n"
+        "that 'raylex verify' checks. Ctrl-C writes what is rendered so far, marked incomplete. The keys of a TOML job "
+        "are listed in\n"
+        "experiments/README.md; flags override the job.");
     command->callback([command, options, &context] {
         auto job = assemble(*command, *options);
         context.exit_code = job ? run_render(std::move(*job), context.arguments) : report_error(job.error());

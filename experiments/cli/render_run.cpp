@@ -33,13 +33,15 @@ class RenderRun {
     RenderRun(Job job, const std::vector<std::string>& arguments) : job_(std::move(job)), arguments_(arguments) {}
 
     int run() {
-        for (std::optional<int> (RenderRun::*step)() : {&RenderRun::check_outputs, &RenderRun::load, &RenderRun::plan, &RenderRun::render,
-                                                        &RenderRun::write_image, &RenderRun::judge, &RenderRun::write_preview,
-                                                        &RenderRun::write_statistics})
+        for (std::optional<int> (RenderRun::*step)() :
+             {&RenderRun::check_outputs, &RenderRun::load, &RenderRun::plan, &RenderRun::render,
+              &RenderRun::write_image, &RenderRun::judge, &RenderRun::write_preview, &RenderRun::write_statistics})
             if (const std::optional<int> code = (this->*step)()) return *code;
         print_summary();
         if (!output_->complete) return exit_interrupted;
-        return std::all_of(splits_.begin(), splits_.end(), [](const display::SplitVerdict& each) { return each.holds; }) ? exit_holds : exit_does_not_hold;
+        return std::all_of(splits_.begin(), splits_.end(), [](const display::SplitVerdict& each) { return each.holds; })
+                   ? exit_holds
+                   : exit_does_not_hold;
     }
 
   private:
@@ -54,16 +56,19 @@ class RenderRun {
     /// Everything that must be writable after the render is asked for before it.
     Step check_outputs() {
         if (fs::path(job_.output).extension() != ".exr")
-            return report_error("the output '" + job_.output + "' has no name ending in .exr; expected an OpenEXR file name");
+            return report_error("the output '" + job_.output +
+                                "' has no name ending in .exr; expected an OpenEXR file name");
         if (!job_.preview.empty() && fs::path(job_.preview).extension() != ".png")
-            return report_error("the preview '" + job_.preview + "' has no name ending in .png; expected a PNG file name");
+            return report_error("the preview '" + job_.preview +
+                                "' has no name ending in .png; expected a PNG file name");
         std::vector<std::string> taken{job_.scene_file, job_.job_file};
         for (const std::string& path : {job_.output, job_.preview, job_.statistics}) {
             if (path.empty()) continue;
             for (const std::string& other : taken) {
                 std::error_code failed;
                 if (!other.empty() && (path == other || fs::equivalent(path, other, failed)))
-                    return report_error("'" + path + "' is used twice, for input or for another output; expected a file of its own");
+                    return report_error("'" + path +
+                                        "' is used twice, for input or for another output; expected a file of its own");
             }
             taken.push_back(path);
             Status writable = display::check_writable(path);
@@ -117,7 +122,9 @@ class RenderRun {
 
     Step render() {
         Progress progress;
-        auto output = transport::render(scene_, job_.settings, [&](const transport::RenderProgress& now) { progress.update(now); }, &interrupt_flag());
+        auto output = transport::render(
+            scene_, job_.settings, [&](const transport::RenderProgress& now) { progress.update(now); },
+            &interrupt_flag());
         progress.finish();
         if (!output) return report_error(output.error());
         output_.emplace(std::move(*output));
@@ -126,7 +133,9 @@ class RenderRun {
         phases_["build"] = {statistics.build_seconds, statistics.build_cpu_seconds};
         phases_["render"] = {statistics.render_seconds, statistics.render_cpu_seconds};
         if (statistics.invalid_samples > 0)
-            warn(std::to_string(statistics.invalid_samples) + " contributions were not finite and were left out of beauty and layers alike; --stats lists how to replay them");
+            warn(std::to_string(statistics.invalid_samples) +
+                 " contributions were not finite and were left out of beauty and layers alike; --stats lists how to "
+                 "replay them");
         if (!output_->complete && statistics.camera_samples == 0) return interrupted_early();
         return go_on;
     }
@@ -153,7 +162,8 @@ class RenderRun {
         std::error_code failed;
         const fs::path folder = fs::temp_directory_path(failed);
         const std::string path = (folder / fs::path(job_.output).filename()).string();
-        if (!failed && !fs::exists(path, failed) && display::write_exr(path, output_->frame_buffer, output_->beauty, description)) {
+        if (!failed && !fs::exists(path, failed) &&
+            display::write_exr(path, output_->frame_buffer, output_->beauty, description)) {
             Error error = failure;
             error.hint = "the image was saved as " + path + " instead";
             return report_error(error);
@@ -202,8 +212,9 @@ class RenderRun {
         }
         std::error_code failed;
         const auto bytes = fs::file_size(job_.output, failed);
-        std::string line = job_.output + ": " + std::to_string(output_->width) + "x" + std::to_string(output_->height) + ", " +
-                           std::to_string(image_.layers.size()) + (image_.layers.size() == 1 ? " layer, " : " layers, ") +
+        std::string line = job_.output + ": " + std::to_string(output_->width) + "x" + std::to_string(output_->height) +
+                           ", " + std::to_string(image_.layers.size()) +
+                           (image_.layers.size() == 1 ? " layer, " : " layers, ") +
                            size_text(failed ? 0.0 : static_cast<double>(bytes));
         if (!output_->complete) line += "; INCOMPLETE: interrupted";
         print_line(line);
@@ -211,8 +222,10 @@ class RenderRun {
             if (!path.empty()) print_line(path);
         const auto seconds = [this](const char* phase) { return duration_text(phases_.at(phase).wall_seconds); };
         const double cpu = statistics.render_cpu_seconds;
-        print_line("load " + seconds("load") + ", build " + seconds("build") + ", render " + seconds("render") + " (" + duration_text(cpu) + " CPU, " +
-                   number_text(cpu > 0 ? static_cast<double>(statistics.camera_samples) / cpu * 1e-6 : 0) + " M samples per CPU second), write " + seconds("write"));
+        print_line("load " + seconds("load") + ", build " + seconds("build") + ", render " + seconds("render") + " (" +
+                   duration_text(cpu) + " CPU, " +
+                   number_text(cpu > 0 ? static_cast<double>(statistics.camera_samples) / cpu * 1e-6 : 0) +
+                   " M samples per CPU second), write " + seconds("write"));
     }
 
     Job job_;

@@ -33,14 +33,23 @@ int run_report(const ReportOptions& report) {
 }  // namespace
 
 void add_report_command(CLI::App& app, CommandContext& context) {
-    CLI::App* command = app.add_subcommand("report", "Makes one self-contained HTML page of every layer, with expressions, verdicts and provenance.");
+    CLI::App* command = app.add_subcommand(
+        "report", "Makes one self-contained HTML page of every layer, with expressions, verdicts and provenance.");
     auto options = std::make_shared<ReportOptions>();
-    command->add_option("OUT.exr", options->images, "the images, in the order of the page")->required()->option_text("...");
+    command->add_option("OUT.exr", options->images, "the images, in the order of the page")
+        ->required()
+        ->option_text("...");
     command->add_option("-o,--output", options->page, "the page to write")->required()->option_text("PAGE.html");
-    command->add_option("--ocio", options->ocio, "OpenColorIO config; default: $OCIO, else the one that ships with raylex")->option_text("FILE");
-    command->add_option("--display", options->options.display, "display of the config; default: its first")->option_text("NAME");
-    command->add_option("--view", options->options.view, "view of the display; default: its first")->option_text("NAME");
-    command->add_option("--size", options->options.largest_side, "largest side of the pictures in pixels; default 640")->option_text("N")->check(CLI::Range(16, 8192));
+    command
+        ->add_option("--ocio", options->ocio, "OpenColorIO config; default: $OCIO, else the one that ships with raylex")
+        ->option_text("FILE");
+    command->add_option("--display", options->options.display, "display of the config; default: its first")
+        ->option_text("NAME");
+    command->add_option("--view", options->options.view, "view of the display; default: its first")
+        ->option_text("NAME");
+    command->add_option("--size", options->options.largest_side, "largest side of the pictures in pixels; default 640")
+        ->option_text("N")
+        ->check(CLI::Range(16, 8192));
     command->footer("Statistics are shown when OUT.json, as --stats writes it, stands beside OUT.exr.");
     command->callback([options, &context] { context.exit_code = run_report(*options); });
 }

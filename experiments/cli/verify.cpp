@@ -24,17 +24,20 @@ bool print_verdict(const display::SplitVerdict& verdict, const display::ExrImage
 }
 
 void note_incomplete(const display::ExrImage& image) {
-    if (image.attributes.contains("raylex/incomplete")) print_line(image.path + ": the render was interrupted; this image is incomplete");
+    if (image.attributes.contains("raylex/incomplete"))
+        print_line(image.path + ": the render was interrupted; this image is incomplete");
 }
 
 std::string layer_list(const display::ExrImage& image) {
     std::string list;
-    for (const display::ImageLayer& layer : image.layers) list += (list.empty() ? "" : ", ") + (layer.name.empty() ? std::string("beauty") : layer.name);
+    for (const display::ImageLayer& layer : image.layers)
+        list += (list.empty() ? "" : ", ") + (layer.name.empty() ? std::string("beauty") : layer.name);
     return list;
 }
 
 int verify_sum(const VerifyOptions& options) {
-    auto image = options.files.size() == 1 ? display::read_exr(options.files.front()) : display::read_exr_set(options.files);
+    auto image =
+        options.files.size() == 1 ? display::read_exr(options.files.front()) : display::read_exr_set(options.files);
     if (!image) return report_error(image.error());
     auto verdict = display::check_split(*image, options.of == "beauty" ? std::string() : options.of, options.globs);
     if (!verdict) {
@@ -53,9 +56,14 @@ int verify_declared(const VerifyOptions& options) {
         auto image = display::read_exr(file);
         if (!image) return report_error(image.error());
         if (image->partitions.empty()) {
-            if (without.empty()) without = file + ": no partition is declared in the header, so there is nothing to judge. Say which layers "
-                                           "must sum to which: raylex verify " + file + " --of beauty --sum 'diffuse_*,specular_*,emission'. "
-                                           "The layers are: " + layer_list(*image);
+            if (without.empty())
+                without = file +
+                          ": no partition is declared in the header, so there is nothing to judge. Say which layers "
+                          "must sum to which: raylex verify " +
+                          file +
+                          " --of beauty --sum 'diffuse_*,specular_*,emission'. "
+                          "The layers are: " +
+                          layer_list(*image);
             continue;
         }
         auto verdicts = display::check_declared_splits(*image);
@@ -70,19 +78,33 @@ int verify_declared(const VerifyOptions& options) {
 }  // namespace
 
 void add_verify_command(CLI::App& app, CommandContext& context) {
-    CLI::App* command = app.add_subcommand("verify", "Checks pixel by pixel that the layers of an image sum to what they split.");
+    CLI::App* command =
+        app.add_subcommand("verify", "Checks pixel by pixel that the layers of an image sum to what they split.");
     auto options = std::make_shared<VerifyOptions>();
-    command->add_option("FILE.exr", options->files, "images of any renderer; with --sum, several files are the layers of one image")
-        ->required()->option_text("...");
-    command->add_option("--of", options->of, "the layer that is split; with --sum, default beauty")->option_text("LAYER");
-    command->add_option("--sum", options->globs, "the layers that must sum to it, with * and ?")->option_text("GLOB,...")->delimiter(',')
-        ->expected(1)->allow_extra_args(false)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    command->footer("Without --sum every partition declared in the header is judged. The bound on |sum - of| is the rounding of the stored\n"
-                    "type (float 2^-23, half 2^-10) times the sum of |layers| + |of|. A failure writes a residual heat map beside the image.\n"
-                    "Exit codes: 0 holds, 1 does not hold, 2 bad usage or input.");
+    command
+        ->add_option("FILE.exr", options->files,
+                     "images of any renderer; with --sum, several files are the layers of one image")
+        ->required()
+        ->option_text("...");
+    command->add_option("--of", options->of, "the layer that is split; with --sum, default beauty")
+        ->option_text("LAYER");
+    command->add_option("--sum", options->globs, "the layers that must sum to it, with * and ?")
+        ->option_text("GLOB,...")
+        ->delimiter(',')
+        ->expected(1)
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    command->footer(
+        "Without --sum every partition declared in the header is judged. The bound on |sum - of| is the rounding of "
+        "the stored\n"
+        "type (float 2^-23, half 2^-10) times the sum of |layers| + |of|. A failure writes a residual heat map beside "
+        "the image.\n"
+        "Exit codes: 0 holds, 1 does not hold, 2 bad usage or input.");
     command->callback([options, &context] {
         if (!options->of.empty() && options->globs.empty()) {
-            context.exit_code = report_error("--of " + options->of + " needs --sum with the layers that must sum to it, such as --sum 'diffuse_*,emission'");
+            context.exit_code =
+                report_error("--of " + options->of +
+                             " needs --sum with the layers that must sum to it, such as --sum 'diffuse_*,emission'");
             return;
         }
         context.exit_code = options->globs.empty() ? verify_declared(*options) : verify_sum(*options);

@@ -28,7 +28,8 @@ std::string quoted(const std::string& label) {
 std::string layer_name_for(const std::string& group) {
     std::string name = "light_";
     for (const char c : group) {
-        const bool fits = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+        const bool fits =
+            (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
         name += fits ? c : '_';
     }
     return name;
@@ -58,7 +59,8 @@ class Planner {
         Status usable = check_layer_name(channel.name, where);
         if (!usable) return usable;
         if (const auto [known, is_new] = index_.emplace(channel.name, plan_.channels.size()); !is_new)
-            return error_at(where, "the channel name '" + channel.name + "' is used twice; expected every channel to have its own name");
+            return error_at(where, "the channel name '" + channel.name +
+                                       "' is used twice; expected every channel to have its own name");
         plan_.channels.push_back(std::move(channel));
         sources_.emplace_back();
         return success();
@@ -74,16 +76,23 @@ class Planner {
         Status added = add_channel(std::move(channel), request.location);
         if (!added) return added;
         lpe::ChannelSource& source = sources_.back();
-        source = {request.name, request.expression, request.dialect, request.location.file, request.location.line,
-                  request.location.column, {}};
+        source = {request.name,
+                  request.expression,
+                  request.dialect,
+                  request.location.file,
+                  request.location.line,
+                  request.location.column,
+                  {}};
         auto prefixes = lpe::expression_prefixes(source);
         if (!prefixes) return prefixes.error();
         if (!prefixes->empty()) prefixed_[request.name] = prefixes->front();
         auto warnings = lpe::expression_warnings(source, words_);
-        if (warnings) for (const std::string& each : *warnings) plan_.notes.push_back("channel '" + request.name + "': " + each);
+        if (warnings)
+            for (const std::string& each : *warnings) plan_.notes.push_back("channel '" + request.name + "': " + each);
         auto word = lpe::find_word(source, words_);
         if (word && !word->has_value() && prefixes->empty())
-            plan_.notes.push_back("channel '" + request.name + "' can match no path of this scene: its layer will be black");
+            plan_.notes.push_back("channel '" + request.name +
+                                  "' can match no path of this scene: its layer will be black");
         return success();
     }
 
@@ -107,7 +116,8 @@ class Planner {
         for (const PartitionRequest& request : job_.partitions) {
             for (const auto& known : plan_.partitions)
                 if (known.name == request.name)
-                    return error_at(request.location, "the partition name '" + request.name + "' is used twice; expected another name");
+                    return error_at(request.location,
+                                    "the partition name '" + request.name + "' is used twice; expected another name");
             std::vector<std::string> wanted = request.channels;
             if (!request.of.empty()) wanted.push_back(request.of);
             for (const std::string& name : wanted) {
@@ -116,11 +126,13 @@ class Planner {
                 in_partition_[name] = true;
             }
             if (request.of.empty() && !job_.settings.beauty)
-                return error_at(request.location, "partition '" + request.name + "' splits the beauty, which this render does not make; "
-                                                  "expected of = \"channel\", or no --no-beauty");
+                return error_at(request.location, "partition '" + request.name +
+                                                      "' splits the beauty, which this render does not make; "
+                                                      "expected of = \"channel\", or no --no-beauty");
             if (!request.rest.empty() && !request.of.empty())
-                return error_at(request.location, "partition '" + request.name + "' has both 'of' and 'rest'; expected a rest layer only "
-                                                  "where the beauty is split");
+                return error_at(request.location, "partition '" + request.name +
+                                                      "' has both 'of' and 'rest'; expected a rest layer only "
+                                                      "where the beauty is split");
             Status proved = prove(request);
             if (!proved || !plan_.refuted.empty()) return proved;
         }
@@ -137,13 +149,16 @@ class Planner {
                 list += (list.empty() ? "" : ", ") + each.name;
             }
             const std::string near = nearest_name(name, known);
-            return error_at(request.location, "partition '" + request.name + "' names the channel '" + name + "', which is not there; expected one of: " +
-                                                  (list.empty() ? "(no channel is declared)" : list),
-                            near.empty() ? std::string() : "did you mean '" + near + "'?");
+            return error_at(
+                request.location,
+                "partition '" + request.name + "' names the channel '" + name +
+                    "', which is not there; expected one of: " + (list.empty() ? "(no channel is declared)" : list),
+                near.empty() ? std::string() : "did you mean '" + near + "'?");
         }
         if (const auto prefix = prefixed_.find(name); prefix != prefixed_.end())
             return error_at(request.location, "channel '" + name + "' carries the prefix '" + prefix->second +
-                                                  "' and cannot be part of partition '" + request.name + "'; expected plain expressions");
+                                                  "' and cannot be part of partition '" + request.name +
+                                                  "'; expected plain expressions");
         return success();
     }
 
@@ -179,7 +194,8 @@ class Planner {
         if (!job_.settings.beauty) return success();
         std::vector<std::string> members;
         for (const ExpressionRequest& request : job_.expressions)
-            if (!prefixed_.contains(request.name) && !in_partition_.contains(request.name)) members.push_back(request.name);
+            if (!prefixed_.contains(request.name) && !in_partition_.contains(request.name))
+                members.push_back(request.name);
         if (members.empty()) return success();
         auto report = lpe::check_disjoint(sources_of(members), words_);
         if (!report) {
@@ -215,7 +231,7 @@ class Planner {
             sources_.back() = {request.name, request.expression, request.dialect, request.location.file, 0, 0, {}};
             declared.channels.push_back(request.name);
         }
-        if (!job_.settings.beauty) return success();   // nothing to sum to
+        if (!job_.settings.beauty) return success();  // nothing to sum to
         return prove(declared);
     }
 
@@ -223,13 +239,17 @@ class Planner {
         if (!job_.shipped_partition) return success();
         std::vector<ExpressionRequest> requests;
         for (const lpe::NamedExpression& each : lpe::shipped_partition())
-            requests.push_back({std::string(each.name), std::string(each.expression), lpe::Dialect::renderman, {"the shipped partition", 0, 0}});
+            requests.push_back({std::string(each.name),
+                                std::string(each.expression),
+                                lpe::Dialect::renderman,
+                                {"the shipped partition", 0, 0}});
         return add_generated("shipped", requests);
     }
 
     [[nodiscard]] bool emission_carries(const std::string& group) const {
         return std::any_of(alphabet_.terminals.begin(), alphabet_.terminals.end(), [&](const lpe::Event& event) {
-            return event.type == lpe::EventType::emission && (event.labels.empty() ? group.empty() : event.labels.front() == group);
+            return event.type == lpe::EventType::emission &&
+                   (event.labels.empty() ? group.empty() : event.labels.front() == group);
         });
     }
 
@@ -243,10 +263,12 @@ class Planner {
             std::string name = layer_name_for(group);
             if (const int count = ++taken[name]; count > 1) name += "_" + std::to_string(count);
             const std::string label = quoted(group);
-            const std::string terminal = emission_carries(group) ? "[<L." + label + "><O." + label + ">]" : "<L." + label + ">";
+            const std::string terminal =
+                emission_carries(group) ? "[<L." + label + "><O." + label + ">]" : "<L." + label + ">";
             requests.push_back({name, "C.*" + terminal, lpe::Dialect::renderman, where});
         }
-        requests.push_back({"light_default", emission_carries("") ? "C.*[<L.''><O.''>]" : "C.*<L.''>", lpe::Dialect::renderman, where});
+        requests.push_back({"light_default", emission_carries("") ? "C.*[<L.''><O.''>]" : "C.*<L.''>",
+                            lpe::Dialect::renderman, where});
         return add_generated("light_groups", requests);
     }
 
@@ -270,9 +292,9 @@ class Planner {
     const transport::SceneAlphabet& alphabet_;
     lpe::Words words_;
     ChannelPlan plan_;
-    std::vector<lpe::ChannelSource> sources_;              // beside plan_.channels
+    std::vector<lpe::ChannelSource> sources_;  // beside plan_.channels
     std::map<std::string, std::size_t> index_;
-    std::map<std::string, std::string> prefixed_;          // channel -> its first prefix
+    std::map<std::string, std::string> prefixed_;  // channel -> its first prefix
     std::map<std::string, bool> in_partition_;
 };
 
@@ -284,6 +306,8 @@ lpe::Words words_of(const transport::SceneAlphabet& alphabet) {
     return words;
 }
 
-Result<ChannelPlan> plan_channels(const Job& job, const transport::SceneAlphabet& alphabet) { return Planner(job, alphabet).run(); }
+Result<ChannelPlan> plan_channels(const Job& job, const transport::SceneAlphabet& alphabet) {
+    return Planner(job, alphabet).run();
+}
 
 }  // namespace raylex::experiments

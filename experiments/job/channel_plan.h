@@ -14,10 +14,11 @@
 namespace raylex::experiments {
 
 struct ChannelPlan {
-    std::vector<display::ChannelDefinition> channels;          ///< for RenderSettings::channels
-    std::vector<display::PartitionDeclaration> partitions;     ///< proved ones, for the file's header
-    std::vector<std::string> notes;     ///< what a user should know before the render: no `rest` layer and why, dead channels
-    std::string refuted;                ///< not empty: a declared partition is none; says which path shows it
+    std::vector<display::ChannelDefinition> channels;       ///< for RenderSettings::channels
+    std::vector<display::PartitionDeclaration> partitions;  ///< proved ones, for the file's header
+    std::vector<std::string>
+        notes;            ///< what a user should know before the render: no `rest` layer and why, dead channels
+    std::string refuted;  ///< not empty: a declared partition is none; says which path shows it
 };
 
 /// The words of W that the scene can produce, for proofs.

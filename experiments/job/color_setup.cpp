@@ -22,10 +22,14 @@ Status require_listed(const char* what, const std::string& name, const std::vect
 
 display::Chromaticities chromaticities_of(transport::ColorSpace space) {
     switch (space) {
-        case transport::ColorSpace::srgb: return display::rec709_primaries();
-        case transport::ColorSpace::dci_p3: return display::p3d65_primaries();
-        case transport::ColorSpace::rec2020: return display::rec2020_primaries();
-        case transport::ColorSpace::aces2065_1: return display::aces_ap0_primaries();
+        case transport::ColorSpace::srgb:
+            return display::rec709_primaries();
+        case transport::ColorSpace::dci_p3:
+            return display::p3d65_primaries();
+        case transport::ColorSpace::rec2020:
+            return display::rec2020_primaries();
+        case transport::ColorSpace::aces2065_1:
+            return display::aces_ap0_primaries();
     }
     return display::rec709_primaries();
 }
@@ -41,15 +45,17 @@ Result<ColorSetup> open_color(const Job& job) {
     }
     setup.description = manager->description();
     const std::string display = job.display.empty() ? manager->default_display() : job.display;
-    for (const Status& status : {require_listed("display", job.display, manager->displays()),
-                                 require_listed("view", job.view, manager->views(display)),
-                                 require_listed("rendering space", job.rendering_space, manager->scene_linear_spaces())})
+    for (const Status& status :
+         {require_listed("display", job.display, manager->displays()),
+          require_listed("view", job.view, manager->views(display)),
+          require_listed("rendering space", job.rendering_space, manager->scene_linear_spaces())})
         if (!status) return status.error();
     setup.manager = std::move(*manager);
     return setup;
 }
 
-Result<display::Chromaticities> choose_rendering_space(const Job& job, const ColorSetup& color, transport::SceneDescription& scene) {
+Result<display::Chromaticities> choose_rendering_space(const Job& job, const ColorSetup& color,
+                                                       transport::SceneDescription& scene) {
     const display::Chromaticities native = chromaticities_of(scene.color.scene_space);
     if (job.rendering_space.empty()) return native;
     auto matrix = color.manager->matrix_to(job.rendering_space, native);

@@ -14,9 +14,9 @@ namespace raylex::experiments {
 display::Chromaticities chromaticities_of(transport::ColorSpace space);
 
 struct ColorSetup {
-    std::optional<display::ColorManager> manager;   ///< absent when the config cannot be read and nothing needs it
-    std::string description;                        ///< for headers: the config, or why there is none
-    std::string warning;                            ///< not empty: the config cannot be read
+    std::optional<display::ColorManager> manager;  ///< absent when the config cannot be read and nothing needs it
+    std::string description;                       ///< for headers: the config, or why there is none
+    std::string warning;                           ///< not empty: the config cannot be read
 };
 
 /// Opens the config that the job, $OCIO or raylex itself names. An Error when it cannot be read and the job needs it (a
@@ -24,6 +24,7 @@ struct ColorSetup {
 Result<ColorSetup> open_color(const Job& job);
 
 /// Sets `scene.color` for the job's rendering space and returns the primaries of the image to come.
-Result<display::Chromaticities> choose_rendering_space(const Job& job, const ColorSetup& color, transport::SceneDescription& scene);
+Result<display::Chromaticities> choose_rendering_space(const Job& job, const ColorSetup& color,
+                                                       transport::SceneDescription& scene);
 
 }  // namespace raylex::experiments

@@ -23,22 +23,27 @@ Result<std::array<int, 2>> parse_resolution(const std::string& text, const Sourc
     };
     if (cross == std::string::npos || !read(std::string_view(text).substr(0, cross), size[0]) ||
         !read(std::string_view(text).substr(cross + 1), size[1]))
-        return error_at(where, "'" + text + "' is no resolution; expected WIDTHxHEIGHT in pixels, each from 1 to 65536, "
-                               "such as 640x480");
+        return error_at(where, "'" + text +
+                                   "' is no resolution; expected WIDTHxHEIGHT in pixels, each from 1 to 65536, "
+                                   "such as 640x480");
     return size;
 }
 
 Status check_layer_name(const std::string& name, const SourceLocation& where) {
     if (name.empty()) return error_at(where, "a channel name is empty; expected a name such as caustics");
-    if (name.size() > 128) return error_at(where, "the channel name is " + std::to_string(name.size()) + " bytes long; expected at most 128");
+    if (name.size() > 128)
+        return error_at(where,
+                        "the channel name is " + std::to_string(name.size()) + " bytes long; expected at most 128");
     const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
     const auto inner = [&](char c) { return letter(c) || (c >= '0' && c <= '9') || c == '-' || c == '.' || c == ':'; };
     if (!letter(name.front()) || name.back() == '.' || !std::all_of(name.begin(), name.end(), inner))
-        return error_at(where, "'" + name + "' cannot be a channel name; expected letters, digits and _ - . : beginning with "
-                               "a letter or _, and no dot at the end");
+        return error_at(where, "'" + name +
+                                   "' cannot be a channel name; expected letters, digits and _ - . : beginning with "
+                                   "a letter or _, and no dot at the end");
     for (const char* taken : {"beauty", "rgba", "R", "G", "B", "A", "Y"})
         if (name == taken)
-            return error_at(where, "the channel name '" + name + "' is taken by the beauty image; expected another name");
+            return error_at(where,
+                            "the channel name '" + name + "' is taken by the beauty image; expected another name");
     return success();
 }
 

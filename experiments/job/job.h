@@ -16,7 +16,7 @@ struct ExpressionRequest {
     std::string name;
     std::string expression;
     lpe::Dialect dialect = lpe::Dialect::renderman;
-    SourceLocation location;       ///< of the expression's first character, for errors
+    SourceLocation location;  ///< of the expression's first character, for errors
 };
 
 /// A geometric AOV by its standard name.
@@ -28,20 +28,20 @@ struct AovRequest {
 /// A partition that the job declares; proved before a ray is traced.
 struct PartitionRequest {
     std::string name;
-    std::string of;                        ///< channel that is split; empty = beauty
+    std::string of;  ///< channel that is split; empty = beauty
     std::vector<std::string> channels;
-    std::string rest;                      ///< not empty: a layer of this name takes what the channels leave
+    std::string rest;  ///< not empty: a layer of this name takes what the channels leave
     SourceLocation location;
 };
 
 struct Job {
     std::string scene_file;
-    std::string job_file, job_text;        ///< the TOML this came from; empty for a bare scene
+    std::string job_file, job_text;  ///< the TOML this came from; empty for a bare scene
     std::string output, preview, statistics;
     std::string ocio_config, rendering_space, display, view;
-    bool shipped_partition = false;        ///< adds the shipped partition's channels
-    bool light_groups = false;             ///< adds one layer per light group and one for the unlabelled lights
-    transport::RenderSettings settings;    ///< `channels` is filled by plan_channels()
+    bool shipped_partition = false;      ///< adds the shipped partition's channels
+    bool light_groups = false;           ///< adds one layer per light group and one for the unlabelled lights
+    transport::RenderSettings settings;  ///< `channels` is filled by plan_channels()
     std::vector<ExpressionRequest> expressions;
     std::vector<AovRequest> aovs;
     std::vector<PartitionRequest> partitions;
@@ -54,8 +54,8 @@ Result<lpe::Dialect> parse_dialect(const std::string& name, const SourceLocation
 /// "WxH" with both between 1 and 65536.
 Result<std::array<int, 2>> parse_resolution(const std::string& text, const SourceLocation& where);
 
-/// Names that can be a layer: letters, digits and _ - . : in any order, beginning with a letter or _; at most 128 bytes.
-/// The names of the beauty (beauty, rgba, R, G, B, A, Y) are taken.
+/// Names that can be a layer: letters, digits and _ - . : in any order, beginning with a letter or _; at most 128
+/// bytes. The names of the beauty (beauty, rgba, R, G, B, A, Y) are taken.
 Status check_layer_name(const std::string& name, const SourceLocation& where);
 
 }  // namespace raylex::experiments

@@ -30,7 +30,8 @@ void read_files(TomlTable& root, const std::string& job_path, Job& job) {
         if (scene.require("file", job.scene_file)) job.scene_file = beside(job_path, job.scene_file);
         scene.close();
     } else if (!root.has("scene")) {
-        root.source().fail(SourceLocation{job_path, 1, 1}, "the job names no scene; expected [scene] with file = \"...\"");
+        root.source().fail(SourceLocation{job_path, 1, 1},
+                           "the job names no scene; expected [scene] with file = \"...\"");
     }
     if (const toml::table* table = root.take_table("output")) {
         TomlTable output(root.source(), *table, "[output]");
@@ -61,9 +62,13 @@ void read_resolution(TomlTable& render, Job& job) {
     }
     const toml::array* list = node->as_array();
     const auto number = [&](std::size_t i) { return list->get(i)->value_exact<std::int64_t>().value_or(0); };
-    const bool fits = list != nullptr && list->size() == 2 && number(0) >= 1 && number(0) <= 65536 && number(1) >= 1 && number(1) <= 65536;
+    const bool fits = list != nullptr && list->size() == 2 && number(0) >= 1 && number(0) <= 65536 && number(1) >= 1 &&
+                      number(1) <= 65536;
     if (fits) job.settings.resolution = {{static_cast<int>(number(0)), static_cast<int>(number(1))}};
-    else render.source().fail(where, "'resolution' in [render] is no pair of pixel counts; expected [width, height], each from 1 to 65536");
+    else
+        render.source().fail(
+            where,
+            "'resolution' in [render] is no pair of pixel counts; expected [width, height], each from 1 to 65536");
 }
 
 void read_render(TomlTable& root, Job& job) {
@@ -72,7 +77,8 @@ void read_render(TomlTable& root, Job& job) {
     TomlTable render(root.source(), *table, "[render]");
     std::int64_t number = 0;
     if (render.read("spp", number, 1, any_count)) job.settings.samples_per_pixel = static_cast<std::uint64_t>(number);
-    if (render.read("seed", number, 0, std::numeric_limits<std::int64_t>::max())) job.settings.seed = static_cast<std::uint64_t>(number);
+    if (render.read("seed", number, 0, std::numeric_limits<std::int64_t>::max()))
+        job.settings.seed = static_cast<std::uint64_t>(number);
     if (render.read("threads", number, 0, 4096)) job.settings.threads = static_cast<int>(number);
     if (render.read("max_depth", number, 0, any_count)) job.settings.max_depth = number;
     read_resolution(render, job);
@@ -82,7 +88,8 @@ void read_render(TomlTable& root, Job& job) {
     if (render.read("lobes", lobes)) {
         job.settings.picked_lobes = lobes == "picked";
         if (lobes != "picked" && lobes != "exact")
-            root.source().fail(render.location_of("lobes"), "'lobes' in [render] is '" + lobes + "'; expected \"exact\" or \"picked\"");
+            root.source().fail(render.location_of("lobes"),
+                               "'lobes' in [render] is '" + lobes + "'; expected \"exact\" or \"picked\"");
     }
     render.close();
 }
@@ -145,7 +152,8 @@ void read_channels(TomlTable& root, Job& job) {
         partition.read("of", request.of);
         if (request.of == "beauty") request.of.clear();
         if (!partition.read("channels", request.channels) || request.channels.empty())
-            root.source().fail(partition.location_of("channels"), "a [[partition]] table has no channels; expected channels = [\"name\", ...]");
+            root.source().fail(partition.location_of("channels"),
+                               "a [[partition]] table has no channels; expected channels = [\"name\", ...]");
         if (partition.read("rest", request.rest)) {
             Status status = check_layer_name(request.rest, partition.location_of("rest"));
             if (!status) root.source().fail(status.error());
@@ -161,7 +169,8 @@ struct SelectorKey {
     Selector selector;
 };
 
-void read_rules(TomlTable& root, const char* kind, const char* target, std::initializer_list<SelectorKey> selectors, Job& job) {
+void read_rules(TomlTable& root, const char* kind, const char* target, std::initializer_list<SelectorKey> selectors,
+                Job& job) {
     for (const toml::table* table : root.take_tables(kind)) {
         TomlTable reader(root.source(), *table, "a [[" + std::string(kind) + "]] table");
         transport::LabelRule rule;
@@ -179,7 +188,8 @@ void read_rules(TomlTable& root, const char* kind, const char* target, std::init
         for (const SelectorKey& each : selectors) reader.take(each.key);
         reader.require(target, rule.label);
         if (found != 1)
-            root.source().fail(reader.location(), reader.description() + " has " + std::to_string(found) + " selectors; expected exactly one of: " + keys);
+            root.source().fail(reader.location(), reader.description() + " has " + std::to_string(found) +
+                                                      " selectors; expected exactly one of: " + keys);
         reader.close();
         job.label_rules.push_back(std::move(rule));
     }
@@ -208,7 +218,8 @@ Result<Job> parse_job(const std::string& text, const std::string& path) {
     read_entity(root, "sample_filter", job.settings.sample_filter);
     read_channels(root, job);
     read_rules(root, "label", "label",
-               {{"material", Selector::material}, {"mesh", Selector::mesh_file}, {"instance", Selector::instance}}, job);
+               {{"material", Selector::material}, {"mesh", Selector::mesh_file}, {"instance", Selector::instance}},
+               job);
     read_rules(root, "light_group", "group",
                {{"light", Selector::light}, {"area_light_material", Selector::area_light_material}}, job);
     root.close();

@@ -10,9 +10,15 @@
 
 namespace raylex::experiments {
 
-std::string raylex_version() { return RAYLEX_VERSION; }
-std::string raylex_revision() { return RAYLEX_REVISION; }
-std::string build_description() { return std::string(RAYLEX_COMPILER) + ", " + RAYLEX_BUILD_TYPE; }
+std::string raylex_version() {
+    return RAYLEX_VERSION;
+}
+std::string raylex_revision() {
+    return RAYLEX_REVISION;
+}
+std::string build_description() {
+    return std::string(RAYLEX_COMPILER) + ", " + RAYLEX_BUILD_TYPE;
+}
 
 std::string host_description() {
     std::string model = "unknown processor";
@@ -39,7 +45,9 @@ std::string shell_command(const std::vector<std::string>& arguments) {
     std::string command;
     for (const std::string& argument : arguments) {
         bool plain = !argument.empty();
-        for (const char c : argument) plain = plain && (std::isalnum(static_cast<unsigned char>(c)) != 0 || std::string_view("-_=./:,+@%").find(c) != std::string_view::npos);
+        for (const char c : argument)
+            plain = plain && (std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+                              std::string_view("-_=./:,+@%").find(c) != std::string_view::npos);
         if (!command.empty()) command += ' ';
         if (plain) {
             command += argument;
@@ -53,7 +61,8 @@ std::string shell_command(const std::vector<std::string>& arguments) {
 }
 
 std::map<std::string, std::string> header_attributes(const Job& job, const transport::RenderOutput& output,
-                                                     const std::vector<std::string>& arguments, const std::string& color_config) {
+                                                     const std::vector<std::string>& arguments,
+                                                     const std::string& color_config) {
     std::map<std::string, std::string> attributes{
         {"raylex/version", raylex_version()},
         {"raylex/revision", raylex_revision()},

@@ -1,9 +1,9 @@
 #include "experiments/job/statistics.h"
 
+#include <sys/resource.h>
 #include <chrono>
 #include <ctime>
 #include <nlohmann/json.hpp>
-#include <sys/resource.h>
 
 #include "experiments/job/provenance.h"
 
@@ -12,7 +12,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-double wall_now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+double wall_now() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 double cpu_now() {
     timespec time{};
@@ -36,12 +38,17 @@ Json invalid_json(const RunRecord& record) {
     Json log = Json::array();
     for (const display::InvalidSample& each : statistics.invalid_log) {
         // Non-finite numbers have no form in JSON: text keeps them.
-        log.push_back({{"pixel", {each.pixel_x, each.pixel_y}},
-                       {"sample", each.sample},
-                       {"value", {std::to_string(each.value.r), std::to_string(each.value.g), std::to_string(each.value.b)}},
-                       {"replay", {{"seed", record.output->seed}, {"isa", record.output->isa}, {"sampler", record.output->sampler},
-                                   {"integrator", record.output->integrator}, {"scene", record.job->scene_file},
-                                   {"samples_per_pixel", record.output->samples_per_pixel}}}});
+        log.push_back(
+            {{"pixel", {each.pixel_x, each.pixel_y}},
+             {"sample", each.sample},
+             {"value", {std::to_string(each.value.r), std::to_string(each.value.g), std::to_string(each.value.b)}},
+             {"replay",
+              {{"seed", record.output->seed},
+               {"isa", record.output->isa},
+               {"sampler", record.output->sampler},
+               {"integrator", record.output->integrator},
+               {"scene", record.job->scene_file},
+               {"samples_per_pixel", record.output->samples_per_pixel}}}});
     }
     return {{"count", statistics.invalid_samples}, {"logged", log}};
 }
@@ -65,12 +72,14 @@ Json splits_json(const RunRecord& record) {
 
 PhaseClock::PhaseClock() : wall_(wall_now()), cpu_(cpu_now()) {}
 
-PhaseTime PhaseClock::elapsed() const { return {wall_now() - wall_, cpu_now() - cpu_}; }
+PhaseTime PhaseClock::elapsed() const {
+    return {wall_now() - wall_, cpu_now() - cpu_};
+}
 
 std::uint64_t peak_memory_bytes() {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
-    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;   // Linux counts kilobytes
+    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;  // Linux counts kilobytes
 }
 
 std::string statistics_json(const RunRecord& record) {
@@ -82,7 +91,10 @@ std::string statistics_json(const RunRecord& record) {
     json["complete"] = output.complete;
     json["image"] = {{"file", record.job->output}, {"width", output.width}, {"height", output.height}};
     json["phases"] = phases_json(record);
-    json["rays"] = {{"camera", statistics.camera_rays}, {"scattering", statistics.scattering_rays}, {"shadow", statistics.shadow_rays}, {"total", rays}};
+    json["rays"] = {{"camera", statistics.camera_rays},
+                    {"scattering", statistics.scattering_rays},
+                    {"shadow", statistics.shadow_rays},
+                    {"total", rays}};
     json["samples"] = {{"camera", statistics.camera_samples},
                        {"per_pixel", output.samples_per_pixel},
                        {"per_cpu_second", cpu > 0 ? static_cast<double>(statistics.camera_samples) / cpu : 0.0}};

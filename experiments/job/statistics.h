@@ -33,10 +33,10 @@ struct RunRecord {
     const Job* job = nullptr;
     const transport::RenderOutput* output = nullptr;
     std::vector<std::string> arguments;
-    std::map<std::string, PhaseTime> phases;          ///< load, build, render, write
+    std::map<std::string, PhaseTime> phases;  ///< load, build, render, write
     std::vector<std::string> warnings;
     std::vector<display::SplitVerdict> splits;
-    std::map<std::string, std::string> attributes;    ///< as in the image header
+    std::map<std::string, std::string> attributes;  ///< as in the image header
 };
 
 /// experiments/README.md lists the keys.

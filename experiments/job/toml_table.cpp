@@ -9,16 +9,24 @@ namespace {
 
 const char* kind_of(const toml::node& node) {
     switch (node.type()) {
-        case toml::node_type::table: return "a table";
-        case toml::node_type::array: return "an array";
-        case toml::node_type::string: return "a string";
-        case toml::node_type::integer: return "an integer";
-        case toml::node_type::floating_point: return "a float";
-        case toml::node_type::boolean: return "a boolean";
+        case toml::node_type::table:
+            return "a table";
+        case toml::node_type::array:
+            return "an array";
+        case toml::node_type::string:
+            return "a string";
+        case toml::node_type::integer:
+            return "an integer";
+        case toml::node_type::floating_point:
+            return "a float";
+        case toml::node_type::boolean:
+            return "a boolean";
         case toml::node_type::date:
         case toml::node_type::time:
-        case toml::node_type::date_time: return "a date or time";
-        case toml::node_type::none: break;
+        case toml::node_type::date_time:
+            return "a date or time";
+        case toml::node_type::none:
+            break;
     }
     return "nothing";
 }
@@ -44,7 +52,8 @@ bool to_parameter(const toml::node& node, Parameter& parameter) {
             any_real = any_real || parameter.type == ParameterType::real;
         }
         const std::size_t count = parameter.booleans.size() + parameter.numbers.size() + parameter.strings.size();
-        const bool one_kind = parameter.booleans.size() == count || parameter.numbers.size() == count || parameter.strings.size() == count;
+        const bool one_kind = parameter.booleans.size() == count || parameter.numbers.size() == count ||
+                              parameter.strings.size() == count;
         if (any_real) parameter.type = ParameterType::real;
         return one_kind;
     } else {
@@ -90,7 +99,8 @@ SourceLocation TomlSource::content_location(const toml::node& node) const {
 
 void TomlSource::fail(Error error) {
     if (error_ && std::tie(error_->line, error_->column) <= std::tie(error.line, error.column)) return;
-    if (error.excerpt.empty() && error.file == file_ && error.line >= 1 && static_cast<std::size_t>(error.line) <= lines_.size())
+    if (error.excerpt.empty() && error.file == file_ && error.line >= 1 &&
+        static_cast<std::size_t>(error.line) <= lines_.size())
         error.excerpt = lines_[static_cast<std::size_t>(error.line) - 1];
     error_ = std::move(error);
 }
@@ -118,7 +128,8 @@ SourceLocation TomlTable::content_location_of(std::string_view key) const {
 }
 
 void TomlTable::wrong_type(std::string_view key, const toml::node& node, const char* expected) {
-    source_.fail(source_.location(node), "'" + std::string(key) + "' in " + description_ + " is " + kind_of(node) + "; expected " + expected);
+    source_.fail(source_.location(node),
+                 "'" + std::string(key) + "' in " + description_ + " is " + kind_of(node) + "; expected " + expected);
 }
 
 bool TomlTable::read(std::string_view key, std::string& value) {
@@ -154,8 +165,9 @@ bool TomlTable::read(std::string_view key, std::int64_t& value, std::int64_t lea
         return false;
     }
     if (whole->get() < least || whole->get() > most) {
-        source_.fail(source_.location(*node), "'" + std::string(key) + "' in " + description_ + " is " + std::to_string(whole->get()) +
-                                                  "; expected an integer from " + std::to_string(least) + " to " + std::to_string(most));
+        source_.fail(source_.location(*node), "'" + std::string(key) + "' in " + description_ + " is " +
+                                                  std::to_string(whole->get()) + "; expected an integer from " +
+                                                  std::to_string(least) + " to " + std::to_string(most));
         return false;
     }
     value = whole->get();
@@ -174,8 +186,8 @@ bool TomlTable::read(std::string_view key, std::vector<std::string>& value, std:
     for (const toml::node& each : *list) {
         const auto* text = each.as_string();
         if (text == nullptr) {
-            source_.fail(source_.location(each), "an entry of '" + std::string(key) + "' in " + description_ + " is " + kind_of(each) +
-                                                     "; expected a string");
+            source_.fail(source_.location(each), "an entry of '" + std::string(key) + "' in " + description_ + " is " +
+                                                     kind_of(each) + "; expected a string");
             return false;
         }
         result.push_back(text->get());
@@ -188,7 +200,8 @@ bool TomlTable::read(std::string_view key, std::vector<std::string>& value, std:
 bool TomlTable::require(std::string_view key, std::string& value) {
     if (table_.get(key) == nullptr) {
         take(key);
-        source_.fail(location(), description_ + " has no '" + std::string(key) + "'; expected " + std::string(key) + " = \"...\"");
+        source_.fail(location(),
+                     description_ + " has no '" + std::string(key) + "'; expected " + std::string(key) + " = \"...\"");
         return false;
     }
     if (!read(key, value)) return false;
@@ -210,7 +223,8 @@ std::vector<const toml::table*> TomlTable::take_tables(std::string_view key) {
     const toml::node* node = take(key);
     if (node == nullptr) return result;
     const toml::array* list = node->as_array();
-    const bool tables = list != nullptr && std::all_of(list->begin(), list->end(), [](const toml::node& each) { return each.is_table(); });
+    const bool tables = list != nullptr &&
+                        std::all_of(list->begin(), list->end(), [](const toml::node& each) { return each.is_table(); });
     if (!tables) {
         wrong_type(key, *node, ("tables: [[" + std::string(key) + "]]").c_str());
         return result;
@@ -243,8 +257,10 @@ void TomlTable::close() {
         std::string expected;
         for (const std::string& name : known_) expected += (expected.empty() ? "" : ", ") + name;
         const std::string near = nearest_name(key.str(), known_);
-        source_.fail(source_.location(key.source()), "unknown key '" + std::string(key.str()) + "' in " + description_ + "; expected one of: " + expected,
-                     near.empty() ? std::string() : "did you mean '" + near + "'?");
+        source_.fail(
+            source_.location(key.source()),
+            "unknown key '" + std::string(key.str()) + "' in " + description_ + "; expected one of: " + expected,
+            near.empty() ? std::string() : "did you mean '" + near + "'?");
     }
 }
 

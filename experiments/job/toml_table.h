@@ -1,5 +1,5 @@
-// Strict reading of TOML tables: every key is known or refused with its near miss, every value has the type it must have,
-// every error names file, line and column. The first error in the order of the text wins.
+// Strict reading of TOML tables: every key is known or refused with its near miss, every value has the type it must
+// have, every error names file, line and column. The first error in the order of the text wins.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +28,7 @@ class TomlSource {
     [[nodiscard]] SourceLocation content_location(const toml::node& node) const;
 
     void fail(const SourceLocation& where, std::string message, std::string hint = {});
-    void fail(Error error);   ///< an error made elsewhere, about this text; gets its excerpt here
+    void fail(Error error);  ///< an error made elsewhere, about this text; gets its excerpt here
     [[nodiscard]] const std::optional<Error>& error() const { return error_; }
 
   private:

@@ -13,7 +13,7 @@ std::string escape_html(std::string_view text);
 /// "data:image/png;base64,..."
 std::string data_uri(std::span<const unsigned char> png);
 
-std::string_view page_style();    ///< for <style>
-std::string_view page_script();   ///< for <script>
+std::string_view page_style();   ///< for <style>
+std::string_view page_script();  ///< for <script>
 
 }  // namespace raylex::experiments

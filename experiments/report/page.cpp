@@ -22,7 +22,9 @@ using display::ExrImage;
 using display::ImageLayer;
 using display::SplitVerdict;
 
-std::string shown_name(const ImageLayer& layer) { return layer.name.empty() ? "beauty" : layer.name; }
+std::string shown_name(const ImageLayer& layer) {
+    return layer.name.empty() ? "beauty" : layer.name;
+}
 
 std::string attribute(const ExrImage& image, const std::string& name) {
     const auto found = image.attributes.find(name);
@@ -77,7 +79,8 @@ class Page {
         if (!image) return image.error();
         auto verdicts = display::check_declared_splits(*image);
         if (!verdicts) return verdicts.error();
-        body_ += "<section class=\"image\">\n<h2>" + escape_html(std::filesystem::path(path).filename().string()) + "</h2>\n";
+        body_ += "<section class=\"image\">\n<h2>" + escape_html(std::filesystem::path(path).filename().string()) +
+                 "</h2>\n";
         add_introduction(*image);
         add_verdicts(*verdicts);
         Status pictures = add_pictures(*image);
@@ -96,13 +99,23 @@ class Page {
         std::string verdict;
         if (judged_ == 0) verdict = "No partition is declared, so there is nothing to judge.";
         else if (failed_ == 0)
-            verdict = "<span class=\"holds\">Every split holds:</span> in " + (judged_ == 1 ? std::string("the one partition") : "each of " + std::to_string(judged_) + " partitions") +
+            verdict = "<span class=\"holds\">Every split holds:</span> in " +
+                      (judged_ == 1 ? std::string("the one partition")
+                                    : "each of " + std::to_string(judged_) + " partitions") +
                       " the layers sum to their whole at every pixel, up to the rounding of the file.";
-        else verdict = "<span class=\"fails\">" + std::to_string(failed_) + " of " + std::to_string(judged_) + " partitions do not hold.</span>";
-        return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-               "<title>raylex report</title>\n<style>" + std::string(page_style()) + "</style>\n</head>\n<body>\n<h1>raylex report</h1>\n<p>" + verdict + "</p>\n"
-               "<p class=\"faint\">Pictures through " + escape_html(shown_through()) + ". Click a layer to see it large; arrow keys flip through the layers, "
-               "<b>b</b> goes back to beauty, <b>e</b> lifts the exposure by 3 stops.</p>\n" + body_ + "<script>" + std::string(page_script()) + "</script>\n</body>\n</html>\n";
+        else
+            verdict = "<span class=\"fails\">" + std::to_string(failed_) + " of " + std::to_string(judged_) +
+                      " partitions do not hold.</span>";
+        return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
+               "content=\"width=device-width, initial-scale=1\">\n"
+               "<title>raylex report</title>\n<style>" +
+               std::string(page_style()) + "</style>\n</head>\n<body>\n<h1>raylex report</h1>\n<p>" + verdict +
+               "</p>\n"
+               "<p class=\"faint\">Pictures through " +
+               escape_html(shown_through()) +
+               ". Click a layer to see it large; arrow keys flip through the layers, "
+               "<b>b</b> goes back to beauty, <b>e</b> lifts the exposure by 3 stops.</p>\n" +
+               body_ + "<script>" + std::string(page_script()) + "</script>\n</body>\n</html>\n";
     }
 
   private:
@@ -115,13 +128,15 @@ class Page {
     void add_introduction(const ExrImage& image) {
         std::string text = std::to_string(image.width) + " x " + std::to_string(image.height) + " pixels";
         const auto append = [&](const char* name, const std::string& before, const std::string& after) {
-            if (const std::string value = attribute(image, name); !value.empty()) text += ", " + before + escape_html(value) + after;
+            if (const std::string value = attribute(image, name); !value.empty())
+                text += ", " + before + escape_html(value) + after;
         };
         append("raylex/samples_per_pixel", "", " samples per pixel");
         append("raylex/integrator", "integrator ", "");
         append("raylex/seed", "seed ", "");
         body_ += "<p class=\"faint\">" + text + "</p>\n";
-        if (image.attributes.contains("raylex/incomplete")) body_ += "<p class=\"fails\">This render was interrupted: the image is incomplete.</p>\n";
+        if (image.attributes.contains("raylex/incomplete"))
+            body_ += "<p class=\"fails\">This render was interrupted: the image is incomplete.</p>\n";
     }
 
     void add_verdicts(const std::vector<SplitVerdict>& verdicts) {
@@ -129,20 +144,25 @@ class Page {
             body_ += "<p class=\"faint\">The header declares no partition.</p>\n";
             return;
         }
-        body_ += "<div class=\"wide\"><table>\n<tr><th>Partition</th><th>Verdict</th><th>Layers</th><th>Largest relative error</th><th>at pixel</th><th>Bound</th>"
-                 "<th>Largest absolute error</th><th>at pixel</th></tr>\n";
+        body_ +=
+            "<div class=\"wide\"><table>\n<tr><th>Partition</th><th>Verdict</th><th>Layers</th><th>Largest relative "
+            "error</th><th>at pixel</th><th>Bound</th>"
+            "<th>Largest absolute error</th><th>at pixel</th></tr>\n";
         for (const SplitVerdict& v : verdicts) {
             const auto pixel = [](int x, int y) { return "(" + std::to_string(x) + ", " + std::to_string(y) + ")"; };
-            body_ += "<tr><td>" + escape_html(v.partition) + "</td><td class=\"" + (v.holds ? "holds\">holds" : "fails\">does not hold") + "</td><td class=\"number\">" +
-                     std::to_string(v.layers.size()) + "</td><td class=\"number\">" + number(v.largest_relative) + "</td><td>" + pixel(v.relative_x, v.relative_y) +
-                     "</td><td class=\"number\">" + number(v.bound) + "</td><td class=\"number\">" + number(v.largest_absolute) + "</td><td>" +
+            body_ += "<tr><td>" + escape_html(v.partition) + "</td><td class=\"" +
+                     (v.holds ? "holds\">holds" : "fails\">does not hold") + "</td><td class=\"number\">" +
+                     std::to_string(v.layers.size()) + "</td><td class=\"number\">" + number(v.largest_relative) +
+                     "</td><td>" + pixel(v.relative_x, v.relative_y) + "</td><td class=\"number\">" + number(v.bound) +
+                     "</td><td class=\"number\">" + number(v.largest_absolute) + "</td><td>" +
                      pixel(v.absolute_x, v.absolute_y) + "</td></tr>\n";
         }
         body_ += "</table></div>\n";
     }
 
     Result<std::string> encoded(const ExrImage& image, const ImageLayer& layer, double exposure) const {
-        auto picture = picture_of(image, layer, color_, {options_.largest_side, exposure, options_.display, options_.view});
+        auto picture =
+            picture_of(image, layer, color_, {options_.largest_side, exposure, options_.display, options_.view});
         if (!picture) return picture.error();
         auto png = display::encode_png(picture->width, picture->height, picture->rgb);
         if (!png) return png.error();
@@ -150,9 +170,13 @@ class Page {
     }
 
     Status add_pictures(const ExrImage& image) {
-        body_ += "<div class=\"scene\">\n<figure class=\"viewer\"><div class=\"well\"><img alt=\"\" src=\"" + std::string(blank_picture) + "\"></div><figcaption><span class=\"name\"></span>"
-                 "<code class=\"expression\"></code><span class=\"controls\"><button type=\"button\" data-exposure=\"0\" aria-pressed=\"true\">as is</button>"
-                 "<button type=\"button\" data-exposure=\"3\" aria-pressed=\"false\">+3 stops</button></span></figcaption></figure>\n<div>\n";
+        body_ += "<div class=\"scene\">\n<figure class=\"viewer\"><div class=\"well\"><img alt=\"\" src=\"" +
+                 std::string(blank_picture) +
+                 "\"></div><figcaption><span class=\"name\"></span>"
+                 "<code class=\"expression\"></code><span class=\"controls\"><button type=\"button\" "
+                 "data-exposure=\"0\" aria-pressed=\"true\">as is</button>"
+                 "<button type=\"button\" data-exposure=\"3\" aria-pressed=\"false\">+3 "
+                 "stops</button></span></figcaption></figure>\n<div>\n";
         for (const Group& group : grouped(image)) {
             body_ += "<h3>" + escape_html(group.title);
             if (!group.note.empty()) body_ += " <span class=\"faint\">" + escape_html(group.note) + "</span>";
@@ -183,8 +207,10 @@ class Page {
             if (!bright) return bright.error();
             if (*bright != *picture) extra = " data-bright=\"" + *bright + "\"";
         }
-        body_ += "<button type=\"button\" class=\"layer\" aria-pressed=\"false\" data-name=\"" + escape_html(name) + "\" data-expression=\"" + escape_html(expression) +
-                 "\" data-look=\"" + describe(look) + "\"><img alt=\"" + escape_html(name) + "\" src=\"" + *picture + "\"" + extra + "><span>" + escape_html(name);
+        body_ += "<button type=\"button\" class=\"layer\" aria-pressed=\"false\" data-name=\"" + escape_html(name) +
+                 "\" data-expression=\"" + escape_html(expression) + "\" data-look=\"" + describe(look) +
+                 "\"><img alt=\"" + escape_html(name) + "\" src=\"" + *picture + "\"" + extra + "><span>" +
+                 escape_html(name);
         if (!expression.empty()) body_ += "<code>" + escape_html(expression) + "</code>";
         else if (look != LayerLook::light) body_ += "<code>" + std::string(describe(look)) + "</code>";
         body_ += "</span></button>\n";
@@ -206,14 +232,16 @@ class Page {
         for (const auto& [name, value] : image.attributes) {
             const bool long_text = value.find('\n') != std::string::npos;
             body_ += "<tr><td><code>" + escape_html(name) + "</code></td><td>" +
-                     (long_text ? "<pre>" + escape_html(value) + "</pre>" : "<code>" + escape_html(value) + "</code>") + "</td></tr>\n";
+                     (long_text ? "<pre>" + escape_html(value) + "</pre>" : "<code>" + escape_html(value) + "</code>") +
+                     "</td></tr>\n";
         }
         body_ += "</table></div></details>\n";
     }
 
     /// One transparent pixel, until the script shows a layer.
     static constexpr std::string_view blank_picture =
-        "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAQAAAC1HAwCAAAAC0lEQVR42mNkYAAAAAYAAjCB0C8AAAAASUVORK5CYII=";
+        "data:image/"
+        "png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAQAAAC1HAwCAAAAC0lEQVR42mNkYAAAAAYAAjCB0C8AAAAASUVORK5CYII=";
 
     const display::ColorManager& color_;
     const PageOptions& options_;
@@ -223,7 +251,8 @@ class Page {
 
 }  // namespace
 
-Result<std::string> make_page(const std::vector<std::string>& images, const display::ColorManager& color, const PageOptions& options) {
+Result<std::string> make_page(const std::vector<std::string>& images, const display::ColorManager& color,
+                              const PageOptions& options) {
     Page page(color, options);
     for (const std::string& path : images) {
         Status added = page.add(path);

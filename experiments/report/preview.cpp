@@ -18,7 +18,7 @@ int reduction(const display::ExrImage& image, int largest_side) {
 }
 
 unsigned char to_byte(double value) {
-    if (!(value > 0)) return 0;   // NaN too
+    if (!(value > 0)) return 0;  // NaN too
     return static_cast<unsigned char>(std::lround(std::min(value, 1.0) * 255));
 }
 
@@ -52,7 +52,8 @@ std::array<unsigned char, 3> colour_of_id(std::uint32_t id) {
 }
 
 /// Box average of scene-linear values; a block with a non-finite value averages the finite ones.
-std::vector<float> averaged(const display::ExrImage& image, const std::array<const ImagePlane*, 3>& planes, int block, double scale, int width, int height) {
+std::vector<float> averaged(const display::ExrImage& image, const std::array<const ImagePlane*, 3>& planes, int block,
+                            double scale, int width, int height) {
     std::vector<float> rgb(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3);
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x)
@@ -61,34 +62,39 @@ std::vector<float> averaged(const display::ExrImage& image, const std::array<con
                 int count = 0;
                 for (int v = y * block; v < std::min((y + 1) * block, image.height); ++v)
                     for (int u = x * block; u < std::min((x + 1) * block, image.width); ++u) {
-                        const float value = planes[c]->values[static_cast<std::size_t>(v) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(u)];
+                        const float value =
+                            planes[c]->values[static_cast<std::size_t>(v) * static_cast<std::size_t>(image.width) +
+                                              static_cast<std::size_t>(u)];
                         if (!std::isfinite(value)) continue;
                         sum += value;
                         ++count;
                     }
-                rgb[(static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) * 3 + c] =
-                    count > 0 ? static_cast<float>(sum / count * scale) : 0.0f;
+                rgb[(static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) * 3 +
+                    c] = count > 0 ? static_cast<float>(sum / count * scale) : 0.0f;
             }
     return rgb;
 }
 
-std::array<unsigned char, 3> geometry_pixel(LayerLook look, const std::array<double, 3>& v, const std::array<Range, 3>& ranges) {
+std::array<unsigned char, 3> geometry_pixel(LayerLook look, const std::array<double, 3>& v,
+                                            const std::array<Range, 3>& ranges) {
     switch (look) {
         case LayerLook::normal:
-            if (v[0] == 0 && v[1] == 0 && v[2] == 0) return {0, 0, 0};   // nothing was hit
+            if (v[0] == 0 && v[1] == 0 && v[2] == 0) return {0, 0, 0};  // nothing was hit
             return {to_byte(v[0] * 0.5 + 0.5), to_byte(v[1] * 0.5 + 0.5), to_byte(v[2] * 0.5 + 0.5)};
         case LayerLook::position:
             return {to_byte(ranges[0].share(v[0])), to_byte(ranges[1].share(v[1])), to_byte(ranges[2].share(v[2]))};
         case LayerLook::parameter:
             return {to_byte(v[0] - std::floor(v[0])), to_byte(v[1] - std::floor(v[1])), 0};
         case LayerLook::depth: {
-            const unsigned char grey = std::isfinite(v[0]) ? to_byte(1 - 0.9 * ranges[0].share(v[0])) : static_cast<unsigned char>(0);
+            const unsigned char grey =
+                std::isfinite(v[0]) ? to_byte(1 - 0.9 * ranges[0].share(v[0])) : static_cast<unsigned char>(0);
             return {grey, grey, grey};
         }
         case LayerLook::identity:
             return colour_of_id(v[0] > 0 && v[0] < 4294967296.0 ? static_cast<std::uint32_t>(v[0]) : 0U);
         case LayerLook::value:
-        case LayerLook::light: break;
+        case LayerLook::light:
+            break;
     }
     const unsigned char grey = to_byte(ranges[0].share(v[0]));
     return {grey, grey, grey};
@@ -98,7 +104,8 @@ std::array<unsigned char, 3> geometry_pixel(LayerLook look, const std::array<dou
 
 LayerLook look_of(const display::ImageLayer& layer) {
     // A layer's own name, without the groups a part name may put before it.
-    const std::string name = layer.name.substr(layer.name.find_last_of('.') == std::string::npos ? 0 : layer.name.find_last_of('.') + 1);
+    const std::string name =
+        layer.name.substr(layer.name.find_last_of('.') == std::string::npos ? 0 : layer.name.find_last_of('.') + 1);
     if (layer.planes.size() == 1) {
         const ImagePlane& plane = layer.planes.front();
         if (plane.stored == display::StoredType::unsigned_int || name == "id") return LayerLook::identity;
@@ -114,30 +121,41 @@ LayerLook look_of(const display::ImageLayer& layer) {
 
 const char* describe(LayerLook look) {
     switch (look) {
-        case LayerLook::light: return "";
-        case LayerLook::normal: return "unit vectors: -1 to 1 shown as 0 to 1";
-        case LayerLook::position: return "each axis shown from its least to its largest value";
-        case LayerLook::parameter: return "fractional parts of s (red) and t (green)";
-        case LayerLook::depth: return "near is bright, nothing hit is black";
-        case LayerLook::identity: return "one colour per object";
-        case LayerLook::value: return "shown from the least to the largest value";
+        case LayerLook::light:
+            return "";
+        case LayerLook::normal:
+            return "unit vectors: -1 to 1 shown as 0 to 1";
+        case LayerLook::position:
+            return "each axis shown from its least to its largest value";
+        case LayerLook::parameter:
+            return "fractional parts of s (red) and t (green)";
+        case LayerLook::depth:
+            return "near is bright, nothing hit is black";
+        case LayerLook::identity:
+            return "one colour per object";
+        case LayerLook::value:
+            return "shown from the least to the largest value";
     }
     return "";
 }
 
-Result<Picture> picture_of(const display::ExrImage& image, const display::ImageLayer& layer, const display::ColorManager& color,
-                           const PictureOptions& options) {
+Result<Picture> picture_of(const display::ExrImage& image, const display::ImageLayer& layer,
+                           const display::ColorManager& color, const PictureOptions& options) {
     const int block = reduction(image, options.largest_side);
     Picture picture;
     picture.width = (image.width + block - 1) / block;
     picture.height = (image.height + block - 1) / block;
     const std::array<const ImagePlane*, 3> planes = layer.triple();
     for (const ImagePlane* plane : planes)
-        if (plane == nullptr) return Error{"layer '" + layer.name + "' has no three components and is no single value", image.path, 0, 0, {}, {}};
+        if (plane == nullptr)
+            return Error{
+                "layer '" + layer.name + "' has no three components and is no single value", image.path, 0, 0, {}, {}};
     const LayerLook look = look_of(layer);
     if (look == LayerLook::light) {
-        const std::vector<float> rgb = averaged(image, planes, block, std::exp2(options.exposure), picture.width, picture.height);
-        auto shown = color.to_display(rgb, image.chromaticities.value_or(display::Chromaticities{}), options.display, options.view);
+        const std::vector<float> rgb =
+            averaged(image, planes, block, std::exp2(options.exposure), picture.width, picture.height);
+        auto shown = color.to_display(rgb, image.chromaticities.value_or(display::Chromaticities{}), options.display,
+                                      options.view);
         if (!shown) return shown.error();
         picture.rgb = std::move(*shown);
         return picture;
@@ -150,7 +168,8 @@ Result<Picture> picture_of(const display::ExrImage& image, const display::ImageL
             const auto v = static_cast<std::size_t>(std::min(y * block + block / 2, image.height - 1));
             const auto u = static_cast<std::size_t>(std::min(x * block + block / 2, image.width - 1));
             const std::size_t i = v * static_cast<std::size_t>(image.width) + u;
-            for (const unsigned char byte : geometry_pixel(look, {planes[0]->values[i], planes[1]->values[i], planes[2]->values[i]}, ranges))
+            for (const unsigned char byte :
+                 geometry_pixel(look, {planes[0]->values[i], planes[1]->values[i], planes[2]->values[i]}, ranges))
                 picture.rgb.push_back(byte);
         }
     return picture;

@@ -33,12 +33,12 @@ struct Picture {
 };
 
 struct PictureOptions {
-    int largest_side = 0;           ///< reduced by averaging blocks (nearest for geometry) until it fits; 0 = as it is
-    double exposure = 0;            ///< stops, light only
-    std::string display, view;      ///< empty: the config's defaults
+    int largest_side = 0;       ///< reduced by averaging blocks (nearest for geometry) until it fits; 0 = as it is
+    double exposure = 0;        ///< stops, light only
+    std::string display, view;  ///< empty: the config's defaults
 };
 
-Result<Picture> picture_of(const display::ExrImage& image, const display::ImageLayer& layer, const display::ColorManager& color,
-                           const PictureOptions& options);
+Result<Picture> picture_of(const display::ExrImage& image, const display::ImageLayer& layer,
+                           const display::ColorManager& color, const PictureOptions& options);
 
 }  // namespace raylex::experiments

@@ -26,17 +26,22 @@ std::string text_of(const char* format, double value) {
 /// 1234567 as "1 234 567".
 std::string counted(double value) {
     std::string digits = text_of("%.0f", value);
-    for (std::ptrdiff_t at = static_cast<std::ptrdiff_t>(digits.size()) - 3; at > 0; at -= 3) digits.insert(static_cast<std::size_t>(at), " ");
+    for (std::ptrdiff_t at = static_cast<std::ptrdiff_t>(digits.size()) - 3; at > 0; at -= 3)
+        digits.insert(static_cast<std::size_t>(at), " ");
     return digits;
 }
 
-std::string row(const std::string& name, const std::string& value) { return "<tr><td>" + name + "</td><td class=\"number\">" + value + "</td></tr>\n"; }
+std::string row(const std::string& name, const std::string& value) {
+    return "<tr><td>" + name + "</td><td class=\"number\">" + value + "</td></tr>\n";
+}
 
 std::string phases(const Json& json) {
-    std::string table = "<div class=\"wide\"><table>\n<tr><th>Phase</th><th>Wall seconds</th><th>CPU seconds</th></tr>\n";
+    std::string table =
+        "<div class=\"wide\"><table>\n<tr><th>Phase</th><th>Wall seconds</th><th>CPU seconds</th></tr>\n";
     for (const std::string phase : {"load", "build", "render", "write"}) {
         const std::string at = "/phases/" + phase;
-        table += "<tr><td>" + phase + "</td><td class=\"number\">" + text_of("%.3f", number_at(json, (at + "/wall_seconds").c_str())) + "</td><td class=\"number\">" +
+        table += "<tr><td>" + phase + "</td><td class=\"number\">" +
+                 text_of("%.3f", number_at(json, (at + "/wall_seconds").c_str())) + "</td><td class=\"number\">" +
                  text_of("%.3f", number_at(json, (at + "/cpu_seconds").c_str())) + "</td></tr>\n";
     }
     return table + "</table></div>\n";
@@ -52,7 +57,8 @@ std::string path_lengths(const Json& json) {
     std::string table = "<div class=\"wide\"><table>\n<tr><th>Scattering events</th><th>Paths</th><th></th></tr>\n";
     for (std::size_t i = 0; i < found->size(); ++i) {
         const double share = (*found)[i].is_number() ? (*found)[i].get<double>() / total : 0;
-        table += "<tr><td>" + std::to_string(i) + "</td><td class=\"number\">" + text_of("%.2f %%", share * 100) + "</td><td><div style=\"height:.7em;background:var(--mark);width:" +
+        table += "<tr><td>" + std::to_string(i) + "</td><td class=\"number\">" + text_of("%.2f %%", share * 100) +
+                 "</td><td><div style=\"height:.7em;background:var(--mark);width:" +
                  text_of("%.1f", std::max(share * 16, 0.0)) + "rem\"></div></td></tr>\n";
     }
     return table + "</table></div>\n";

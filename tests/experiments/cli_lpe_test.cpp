@@ -75,15 +75,17 @@ TEST_CASE("the command line's own errors end with 2, help with 0") {
     CHECK(run_raylex(folder, "render --no-such-flag x.pbrt").code == 2);
     CHECK(run_raylex(folder, "compare a.exr b.exr --metric nice").code == 2);
     CHECK(run_raylex(folder, "--version").code == 0);
-    for (const char* command : {"", "render", "lpe", "lpe match", "lpe vectors", "lpe check", "verify", "compare", "report"}) {
+    for (const char* command :
+         {"", "render", "lpe", "lpe match", "lpe vectors", "lpe check", "verify", "compare", "report"}) {
         CAPTURE(command);
         Outcome help = run_raylex(folder, std::string(command) + " --help");
         CHECK(help.code == 0);
         CHECK(help.err.empty());
     }
     const std::string help = run_raylex(folder, "render --help").out;
-    for (const char* option : {"-o", "--spp", "--seed", "--threads", "--resolution", "--integrator", "--max-depth", "--sampler", "--filter", "--lpe", "--dialect",
-                               "--no-beauty", "--aov", "--ocio", "--rendering-space", "--isa", "--preview", "--stats"}) {
+    for (const char* option : {"-o", "--spp", "--seed", "--threads", "--resolution", "--integrator", "--max-depth",
+                               "--sampler", "--filter", "--lpe", "--dialect", "--no-beauty", "--aov", "--ocio",
+                               "--rendering-space", "--isa", "--preview", "--stats"}) {
         CAPTURE(option);
         CHECK(help.find(option) != std::string::npos);
     }

@@ -35,7 +35,9 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 TEST_CASE("a render writes a verified file, a preview and statistics") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
-    Outcome outcome = run_raylex(folder, "render room.pbrt --lpe direct='CDL' --aov Nn --aov z --preview p.png --stats s.json --seed 3 --threads 1");
+    Outcome outcome = run_raylex(
+        folder,
+        "render room.pbrt --lpe direct='CDL' --aov Nn --aov z --preview p.png --stats s.json --seed 3 --threads 1");
     CAPTURE(outcome.err);
     REQUIRE(outcome.code == 0);
     CHECK(folder.names() == std::vector<std::string>{"p.png", "room.exr", "room.pbrt", "s.json"});
@@ -49,8 +51,9 @@ TEST_CASE("a render writes a verified file, a preview and statistics") {
     CHECK(image->attributes["lpe/direct"] == "CDL");
     CHECK(image->attributes["raylex/seed"] == "3");
     CHECK(image->attributes["raylex/samples_per_pixel"] == "4");
-    for (const char* name : {"raylex/version", "raylex/revision", "raylex/command", "raylex/scene", "raylex/threads", "raylex/isa", "raylex/integrator",
-                             "raylex/sampler", "raylex/filter", "raylex/compiler", "raylex/host", "raylex/time", "raylex/color_config"}) {
+    for (const char* name : {"raylex/version", "raylex/revision", "raylex/command", "raylex/scene", "raylex/threads",
+                             "raylex/isa", "raylex/integrator", "raylex/sampler", "raylex/filter", "raylex/compiler",
+                             "raylex/host", "raylex/time", "raylex/color_config"}) {
         CAPTURE(name);
         CHECK_FALSE(image->attributes[name].empty());
     }
@@ -68,7 +71,8 @@ TEST_CASE("a render writes a verified file, a preview and statistics") {
     }
     CHECK(json["samples"]["camera"] == 16 * 16 * 4);
     CHECK(json["rays"]["camera"] == 16 * 16 * 4);
-    CHECK(json["rays"]["total"] == json["rays"]["camera"].get<int>() + json["rays"]["scattering"].get<int>() + json["rays"]["shadow"].get<int>());
+    CHECK(json["rays"]["total"] == json["rays"]["camera"].get<int>() + json["rays"]["scattering"].get<int>() +
+                                       json["rays"]["shadow"].get<int>());
     std::uint64_t paths = 0;
     for (const auto& each : json["path_length_histogram"]) paths += each.get<std::uint64_t>();
     CHECK(paths == 16 * 16 * 4);
@@ -84,11 +88,16 @@ TEST_CASE("asking for channels leaves the beauty's bits alone [law2]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     REQUIRE(run_raylex(folder, "render room.pbrt -o a.exr --threads 1").code == 0);
-    REQUIRE(run_raylex(folder, "render room.pbrt -o b.exr --threads 2 --partition shipped --light-groups --lpe direct=CDL --aov albedo").code == 0);
+    REQUIRE(
+        run_raylex(
+            folder,
+            "render room.pbrt -o b.exr --threads 2 --partition shipped --light-groups --lpe direct=CDL --aov albedo")
+            .code == 0);
     auto a = read_exr(folder.path("a.exr")), b = read_exr(folder.path("b.exr"));
     REQUIRE(a);
     REQUIRE(b);
-    for (const char* plane : {"R", "G", "B", "A"}) CHECK(a->layer("beauty")->plane(plane)->values == b->layer("beauty")->plane(plane)->values);
+    for (const char* plane : {"R", "G", "B", "A"})
+        CHECK(a->layer("beauty")->plane(plane)->values == b->layer("beauty")->plane(plane)->values);
 }
 
 TEST_CASE("an image of one tile adds up, with the same bits, on any number of threads [law1][law3]") {
@@ -101,7 +110,8 @@ TEST_CASE("an image of one tile adds up, with the same bits, on any number of th
     REQUIRE(a);
     REQUIRE(b);
     for (const char* layer : {"beauty", "direct", "rest"})
-        for (const char* plane : {"R", "G", "B"}) CHECK(a->layer(layer)->plane(plane)->values == b->layer(layer)->plane(plane)->values);
+        for (const char* plane : {"R", "G", "B"})
+            CHECK(a->layer(layer)->plane(plane)->values == b->layer(layer)->plane(plane)->values);
 }
 
 TEST_CASE("a job gives labels, groups and partitions to an unmodified scene") {
@@ -167,7 +177,9 @@ rest = "others"
 TEST_CASE("a declared partition that is none is refuted before a ray is traced") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
-    folder.write("job.toml", "[scene]\nfile = 'room.pbrt'\n[output]\nfile = 'out.exr'\n[[channel]]\nname = 'direct'\nlpe = 'CDL'\n[[partition]]\nname = 'mine'\nchannels = ['direct']\n");
+    folder.write("job.toml",
+                 "[scene]\nfile = 'room.pbrt'\n[output]\nfile = 'out.exr'\n[[channel]]\nname = 'direct'\nlpe = "
+                 "'CDL'\n[[partition]]\nname = 'mine'\nchannels = ['direct']\n");
     Outcome outcome = run_raylex(folder, "render job.toml");
     CHECK(outcome.code == 1);
     CHECK(outcome.err.find("job.toml:8") != std::string::npos);
@@ -209,11 +221,14 @@ TEST_CASE("bad scenes end with file, line and what was expected [law7]") {
     check_refused(folder, "render a.pbrt", {"a.pbrt:7:", "Frobnicate"});
     folder.write("a.pbrt", replaced(scene, "-2 0 2 2 0 2", "nan 0 2 2 0 2"));
     check_refused(folder, "render a.pbrt", {"a.pbrt:10"});
-    folder.write("m.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-                          "element face 1\nproperty list uchar int vertex_indices\nend_header\nab");
+    folder.write(
+        "m.ply",
+        "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 1\nproperty list uchar int vertex_indices\nend_header\nab");
     folder.write("a.pbrt", scene + "Shape \"plymesh\" \"string filename\" \"m.ply\"\n");
     check_refused(folder, "render a.pbrt", {"m.ply"});
-    folder.write("a.pbrt", scene + "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"\nMediumInterface \"\" \"fog\"\n");
+    folder.write("a.pbrt",
+                 scene + "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"\nMediumInterface \"\" \"fog\"\n");
     check_refused(folder, "render a.pbrt", {"a.pbrt:1"});
 }
 
@@ -259,8 +274,10 @@ TEST_CASE("a full disk loses neither the program nor the earlier result [law7]")
     folder.write("room.pbrt", small_scene());
     REQUIRE(run_raylex(folder, "render room.pbrt -o out.exr").code == 0);
     const std::string earlier = folder.read("out.exr");
-    // 8 kB is less than an image of this size needs; the limit also holds for the rescue in the folder for temporary files.
-    Outcome outcome = run_shell(folder, "ulimit -f 8; exec \"$RAYLEX\" render room.pbrt -o out.exr --seed 5 --resolution 64x64");
+    // 8 kB is less than an image of this size needs; the limit also holds for the rescue in the folder for temporary
+    // files.
+    Outcome outcome =
+        run_shell(folder, "ulimit -f 8; exec \"$RAYLEX\" render room.pbrt -o out.exr --seed 5 --resolution 64x64");
     CAPTURE(outcome.err);
     CHECK(outcome.code == 2);
     CHECK(outcome.err.find("out.exr") != std::string::npos);
@@ -273,8 +290,11 @@ TEST_CASE("Ctrl-C writes what is there, marked incomplete, and ends with 130 [la
     folder.write("room.pbrt", small_scene());
     for (const char* signal : {"INT", "TERM"}) {
         CAPTURE(signal);
-        Outcome outcome = run_shell(folder, "\"$RAYLEX\" render room.pbrt -o out.exr --spp 2000000000 --lpe direct=CDL --stats s.json &\n"
-                                            "child=$!\nsleep 2\nkill -" + std::string(signal) + " $child\nwait $child");
+        Outcome outcome =
+            run_shell(folder,
+                      "\"$RAYLEX\" render room.pbrt -o out.exr --spp 2000000000 --lpe direct=CDL --stats s.json &\n"
+                      "child=$!\nsleep 2\nkill -" +
+                          std::string(signal) + " $child\nwait $child");
         CAPTURE(outcome.err);
         CHECK(outcome.code == 130);
         auto image = read_exr(folder.path("out.exr"));
@@ -295,7 +315,7 @@ TEST_CASE("rendering in another space scales nothing but the primaries") {
     auto image = read_exr(folder.path("b.exr"));
     REQUIRE(image);
     REQUIRE(image->chromaticities);
-    CHECK(image->chromaticities->red[0] == Approx(0.713).epsilon(1e-3));   // S-2014-004: AP1 red
+    CHECK(image->chromaticities->red[0] == Approx(0.713).epsilon(1e-3));  // S-2014-004: AP1 red
     // compare converts to the reference's primaries; the scene's albedo is nearly grey, so the light differs by little:
     // products of colours are not the same in two sets of primaries, here by below one per cent.
     Outcome ratio = run_raylex(folder, "compare b.exr a.exr --metric mean-ratio --channel Y");

@@ -23,9 +23,10 @@ display::ChannelDefinition colour(const std::string& name, const std::string& ex
     return channel;
 }
 
-/// A 4x4 image with beauty = 1, 2, 3 in R, G, B, `a` a quarter and `b` three quarters of it; pixel (2, 1) of `b` is off by
-/// `error`. One sample per pixel.
-void write_image(const std::string& path, double error, const std::vector<display::PartitionDeclaration>& partitions, double scale = 1) {
+/// A 4x4 image with beauty = 1, 2, 3 in R, G, B, `a` a quarter and `b` three quarters of it; pixel (2, 1) of `b` is off
+/// by `error`. One sample per pixel.
+void write_image(const std::string& path, double error, const std::vector<display::PartitionDeclaration>& partitions,
+                 double scale = 1) {
     std::vector<display::ChannelDefinition> channels{colour("beauty"), colour("a", "CDL"), colour("b", "C<RD>SL")};
     display::FrameBufferLayout layout;
     layout.width = size;
@@ -107,7 +108,7 @@ TEST_CASE("verify judges anybody's layers by --of and --sum") {
 TEST_CASE("compare prints one number per metric, with the formula's value") {
     const Folder folder;
     write_image(folder.path("b.exr"), 0, {});
-    write_image(folder.path("a.exr"), 0, {}, 1.5);   // a - b is 0.5, 1, 1.5 in R, G, B
+    write_image(folder.path("a.exr"), 0, {}, 1.5);  // a - b is 0.5, 1, 1.5 in R, G, B
     const auto value = [&](const std::string& options) {
         Outcome outcome = run_raylex(folder, "compare a.exr b.exr " + options);
         CAPTURE(options, outcome.err);
@@ -135,7 +136,8 @@ TEST_CASE("the page holds every layer, expression and verdict, and fetches nothi
     CAPTURE(outcome.err);
     REQUIRE(outcome.code == 0);
     const std::string page = folder.read("page.html");
-    for (const char* text : {"data-name=\"beauty\"", "data-name=\"a\"", "data-name=\"b\"", "C&lt;RD&gt;SL", "does not hold", "1 of 2 partitions do not hold", "bad &lt;i&gt;.exr"}) {
+    for (const char* text : {"data-name=\"beauty\"", "data-name=\"a\"", "data-name=\"b\"", "C&lt;RD&gt;SL",
+                             "does not hold", "1 of 2 partitions do not hold", "bad &lt;i&gt;.exr"}) {
         CAPTURE(text);
         CHECK(page.find(text) != std::string::npos);
     }

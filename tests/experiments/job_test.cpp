@@ -76,7 +76,8 @@ label = "floor"
 [[light_group]]
 light = "spot:0"
 group = "key"
-)", "dir/job.toml");
+)",
+                         "dir/job.toml");
     REQUIRE(job);
     CHECK(job->scene_file == "dir/scenes/a.pbrt");
     CHECK(job->output == "dir/out.exr");
@@ -138,8 +139,8 @@ TEST_CASE("a wrong type is refused with what was found and expected [law7]") {
 }
 
 TEST_CASE("values out of range are refused [law7]") {
-    for (const char* line : {"spp = 0", "seed = -1", "threads = -2", "resolution = [0, 4]", "resolution = [4]", "resolution = '10y20'", "resolution = [4, 100000]",
-                             "max_depth = -1", "lobes = 'some'"}) {
+    for (const char* line : {"spp = 0", "seed = -1", "threads = -2", "resolution = [0, 4]", "resolution = [4]",
+                             "resolution = '10y20'", "resolution = [4, 100000]", "max_depth = -1", "lobes = 'some'"}) {
         CAPTURE(line);
         CHECK(error_of(std::string(scene) + "[render]\n" + line + "\n").line == 4);
     }
@@ -147,7 +148,8 @@ TEST_CASE("values out of range are refused [law7]") {
 
 TEST_CASE("columns count bytes, as every error does") {
     // The two-byte letter stands before the offending key.
-    check_place(error_of("[scene]\n\"file\" = 'x'\n[[channel]]\nname = 'a' \nlpe = 'C'\n[output]\nfile = 'ä.exr' x\n"), 7, 17);
+    check_place(error_of("[scene]\n\"file\" = 'x'\n[[channel]]\nname = 'a' \nlpe = 'C'\n[output]\nfile = 'ä.exr' x\n"),
+                7, 17);
 }
 
 TEST_CASE("a job that is no TOML names the line") {
@@ -166,7 +168,8 @@ TEST_CASE("what a job must have is asked for") {
     CHECK(error_of(std::string(scene) + "[[channel]]\nname = 'a'\n").message.find("'lpe'") != std::string::npos);
     CHECK(error_of(std::string(scene) + "[[partition]]\nname = 'a'\n").message.find("channels") != std::string::npos);
     CHECK(error_of(std::string(scene) + "[[label]]\nlabel = 'a'\n").message.find("selectors") != std::string::npos);
-    CHECK(error_of(std::string(scene) + "[[label]]\nlabel = 'a'\nmaterial = 'x'\nmesh = 'y'\n").message.find("2 selectors") != std::string::npos);
+    CHECK(error_of(std::string(scene) + "[[label]]\nlabel = 'a'\nmaterial = 'x'\nmesh = 'y'\n")
+              .message.find("2 selectors") != std::string::npos);
 }
 
 TEST_CASE("names that cannot be layers are refused") {

@@ -26,7 +26,8 @@ TEST_CASE("the quickstart's script parses, explains itself and refuses what it d
 TEST_CASE("the quickstart's jobs read, and their scenes are there") {
     for (const std::string name : {"cornell-color", "still-life"}) {
         CAPTURE(name);
-        auto job = raylex::experiments::read_job(std::string(RAYLEX_SOURCE_DIR) + "/experiments/quickstart/" + name + ".toml");
+        auto job =
+            raylex::experiments::read_job(std::string(RAYLEX_SOURCE_DIR) + "/experiments/quickstart/" + name + ".toml");
         REQUIRE(job);
         CHECK(job->shipped_partition);
         CHECK(job->light_groups);
@@ -40,8 +41,9 @@ TEST_CASE("the quickstart's jobs render, at a thousandth of their budget") {
     const Folder folder;
     for (const std::string name : {"cornell-color", "still-life"}) {
         CAPTURE(name);
-        Outcome outcome = run_raylex(folder, "render '" + std::string(RAYLEX_SOURCE_DIR) + "/experiments/quickstart/" + name +
-                                                 ".toml' -o out.exr --preview p.png --stats s.json --resolution 24x16 --spp 4");
+        Outcome outcome =
+            run_raylex(folder, "render '" + std::string(RAYLEX_SOURCE_DIR) + "/experiments/quickstart/" + name +
+                                   ".toml' -o out.exr --preview p.png --stats s.json --resolution 24x16 --spp 4");
         CAPTURE(outcome.err);
         REQUIRE(outcome.code == 0);
         CHECK(run_raylex(folder, "verify out.exr").code == 0);

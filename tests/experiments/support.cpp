@@ -1,5 +1,7 @@
 #include "support.h"
 
+#include <sys/wait.h>
+#include <unistd.h>
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -7,8 +9,6 @@
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
-#include <sys/wait.h>
-#include <unistd.h>
 
 namespace raylex::test {
 namespace {
@@ -21,12 +21,14 @@ std::string file_text(const std::string& path) {
 }
 
 /// For messages of the shell that runs a command: outside the folder that tests look into.
-std::string sibling(const Folder& folder, const std::string& suffix) { return folder.path() + suffix; }
+std::string sibling(const Folder& folder, const std::string& suffix) {
+    return folder.path() + suffix;
+}
 
 }  // namespace
 
 Folder::Folder() {
-    std::string pattern = (fs::temp_directory_path() / "raylex test XXXXXX").string();   // a space, as users have them
+    std::string pattern = (fs::temp_directory_path() / "raylex test XXXXXX").string();  // a space, as users have them
     if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("cannot make a folder for the test");
     path_ = pattern;
 }
@@ -36,16 +38,22 @@ Folder::~Folder() {
     fs::remove_all(path_, failed);
 }
 
-std::string Folder::path(const std::string& name) const { return name.empty() ? path_ : path_ + "/" + name; }
+std::string Folder::path(const std::string& name) const {
+    return name.empty() ? path_ : path_ + "/" + name;
+}
 
 std::string Folder::write(const std::string& name, const std::string& text) const {
     std::ofstream(path(name), std::ios::binary) << text;
     return path(name);
 }
 
-bool Folder::has(const std::string& name) const { return fs::exists(path(name)); }
+bool Folder::has(const std::string& name) const {
+    return fs::exists(path(name));
+}
 
-std::string Folder::read(const std::string& name) const { return file_text(path(name)); }
+std::string Folder::read(const std::string& name) const {
+    return file_text(path(name));
+}
 
 std::vector<std::string> Folder::names() const {
     std::vector<std::string> result;
@@ -56,7 +64,8 @@ std::vector<std::string> Folder::names() const {
 
 Outcome run_shell(const Folder& folder, const std::string& line) {
     const std::string script = sibling(folder, ".sh"), out = sibling(folder, ".out"), err = sibling(folder, ".err");
-    std::ofstream(script) << "cd '" << folder.path() << "' || exit 99\nRAYLEX='" << RAYLEX_BINARY_DIR << "/raylex'\n" << line << "\n";
+    std::ofstream(script) << "cd '" << folder.path() << "' || exit 99\nRAYLEX='" << RAYLEX_BINARY_DIR << "/raylex'\n"
+                          << line << "\n";
     const int status = std::system(("bash '" + script + "' >'" + out + "' 2>'" + err + "' </dev/null").c_str());
     Outcome outcome;
     outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
@@ -66,7 +75,9 @@ Outcome run_shell(const Folder& folder, const std::string& line) {
     return outcome;
 }
 
-Outcome run_raylex(const Folder& folder, const std::string& arguments) { return run_shell(folder, "exec \"$RAYLEX\" " + arguments); }
+Outcome run_raylex(const Folder& folder, const std::string& arguments) {
+    return run_shell(folder, "exec \"$RAYLEX\" " + arguments);
+}
 
 std::string small_scene() {
     return R"(Film "rgb" "integer xresolution" 16 "integer yresolution" 16

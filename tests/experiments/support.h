@@ -7,7 +7,7 @@
 namespace raylex::test {
 
 struct Outcome {
-    int code = -1;              ///< exit code; 128 + signal when a signal ended it
+    int code = -1;  ///< exit code; 128 + signal when a signal ended it
     std::string out, err;
 };
 
@@ -20,7 +20,7 @@ class Folder {
     Folder& operator=(const Folder&) = delete;
 
     [[nodiscard]] std::string path(const std::string& name = {}) const;
-    std::string write(const std::string& name, const std::string& text) const;   ///< returns the path
+    std::string write(const std::string& name, const std::string& text) const;  ///< returns the path
     [[nodiscard]] bool has(const std::string& name) const;
     [[nodiscard]] std::string read(const std::string& name) const;
     /// Names of everything in it, sorted.
