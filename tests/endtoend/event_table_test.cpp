@@ -1,0 +1,166 @@
+// The normative event table of lpe/README.md, one rendered test per row.
+//
+// A camera looks at one surface; a constant sky (or one light) is all there is. For each row the channels that the table
+// names, told apart by event, scatter letter, object and lobe label in the strict `osl` dialect, must together carry all
+// light of one-event paths, each of them some: so every event is as the table says, and there is no other.
+#include "endtoend/analytic.h"
+
+using namespace raylex;
+using namespace raylex::test;
+
+namespace {
+
+struct Row {
+    const char* what;
+    const char* material;                 ///< pbrt Material line(s)
+    std::vector<const char*> events;      ///< osl symbols expected at the first hit
+};
+
+std::string scene_text(const std::string& material, const std::string& light, const std::string& shape_extra = "") {
+    return R"(
+        LookAt 0 1 3  0 0 0  0 1 0
+        Camera "perspective" "float fov" 20
+        Film "rgb" "integer xresolution" 8 "integer yresolution" 8
+        WorldBegin
+    )" + light + "\n" + material + R"(
+        Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-4 -4 0 4 -4 0 4 4 0 -4 4 0] )" + shape_extra + "\n";
+}
+
+display::ChannelDefinition osl_channel(const std::string& name, const std::string& expression) {
+    auto channel = lpe_channel(name, expression);
+    channel.dialect = lpe::Dialect::osl;
+    return channel;
+}
+
+/// Means of the channels, in order.
+std::vector<double> render_means(transport::SceneDescription scene, std::vector<display::ChannelDefinition> channels,
+                                 const char* strategy = "mis") {
+    transport::RenderSettings settings;
+    settings.samples_per_pixel = 64;
+    settings.channels = std::move(channels);
+    transport::SceneEntity integrator;
+    integrator.type = "path";
+    Parameter choice;
+    choice.name = "strategy";
+    choice.type = ParameterType::string;
+    choice.strings = {strategy};
+    integrator.parameters.parameters = {choice};
+    settings.integrator = integrator;
+    const auto output = render_or_fail(scene, settings);
+    std::vector<double> result;
+    for (std::size_t i = 0; i < settings.channels.size(); ++i) result.push_back(image_mean(output, requested(output, i)).mean);
+    return result;
+}
+
+const char* const constant_sky = "LightSource \"infinite\" \"rgb L\" [1 1 1]";
+
+}  // namespace
+
+TEST_CASE("Every material gives the events of the normative table and no others", "[event-table]") {
+    const std::vector<Row> rows = {
+        {"diffuse", R"(Material "diffuse" "rgb reflectance" [.5 .5 .5])", {"<RD'obj''diffuse'>"}},
+        {"smooth conductor", R"(Material "conductor" "float roughness" 0)", {"<RS'obj''conductor'>"}},
+        {"rough conductor", R"(Material "conductor" "float roughness" 0.3)", {"<RG'obj''conductor'>"}},
+        {"smooth dielectric", R"(Material "dielectric" "float eta" 1.5)", {"<RS'obj''glass'>", "<TS'obj''glass'>"}},
+        {"rough dielectric", R"(Material "dielectric" "float eta" 1.5 "float roughness" 0.3)", {"<RG'obj''glass'>", "<TG'obj''glass'>"}},
+        {"thin dielectric", R"(Material "thindielectric" "float eta" 1.5)", {"<RS'obj''glass'>", "<TS'obj''glass'>"}},
+        {"smooth coat over diffuse", R"(Material "coateddiffuse" "float roughness" 0)", {"<RS'obj''coat'>", "<RD'obj''diffuse'>"}},
+        {"rough coat over diffuse", R"(Material "coateddiffuse" "float roughness" 0.3)", {"<RG'obj''coat'>", "<RD'obj''diffuse'>"}},
+        {"smooth coat over smooth conductor",
+         R"(Material "coatedconductor" "float interface.roughness" 0 "float conductor.roughness" 0)",
+         {"<RS'obj''coat'>", "<RS'obj''conductor'>"}},
+        {"smooth coat over rough conductor",
+         R"(Material "coatedconductor" "float interface.roughness" 0 "float conductor.roughness" 0.3)",
+         {"<RS'obj''coat'>", "<RG'obj''conductor'>"}},
+        {"rough coat over rough conductor",
+         R"(Material "coatedconductor" "float interface.roughness" 0.2 "float conductor.roughness" 0.3)",
+         {"<RG'obj''coat'>", "<RG'obj''conductor'>"}},
+        {"mix",
+         R"(MakeNamedMaterial "a" "string type" "diffuse"
+            MakeNamedMaterial "b" "string type" "conductor" "float roughness" 0
+            Material "mix" "string materials" ["a" "b"] "float amount" 0.5)",
+         {"<RD'obj''diffuse'>", "<RS'obj''conductor'>"}},
+        {"additive", R"(Material "raylex:additive" "rgb diffuse" [.3 .3 .3] "rgb specular" [.4 .4 .4] "float roughness" 0.3)",
+         {"<RD'obj''diffuse'>", "<RG'obj''specular'>"}},
+        {"mirror", R"(Material "raylex:mirror" "rgb reflectance" [.7 .7 .7])", {"<RS'obj''mirror'>"}},
+        {"diffuse and mirror", R"(Material "raylex:diffuse-mirror" "rgb diffuse" [.3 .3 .3] "rgb specular" [.4 .4 .4])",
+         {"<RD'obj''diffuse'>", "<RS'obj''mirror'>"}},
+        {"sheet", R"(Material "raylex:sheet" "rgb transmittance" [.7 .7 .7])", {"<TS'obj''sheet'>"}},
+    };
+    for (const Row& row : rows) {
+        auto scene = import_text(scene_text(row.material, constant_sky));
+        scene.shapes[0].label = "obj";
+        std::vector<display::ChannelDefinition> channels{osl_channel("one_event", "C<[RTV].>B")};
+        for (std::size_t i = 0; i < row.events.size(); ++i)
+            channels.push_back(osl_channel("e" + std::to_string(i), std::string("C") + row.events[i] + "B"));
+        const auto means = render_means(scene, channels);
+        double sum = 0;
+        for (std::size_t i = 1; i < means.size(); ++i) {
+            CAPTURE(row.what, row.events[i - 1], means[i]);
+            CHECK(means[i] > 1e-4);
+            sum += means[i];
+        }
+        CAPTURE(row.what, means[0], sum);
+        CHECK(std::abs(sum - means[0]) <= 1e-12 * means[0]);   // Law 1, in the double accumulators
+        CHECK(means[0] > 0.01);
+    }
+}
+
+TEST_CASE("A cutout leaves a straight event in osl and no event in renderman", "[event-table]") {
+    for (const char* material : {"Material \"diffuse\" \"rgb reflectance\" [0 0 0]", "Material \"interface\""}) {
+        const bool interface = std::string(material).find("interface") != std::string::npos;
+        auto scene = import_text(scene_text(material, constant_sky, interface ? "" : "\"float alpha\" 0.25"));
+        scene.shapes[0].label = "obj";
+        const auto means = render_means(scene, {osl_channel("straight", "C<Ts'obj'>B"), osl_channel("seen", "CB"),
+                                                lpe_channel("renderman", "CB"), lpe_channel("all", "C.*B")});
+        CAPTURE(material);
+        // A quarter of the samples is stopped by the black surface: binomial over 64 x 64 samples, 4 standard errors.
+        const double expected = interface ? 1.0 : 0.75, error = interface ? 0.0 : 4 * std::sqrt(0.25 * 0.75 / 4096);
+        CHECK(std::abs(means[0] - expected) <= error);
+        CHECK(means[1] == 0.0);
+        CHECK(means[2] == means[0]);
+        CHECK(means[3] == means[0]);
+    }
+}
+
+TEST_CASE("Lights are L and the environment is B with their group, seen or sampled", "[event-table]") {
+    struct LightRow {
+        const char* what;
+        const char* text;
+        const char* letter;
+        bool delta;            ///< cannot be hit
+    };
+    const LightRow rows[] = {
+        {"point", R"(LightSource "point" "rgb I" [9 9 9] "point3 from" [0 0 2])", "L", true},
+        {"spot", R"(LightSource "spot" "rgb I" [99 99 99] "point3 from" [0 0 2] "point3 to" [0 0 0])", "L", true},
+        {"distant", R"(LightSource "distant" "rgb L" [2 2 2] "point3 from" [0 0 2] "point3 to" [0 0 0])", "L", true},
+        {"area", "", "L", false},
+        {"infinite", constant_sky, "B", false},
+    };
+    for (const LightRow& row : rows) {
+        const bool is_area = std::string(row.what) == "area";
+        auto scene = import_text(scene_text("Material \"diffuse\"", row.text));
+        if (is_area) {
+            // A disk facing the surface from above: the normal of a pbrt disk is +z, so it is turned over.
+            scene = import_text(scene_text("Material \"diffuse\"", R"(AttributeBegin
+                ReverseOrientation
+                AreaLightSource "diffuse" "rgb L" [9 9 9]
+                Shape "disk" "float radius" 0.5 "float height" 2
+                AttributeEnd)"));
+            scene.area_lights.at(0).group = "key";
+        } else {
+            scene.lights.at(0).group = "key";
+        }
+        const std::string grouped = std::string("C<RD><") + row.letter + ".'key'>";
+        const std::string other_letter = std::string(row.letter) == "L" ? "B" : "L";
+        for (const char* strategy : {"mis", "light", "scattering"}) {
+            if (row.delta && std::string(strategy) == "scattering") continue;
+            const auto means = render_means(scene, {osl_channel("grouped", grouped), osl_channel("all", "C<RD>[LBO]"),
+                                                    osl_channel("other", "C<RD>" + other_letter)}, strategy);
+            CAPTURE(row.what, strategy, means[0], means[1]);
+            CHECK(means[0] > 0.001);
+            CHECK(means[0] == means[1]);
+            CHECK(means[2] == 0.0);
+        }
+    }
+}
