@@ -18,10 +18,10 @@ esac
 [ $# -le 1 ] || { echo "quickstart.sh: $# arguments; expected at most one folder" >&2; exit 2; }
 out=${1:-$root/build/quickstart}
 
-# Measured on a machine with two cores and a cold compiler cache; one core takes twice as long.
-build_core_seconds=480
-render_core_seconds=200
-needed_megabytes=700
+# CPU seconds and megabytes, measured on a machine with two cores and a cold compiler cache.
+build_core_seconds=400
+render_core_seconds=120
+needed_megabytes=200
 
 say() { printf '%s\n' "$*"; }
 stop() { printf 'quickstart.sh: %s\n' "$*" >&2; exit 2; }

@@ -80,12 +80,14 @@ button { font: inherit; color: inherit; background: var(--card); border: 1px sol
   padding: .1rem .6rem; cursor: pointer; }
 button[aria-pressed="true"] { border-color: var(--mark); color: var(--mark); }
 button:focus-visible, .layer:focus-visible { outline: 2px solid var(--mark); outline-offset: 2px; }
-.layers { display: grid; gap: .7rem; grid-template-columns: repeat(auto-fill, minmax(8.5rem, 1fr)); }
+.layers { display: grid; gap: .7rem; align-items: start;
+  grid-template-columns: repeat(auto-fill, minmax(8.5rem, 1fr)); }
 .layer { display: block; width: 100%; text-align: left; padding: 0; border: 1px solid var(--line);
   border-radius: 6px; background: var(--card); overflow: hidden; }
 .layer img { display: block; width: 100%; height: auto; background: var(--well); }
 .layer span { display: block; padding: .25rem .5rem .35rem; font-size: 13px; overflow-wrap: anywhere; }
 .layer code { display: block; color: var(--faint); font-size: 11.5px; overflow-wrap: anywhere; }
+.layer.empty img { height: 2.2rem; object-fit: cover; }
 .layer[aria-pressed="true"] { border-color: var(--mark); box-shadow: 0 0 0 1px var(--mark); }
 .wide { overflow-x: auto; margin-bottom: 1rem; } .tables { display: flex; flex-wrap: wrap; gap: .5rem 3rem;
   align-items: flex-start; }
@@ -102,10 +104,10 @@ details { margin: 1rem 0; } summary { cursor: pointer; font-weight: 600; } pre {
 std::string_view page_script() {
     return R"js(
 (() => {
-  const scenes = [...document.querySelectorAll('section.image')].map(section => {
+  const scenes = [...document.querySelectorAll('section.image:has(.layer)')].map(section => {
     const layers = [...section.querySelectorAll('.layer')];
     const picture = section.querySelector('.well img'), name = section.querySelector('.name'),
-  text = section.querySelector('.expression');
+      text = section.querySelector('.expression');
     const exposure = [...section.querySelectorAll('[data-exposure]')];
     let current = 0, bright = false;
     const show = () => {

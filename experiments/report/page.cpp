@@ -37,6 +37,13 @@ std::string number(double value) {
     return text.data();
 }
 
+bool is_black(const ImageLayer& layer) {
+    for (const display::ImagePlane* plane : layer.triple())
+        if (!std::all_of(plane->values.begin(), plane->values.end(), [](float value) { return value == 0; }))
+            return false;
+    return true;
+}
+
 /// The layers of one heading: a partition, loose channels, or geometry.
 struct Group {
     std::string title, note;
@@ -207,12 +214,14 @@ class Page {
             if (!bright) return bright.error();
             if (*bright != *picture) extra = " data-bright=\"" + *bright + "\"";
         }
-        body_ += "<button type=\"button\" class=\"layer\" aria-pressed=\"false\" data-name=\"" + escape_html(name) +
-                 "\" data-expression=\"" + escape_html(expression) + "\" data-look=\"" + describe(look) +
-                 "\"><img alt=\"" + escape_html(name) + "\" src=\"" + *picture + "\"" + extra + "><span>" +
-                 escape_html(name);
+        const bool dark = look == LayerLook::light && is_black(layer);
+        body_ += "<button type=\"button\" class=\"layer" + std::string(dark ? " empty" : "") +
+                 "\" aria-pressed=\"false\" data-name=\"" + escape_html(name) + "\" data-expression=\"" +
+                 escape_html(expression) + "\" data-look=\"" + describe(look) + "\"><img alt=\"" + escape_html(name) +
+                 "\" src=\"" + *picture + "\"" + extra + "><span>" + escape_html(name);
         if (!expression.empty()) body_ += "<code>" + escape_html(expression) + "</code>";
         else if (look != LayerLook::light) body_ += "<code>" + std::string(describe(look)) + "</code>";
+        if (dark) body_ += "<code>no light in this image</code>";
         body_ += "</span></button>\n";
         return success();
     }

@@ -97,7 +97,7 @@ TEST_CASE("asking for channels leaves the beauty's bits alone [law2]") {
     REQUIRE(a);
     REQUIRE(b);
     for (const char* plane : {"R", "G", "B", "A"})
-        CHECK(a->layer("beauty")->plane(plane)->values == b->layer("beauty")->plane(plane)->values);
+        CHECK((a->layer("beauty")->plane(plane)->values == b->layer("beauty")->plane(plane)->values));
 }
 
 TEST_CASE("an image of one tile adds up, with the same bits, on any number of threads [law1][law3]") {
@@ -111,7 +111,7 @@ TEST_CASE("an image of one tile adds up, with the same bits, on any number of th
     REQUIRE(b);
     for (const char* layer : {"beauty", "direct", "rest"})
         for (const char* plane : {"R", "G", "B"})
-            CHECK(a->layer(layer)->plane(plane)->values == b->layer(layer)->plane(plane)->values);
+            CHECK((a->layer(layer)->plane(plane)->values == b->layer(layer)->plane(plane)->values));
 }
 
 TEST_CASE("a job gives labels, groups and partitions to an unmodified scene") {
