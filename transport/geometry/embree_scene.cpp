@@ -339,6 +339,7 @@ Result<EmbreeScene> EmbreeScene::build(const SceneDescription& scene, TextureTab
 }
 
 void EmbreeScene::intersect(std::span<const Ray> rays, std::span<Hit> hits) const {
+    if (log_ != nullptr) log_->closest.insert(log_->closest.end(), rays.begin(), rays.end());
     const auto top = static_cast<std::uint32_t>(top_level_shapes_);
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
@@ -378,6 +379,7 @@ void EmbreeScene::intersect_alpha(const Ray& ray, Hit& hit) const {
 }
 
 void EmbreeScene::occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked) const {
+    if (log_ != nullptr) log_->shadow.insert(log_->shadow.end(), rays.begin(), rays.end());
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     for (std::size_t i = 0; i < rays.size(); ++i) {

@@ -64,6 +64,11 @@ struct Bounds {
     [[nodiscard]] float radius() const { return length(upper - lower) * 0.5f; }
 };
 
+/// Rays in the order they were traced.
+struct RayLog {
+    std::vector<Ray> closest, shadow;
+};
+
 class EmbreeScene {
   public:
     struct Options {
@@ -81,6 +86,9 @@ class EmbreeScene {
     void intersect(std::span<const Ray> rays, std::span<Hit> hits) const;
     /// 1 where an opaque shape lies on (0, t_max); shapes with alpha do not count.
     void occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked) const;
+    /// Appends every later ray of intersect() and occluded() to `log`, for a benchmark to trace again; null ends it.
+    /// One thread only.
+    void record(RayLog* log) const { log_ = log; }
     /// The closest hit among the shapes with alpha, for the walk that shadow rays take through them.
     void intersect_alpha(const Ray& ray, Hit& hit) const;
 
@@ -111,6 +119,7 @@ class EmbreeScene {
     std::size_t top_level_shapes_ = 0;
     Bounds bounds_;
     std::string isa_;
+    mutable RayLog* log_ = nullptr;     // one test a batch; never part of a result
     bool has_alpha_ = false;
 };
 

@@ -1,0 +1,87 @@
+// What share of raw Embree throughput does the path tracer reach, on the same rays, in one run?
+//
+//   bench_rays SCENE.pbrt [SAMPLES] [ROUNDS]
+//
+// One render logs every ray it traces. Then, in turn and on one thread: the render without a log (A), and its rays alone
+// through the same Embree calls (B). Prints each round's ratio B / A of CPU seconds and the medians.
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <vector>
+
+#include "transport/geometry/embree_scene.h"
+#include "transport/import/pbrt_importer.h"
+#include "transport/render/built_scene.h"
+
+using namespace raylex;
+using namespace raylex::transport;
+
+namespace {
+
+double cpu_seconds() {
+    timespec now{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+double median(std::vector<double> values) {
+    std::sort(values.begin(), values.end());
+    return values[values.size() / 2];
+}
+
+double trace_again(const EmbreeScene& geometry, const RayLog& log) {
+    constexpr std::size_t batch = 256;
+    std::vector<Hit> hits(batch);
+    std::vector<std::uint8_t> blocked(batch);
+    const double start = cpu_seconds();
+    for (std::size_t i = 0; i < log.closest.size(); i += batch)
+        geometry.intersect({log.closest.data() + i, std::min(batch, log.closest.size() - i)}, hits);
+    for (std::size_t i = 0; i < log.shadow.size(); i += batch)
+        geometry.occluded({log.shadow.data() + i, std::min(batch, log.shadow.size() - i)}, blocked);
+    return cpu_seconds() - start;
+}
+
+template <class T>
+T value_or_exit(Result<T> result) {
+    if (!result) {
+        std::fprintf(stderr, "bench_rays: %s\n", result.error().to_string().c_str());
+        std::exit(2);
+    }
+    return std::move(*result);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    if (argc < 2) return std::fprintf(stderr, "usage: bench_rays SCENE.pbrt [SAMPLES] [ROUNDS]\n"), 2;
+    const SceneDescription description = value_or_exit(import_pbrt(argv[1]));
+    const auto scene = value_or_exit(BuiltScene::build(description));
+    RenderSettings settings;
+    settings.threads = 1;
+    settings.samples_per_pixel = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 16;
+    const int rounds = argc > 3 ? std::atoi(argv[3]) : 5;
+    const EmbreeScene& geometry = *scene->view().geometry;
+
+    RayLog log;
+    geometry.record(&log);
+    value_or_exit(render(*scene, settings));
+    geometry.record(nullptr);
+    flush_denormals();
+    const auto rays = static_cast<double>(log.closest.size() + log.shadow.size());
+    std::printf("%zu closest-hit rays, %zu shadow rays\n", log.closest.size(), log.shadow.size());
+
+    std::vector<double> shares, samples_rate, raw_rate;
+    for (int round = 0; round < rounds; ++round) {
+        const RenderOutput output = value_or_exit(render(*scene, settings));
+        const double whole = output.statistics.render_cpu_seconds;
+        const double raw = trace_again(geometry, log);
+        shares.push_back(raw / whole);
+        samples_rate.push_back(static_cast<double>(output.statistics.camera_samples) / whole);
+        raw_rate.push_back(rays / raw);
+        std::printf("round %d: render %.3f CPU s, its rays alone %.3f CPU s, share %.3f\n", round + 1, whole, raw, raw / whole);
+    }
+    std::printf("median: %.2f M samples per CPU second; raw %.1f M rays per CPU second; share of raw throughput %.1f %%\n",
+                median(samples_rate) / 1e6, median(raw_rate) / 1e6, 100 * median(shares));
+    return 0;
+}
