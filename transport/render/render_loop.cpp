@@ -34,17 +34,17 @@ RenderWorker::RenderWorker(const RenderJob& job, display::FrameBuffer& frame_buf
       rays_(RenderLoop::batch_capacity),
       samplers_(RenderLoop::batch_capacity) {}
 
-void RenderWorker::render_tile(int x0, int y0, int x1, int y1, std::uint64_t first, int count) {
+void RenderWorker::render_tile(int x0, int y0, int x1, int y1, std::uint64_t first, int count, std::mutex& adding) {
     for (int m = 0; m < RenderLoop::tile_size * RenderLoop::tile_size; ++m) {
         int dx, dy;
         morton_pixel(m, dx, dy);
-        if (x0 + dx < x1 && y0 + dy < y1) add_pixel(x0 + dx, y0 + dy, first, count);
+        if (x0 + dx < x1 && y0 + dy < y1) add_pixel(x0 + dx, y0 + dy, first, count, adding);
     }
-    flush();
+    flush(adding);
 }
 
-void RenderWorker::add_pixel(int x, int y, std::uint64_t first, int count) {
-    if (count_ + static_cast<std::size_t>(count) > rows_.size()) flush();
+void RenderWorker::add_pixel(int x, int y, std::uint64_t first, int count, std::mutex& adding) {
+    if (count_ + static_cast<std::size_t>(count) > rows_.size()) flush(adding);
     for (int k = 0; k < count; ++k) {
         const std::uint64_t sample = first + static_cast<std::uint64_t>(k);
         const PixelSampler sampler(job_.sampler, job_.seed, x, y, sample);
@@ -65,13 +65,14 @@ void RenderWorker::add_pixel(int x, int y, std::uint64_t first, int count) {
     }
 }
 
-void RenderWorker::flush() {
+void RenderWorker::flush(std::mutex& adding) {
     if (count_ == 0) return;
     table_.begin({rows_.data(), count_});
     ThreadServices services{display_, lpe_};
     job_.integrator->integrate({{rays_.data(), count_}, {samplers_.data(), count_}}, *state_, services);
     if (!table_.discarded()) {
         if (job_.sample_filter) job_.sample_filter->apply(table_);
+        const std::lock_guard lock(adding);
         frame_buffer_.accumulate(table_);
     }
     samples += count_;
@@ -85,12 +86,12 @@ RenderLoop::RenderLoop(const RenderJob& job, display::FrameBuffer& frame_buffer)
     for (int i = 0; i < job.threads; ++i) workers_.push_back(std::make_unique<RenderWorker>(job, frame_buffer));
 }
 
-void RenderLoop::render_task(RenderWorker& worker, std::uint64_t task) const {
+void RenderLoop::render_task(RenderWorker& worker, std::uint64_t task) {
     const std::uint64_t first = task / tiles_ * block_size, tile = task % tiles_;
     const int x0 = static_cast<int>(tile % tiles_x_) * tile_size, y0 = static_cast<int>(tile / tiles_x_) * tile_size;
     const auto count = static_cast<int>(std::min<std::uint64_t>(block_size, job_.samples_per_pixel - first));
     worker.render_tile(x0, y0, std::min(x0 + tile_size, job_.film.width), std::min(y0 + tile_size, job_.film.height),
-                       first, count);
+                       first, count, locks_.of(tile));
 }
 
 void RenderLoop::work(RenderWorker& worker, std::uint64_t last) {

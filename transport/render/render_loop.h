@@ -5,6 +5,7 @@
 // thread took which task cannot be seen in the result: samples are counter-based and the frame buffer adds exactly.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -38,6 +39,16 @@ struct RenderJob {
     bool has_alpha = false;
 };
 
+/// Tiles whose pixels are being added: two threads may hold different blocks of one tile, and the frame buffer wants one
+/// caller a pixel. Striped by tile; taken once a batch, and hardly ever contended on images of many tiles.
+class TileLocks {
+  public:
+    [[nodiscard]] std::mutex& of(std::uint64_t tile) { return mutexes_[tile % mutexes_.size()]; }
+
+  private:
+    std::array<std::mutex, 256> mutexes_;
+};
+
 /// One thread's tables and buffers.
 class RenderWorker {
   public:
@@ -45,8 +56,9 @@ class RenderWorker {
     RenderWorker(const RenderWorker&) = delete;
     RenderWorker& operator=(const RenderWorker&) = delete;
 
-    /// Renders samples [first, first + count) of the tile with pixels [x0, x1) x [y0, y1).
-    void render_tile(int x0, int y0, int x1, int y1, std::uint64_t first, int count);
+    /// Renders samples [first, first + count) of the tile with pixels [x0, x1) x [y0, y1). `adding` is held while the
+    /// frame buffer takes a batch in.
+    void render_tile(int x0, int y0, int x1, int y1, std::uint64_t first, int count, std::mutex& adding);
 
     [[nodiscard]] const display::LpeServices& lpe() const { return lpe_; }
     [[nodiscard]] const display::DisplayServices& display() const { return display_; }
@@ -55,8 +67,8 @@ class RenderWorker {
     double cpu_seconds = 0;
 
   private:
-    void add_pixel(int x, int y, std::uint64_t first, int count);
-    void flush();
+    void add_pixel(int x, int y, std::uint64_t first, int count, std::mutex& adding);
+    void flush(std::mutex& adding);
     const RenderJob& job_;
     display::FrameBuffer& frame_buffer_;
     display::SampleTable table_;
@@ -83,10 +95,11 @@ class RenderLoop {
   private:
     Status run_tasks(std::uint64_t first, std::uint64_t last, const std::function<void()>& report);
     void work(RenderWorker& worker, std::uint64_t last);
-    void render_task(RenderWorker& worker, std::uint64_t task) const;
+    void render_task(RenderWorker& worker, std::uint64_t task);
     const RenderJob& job_;
     std::vector<std::unique_ptr<RenderWorker>> workers_;
     std::uint64_t tiles_x_ = 0, tiles_ = 0, rounds_ = 0;
+    TileLocks locks_;
     std::atomic<std::uint64_t> next_{0}, samples_done_{0};
     const std::atomic<bool>* stop_ = nullptr;
     std::atomic<bool> failed_{false};
