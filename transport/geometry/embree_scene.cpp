@@ -147,6 +147,25 @@ Status check_quadric(const SceneShape& shape) {
     return success();
 }
 
+/// Embree's instruction sets that this machine has, widest first. Each asks for all of Embree's feature set of that name.
+std::vector<std::string> supported_instruction_sets() {
+    __builtin_cpu_init();
+    const bool sse42 = __builtin_cpu_supports("sse4.2") && __builtin_cpu_supports("popcnt");
+    const bool avx = sse42 && __builtin_cpu_supports("avx");
+    const bool avx2 = avx && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
+                      __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
+    const bool avx512 = avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512cd") &&
+                        __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
+                        __builtin_cpu_supports("avx512vl");
+    std::vector<std::string> sets;
+    if (avx512) sets.emplace_back("avx512");
+    if (avx2) sets.emplace_back("avx2");
+    if (avx) sets.emplace_back("avx");
+    if (sse42) sets.emplace_back("sse4.2");
+    sets.emplace_back("sse2");
+    return sets;
+}
+
 }  // namespace
 
 struct EmbreeScene::Device {
@@ -213,6 +232,7 @@ Status EmbreeScene::add_shape(const SceneShape& shape, const SceneDescription& s
         g.alpha = textures.add_constant(Rgb(std::max(shape.alpha, 0.0f)));
     }
     has_alpha_ = has_alpha_ || g.alpha >= 0;
+    g.hidden = !g.interface && g.alpha >= 0 && textures.is_constant(g.alpha) && textures.real(g.alpha, {}) <= 0;
     g.normals = shape.normals;
     g.uvs = shape.uvs;
     const bool mesh = shape.kind == ShapeKind::triangle_mesh || shape.kind == ShapeKind::bilinear_mesh;
@@ -262,13 +282,16 @@ Result<EmbreeScene> EmbreeScene::build(const SceneDescription& scene, TextureTab
                         "unknown instruction set '" + options.isa + "'; expected sse2, sse4.2, avx, avx2 or avx512",
                         nearest_name(options.isa, known));
     EmbreeScene result;
-    result.isa_ = options.isa.empty() ? "native" : options.isa;
     result.device_ = std::make_unique<Device>();
     Device& device = *result.device_;
-    std::string config = "set_affinity=0";
-    if (!options.isa.empty()) config += ",isa=" + options.isa;
-    if (options.threads > 0) config += ",threads=" + std::to_string(options.threads);
-    device.device = rtcNewDevice(config.c_str());
+    // What Embree would choose by itself is asked for by name, so that the name on record gives the same bits later.
+    for (const std::string& isa : options.isa.empty() ? supported_instruction_sets() : std::vector{options.isa}) {
+        std::string config = "set_affinity=0,isa=" + isa;
+        if (options.threads > 0) config += ",threads=" + std::to_string(options.threads);
+        result.isa_ = isa;
+        device.device = rtcNewDevice(config.c_str());
+        if (device.device) break;
+    }
     if (!device.device)
         return error_at({}, "Embree could not be started (error " + std::to_string(rtcGetDeviceError(nullptr)) +
                                 "); does this machine offer the instruction set '" + result.isa_ + "'?");

@@ -38,6 +38,7 @@ struct ShapeGeometry {
     int area_light = -1;                    ///< index into SceneDescription::area_lights; -1 also for instanced shapes
     TextureId alpha = -1;                   ///< opacity; -1 = opaque everywhere
     bool interface = false;                 ///< no surface at all: rays pass, but an area light on it shines
+    bool hidden = false;                    ///< alpha is 0 everywhere: no ray ever stops here
     int label = 0;                          ///< index into object_labels()
     std::uint32_t first_light = Hit::none;  ///< set by the light table: the light of primitive 0
 
@@ -72,7 +73,7 @@ struct RayLog {
 class EmbreeScene {
   public:
     struct Options {
-        std::string isa;  ///< "", "sse2", "sse4.2", "avx", "avx2", "avx512"
+        std::string isa;  ///< "sse2", "sse4.2", "avx", "avx2", "avx512"; "" = the widest of them that this machine has
         int threads = 0;  ///< for building; 0 = all
     };
 

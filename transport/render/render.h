@@ -26,7 +26,7 @@ struct RenderSettings {
     std::optional<SceneEntity> integrator, sampler, filter;    ///< type and parameters replace the scene's
     std::optional<std::int64_t> max_depth;          ///< overrides the integrator's "maxdepth"
     std::optional<SceneEntity> sample_filter;       ///< applied to raw samples before pixel filtering
-    std::string isa;                                ///< "", "sse2", "sse4.2", "avx", "avx2", "avx512": what Embree may use
+    std::string isa;                                ///< sse2, sse4.2, avx, avx2 or avx512 for Embree; "" = the widest here
     bool beauty = true;                             ///< false: only what the channels below accept is simulated
     bool picked_lobes = false;                      ///< label by one drawn lobe instead of exact shares
     /// LPE channels, rest layers and geometric AOVs by name. `rest_of` counts in this list.
