@@ -34,6 +34,8 @@ struct Quadric {
     [[nodiscard]] DVec3 object_dpdu(const DVec3& point) const { return {-phi_max * point.y, phi_max * point.x, 0}; }
     /// Surface area in the object's own space.
     [[nodiscard]] double object_area() const;
+    /// (u, v) of a point on the surface, in the object's own space; what is cut away gets some (u, v) too.
+    void parameters(const DVec3& point, double& u, double& v) const { static_cast<void>(accept(point, u, v)); }
     /// (u, v) of a point drawn uniformly by object-space area.
     void sample_area(double a, double b, double& u, double& v) const;
 

@@ -195,11 +195,28 @@ void PathIntegrator::move(display::Tracker& tracker, display::LpeServices& lpe, 
     lpe.move(tracker, {parts.data(), static_cast<std::size_t>(lobes.count)});
 }
 
+float PathIntegrator::emitter_opacity(const LightSample& sample, const Vec3& from) const {
+    const Light& light = context_.scene.lights->lights()[sample.light];
+    if (!light.is_area() || light.hidden) return 1;
+    const ShapeGeometry& shape = context_.scene.geometry->shapes()[light.shape];
+    if (shape.alpha < 0 || shape.interface) return 1;
+    Ray ray[1];
+    ray[0].origin = from;
+    ray[0].direction = sample.target - from;
+    const Hit hit[1] = {{1, sample.uv.x, sample.uv.y, light.shape, light.primitive, Hit::none}};
+    SurfacePoint point[1];
+    SurfaceSource source[1];
+    context_.scene.geometry->surfaces(ray, hit, point, source);
+    return std::clamp(context_.scene.textures->real(shape.alpha, {point[0].u, point[0].v, point[0].position}), 0.0f,
+                      1.0f);
+}
+
 void PathIntegrator::sample_lights(PathThread& thread, ThreadServices& services) const {
     thread.pending_count = 0;
     if (!can_sample_lights_) return;
     const VertexBatch& v = thread.vertices;
     const LightTable& lights = *context_.scene.lights;
+    const bool cutouts = context_.scene.geometry->has_alpha();
     const bool own_choice = lights.needs_choice_number(choice());
     for (std::size_t j = 0; j < v.count; ++j) {
         const std::uint32_t row = v.rows[j];
@@ -212,6 +229,7 @@ void PathIntegrator::sample_lights(PathThread& thread, ThreadServices& services)
                            sampler.get_2d(dimension(path, light_dimension)), sample))
             continue;
         if (parameters_.strategy == PathStrategy::scattering && !sample.delta) continue;
+        if (cutouts) sample.radiance *= emitter_opacity(sample, v.points[j].position);
         const BsdfEvaluation f = v.bsdfs[j].evaluate(v.points[j].wo, sample.wi);
         if (f.value.is_black()) continue;
         float weight = 1;
@@ -222,8 +240,7 @@ void PathIntegrator::sample_lights(PathThread& thread, ThreadServices& services)
             // Only channels matter: a light whose group no channel can still accept is not worth a ray (Law 4).
             display::Tracker ahead = thread.trackers[row];
             move(ahead, services.lpe, v.sources[j].label, f.lobes);
-            if (!context_.scene.geometry->has_alpha() &&
-                !services.lpe.live_after(ahead, context_.events->terminal(sample.light)))
+            if (!cutouts && !services.lpe.live_after(ahead, context_.events->terminal(sample.light)))
                 continue;
         }
         PendingLight& pending = thread.pending[thread.pending_count];

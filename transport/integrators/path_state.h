@@ -115,6 +115,8 @@ class PathIntegrator final : public Integrator {
     void record_first_hit(PathThread& thread, ThreadServices& services, std::size_t j) const;
     void write_aovs(PathThread& thread, ThreadServices& services) const;
     void sample_lights(PathThread& thread, ThreadServices& services) const;
+    /// What an emitter with a cutout keeps at the sampled point: as much as scattering finds there on average.
+    [[nodiscard]] float emitter_opacity(const LightSample& sample, const Vec3& from) const;
     void add_lights(PathThread& thread, ThreadServices& services) const;
     /// What the cutouts along an otherwise free shadow ray let through; moves `tracker` past them.
     float straight_transmittance(Ray ray, display::Tracker& tracker, ThreadServices& services,

@@ -24,6 +24,7 @@ enum class LightKind : std::uint8_t {
 struct Light {
     LightKind kind = LightKind::point;
     bool two_sided = false;
+    bool hidden = false;     ///< area lights of alpha 0: no ray finds them, they only light (pbrt-v4's invisible lights)
     std::int32_t group = 0;  ///< index into LightTable::groups()
     /// Radiance (area, environments; a factor on the image), radiant intensity (point, spot), or irradiance on a
     /// surface facing it (distant).
@@ -37,7 +38,7 @@ struct Light {
     std::int32_t environment = -1;           ///< index of the image
     float power = 0;                         ///< watts-like estimate, the weight of its selection
 
-    [[nodiscard]] bool is_delta() const { return kind >= LightKind::point && kind <= LightKind::distant; }
+    [[nodiscard]] bool is_delta() const { return hidden || (kind >= LightKind::point && kind <= LightKind::distant); }
     [[nodiscard]] bool is_environment() const { return kind >= LightKind::uniform_environment; }
     [[nodiscard]] bool is_area() const { return kind < LightKind::point; }
 };
@@ -50,6 +51,7 @@ struct LightSample {
     Vec3 target;              ///< the point on the light; unused when `infinite`
     Vec3 target_normal;       ///< zero for points
     float target_offset = 0;  ///< rounding bound of `target`
+    Vec2 uv;                  ///< area lights: where on the primitive, as Hit has it
     std::uint32_t light = 0;
     bool delta = false, infinite = false;
 };

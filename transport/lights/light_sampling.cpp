@@ -35,6 +35,7 @@ Vec3 magnitudes(const Vec3& a, const Vec3& b) {
 
 bool sample_triangle(const Light& light, const Vec3& from, const Vec2& u, LightSample& s) {
     const Vec2 b = sample_uniform_triangle(u);
+    s.uv = {b.y, 1 - b.x - b.y};
     s.target = light.position + light.edge1 * b.y + light.edge2 * (1 - b.x - b.y);
     s.target_normal = light.direction;
     s.target_offset = point_offset(light.direction, light.position, magnitudes(light.edge1, light.edge2));
@@ -46,6 +47,7 @@ bool sample_patch(const Light& light, const ShapeGeometry& shape, const Vec3& fr
     const DVec3 n = cross(patch.dpdu(u.y), patch.dpdv(u.x));
     const double area = length(n);
     if (!(area > 0)) return false;
+    s.uv = u;
     s.target = patch.point(u.x, u.y).to_float();
     s.target_normal = (n * ((shape.flip_normal && shape.normals.empty() ? -1 : 1) / area)).to_float();
     if (!shape.normals.empty())
@@ -59,6 +61,7 @@ bool sample_quadric(const Light& light, const Quadric& quadric, const Vec3& from
     double a, b;
     quadric.sample_area(u.x, u.y, a, b);
     const Quadric::Point point = quadric.world_point(a, b);
+    s.uv = {static_cast<float>(a), static_cast<float>(b)};
     s.target = point.position.to_float();
     s.target_normal = point.normal.to_float();
     s.target_offset = point_offset(s.target_normal, s.target, {});
@@ -85,7 +88,9 @@ Cone cone_of(const Light& light, const Quadric& quadric, const Vec3& from) {
     return cone;
 }
 
-bool sample_sphere(const Light& light, const Quadric& quadric, const Vec3& from, const Vec2& u, LightSample& s) {
+/// `cut_out`: the shape has alpha, so somebody will ask for s.uv.
+bool sample_sphere(const Light& light, const Quadric& quadric, bool cut_out, const Vec3& from, const Vec2& u,
+                   LightSample& s) {
     const Cone cone = cone_of(light, quadric, from);
     if (!cone.outside) return sample_quadric(light, quadric, from, u, s);
     if (quadric.reversed && !light.two_sided) return false;
@@ -106,6 +111,11 @@ bool sample_sphere(const Light& light, const Quadric& quadric, const Vec3& from,
     s.target = (DVec3(from) + cone.to_center + DVec3(outward) * cone.radius).to_float();
     s.target_normal = outward;
     s.target_offset = point_offset(outward, s.target, {});
+    if (cut_out) {
+        double a, b;
+        quadric.parameters(quadric.placement.to_object.point(DVec3(s.target)), a, b);
+        s.uv = {static_cast<float>(a), static_cast<float>(b)};
+    }
     s.pdf *= static_cast<float>(1 / (2 * 3.14159265358979323846 * cone.one_minus_cos));
     s.radiance = light.emission;
     return true;
@@ -161,6 +171,7 @@ bool LightTable::sample(LightChoice choice, const EmbreeScene& geometry, const V
     s.light = table.size() > shared_choice_limit ? table.choose(u_choice) : table.choose_and_remap(u.x);
     s.pdf = table.probability(s.light);
     const Light& light = lights_[s.light];
+    s.delta = light.hidden;
     switch (light.kind) {
         case LightKind::triangle:
             return sample_triangle(light, from, u, s);
@@ -169,7 +180,8 @@ bool LightTable::sample(LightChoice choice, const EmbreeScene& geometry, const V
         case LightKind::quadric:
             return sample_quadric(light, geometry.shapes()[light.shape].quadric, from, u, s);
         case LightKind::sphere:
-            return sample_sphere(light, geometry.shapes()[light.shape].quadric, from, u, s);
+            return sample_sphere(light, geometry.shapes()[light.shape].quadric, geometry.shapes()[light.shape].alpha >= 0,
+                                 from, u, s);
         case LightKind::point:
         case LightKind::spot:
             return sample_point(light, from, s);
@@ -193,6 +205,9 @@ float LightTable::density(LightChoice choice, const EmbreeScene& geometry, std::
     } else {
         if (light.kind == LightKind::sphere) {
             const Cone cone = cone_of(light, shape.quadric, from);
+            // The cone's samples lie on the near side; the far side is seen only through holes in it.
+            const DVec3 out = DVec3(at.position) - shape.quadric.placement.to_world.point({0, 0, 0});
+            if (cone.outside && shape.alpha >= 0 && dot(out, DVec3(from) - DVec3(at.position)) < 0) return 0;
             if (cone.outside) return chosen * static_cast<float>(1 / (2 * 3.14159265358979323846 * cone.one_minus_cos));
         }
         area_density = 1 / (shape.quadric.object_area() * shape.quadric.world_point(hit.u, hit.v).area_scale);

@@ -100,6 +100,7 @@ Status LightTable::add_area_lights(const SceneDescription& scene, EmbreeScene& g
             }
             light.emission = emission.radiance;
             light.two_sided = emission.two_sided;
+            light.hidden = shape.hidden;
             light.group = group;
             light.shape = s;
             light.primitive = i;
