@@ -8,6 +8,7 @@ namespace raylex::lpe::limits {
 
 inline constexpr std::size_t text_bytes = 65'536;         ///< one expression
 inline constexpr int nesting = 200;                       ///< brackets, parentheses and '!' inside one another
+inline constexpr int operators = 400;                     ///< '&' and '-' in one expression: each nests the tree once
 inline constexpr int repetitions = 1'000;                 ///< n and m of {n,m}
 inline constexpr std::size_t nfa_states = 20'000;         ///< one expression after unrolling its repetitions
 inline constexpr std::size_t subset_elements = 4'000'000; ///< NFA states held by all subsets of one determinisation

@@ -83,7 +83,8 @@ class RendermanParser : private RendermanEvents {
 
     NodePtr parse_difference() {
         NodePtr left = parse_intersection();
-        while (take('-')) {
+        for (std::size_t offset = position_; take('-'); offset = position_) {
+            count_operator(offset);
             left = binary(NodeKind::difference, std::move(left), parse_intersection());
         }
         return left;
@@ -91,10 +92,19 @@ class RendermanParser : private RendermanEvents {
 
     NodePtr parse_intersection() {
         NodePtr left = parse_complement();
-        while (take('&')) {
+        for (std::size_t offset = position_; take('&'); offset = position_) {
+            count_operator(offset);
             left = binary(NodeKind::intersection, std::move(left), parse_complement());
         }
         return left;
+    }
+
+    /// A chain of operators is as deep a tree as brackets are, and every later stage walks it by recursion.
+    void count_operator(std::size_t offset) {
+        if (++operators_ > limits::operators) {
+            source_.fail_at(offset, "found more than " + std::to_string(limits::operators) +
+                                        " operators '&' and '-'; expected fewer in one expression");
+        }
     }
 
     static NodePtr binary(NodeKind kind, NodePtr left, NodePtr right) {
@@ -238,6 +248,7 @@ class RendermanParser : private RendermanEvents {
 
     BarReading bar_;
     int depth_ = 0;
+    int operators_ = 0;
     Expression expression_;
 };
 

@@ -88,6 +88,8 @@ TEST_CASE("expressions built to explode are refused in bounded time", "[fuzz][la
         {"C[" + labels.substr(0, labels.rfind('<', 60'000)) + "]L", false},
         {"C(!(.*D.{12})){1000}L", false},
         {repeat("C.*D.{11}&", 2000) + "C", false},
+        {repeat("CL-", 20'000) + "CL", false},
+        {repeat("CL&", 400) + "CL", true},
         {"C<RD'*a*a*a*a*a*a*a*a*a*a*b'>L", true},
         {"C<RD['*a????????????????b''*c???????????????d']>L", false},
     };
