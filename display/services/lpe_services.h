@@ -99,6 +99,9 @@ struct InvalidSample {
 class LpeServices {
   public:
     static constexpr std::size_t invalid_samples_kept = 16;
+    /// A contribution with a larger component is as invalid as one that is not finite: a block of samples with it would
+    /// leave the frame buffer's range, for beauty but not for every layer. Far above the sun's 2e9 cd/m^2.
+    static constexpr float largest_contribution = 0x1p38f;
 
     /// How lobes are attributed: `exact` is Law 5; `picked` labels each scattering by one lobe drawn in proportion to its
     /// part (per colour, by one random number, so that colours still sum), the common practice, kept to measure against.
@@ -116,8 +119,8 @@ class LpeServices {
     void move(Tracker& tracker, std::span<const LobePart> parts);
 
     /// Adds `value` (radiance times throughput, filter weight not applied) to beauty and to every channel whose
-    /// expression accepts the path; the terminal event must have been moved along. Non-finite values are rejected for
-    /// beauty and splits alike, counted and logged.
+    /// expression accepts the path; the terminal event must have been moved along. Non-finite values, and those beyond
+    /// largest_contribution, are rejected for beauty and splits alike, counted and logged (Law 6).
     void contribute(const Rgb& value, Technique technique, const Tracker& tracker);
 
     /// Whether anything could still accept: false means that the path may end (Law 4).

@@ -4,6 +4,7 @@
 #include "display/services/lpe_services.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace raylex::display {
 
@@ -67,7 +68,9 @@ inline void LpeServices::move(Tracker& tracker, std::span<const LobePart> parts)
 
 inline void LpeServices::contribute(const Rgb& value, Technique technique, const Tracker& tracker) {
     if (value.is_black()) return;  // the common case of a light sample behind the surface
-    if (!is_finite(value)) {
+    // Also true of NaN.
+    const auto out_of_range = [](float v) { return !(std::abs(v) <= largest_contribution); };
+    if (out_of_range(value.r) || out_of_range(value.g) || out_of_range(value.b)) {
         reject(value, tracker);
         return;
     }

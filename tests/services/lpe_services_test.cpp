@@ -6,6 +6,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "display/buffer/frame_buffer.h"
 #include "lpe/shipped.h"
 #include "tests/services/lpe_helpers.h"
 
@@ -206,6 +207,33 @@ TEST_CASE("contributions that are not finite reach nothing and are logged with p
     CHECK(table.values(0)[6] == 1);  // the third row
     CHECK(table.values(1)[6] == 1);
     CHECK(services.contribution_count(Technique::scattering) == 1);
+}
+
+TEST_CASE("a contribution beyond the frame buffer's range costs no other one, and splits still sum",
+          "[lpe_services][law1][law6]") {
+    const std::vector<ChannelDefinition> channels{plain_channel("beauty", ChannelType::rgb),
+                                                  expression_channel("lights", "CL-CB"), expression_channel("sky", "CB")};
+    const LpeSetup setup = build_setup(channels, 0);
+    const Classes classes(setup);
+    SampleTable table(channels, 1, 0);
+    table.begin(test::pixel_rows(0, 0, 0, 1));
+    LpeServices services(setup, table, 1);
+    const auto add = [&](float value, lpe::EventClass terminal) {
+        Tracker tracker = services.begin(0);
+        services.move(tracker, terminal);
+        services.contribute(Rgb(value), Technique::scattering, tracker);
+    };
+    add(1e15f, classes.background);  // finite, but no block of samples can hold it
+    add(2.0f, classes.light);
+    add(3e9f, classes.background);  // a photometric sun
+    CHECK(services.invalid_count() == 1);
+    Result<FrameBuffer> buffer = FrameBuffer::create({1, 1}, channels);
+    REQUIRE(buffer);
+    buffer->accumulate(table);
+    CHECK(buffer->rejected_count() == 0);
+    CHECK(buffer->resolve(1)[0] == 2.0);
+    CHECK(buffer->resolve(2)[0] == 3e9);
+    CHECK(buffer->resolve(0)[0] == 3e9 + 2.0);
 }
 
 TEST_CASE("a path is live while something can still accept it", "[lpe_services][law4]") {
