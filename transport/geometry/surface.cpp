@@ -26,12 +26,6 @@ constexpr Vec3 smallest(const Vec3& a, const Vec3& b) {
     return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
 }
 
-/// A float product is exact in double, so slivers keep their normal.
-Vec3 exact_cross(const Vec3& a, const Vec3& b) {
-    const DVec3 c = cross(DVec3(a), DVec3(b));
-    return c.to_float();
-}
-
 /// Shading normal from vertex normals, and the geometric normal turned to its side, as pbrt does.
 void apply_vertex_normal(const Vec3& interpolated, SurfacePoint& point) {
     const float l2 = length_squared(interpolated);
@@ -46,21 +40,24 @@ void triangle_surface(const ShapeGeometry& shape, const Hit& hit, SurfacePoint& 
     const float b1 = hit.u, b2 = hit.v, b0 = 1 - b1 - b2;
     point.position = p0 * b0 + p1 * b1 + p2 * b2;
     const Vec3 e1 = p1 - p0, e2 = p2 - p0;
-    const Vec3 n = exact_cross(e1, e2);
-    const float inverse_length = 1 / length(n);
-    point.geometric_normal = n * (shape.flip_normal ? -inverse_length : inverse_length);
+    // In double: a product of floats is exact there, so slivers keep their normal, and the length of the cross product of
+    // edges of 1e-10 does not drown (its square is below the smallest float).
+    const DVec3 n = cross(DVec3(e1), DVec3(e2));
+    const double inverse = 1 / length(n);
+    const auto inverse_length = static_cast<float>(inverse);
+    const Vec3 unflipped = (n * inverse).to_float();
+    point.geometric_normal = shape.flip_normal ? -unflipped : unflipped;
 
     const Vec3 top = largest(p0, largest(p1, p2)), bottom = smallest(p0, smallest(p1, p2));
     const Vec3 extent = top - bottom, a1 = absolute(e1), a2 = absolute(e2);
     const Vec3 products{a1.y * a2.z + a1.z * a2.y, a1.z * a2.x + a1.x * a2.z, a1.x * a2.y + a1.y * a2.x};
     offset = gamma_bound(8) * (dot(absolute(point.geometric_normal), largest(absolute(top), absolute(bottom))) +
-                               dot(products, extent) * inverse_length) +
+                               dot(products * inverse_length, extent)) +
              0x1p-32f * (extent.x + extent.y + extent.z);
 
     point.shading_normal = point.geometric_normal;
     if (!shape.normals.empty()) {
-        const Vec3 unflipped = n * inverse_length;  // pbrt ignores the flip where vertex normals decide
-        point.geometric_normal = point.shading_normal = unflipped;
+        point.geometric_normal = point.shading_normal = unflipped;  // pbrt ignores the flip where vertex normals decide
         apply_vertex_normal(shape.normals[index[0]] * b0 + shape.normals[index[1]] * b1 + shape.normals[index[2]] * b2,
                             point);
     }
