@@ -1,4 +1,5 @@
 // raylex report: images as one HTML page.
+#include <filesystem>
 #include <memory>
 
 #include "display/output/atomic_file.h"
@@ -18,6 +19,13 @@ struct ReportOptions {
 };
 
 int run_report(const ReportOptions& report) {
+    // The page must never take the place of an image, which may have cost hours.
+    for (const std::string& image : report.images) {
+        std::error_code failed;
+        if (image == report.page || std::filesystem::equivalent(image, report.page, failed))
+            return report_error("the page '" + report.page +
+                                "' is one of the images; expected a file of its own, such as page.html");
+    }
     Status writable = display::check_writable(report.page);
     if (!writable) return report_error(writable.error());
     auto color = display::ColorManager::open(report.ocio);

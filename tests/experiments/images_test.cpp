@@ -94,6 +94,7 @@ TEST_CASE("verify judges anybody's layers by --of and --sum") {
     CHECK(run_raylex(folder, "verify x.exr --of beauty --sum a,b").code == 0);
     CHECK(run_raylex(folder, "verify x.exr --sum '[ab]*,a,b'").code == 2);
     CHECK(run_raylex(folder, "verify x.exr --of beauty --sum '?'").code == 0);
+    CHECK(run_raylex(folder, "verify x.exr --of RGBA --sum a,b").code == 0);
     CHECK(run_raylex(folder, "verify x.exr --of beauty --sum a").code == 1);
     CHECK(run_raylex(folder, "verify x.exr --of beauty").code == 2);
     Outcome unknown = run_raylex(folder, "verify x.exr --of beauty --sum a,c");
@@ -148,6 +149,11 @@ TEST_CASE("the page holds every layer, expression and verdict, and fetches nothi
     CHECK(run_raylex(folder, "report absent.exr -o page2.html").code == 2);
     CHECK(run_raylex(folder, "report good.exr -o absent/page.html").code == 2);
     CHECK(run_raylex(folder, "report good.exr").code == 2);
+    // The page never takes the place of an image, by whatever name.
+    const std::string image = folder.read("good.exr");
+    CHECK(run_raylex(folder, "report good.exr -o good.exr").code == 2);
+    CHECK(run_raylex(folder, "report good.exr -o ./good.exr").code == 2);
+    CHECK(folder.read("good.exr") == image);
     CHECK_FALSE(folder.has("page2.html"));
     CHECK(folder.read("page.html") == page);
 }
