@@ -92,6 +92,16 @@ void add_nameless(std::vector<ImageLayer>& layers, const std::string& part, bool
     }
 }
 
+// The layer that other renderers' habits suggest as the whole image: Ci, C, RGBA, Combined, ...; empty when none does.
+std::string likely_beauty(const ExrImage& image) {
+    for (const char* habit : {"beauty", "combined", "rgba", "rgb", "ci", "c", "image", "main"})
+        for (const ImageLayer& layer : image.layers) {
+            const std::size_t dot = layer.name.find_last_of('.');  // Blender: ViewLayer.Combined
+            if (lower(layer.name.substr(dot == std::string::npos ? 0 : dot + 1)) == habit) return layer.name;
+        }
+    return {};
+}
+
 void order_planes(ImageLayer& layer) {
     std::stable_sort(layer.planes.begin(), layer.planes.end(), [](const ImagePlane& a, const ImagePlane& b) {
         const auto rank = [](const ImagePlane& plane) {
@@ -159,9 +169,14 @@ std::array<const ImagePlane*, 3> ImageLayer::triple() const {
 const ImageLayer* ExrImage::layer(std::string_view name) const {
     for (const ImageLayer& each : layers)
         if (each.name == name) return &each;
-    const std::string_view other = name.empty() ? "beauty" : name == "beauty" ? "" : name;
+    // The nameless image goes by the names that renderers give it in their user interfaces, and by its part's.
     for (const ImageLayer& each : layers)
-        if (each.name == other) return &each;
+        if (each.name.empty() &&
+            (name == "beauty" || is_main_name(std::string(name)) || lower(each.part) == lower(name)))
+            return &each;
+    if (!name.empty()) return nullptr;
+    for (const ImageLayer& each : layers)
+        if (each.name == "beauty") return &each;
     return nullptr;
 }
 
@@ -177,7 +192,8 @@ Result<const ImageLayer*> ExrImage::require_layer(std::string_view name) const {
     error.file = path;
     error.message = "the image has no layer '" + std::string(name.empty() ? "beauty" : name) +
                     "'; expected one of: " + list_names(layer_names());
-    const std::string near = nearest_name(name, layer_names());
+    std::string near = nearest_name(name, layer_names());
+    if (near.empty() && (name.empty() || name == "beauty")) near = likely_beauty(*this);
     if (!near.empty()) error.hint = "did you mean '" + near + "'?";
     return error;
 }

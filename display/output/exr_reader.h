@@ -52,7 +52,8 @@ struct ExrImage {
     std::optional<Chromaticities> chromaticities;
     std::vector<PartitionDeclaration> partitions;  ///< from "partition/NAME" attributes
 
-    /// "" and "beauty" both mean the nameless R G B unless a layer is called beauty.
+    /// By name. "" means the nameless R G B, else a layer called beauty; "beauty", "rgba", "rgb", "image" and "main"
+    /// (in any case) mean the nameless R G B unless a layer is called so, and so does the name of its part.
     [[nodiscard]] const ImageLayer* layer(std::string_view name) const;
     /// The same, or an error with near misses and the names there are.
     [[nodiscard]] Result<const ImageLayer*> require_layer(std::string_view name) const;

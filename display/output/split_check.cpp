@@ -105,7 +105,10 @@ void judge(const ExrImage& image, const Split& split, SplitVerdict& verdict) {
                 verdict.relative_y = y;
             }
         }
-        verdict.non_finite += finite ? 0 : 1;
+        if (!finite && verdict.non_finite++ == 0) {
+            verdict.non_finite_x = x;
+            verdict.non_finite_y = y;
+        }
         verdict.exceeding += finite && exceeds ? 1 : 0;
         verdict.residual[pixel] = finite ? static_cast<float>(worst) : std::numeric_limits<float>::infinity();
     }
@@ -123,7 +126,7 @@ Result<std::vector<const ImageLayer*>> choose_layers(const ExrImage& image, cons
     for (const std::string& glob : globs) {
         bool matched = false;
         for (const ImageLayer& layer : image.layers) {
-            if (!glob_match(glob, layer.name)) continue;
+            if (!glob_match(glob, layer.name.empty() ? "beauty" : layer.name)) continue;
             if (&layer == &of && has_wildcard(glob)) continue;
             if (&layer == &of)
                 return split_error(image,

@@ -25,6 +25,7 @@ struct SplitVerdict {
     int absolute_x = 0, absolute_y = 0, relative_x = 0, relative_y = 0;  ///< the pixels where they occur
     double bound = 0;                                                    ///< on largest_relative
     std::size_t non_finite = 0, exceeding = 0;                           ///< pixels
+    int non_finite_x = 0, non_finite_y = 0;                              ///< the first one that is not finite
     bool holds = false;
     /// [height * width] |sum - of| / (sum of |layers| + |of|), worst component; infinite where a value is not finite.
     std::vector<float> residual;

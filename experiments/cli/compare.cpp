@@ -28,8 +28,7 @@ int run_compare(const CompareOptions& options) {
     auto reference = display::read_exr(options.reference);
     if (!reference) return report_error(reference.error());
     const char component = options.channel.empty() ? 'A' : options.channel.front();
-    auto value = display::compare(*image, *reference, metric_of(options.metric),
-                                  options.layer == "beauty" ? std::string() : options.layer, component);
+    auto value = display::compare(*image, *reference, metric_of(options.metric), options.layer, component);
     if (!value) return report_error(value.error());
     print_line(number_text(*value, 9));
     return exit_holds;

@@ -38,7 +38,8 @@ std::string verdict_text(const display::SplitVerdict& verdict) {
                 (verdict.exceeding == 1 ? " pixel exceeds the bound" : " pixels exceed the bound");
     if (verdict.non_finite > 0)
         text += "\n  " + std::to_string(verdict.non_finite) +
-                (verdict.non_finite == 1 ? " pixel holds" : " pixels hold") + " values that are not finite";
+                (verdict.non_finite == 1 ? " pixel holds" : " pixels hold") +
+                " values that are not finite, the first " + pixel_text(verdict.non_finite_x, verdict.non_finite_y);
     return text;
 }
 

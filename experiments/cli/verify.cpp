@@ -39,12 +39,8 @@ int verify_sum(const VerifyOptions& options) {
     auto image =
         options.files.size() == 1 ? display::read_exr(options.files.front()) : display::read_exr_set(options.files);
     if (!image) return report_error(image.error());
-    auto verdict = display::check_split(*image, options.of == "beauty" ? std::string() : options.of, options.globs);
-    if (!verdict) {
-        Error error = verdict.error();
-        if (error.hint.empty()) error.hint = "the layers are: " + layer_list(*image);
-        return report_error(error);
-    }
+    auto verdict = display::check_split(*image, options.of, options.globs);
+    if (!verdict) return report_error(verdict.error());
     note_incomplete(*image);
     return print_verdict(*verdict, *image) ? exit_holds : exit_does_not_hold;
 }
