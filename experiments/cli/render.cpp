@@ -1,4 +1,6 @@
 // raylex render: from flags and a job file to a Job; cli/render_run.cpp does the rest.
+#include <charconv>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -56,6 +58,7 @@ void override_entity(const std::string& name, const char* option, std::optional<
 }
 
 Result<Job> base_job(const std::string& input) {
+    if (input.empty()) return error_at({}, "the scene's name is empty; expected a pbrt-v4 scene or a TOML job");
     if (std::filesystem::path(input).extension() == ".toml") return read_job(input);
     Job job;
     job.scene_file = input;
@@ -98,6 +101,14 @@ Result<Job> assemble(const CLI::App& command, const RenderOptions& options) {
     return job;
 }
 
+/// CLI11 reads "-1" and numbers past 64 bits as some other seed.
+std::string refuse_seed(const std::string& text) {
+    std::uint64_t seed = 0;
+    const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), seed);
+    if (failed == std::errc() && end == text.data() + text.size()) return {};
+    return "'" + text + "' is no seed; expected a whole number from 0 to 18446744073709551615";
+}
+
 void add_options(CLI::App& command, RenderOptions& options) {
     command.add_option("SCENE.pbrt|JOB.toml", options.input, "a pbrt-v4 scene, or a TOML job that names one")
         ->required()
@@ -108,7 +119,9 @@ void add_options(CLI::App& command, RenderOptions& options) {
     command.add_option("--spp", options.spp, "samples per pixel; default: as the scene says")
         ->option_text("N")
         ->check(CLI::Range(1, 2147483647));
-    command.add_option("--seed", options.seed, "seed of the sampler; default 0")->option_text("N");
+    command.add_option("--seed", options.seed, "seed of the sampler; default 0")
+        ->option_text("N")
+        ->check(CLI::Validator(refuse_seed, "", "seed"));
     command.add_option("--threads", options.threads, "threads; 0, the default, is all the machine offers")
         ->option_text("N")
         ->check(CLI::Range(0, 4096));

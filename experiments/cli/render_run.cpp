@@ -17,6 +17,7 @@
 #include "experiments/cli/progress.h"
 #include "experiments/job/channel_plan.h"
 #include "experiments/job/color_setup.h"
+#include "experiments/job/parameter_check.h"
 #include "experiments/job/provenance.h"
 #include "experiments/job/statistics.h"
 #include "experiments/report/preview.h"
@@ -79,6 +80,7 @@ class RenderRun {
 
     Step load() {
         const PhaseClock clock;
+        if (Status known = check_parameters(job_); !known) return report_error(known.error());
         auto color = open_color(job_);
         if (!color) return report_error(color.error());
         color_ = std::move(*color);

@@ -322,3 +322,29 @@ TEST_CASE("rendering in another space scales nothing but the primaries") {
     REQUIRE(ratio.code == 0);
     CHECK(std::stod(ratio.out) == Approx(1.0).epsilon(0.01));
 }
+
+TEST_CASE("a seed that is no whole number of 64 bits is refused, not turned into another one") {
+    const Folder folder;
+    folder.write("room.pbrt", small_scene());
+    for (const char* seed : {"-1", "18446744073709551616", "1e3", "x"})
+        check_refused(folder, std::string("render room.pbrt --seed ") + seed, {"--seed", seed, "expected"});
+    CHECK(run_raylex(folder, "render room.pbrt --spp 1 --seed 18446744073709551615").code == 0);
+}
+
+TEST_CASE("a job's parameter that its type does not have is refused before rendering, with its place [law7]") {
+    const Folder folder;
+    folder.write("room.pbrt", small_scene());
+    const std::string scene = "[scene]\nfile = 'room.pbrt'\n";
+    folder.write("i.toml", scene + "[integrator]\ntype = 'path'\nregularise = true\n");
+    check_refused(folder, "render i.toml", {"i.toml:5:", "'regularise'", "did you mean 'regularize'"});
+    folder.write("s.toml", scene + "[sampler]\ntype = 'sobol'\nsamples = 3\n");
+    check_refused(folder, "render s.toml", {"s.toml:5:", "'samples'", "pixelsamples"});
+    folder.write("f.toml", scene + "[filter]\ntype = 'gaussian'\nradius = 3.0\n");
+    check_refused(folder, "render f.toml", {"f.toml:5:", "'radius'", "xradius"});
+}
+
+TEST_CASE("an unknown subcommand is named, with what there is") {
+    const Folder folder;
+    check_refused(folder, "rendr room.pbrt", {"'rendr'", "did you mean 'render'"});
+    check_refused(folder, "lpe chek", {"'chek'", "did you mean 'check'", "raylex lpe --help"});
+}
