@@ -2,7 +2,10 @@
 
 #include <exception>
 #include <iostream>
+#include <string>
+#include <vector>
 
+#include "display/services/parameters.h"
 #include "experiments/cli/commands.h"
 #include "experiments/cli/console.h"
 #include "experiments/job/provenance.h"
@@ -14,6 +17,22 @@ namespace {
 int finish_parse(const CLI::App& app, const CLI::ParseError& error) {
     const int code = app.exit(error, std::cout, std::cerr);
     return code == 0 ? exit_holds : exit_bad_input;
+}
+
+/// CLI11 asks for a subcommand without saying that it did not know the word that was there.
+std::string what_failed(const CLI::App& command, const CLI::Error& error) {
+    const std::vector<std::string> rest = command.remaining();
+    std::vector<std::string> known;
+    std::string list;
+    for (const CLI::App* each : command.get_subcommands([](const CLI::App*) { return true; })) {
+        known.push_back(each->get_name());
+        list += (list.empty() ? "" : ", ") + each->get_name();
+    }
+    if (known.empty()) return error.what();
+    if (rest.empty() || rest.front().starts_with('-')) return std::string(error.what()) + "; expected one of: " + list;
+    const std::string near = nearest_name(rest.front(), known);
+    return "unknown subcommand '" + rest.front() + "'; expected one of: " + list +
+           (near.empty() ? "" : "\ndid you mean '" + near + "'?");
 }
 
 }  // namespace
@@ -34,11 +53,13 @@ int run_command_line(int argc, const char* const* argv) {
     app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
         // The innermost subcommand that was named is the one whose help is of use.
         std::string command = "raylex";
-        for (const CLI::App* at = failed; !at->get_subcommands().empty();) {
-            at = at->get_subcommands().front();
-            command += " " + at->get_name();
+        const CLI::App* innermost = failed;
+        while (!innermost->get_subcommands().empty()) {
+            innermost = innermost->get_subcommands().front();
+            command += " " + innermost->get_name();
         }
-        return std::string("raylex: error: ") + error.what() + "\nRun '" + command + " --help' for what is expected.\n";
+        return "raylex: error: " + what_failed(*innermost, error) + "\nRun '" + command +
+               " --help' for what is expected.\n";
     });
     add_render_command(app, context);
     add_lpe_command(app, context);
