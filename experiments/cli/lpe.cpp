@@ -110,7 +110,7 @@ void add_lpe_command(CLI::App& app, CommandContext& context) {
     add_dialect(*match, *options);
     match->footer(
         "Types C R T V L B O U1..U12; scatter D G S s or -. Labels with blanks or commas stand in quotes.\n"
-        "Example: raylex lpe match 'CD*<L.\"key\">' 'C,- R,D,floor L,-,key'\nExit codes: 0 match, 1 no match, 2 bad "
+        "Example: raylex lpe match \"CD*<L.'key'>\" 'C,- R,D,floor L,-,key'\nExit codes: 0 match, 1 no match, 2 bad "
         "usage or input.");
     match->callback([options, &context] { context.exit_code = run_match(*options); });
 

@@ -90,3 +90,13 @@ TEST_CASE("the command line's own errors end with 2, help with 0") {
         CHECK(help.find(option) != std::string::npos);
     }
 }
+
+TEST_CASE("the example in lpe match --help works as printed") {
+    const Folder folder;
+    const std::string help = run_raylex(folder, "lpe match --help").out;
+    const std::string mark = "Example: raylex ";
+    const std::size_t at = help.find(mark);
+    REQUIRE(at != std::string::npos);
+    const std::size_t begin = at + mark.size();
+    CHECK(run_raylex(folder, help.substr(begin, help.find('\n', begin) - begin)).out == "match\n");
+}
