@@ -37,9 +37,16 @@ out=$(cd "$out" && pwd)
 program=$root/build/release/raylex
 cores=$(nproc)
 
+# What a result depends on: the program, the job and the scene's files.
+stamp_of() { find "$program" "$here/quickstart/$1.toml" "$here/scenes/$1" -type f -print0 | sort -z | xargs -0 sha256sum | awk '{ print $1 }' | sha256sum | awk '{ print $1 }'; }
+is_rendered() { [ -x "$program" ] && [ "$(cat "$out/$1.stamp" 2>/dev/null)" = "$(stamp_of "$1")" ] && [ -f "$out/$1.exr" ] && [ -f "$out/$1.png" ] && [ -f "$out/$1.json" ]; }
+
 # --- what it will take -------------------------------------------------------------------------------------------------
-estimate=$((render_core_seconds / cores))
-work="render 2 scenes (about $(minutes "$estimate"))"
+pending=0
+for scene in "${scenes[@]}"; do is_rendered "$scene" || pending=$((pending + 1)); done
+estimate=$((render_core_seconds * pending / ${#scenes[@]} / cores))
+work="render $pending of ${#scenes[@]} scenes (about $(minutes "$estimate"))"
+[ "$pending" -gt 0 ] || work="both scenes are rendered; bring the build up to date and check them again"
 if [ ! -x "$program" ]; then
     build=$((build_core_seconds / cores))
     estimate=$((estimate + build))
@@ -82,8 +89,6 @@ fi
 build_seconds=$(seconds_since "$started")
 
 # --- render --------------------------------------------------------------------------------------------------------------
-# What a result depends on: the program, the job and the scene's files.
-stamp_of() { find "$program" "$here/quickstart/$1.toml" "$here/scenes/$1" -type f -print0 | sort -z | xargs -0 sha256sum | awk '{ print $1 }' | sha256sum | awk '{ print $1 }'; }
 keep_earlier() {
     local file folder=""
     for file in "$@"; do
@@ -99,7 +104,7 @@ for scene in "${scenes[@]}"; do
     base=$out/$scene
     stamp=$(stamp_of "$scene")
     started=$(date +%s.%N)
-    if [ "$(cat "$base.stamp" 2>/dev/null)" = "$stamp" ] && [ -f "$base.exr" ] && [ -f "$base.png" ] && [ -f "$base.json" ]; then
+    if is_rendered "$scene"; then
         say "$scene: already rendered from these inputs"
         renders+=", $scene kept"
     else
