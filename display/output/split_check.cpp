@@ -126,7 +126,7 @@ Result<std::vector<const ImageLayer*>> choose_layers(const ExrImage& image, cons
     for (const std::string& glob : globs) {
         bool matched = false;
         for (const ImageLayer& layer : image.layers) {
-            if (!glob_match(glob, layer.name.empty() ? "beauty" : layer.name)) continue;
+            if (!glob_match(glob, image.layer("beauty") == &layer ? "beauty" : layer.name)) continue;
             if (&layer == &of && has_wildcard(glob)) continue;
             if (&layer == &of)
                 return split_error(image,

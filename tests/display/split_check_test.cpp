@@ -136,6 +136,10 @@ TEST_CASE("values that are not finite fail a split and are counted per pixel", "
     const auto verdict = verdict_of(image, {"a"});
     CHECK(!verdict.holds);
     CHECK(verdict.non_finite == 2);
+    image.layers[1].planes[0].values[0] = 1;
+    CHECK(verdict_of(image, {"a"}).non_finite_x == 0);  // its G is not
+    image.layers[1].planes[1].values[0] = 1;
+    CHECK(verdict_of(image, {"a"}).non_finite_x == 1);
     CHECK(verdict.exceeding == 0);
     CHECK(std::isinf(verdict.residual[0]));
     CHECK(verdict.residual[2] == 0);
@@ -169,6 +173,20 @@ TEST_CASE("unknown layers, ids and empty sums get errors with near misses", "[di
     CHECK(message("", {"id"}).find("unsigned integers") != std::string::npos);
     image.layers.push_back({"uv", "uv", {{"U", StoredType::single_float, {1}}, {"V", StoredType::single_float, {1}}}});
     CHECK(message("", {"uv"}).find("U, V") != std::string::npos);
+}
+
+TEST_CASE("the whole image is found by the names renderers give it, a layer's own name first", "[display][verify]") {
+    const auto rgb = [](const std::string& name, float value) { return color_layer(name, {{value, value, value}}); };
+    const auto image = image_of(1, 1, {rgb("", 3.0f), rgb("beauty", 2.0f), rgb("x", 1.0f), rgb("y", 1.0f)});
+    CHECK(verdict_of(image, {"x", "y"}, "beauty").holds);
+    CHECK(verdict_of(image, {"x", "beauty"}, "").holds);
+    CHECK(verdict_of(image, {"x", "beauty"}, "RGBA").holds);
+    // Named after nothing that is there: the likely layer is proposed, never taken silently.
+    const auto blender = image_of(1, 1, {rgb("ViewLayer.Combined", 1.0f), rgb("ViewLayer.DiffDir", 1.0f)});
+    const auto refused = check_split(blender, "beauty", {"ViewLayer.DiffDir"});
+    REQUIRE_FALSE(refused);
+    CHECK(refused.error().hint.find("'ViewLayer.Combined'") != std::string::npos);
+    CHECK(verdict_of(image_of(1, 1, {rgb("x", 1.0f), rgb("", 1.0f)}), {"beauty"}, "x").holds);
 }
 
 TEST_CASE("single planes and vectors can be summed too", "[display][verify]") {
