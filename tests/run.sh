@@ -103,7 +103,7 @@ if [ "$sanitize" = 1 ] && configure_and_build asan "${warnings[@]}"; then
     export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_leaks=1:abort_on_error=0}
     export LSAN_OPTIONS=${LSAN_OPTIONS:-suppressions=$here/support/lsan.supp:print_suppressions=0}
     export UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1}
-    if [ -n "$filter" ]; then run_programs asan sanitized "$filter~[statistical]"; else run_programs asan sanitized "~[statistical]"; fi
+    run_programs asan sanitized "$filter~[statistical]~[release-only]"
 fi
 
 if [ -z "$filter" ]; then
