@@ -2,9 +2,11 @@
 
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include "lpe/match.h"
@@ -112,6 +114,13 @@ Result<VectorReport> run_vectors_text(std::string_view text, const std::string& 
 }
 
 Result<VectorReport> run_vectors(const std::string& path, Dialect dialect) {
+    std::error_code unknown;
+    if (std::filesystem::is_directory(path, unknown)) {  // opens like a file, and then throws when it is read
+        Error error;
+        error.message = "this is a folder; expected a file of rows EXPRESSION, EVENTS, EXPECTED";
+        error.file = path;
+        return error;
+    }
     std::ifstream file(path, std::ios::binary);
     if (!file) {
         Error error;
