@@ -1,9 +1,12 @@
 #include "geoaovs/geoaovs.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
 #include "display/services/parameters.h"
+#include "geoaovs/shading_values.h"
 
 namespace raylex::geoaovs {
 namespace {
@@ -14,54 +17,112 @@ using display::ChannelStyle;
 using display::ChannelType;
 using display::DisplayServices;
 using display::FilterRule;
+using display::SampleTable;
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-Rgb triple(const std::vector<float> (&values)[3], std::size_t hit) {
-    return {values[0][hit], values[1][hit], values[2][hit]};
-}
+using WriteHits = void (*)(const ShadingBatch&, ChannelId, DisplayServices&);
+using WriteRays = void (*)(const RayBatch&, const SampleTable&, ChannelId, DisplayServices&);
+using WriteSamples = void (*)(const SampleTable&, double seconds, ChannelId, DisplayServices&);
 
-float camera_row_product(const ShadingBatch& hits, int axis, const Rgb& v) {
-    const float* m = hits.world_to_camera[axis];
-    return m[0] * v.r + m[1] * v.g + m[2] * v.b;
-}
-
-/// The transform is rigid, so normals turn like vectors.
-Rgb camera_vector(const ShadingBatch& hits, const Rgb& v) {
-    return {camera_row_product(hits, 0, v), camera_row_product(hits, 1, v), camera_row_product(hits, 2, v)};
-}
-
-Rgb camera_point(const ShadingBatch& hits, const Rgb& v) {
-    return camera_vector(hits, v) +
-           Rgb(hits.world_to_camera[0][3], hits.world_to_camera[1][3], hits.world_to_camera[2][3]);
-}
-
-using Value = float (*)(const ShadingBatch&, std::size_t hit);
-using Triple = Rgb (*)(const ShadingBatch&, std::size_t hit);
-using Index = std::int32_t (*)(const ShadingBatch&, std::size_t hit);
-
-/// Writes one AOV for a whole batch; `function` is inlined into the loop.
+/// Writes one AOV for a whole batch of hits; `function` is inlined into the loop. Chunks fit in the nearest cache.
 template <auto function>
-void write_all(const ShadingBatch& hits, ChannelId id, DisplayServices& services) {
-    for (std::size_t hit = 0; hit < static_cast<std::size_t>(hits.count); ++hit)
-        services.write(id, hits.row[hit], function(hits, hit));
+void hits(const ShadingBatch& batch, ChannelId id, DisplayServices& services) {
+    using Value = decltype(function(batch, std::size_t{0}));
+    constexpr std::size_t chunk = 64;
+    std::array<Value, chunk> values;
+    const auto count = static_cast<std::size_t>(batch.count);
+    for (std::size_t first = 0; first < count; first += chunk) {
+        const std::size_t n = std::min(chunk, count - first);
+        for (std::size_t i = 0; i < n; ++i) values[i] = function(batch, first + i);
+        services.write(id, std::span<const std::int32_t>(batch.row.data() + first, n),
+                       std::span<const Value>(values.data(), n));
+    }
 }
 
-constexpr Triple shading_normal = [](const ShadingBatch& h, std::size_t i) {
-    return camera_vector(h, triple(h.shading_normal, i));
+/// Writes a depth for every camera ray that met something, and for every row behind which that ray went on which is not
+/// wholly transparent: (origin, direction, distance) -> value.
+template <auto function>
+void depths(const RayBatch& rays, const SampleTable& table, ChannelId id, DisplayServices& services) {
+    constexpr std::size_t chunk = 64;
+    std::array<std::int32_t, chunk> to;
+    std::array<float, chunk> values;
+    std::size_t n = 0;
+    const auto flush = [&] {
+        services.write(id, std::span<const std::int32_t>(to.data(), n), std::span<const float>(values.data(), n));
+        n = 0;
+    };
+    for (int row = 0; row < table.row_count(); ++row) {
+        const auto i = static_cast<std::size_t>(row), camera = static_cast<std::size_t>(table.original(row));
+        if (!std::isfinite(table.depth[i])) continue;
+        if (row >= table.camera_row_count() && table.opacity[i].is_black()) continue;
+        to[n] = row;
+        values[n++] = function(rays.origin_z[camera], rays.direction_z[camera], table.depth[i]);
+        if (n == chunk) flush();
+    }
+    flush();
+}
+
+constexpr auto axial_depth = [](float origin_z, float direction_z, float d) { return origin_z + d * direction_z; };
+constexpr auto radial_depth = [](float, float, float distance) { return distance; };
+
+/// Splats one value per camera ray. Splats of a sample's rows add up, so that what a cutout let through counts once.
+template <auto function>
+void samples(const SampleTable& table, double seconds, ChannelId id, DisplayServices& services) {
+    for (int row = 0; row < table.camera_row_count(); ++row) services.splat(id, row, function(table, row, seconds));
+}
+
+constexpr auto shutter_time = [](const SampleTable& table, int row, double) {
+    return table.camera_row(row).shutter_time;
 };
-constexpr Triple geometric_normal = [](const ShadingBatch& h, std::size_t i) {
-    return camera_vector(h, triple(h.geometric_normal, i));
+constexpr auto one = [](const SampleTable&, int, double) { return 1.0f; };
+constexpr auto cpu_time = [](const SampleTable& table, int, double seconds) {
+    return static_cast<float>(seconds / table.camera_row_count());
 };
-constexpr Triple position = [](const ShadingBatch& h, std::size_t i) { return camera_point(h, triple(h.position, i)); };
-constexpr Triple world_position = [](const ShadingBatch& h, std::size_t i) { return triple(h.position, i); };
-constexpr Value axial_depth = [](const ShadingBatch& h, std::size_t i) {
-    return camera_row_product(h, 2, triple(h.position, i)) + h.world_to_camera[2][3];
+
+/// 1 - (1 - o_1)(1 - o_2)... over each sample's rows, colour by colour.
+std::vector<RgbD> sample_opacities(const SampleTable& table) {
+    std::vector<RgbD> through(static_cast<std::size_t>(table.camera_row_count()), RgbD(1.0));
+    for (int row = 0; row < table.row_count(); ++row)
+        through[static_cast<std::size_t>(table.original(row))] *=
+            RgbD(1.0) - table.opacity[static_cast<std::size_t>(row)];
+    for (RgbD& each : through) each = RgbD(1.0) - each;
+    return through;
+}
+
+void opacity(const SampleTable& table, double, ChannelId id, DisplayServices& services) {
+    const std::vector<RgbD> opacities = sample_opacities(table);
+    for (int row = 0; row < table.camera_row_count(); ++row)
+        services.splat(id, row, Rgb(opacities[static_cast<std::size_t>(row)]));
+}
+
+void alpha(const SampleTable& table, double, ChannelId id, DisplayServices& services) {
+    const std::vector<RgbD> opacities = sample_opacities(table);
+    for (int row = 0; row < table.camera_row_count(); ++row)
+        services.splat(id, row, static_cast<float>(opacities[static_cast<std::size_t>(row)].average()));
+}
+
+/// How an AOV gets its values: exactly one of the functions, or an expression.
+struct Source {
+    WriteHits hits = nullptr;
+    Inputs inputs = 0;              // columns that `hits` reads
+    WriteRays rays = nullptr;
+    WriteSamples samples = nullptr;
+    bool timed = false;
+    const char* expression = nullptr;
 };
-constexpr Value ray_length = [](const ShadingBatch& h, std::size_t i) { return h.distance[i]; };
-constexpr Triple texture_coordinates = [](const ShadingBatch& h, std::size_t i) { return Rgb(h.s[i], h.t[i], 0.0f); };
-constexpr Index object_id = [](const ShadingBatch& h, std::size_t i) { return h.object_id[i]; };
-constexpr Triple albedo = [](const ShadingBatch& h, std::size_t i) { return triple(h.albedo, i); };
+constexpr Source from_hits(WriteHits write, Inputs read) {
+    return {write, read, nullptr, nullptr, false, nullptr};
+}
+constexpr Source from_rays(WriteRays write) {
+    return {nullptr, 0, write, nullptr, false, nullptr};
+}
+constexpr Source from_samples(WriteSamples write, bool timed = false) {
+    return {nullptr, 0, nullptr, write, timed, nullptr};
+}
+constexpr Source from_expression(const char* expression) {
+    return {nullptr, 0, nullptr, nullptr, false, expression};
+}
 
 struct Aov {
     const char* name;
@@ -69,39 +130,97 @@ struct Aov {
     const char* space;
     FilterRule rule;
     float miss_value;
-    bool needs_albedo;
-    void (*write)(const ShadingBatch&, ChannelId, DisplayServices&);
+    Source source;
 };
+
+using T = ChannelType;
+using R = FilterRule;
+namespace in = inputs;
 
 // The only place that knows what an AOV is.
 constexpr std::array aovs{
-    Aov{"Nn", ChannelType::normal, "camera", FilterRule::filter, 0, false, write_all<shading_normal>},
-    Aov{"Ngn", ChannelType::normal, "camera", FilterRule::filter, 0, false, write_all<geometric_normal>},
-    Aov{"P", ChannelType::point, "camera", FilterRule::filter, 0, false, write_all<position>},
-    Aov{"Pw", ChannelType::point, "world", FilterRule::filter, 0, false, write_all<world_position>},
-    Aov{"z", ChannelType::real, "camera", FilterRule::zmin, infinity, false, write_all<axial_depth>},
-    Aov{"VLen", ChannelType::real, "world", FilterRule::zmin, infinity, false, write_all<ray_length>},
-    Aov{"st", ChannelType::vector, "texture", FilterRule::filter, 0, false, write_all<texture_coordinates>},
-    Aov{"id", ChannelType::integer, "", FilterRule::zmin, 0, false, write_all<object_id>},
-    Aov{"albedo", ChannelType::rgb, "rendering colour space", FilterRule::filter, 0, true, write_all<albedo>},
+    Aov{"P", T::point, "camera", R::filter, 0, from_hits(hits<values::position>, in::position)},
+    Aov{"Po", T::point, "object", R::filter, 0, from_hits(hits<values::object_position>, in::object_position)},
+    Aov{"Pw", T::point, "world", R::filter, 0, from_hits(hits<values::world_position>, in::position)},
+    Aov{"Nn", T::normal, "camera", R::filter, 0, from_hits(hits<values::shading_normal>, in::shading_normal)},
+    Aov{"Ngn", T::normal, "camera", R::filter, 0, from_hits(hits<values::geometric_normal>, in::geometric_normal)},
+    Aov{"Non", T::normal, "camera", R::filter, 0, from_hits(hits<values::plain_normal>, in::plain_normal)},
+    Aov{"Tn", T::vector, "camera", R::filter, 0, from_hits(hits<values::tangent>, in::dpdu)},
+    Aov{"Vn", T::vector, "camera", R::filter, 0, from_hits(hits<values::view>, in::view)},
+    Aov{"VLen", T::real, "world", R::zmin, infinity, from_rays(depths<radial_depth>)},
+    Aov{"z", T::real, "camera", R::zmin, infinity, from_rays(depths<axial_depth>)},
+    Aov{"zback", T::real, "camera", R::zmin, infinity, from_rays(depths<axial_depth>)},
+    Aov{"zfiltered", T::real, "camera", R::filter, 0, from_rays(depths<axial_depth>)},
+    Aov{"u", T::real, "parameter", R::filter, 0, from_hits(hits<values::u>, in::parameters)},
+    Aov{"v", T::real, "parameter", R::filter, 0, from_hits(hits<values::v>, in::parameters)},
+    Aov{"st", T::vector, "texture", R::filter, 0, from_hits(hits<values::st>, in::texture)},
+    Aov{"dPdu", T::vector, "camera", R::filter, 0, from_hits(hits<values::dpdu>, in::dpdu)},
+    Aov{"dPdv", T::vector, "camera", R::filter, 0, from_hits(hits<values::dpdv>, in::dpdv)},
+    Aov{"curvature", T::real, "world", R::filter, 0, from_hits(hits<values::curvature>, in::curvature)},
+    Aov{"outsideIOR", T::real, "", R::filter, 0, from_hits(hits<values::outside_ior>, in::outside_ior)},
+    Aov{"incidenceAngle", T::real, "radians", R::filter, 0,
+        from_hits(hits<values::incidence_angle>, in::shading_normal | in::view)},
+    Aov{"time", T::real, "shutter", R::filter, 0, from_samples(samples<shutter_time>)},
+    Aov{"id", T::integer, "", R::zmin, 0, from_hits(hits<values::id>, in::ids)},
+    Aov{"id2", T::integer, "", R::zmin, 0, from_hits(hits<values::id2>, in::ids)},
+    Aov{"rawId", T::integer, "", R::zmin, 0, from_hits(hits<values::raw_id>, in::ids)},
+    Aov{"a", T::real, "", R::filter, 0, from_samples(alpha)},
+    Aov{"Ci", T::rgb, "rendering colour space", R::filter, 0, from_expression("C.*")},
+    Aov{"Oi", T::rgb, "opacity", R::filter, 0, from_samples(opacity)},
+    Aov{"cpuTime", T::real, "seconds", R::sum, 0, from_samples(samples<cpu_time>, true)},
+    Aov{"sampleCount", T::real, "", R::sum, 0, from_samples(samples<one>)},
+    Aov{"__Pworld", T::point, "world", R::filter, 0, from_hits(hits<values::world_position>, in::position)},
+    Aov{"__Nworld", T::normal, "world", R::filter, 0,
+        from_hits(hits<values::world_shading_normal>, in::shading_normal)},
+    Aov{"__Vworld", T::vector, "world", R::filter, 0, from_hits(hits<values::world_view>, in::view)},
+    Aov{"__st", T::vector, "texture", R::filter, 0, from_hits(hits<values::st>, in::texture)},
+    Aov{"__depth", T::vector, "camera depth, world height, cosine", R::filter, 0,
+        from_hits(hits<values::depth_height_facing>, in::position | in::shading_normal | in::view)},
+    Aov{"albedo", T::rgb, "rendering colour space", R::filter, 0, from_hits(hits<values::albedo>, in::albedo)},
+    Aov{"wireframe", T::real, "", R::filter, 0, from_hits(hits<values::wireframe>, in::edges)},
 };
+
+constexpr std::array motion_names{"dPdtime", "dPcameradtime", "motionFore", "motionBack", "motionvector"};
+
+Error unknown_name(std::string_view name) {
+    if (std::find(motion_names.begin(), motion_names.end(), name) != motion_names.end())
+        return error_at({}, "the geometric AOV '" + std::string(name) +
+                                "' tells how things move during the exposure, and raylex renders no motion yet; "
+                                "expected an AOV of the still scene, such as P or z");
+    std::string known;
+    for (const std::string& each : channel_names()) known += (known.empty() ? "" : ", ") + each;
+    const std::string near = nearest_name(name, channel_names());
+    return error_at({}, "unknown geometric AOV '" + std::string(name) + "'; expected one of: " + known,
+                    near.empty() ? std::string() : "did you mean '" + near + "'?");
+}
 
 }  // namespace
 
-void ShadingBatch::resize(int hits) {
-    count = hits;
-    const auto size = static_cast<std::size_t>(hits);
-    row.resize(size);
-    for (int axis = 0; axis < 3; ++axis) {
-        position[axis].resize(size);
-        shading_normal[axis].resize(size);
-        geometric_normal[axis].resize(size);
-        albedo[axis].resize(size);
-    }
-    s.resize(size);
-    t.resize(size);
-    distance.resize(size);
-    object_id.resize(size);
+void ShadingBatch::resize(int new_count, Inputs wanted) {
+    count = new_count;
+    const auto size = static_cast<std::size_t>(new_count);
+    const auto grow = [size](auto& column) {  // never shrinks: a batch is filled many times
+        if (column.size() < size) column.resize(size);
+    };
+    const auto grow_three = [&grow](auto (&columns)[3]) {
+        for (auto& column : columns) grow(column);
+    };
+    grow(row);
+    if (wanted & inputs::position) grow_three(position);
+    if (wanted & inputs::shading_normal) grow_three(shading_normal);
+    if (wanted & inputs::geometric_normal) grow_three(geometric_normal);
+    if (wanted & inputs::plain_normal) grow_three(plain_normal);
+    if (wanted & inputs::view) grow_three(view);
+    if (wanted & inputs::texture) grow(s), grow(t);
+    if (wanted & inputs::parameters) grow(u), grow(v);
+    if (wanted & inputs::dpdu) grow_three(dpdu);
+    if (wanted & inputs::dpdv) grow_three(dpdv);
+    if (wanted & inputs::object_position) grow_three(object_position);
+    if (wanted & inputs::curvature) grow(curvature);
+    if (wanted & inputs::outside_ior) grow(outside_ior);
+    if (wanted & inputs::ids) grow(object_id), grow(part_id), grow(surface_id);
+    if (wanted & inputs::edges) grow(edge_pixels);
+    if (wanted & inputs::albedo) grow_three(albedo);
 }
 
 std::vector<std::string> channel_names() {
@@ -115,40 +234,43 @@ Result<ChannelDefinition> channel_definition(std::string_view name) {
         if (name != aov.name) continue;
         ChannelDefinition definition;
         definition.name = aov.name;
-        definition.style = ChannelStyle::name;
+        definition.style = aov.source.expression ? ChannelStyle::expression : ChannelStyle::name;
+        if (aov.source.expression) definition.expression = aov.source.expression;
         definition.type = aov.type;
         definition.space = aov.space;
         definition.rule = aov.rule;
         definition.miss_value = aov.miss_value;
         return definition;
     }
-    std::string known;
-    for (const std::string& each : channel_names()) known += (known.empty() ? "" : ", ") + each;
-    const std::string near = nearest_name(name, channel_names());
-    return error_at({}, "unknown geometric AOV '" + std::string(name) + "'; expected one of: " + known,
-                    near.empty() ? std::string() : "did you mean '" + near + "'?");
+    return unknown_name(name);
 }
 
 GeometricAovs::GeometricAovs(std::span<const ChannelDefinition> channels) {
-    for (std::size_t id = 0; id < channels.size(); ++id) {
-        if (channels[id].style != ChannelStyle::name) continue;
-        for (std::size_t aov = 0; aov < aovs.size(); ++aov)
-            if (channels[id].name == aovs[aov].name && channels[id].type == aovs[aov].type)
-                requests_.push_back({aov, static_cast<ChannelId>(id)});
+    for (std::size_t i = 0; i < channels.size(); ++i) {
+        if (channels[i].style != ChannelStyle::name) continue;
+        for (std::size_t row = 0; row < aovs.size(); ++row) {
+            const Aov& aov = aovs[row];
+            if (channels[i].name != aov.name || channels[i].type != aov.type) continue;
+            const Request request{row, static_cast<ChannelId>(i)};
+            if (aov.source.hits) hits_.push_back(request);
+            if (aov.source.rays) rays_.push_back(request);
+            if (aov.source.samples) samples_.push_back(request);
+            inputs_ |= aov.source.inputs;
+            wants_time_ = wants_time_ || aov.source.timed;
+        }
     }
 }
 
-bool GeometricAovs::wants_albedo() const {
-    for (const Request& request : requests_)
-        if (aovs[request.aov].needs_albedo) return true;
-    return false;
+void GeometricAovs::write(const ShadingBatch& batch, DisplayServices& services) const {
+    for (const Request& request : hits_) aovs[request.aov].source.hits(batch, request.id, services);
 }
 
-void GeometricAovs::write(const ShadingBatch& hits, DisplayServices& services) const {
-    if (requests_.empty()) return;
-    for (std::size_t hit = 0; hit < static_cast<std::size_t>(hits.count); ++hit)
-        services.write_distance(hits.row[hit], hits.distance[hit]);
-    for (const Request& request : requests_) aovs[request.aov].write(hits, request.id, services);
+void GeometricAovs::write_rays(const RayBatch& rays, SampleTable& table, DisplayServices& services) const {
+    for (const Request& request : rays_) aovs[request.aov].source.rays(rays, table, request.id, services);
+}
+
+void GeometricAovs::write_samples(double seconds, SampleTable& table, DisplayServices& services) const {
+    for (const Request& request : samples_) aovs[request.aov].source.samples(table, seconds, request.id, services);
 }
 
 }  // namespace raylex::geoaovs

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "lpe/pattern.h"
+#include "lpe/language/pattern.h"
 #include "lpe/program.h"
 
 namespace raylex::lpe {
@@ -15,8 +15,8 @@ class EventReader {
   public:
     explicit EventReader(std::string_view text) : text_(text) {}
 
-    Result<std::vector<Event>> run() {
-        std::vector<Event> events;
+    Result<PlacedEvents> run() {
+        PlacedEvents events;
         for (;;) {
             while (position_ < text_.size() && is_blank(text_[position_])) {
                 ++position_;
@@ -24,11 +24,13 @@ class EventReader {
             if (position_ >= text_.size()) {
                 return events;
             }
+            const std::size_t offset = position_;
             Event event;
             if (!read_type(event) || !read_scatter(event) || !read_labels(event)) {
                 return std::move(error_);
             }
-            events.push_back(std::move(event));
+            events.events.push_back(std::move(event));
+            events.offsets.push_back(offset);
         }
     }
 
@@ -98,6 +100,9 @@ class EventReader {
         const std::size_t scatter = position_ < text_.size() ? letters.find(text_[position_]) : std::string_view::npos;
         if (scatter == std::string_view::npos) {
             return refuse(position_, "a scattering: D G S s, or '-' for none");
+        }
+        if (event.type == EventType::user && static_cast<Scatter>(scatter) != Scatter::none) {
+            return refuse(position_, "'-': a user event has no scattering");  // its number is the event's own
         }
         ++position_;
         event.scatter = static_cast<Scatter>(scatter);
@@ -205,7 +210,15 @@ std::string event_words(const Event& event) {
 
 }  // namespace
 
-Result<std::vector<Event>> parse_events(std::string_view text) { return EventReader(text).run(); }
+Result<PlacedEvents> parse_placed_events(std::string_view text) { return EventReader(text).run(); }
+
+Result<std::vector<Event>> parse_events(std::string_view text) {
+    Result<PlacedEvents> placed = EventReader(text).run();
+    if (!placed) {
+        return std::move(placed).error();
+    }
+    return std::move(placed->events);
+}
 
 std::string to_text(const Event& event) {
     std::string text;
@@ -236,6 +249,8 @@ std::string to_text(std::span<const Event> events) {
     }
     return text;
 }
+
+std::string to_sentence(const Event& event) { return event_words(event); }
 
 std::string to_sentence(std::span<const Event> events) {
     std::string text;

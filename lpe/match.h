@@ -7,6 +7,7 @@
 //     label  := text without blanks, commas and quotes, or 'text' or "text" (a backslash takes the next byte as it is)
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <string>
 #include <string_view>
@@ -20,12 +21,20 @@ namespace raylex::lpe {
 /// Reads "C,- R,D,floor L,-,key". An empty text is the empty path. Errors carry line 1 and the byte column.
 Result<std::vector<Event>> parse_events(std::string_view text);
 
+/// The events, and where in the text each begins (bytes from 0).
+struct PlacedEvents {
+    std::vector<Event> events;
+    std::vector<std::size_t> offsets;
+};
+Result<PlacedEvents> parse_placed_events(std::string_view text);
+
 /// The inverse of parse_events: trailing empty labels are left out, labels are quoted where they must be.
 std::string to_text(const Event& event);
 std::string to_text(std::span<const Event> events);
 
 /// The path as a person would say it: "camera, diffuse reflection off 'floor', light 'key'".
 std::string to_sentence(std::span<const Event> events);
+std::string to_sentence(const Event& event);
 
 /// Whether the expression accepts the whole path. To `renderman` labels that an event lacks are empty; to `osl` they are
 /// absent. Errors: the expression does not parse or is too large.

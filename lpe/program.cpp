@@ -1,227 +1,240 @@
-// Channels to tables. Every channel becomes a minimal automaton (languages.h); automata are then multiplied together, in
-// a balanced tree so that all but the last few products are small. A product of minimal automata that remembers which
-// side accepts is minimal itself, so nothing is minimised on the way.
-//
-// Where channels ask about anything "anywhere" on the path (C.*X.*) the product doubles with each of them. A product that
-// grows out of proportion to its parts, or past the state cap, is given up as soon as that shows, and its two sides stay
-// separate groups.
+// Channels to tables: every channel becomes a minimal automaton (automata/languages.h), these become groups and lanes
+// (automata/groups.h, automata/lanes.h), and those are laid out as arrays here.
 #include "lpe/program.h"
 
 #include <algorithm>
 #include <map>
-#include <unordered_map>
 #include <utility>
 
+#include "lpe/automata/groups.h"
+#include "lpe/automata/lanes.h"
+#include "lpe/automata/languages.h"
+#include "lpe/automata/layout.h"
 #include "lpe/failure.h"
-#include "lpe/languages.h"
 #include "lpe/limits.h"
 
 namespace raylex::lpe {
 
-struct Program::Classifier {
-    std::unique_ptr<EventClasses> classes;
-    std::vector<EventClass> column_of_class;
-};
-
 namespace {
 
-using ChannelList = std::vector<std::uint16_t>;
-
-/// An automaton whose outputs are indices into `lists`.
-struct Group {
-    Dfa dfa;
-    std::vector<ChannelList> lists{{}};
-};
-
-/// Unites the lists of two groups; each union once.
-struct ListMerger {
-    const std::vector<ChannelList>& left;
-    const std::vector<ChannelList>& right;
-    std::vector<ChannelList> merged{{}};
-    std::unordered_map<std::uint64_t, std::uint32_t> index{{0, 0}};
-
-    static std::uint32_t combine(void* context, std::uint32_t a, std::uint32_t b) {
-        auto& self = *static_cast<ListMerger*>(context);
-        const auto [place, fresh] = self.index.emplace(static_cast<std::uint64_t>(a) << 32 | b,
-                                                       static_cast<std::uint32_t>(self.merged.size()));
-        if (fresh) {
-            ChannelList list;
-            std::merge(self.left[a].begin(), self.left[a].end(), self.right[b].begin(), self.right[b].end(),
-                       std::back_inserter(list));
-            self.merged.push_back(std::move(list));
-        }
-        return place->second;
-    }
-};
-
-std::optional<Group> merged(const Group& a, const Group& b, std::size_t state_cap) {
-    ListMerger merger{a.lists, b.lists};
-    std::optional<Dfa> dfa = product(a.dfa, b.dfa, {ListMerger::combine, &merger, false, false}, state_cap);
-    if (!dfa) {
-        return std::nullopt;
-    }
-    return Group{std::move(*dfa), std::move(merger.merged)};
-}
-
-/// States up to which a product is in proportion to its parts: sums of a few parts, not their product.
-std::size_t proportionate(const Group& a, const Group& b) { return 4 * (a.dfa.states() + b.dfa.states()) + 256; }
-
-std::vector<Group> merge_balanced(std::vector<Group>& leaves, std::size_t first, std::size_t count, std::size_t state_cap) {
-    std::vector<Group> groups;
-    if (count == 1) {
-        groups.push_back(std::move(leaves[first]));
-        return groups;
-    }
-    groups = merge_balanced(leaves, first, count / 2, state_cap);
-    for (Group& right : merge_balanced(leaves, first + count / 2, count - count / 2, state_cap)) {
-        bool placed = false;
-        for (Group& left : groups) {
-            std::optional<Group> both = merged(left, right, std::min(state_cap, proportionate(left, right)));
-            if (both) {
-                left = std::move(*both);
-                placed = true;
-                break;
-            }
-        }
-        if (!placed) {
-            groups.push_back(std::move(right));
-        }
-    }
-    return groups;
-}
-
-/// Merges the smallest groups, now up to the cap itself, until `wanted` are left or nothing fits.
-void merge_smallest(std::vector<Group>& groups, std::size_t wanted, std::size_t state_cap) {
-    const auto smaller = [](const Group& a, const Group& b) { return a.dfa.states() < b.dfa.states(); };
-    std::sort(groups.begin(), groups.end(), smaller);
-    for (std::size_t i = 0; i + 1 < groups.size() && groups.size() > wanted;) {
-        std::optional<Group> both;
-        for (std::size_t k = i + 1; k < groups.size() && !both; ++k) {
-            both = merged(groups[i], groups[k], state_cap);
-            if (both) {
-                groups.erase(groups.begin() + static_cast<std::ptrdiff_t>(k));
-                groups.erase(groups.begin() + static_cast<std::ptrdiff_t>(i));
-            }
-        }
-        if (!both) {
-            ++i;
-            continue;
-        }
-        groups.insert(std::upper_bound(groups.begin(), groups.end(), *both, smaller), std::move(*both));
-    }
-}
-
-std::string channel_names(const Group& group, std::span<const ChannelSource> channels) {
-    std::vector<bool> inside(channels.size(), false);
-    for (const ChannelList& list : group.lists) {
-        for (const std::uint16_t k : list) {
-            inside[k] = true;
-        }
-    }
-    std::string names;
-    std::size_t count = 0;
-    for (std::size_t k = 0; k < channels.size(); ++k) {
-        if (inside[k] && ++count <= 4) {
-            names += (names.empty() ? "" : ", ") + channels[k].name;
-        }
-    }
-    return count > 4 ? names + " and " + std::to_string(count - 4) + " more" : names;
-}
-
-std::vector<Group> make_groups(std::vector<Dfa> dfas, std::span<const ChannelSource> channels, const CompileOptions& options) {
-    std::vector<Group> leaves;
-    for (std::size_t k = 0; k < dfas.size(); ++k) {
-        leaves.push_back({std::move(dfas[k]), {{}, {static_cast<std::uint16_t>(k)}}});
-    }
-    if (leaves.empty()) {
-        return leaves;
-    }
-    std::vector<Group> groups = merge_balanced(leaves, 0, leaves.size(), options.state_cap);
-    if (groups.size() > options.group_cap) {
-        merge_smallest(groups, options.group_cap, options.state_cap);
-    }
-    if (groups.size() > options.group_cap) {
-        std::string list;
-        for (const Group& group : groups) {
-            list += "\n  " + std::to_string(group.dfa.states()) + " states: " + channel_names(group, channels);
-        }
-        fail("these channels need " + std::to_string(groups.size()) + " groups of at most " +
-                 std::to_string(options.state_cap) + " states; " + std::to_string(options.group_cap) + " are allowed",
-             "expressions such as C.*X.* multiply with one another; use fewer of them at a time:" + list);
-    }
-    return groups;
-}
-
-}  // namespace
-
-/// Lays the groups out as one table.
-class ProgramBuilder {
+/// Writes groups and lanes as one set of arrays.
+class Layout {
   public:
-    static Program build(Languages languages, std::vector<Group> groups) {
-        Program program;
-        program.classifier_ = std::make_unique<Program::Classifier>();
-        Program::Classifier& classifier = *program.classifier_;
-        // Classes that every group treats alike share a column.
-        std::map<std::vector<std::uint16_t>, EventClass> columns;
-        std::vector<std::size_t> class_of_column;
-        for (std::size_t k = 0; k < languages.classes->count(); ++k) {
-            std::vector<std::uint16_t> key;
-            for (const Group& group : groups) {
+    Layout(const EventClasses& classes, const Grouping& grouping) {
+        if (!grouping.lanes.empty()) {
+            lanes_ = pack_lanes(grouping.lanes, grouping.lane_places);
+        }
+        merge_columns(classes, grouping);
+        tables_.classes = classes.table();
+        tables_.next_state.assign(tables_.class_count, Program::dead);
+        for (const Group& group : grouping.tables) {
+            append(group);
+        }
+        if (!grouping.lanes.empty()) {
+            append_lanes();
+        }
+        tables_.table_count = static_cast<std::uint32_t>(grouping.tables.size() + (grouping.lanes.empty() ? 0 : 1));
+    }
+
+    ProgramTables take() { return std::move(tables_); }
+
+  private:
+    /// Classes that every group treats alike share a column.
+    void merge_columns(const EventClasses& classes, const Grouping& grouping) {
+        std::map<std::vector<std::uint32_t>, EventClass> columns;
+        std::map<std::vector<std::uint32_t>, std::uint32_t> images;
+        for (std::size_t k = 0; k < classes.count(); ++k) {
+            std::vector<std::uint32_t> key;
+            for (const Group& group : grouping.tables) {
                 key.push_back(group.dfa.column_of_class[k]);
+            }
+            if (!grouping.lanes.empty()) {
+                key.push_back(lanes_.phase.dfa.column_of_class[k]);
+                key.push_back(images.emplace(lanes_.image[k], static_cast<std::uint32_t>(images.size())).first->second);
             }
             const auto [place, fresh] = columns.emplace(std::move(key), static_cast<EventClass>(columns.size()));
             if (fresh) {
-                class_of_column.push_back(k);
+                class_of_column_.push_back(k);
             }
-            classifier.column_of_class.push_back(place->second);
+            tables_.column_of_class.push_back(place->second);
         }
-        classifier.classes = std::move(languages.classes);
-        program.class_count_ = class_of_column.size();
-        program.next_state_.assign(program.class_count_, Program::dead);
-        program.accept_begin_ = {0, 0};
-        for (const Group& group : groups) {
-            append(program, group, class_of_column);
-        }
-        return program;
+        tables_.class_count = static_cast<std::uint32_t>(class_of_column_.size());
     }
 
-  private:
-    static void append(Program& program, const Group& group, const std::vector<std::size_t>& class_of_column) {
-        const auto base = static_cast<State>(program.state_count() - 1);  // state 0 is shared
+    void append(const Group& group) {
+        const auto base = static_cast<State>(tables_.accept_begin.size() - 2);  // state 0 is shared
         const auto global = [base](std::uint32_t state) { return state == 0 ? Program::dead : base + state; };
-        program.starts_.push_back(global(group.dfa.start));
+        tables_.starts.push_back(global(group.dfa.start));
         for (std::uint32_t state = 1; state < group.dfa.states(); ++state) {
-            for (const std::size_t event_class : class_of_column) {
-                program.next_state_.push_back(global(group.dfa.step(state, static_cast<EventClass>(event_class))));
+            for (const std::size_t event_class : class_of_column_) {
+                tables_.next_state.push_back(global(group.dfa.step(state, static_cast<EventClass>(event_class))));
             }
-            const ChannelList& list = group.lists[group.dfa.output[state]];
-            program.accept_lists_.insert(program.accept_lists_.end(), list.begin(), list.end());
-            program.accept_begin_.push_back(static_cast<std::uint32_t>(program.accept_lists_.size()));
+            append_list(group.lists[group.dfa.output[state]]);
+            tables_.accept_begin.push_back(static_cast<std::uint32_t>(tables_.accept_lists.size()));
         }
     }
+
+    void append_lanes() {
+        const auto base = static_cast<State>(tables_.accept_begin.size() - 2);
+        tables_.first_ended = base + LaneTables::first_ended;
+        append(lanes_.phase);
+        tables_.lane_words = lanes_.words;
+        for (const std::size_t event_class : class_of_column_) {
+            const std::vector<std::uint32_t>& image = lanes_.image[event_class];
+            tables_.lane_image.insert(tables_.lane_image.end(), image.begin(), image.end());
+            State needed = ~State{0}, reached = Program::dead;  // no phase leads on
+            for (State phase = 1; phase < LaneTables::first_ended; ++phase) {
+                const State to = lanes_.phase.dfa.step(phase, static_cast<EventClass>(event_class));
+                if (to != 0) {
+                    needed = base + phase;
+                    reached = base + to;
+                }
+            }
+            tables_.lane_image.push_back(needed);
+            tables_.lane_image.push_back(reached);
+        }
+        tables_.lane_accept = lanes_.accept;
+        for (const ChannelList& list : lanes_.lists) {
+            tables_.lane_lists.push_back(static_cast<std::uint32_t>(tables_.accept_lists.size()));
+            append_list(list);
+        }
+        tables_.lane_lists.push_back(static_cast<std::uint32_t>(tables_.accept_lists.size()));
+        const auto& words = lanes_.words;
+        tables_.starts.resize(tables_.starts.size() + words[0] + 2 * words[1] + 3 * words[2], 0);
+    }
+
+    void append_list(const ChannelList& list) {
+        tables_.accept_lists.insert(tables_.accept_lists.end(), list.begin(), list.end());
+    }
+
+    ProgramTables tables_;
+    LaneTables lanes_;
+    std::vector<std::size_t> class_of_column_;
 };
 
-Program::Program() : class_count_(1), next_state_{dead}, accept_begin_{0, 0} {}
-Program::~Program() = default;
-Program::Program(Program&&) noexcept = default;
-Program& Program::operator=(Program&&) noexcept = default;
+}  // namespace
+
+ProgramTables lay_out(const EventClasses& classes, std::vector<Dfa> dfas, std::span<const ChannelSource> channels,
+                      const CompileOptions& options) {
+    const std::vector<Place> places = options.any_word ? std::vector<Place>{} : places_of(classes);
+    return lay_out(classes, group_channels(std::move(dfas), channels, places, options), channels, options);
+}
+
+ProgramTables lay_out(const EventClasses& classes, const Grouping& grouping, std::span<const ChannelSource> channels,
+                      const CompileOptions& options) {
+    const std::size_t lane_words = grouping.lanes.empty() ? 0 : 1 + lane_word_count(grouping.lanes, grouping.lane_places);
+    if (grouping.tables.size() + lane_words > options.word_cap) {
+        fail("these channels need " + std::to_string(grouping.tables.size() + lane_words) + " words of state; " +
+                 std::to_string(options.word_cap) + " are allowed",
+             "expressions such as C.*X.* take one bit each and more; use fewer of them at a time");
+    }
+    ProgramTables tables = Layout(classes, grouping).take();
+    for (const ChannelSource& channel : channels) {
+        tables.channel_names.push_back(channel.name);
+    }
+    return tables;
+}
+
+void ProgramTables::make_blocks() {
+    block_begin.assign(1, 0);
+    blocks.clear();
+    for (std::size_t state = 0; state + 1 < accept_begin.size(); ++state) {
+        blocks.insert(blocks.end(), accept_lists.begin() + accept_begin[state], accept_lists.begin() + accept_begin[state + 1]);
+        for (std::size_t none = channel_names.size(); blocks.size() % ProgramView::accept_block != 0; ++none) {
+            blocks.push_back(static_cast<std::uint16_t>(none));
+        }
+        block_begin.push_back(static_cast<std::uint32_t>(blocks.size()));
+    }
+}
+
+ProgramView ProgramTables::view() const {
+    ProgramView view;
+    view.word_count = static_cast<std::uint32_t>(starts.size());
+    view.table_count = table_count;
+    view.class_count = class_count;
+    view.state_count = static_cast<std::uint32_t>(accept_begin.size() - 1);
+    view.channel_count = static_cast<std::uint32_t>(channel_names.size());
+    view.starts = starts.data();
+    view.next_state = next_state.data();
+    view.accept_begin = accept_begin.data();
+    view.accept_lists = accept_lists.data();
+    view.block_begin = block_begin.data();
+    view.blocks = blocks.data();
+    view.lane_words = lane_words;
+    view.lane_count = 32 * (lane_words[0] + lane_words[1] + lane_words[2]);
+    view.image_stride = 2 * lane_words[0] + 8 * lane_words[1] + 24 * lane_words[2] + ProgramView::image_tail;
+    view.accept_stride = 2 * lane_words[0] + 4 * lane_words[1] + 8 * lane_words[2];
+    view.first_ended = first_ended;
+    view.lane_image = lane_image.data();
+    view.lane_accept = lane_accept.data();
+    view.lane_lists = lane_lists.data();
+    return view;
+}
+
+std::size_t ProgramTables::bytes() const {
+    return sizeof(State) * (starts.size() + next_state.size()) + sizeof(std::uint16_t) * (accept_lists.size() + blocks.size()) +
+           sizeof(std::uint32_t) * (accept_begin.size() + block_begin.size() + lane_image.size() + lane_accept.size() + lane_lists.size());
+}
+
+Program::Program() : view_(tables_.view()) {}
 
 Result<Program> Program::compile(std::span<const ChannelSource> channels, const CompileOptions& options) {
     return guarded([&]() -> Program {
-        if (channels.size() > 0xFFFF) {
-            fail(std::to_string(channels.size()) + " channels; at most 65535 can be compiled together");
+        if (channels.size() > limits::channels) {
+            fail(std::to_string(channels.size()) + " channels; at most " + std::to_string(limits::channels) +
+                 " can be compiled together");
         }
         LanguageOptions language_options;
         language_options.state_cap = std::max(options.state_cap, limits::boolean_states);
         language_options.renderer_words = !options.any_word;
         Languages languages = build_languages(channels, language_options);
-        std::vector<Group> groups = make_groups(std::move(languages.channels), channels, options);
-        return ProgramBuilder::build(std::move(languages), std::move(groups));
+        return Program(lay_out(*languages.classes, std::move(languages.channels), channels, options));
     });
 }
 
 EventClass Program::classify(const Event& event) const {
-    return classifier_ ? classifier_->column_of_class[classifier_->classes->classify(event)] : EventClass{0};
+    return tables_.column_of_class.empty() ? EventClass{0} : tables_.column_of_class[tables_.classes.classify(event)];
+}
+
+bool Program::follows(EventClass event) const {
+    const bool has_lanes = view_.has_lanes();
+    const State rows = has_lanes ? view_.first_ended - 2 : view_.state_count;  // without those of the phase
+    for (State state = 0; state < rows; ++state) {
+        if (view_.next(state, event) != dead) {
+            return true;
+        }
+    }
+    if (!has_lanes) {
+        return false;
+    }
+    const State underway = view_.first_ended - 1;
+    const std::uint32_t* image = view_.lane_image + std::size_t{event} * view_.image_stride;
+    return (view_.next(underway - 1, event) != dead || view_.next(underway, event) != dead) &&
+           std::any_of(image, image + view_.image_stride - 2, [](std::uint32_t word) { return word != 0; });
+}
+
+void Program::advance(std::span<State> states, std::span<const EventClass> events) const noexcept {
+    if (view_.word_count == 1) {
+        for (std::size_t path = 0; path < events.size(); ++path) {
+            states[path] = view_.next(states[path], events[path]);
+        }
+        return;
+    }
+    for (std::size_t path = 0; path < events.size(); ++path) {
+        State* words = states.data() + path * view_.word_count;
+        view_.advance(words, events[path], words);
+    }
+}
+
+void Program::accepts(std::span<const State> states, std::span<std::uint32_t> masks) const noexcept {
+    std::fill(masks.begin(), masks.end(), 0U);
+    const std::size_t stride = mask_words();
+    const std::size_t paths = view_.word_count == 0 ? 0 : states.size() / view_.word_count;
+    for (std::size_t path = 0; path < paths; ++path) {
+        std::uint32_t* mask = masks.data() + path * stride;
+        view_.for_each_accepted(states.data() + path * view_.word_count,
+                                [mask](std::uint16_t channel) { mask[channel / 32] |= 1U << channel % 32; });
+    }
 }
 
 }  // namespace raylex::lpe

@@ -1,6 +1,10 @@
 #include "lpe/words.h"
 
-#include "lpe/languages.h"
+#include <set>
+#include <string>
+
+#include "lpe/automata/languages.h"
+#include "lpe/limits.h"
 
 namespace raylex::lpe {
 
@@ -12,20 +16,34 @@ void add_core(CoreSet& cores, EventType type, Scatter scatter, int highest_numbe
     }
 }
 
+bool is_labelled(const Event& event) { return !event.labels.empty() && !event.labels.front().empty(); }
+
 bool occurs(const Words& words, const Event& event) {
     switch (event.type) {
         case EventType::volume: return words.volume;
-        case EventType::background: return words.background;
+        case EventType::light: return words.unlabelled_lights || is_labelled(event);
+        case EventType::background: return words.background && (words.unlabelled_lights || is_labelled(event));
         case EventType::emission: return words.emission;
         default: return words.straight || event.scatter != Scatter::straight;
     }
 }
 
-/// Exactly the events of the list that occur.
-EventSet listed(const std::vector<Event>& events, const Words& words) {
+/// Which of the sets an event is in.
+std::string signature(const Event& event, std::span<const EventSet> sets) {
+    std::string answers;
+    answers.reserve(sets.size());
+    for (const EventSet& set : sets) {
+        answers += matches(set, event) ? '1' : '0';
+    }
+    return answers;
+}
+
+/// Exactly the events of the list that occur, one for each kind that `told_apart` tells.
+EventSet listed(const std::vector<Event>& events, const Words& words, std::span<const EventSet> told_apart) {
     EventSet set;
+    std::set<std::string> known;
     for (const Event& event : events) {
-        if (!occurs(words, event)) {
+        if (!occurs(words, event) || (!told_apart.empty() && !known.insert(signature(event, told_apart)).second)) {
             continue;
         }
         EventPattern pattern;
@@ -40,9 +58,20 @@ EventSet listed(const std::vector<Event>& events, const Words& words) {
     return set;
 }
 
-}  // namespace
+/// Moves the straight-through events of `scattering` out of it.
+void part_straight(WordSets& sets) {
+    for (EventPattern& pattern : sets.scattering.any_of) {
+        EventPattern through = pattern;
+        through.cores &= straight_cores();
+        pattern.cores &= ~straight_cores();
+        if (through.cores.any()) {
+            sets.straight.any_of.push_back(std::move(through));
+        }
+    }
+    std::erase_if(sets.scattering.any_of, [](const EventPattern& pattern) { return pattern.cores.none(); });
+}
 
-WordSets word_sets(const Words& words, bool skip_reserved_labels) {
+WordSets uncut_word_sets(const Words& words, bool skip_reserved_labels, std::span<const EventSet> told_apart) {
     LabelTest label = LabelTest::any();
     if (skip_reserved_labels) {
         label.names = reserved_names();
@@ -52,8 +81,8 @@ WordSets word_sets(const Words& words, bool skip_reserved_labels) {
     add_core(camera.cores, EventType::camera, Scatter::none, 0);
     sets.camera.any_of.push_back(camera);
     if (words.alphabet) {
-        sets.scattering = listed(words.alphabet->scattering, words);
-        sets.terminal = listed(words.alphabet->terminals, words);
+        sets.scattering = listed(words.alphabet->scattering, words, told_apart);
+        sets.terminal = listed(words.alphabet->terminals, words, told_apart);
         return sets;
     }
     EventPattern scattering{{}, {label, label}, Missing::is_empty, Extra::refused};  // slots: object, lobe
@@ -69,15 +98,32 @@ WordSets word_sets(const Words& words, bool skip_reserved_labels) {
         add_core(scattering.cores, EventType::volume, Scatter::none, 0);
     }
     sets.scattering.any_of.push_back(std::move(scattering));
-    EventPattern terminal{{}, {label}, Missing::is_empty, Extra::refused};  // slot: light group
-    add_core(terminal.cores, EventType::light, Scatter::none, 0);
+    LabelTest group = label;
+    if (!words.unlabelled_lights) {
+        group.add_name({});
+    }
+    EventPattern light{{}, {group}, Missing::is_empty, Extra::refused};  // slot: light group
+    add_core(light.cores, EventType::light, Scatter::none, 0);
     if (words.background) {
-        add_core(terminal.cores, EventType::background, Scatter::none, 0);
+        add_core(light.cores, EventType::background, Scatter::none, 0);
     }
+    sets.terminal.any_of.push_back(std::move(light));
     if (words.emission) {
-        add_core(terminal.cores, EventType::emission, Scatter::none, 0);
+        EventPattern emission{{}, {label}, Missing::is_empty, Extra::refused};
+        add_core(emission.cores, EventType::emission, Scatter::none, 0);
+        sets.terminal.any_of.push_back(std::move(emission));
     }
-    sets.terminal.any_of.push_back(std::move(terminal));
+    return sets;
+}
+
+}  // namespace
+
+WordSets word_sets(const Words& words, bool skip_reserved_labels, std::span<const EventSet> told_apart) {
+    WordSets sets = uncut_word_sets(words, skip_reserved_labels, told_apart);
+    if (words.max_depth && *words.max_depth >= 0 && *words.max_depth <= limits::word_depth) {
+        sets.max_depth = words.max_depth;
+        part_straight(sets);
+    }
     return sets;
 }
 
@@ -97,7 +143,7 @@ WordSets renderer_word_sets() {
             case EventType::emission: terminal.cores[core] = !scattered; break;
         }
     }
-    return {{{camera}, {}}, {{scattering}, {}}, {{terminal}, {}}};
+    return {{{camera}, {}}, {{scattering}, {}}, {{terminal}, {}}, {}, std::nullopt};
 }
 
 }  // namespace raylex::lpe

@@ -9,7 +9,8 @@
 
 namespace raylex::lpe {
 
-/// The events that can occur, when they are known (from a scene, say). Labels are compared exactly.
+/// The events that can occur, when they are known (from a scene, say). Labels are compared exactly. Thousands of labels cost
+/// little: of events that no expression of a question tells apart, the first listed stands for all.
 struct Alphabet {
     std::vector<Event> scattering;  ///< R, T and V events
     std::vector<Event> terminals;   ///< L, O and B events
@@ -21,6 +22,10 @@ struct Words {
     bool straight = true;    ///< Ts events occur (to `renderman` channels they never leave an event)
     bool background = true;  ///< B terminals occur
     bool emission = true;    ///< O terminals occur
+    bool unlabelled_lights = true;  ///< L and B terminals without a light group occur
+    /// Scattering events of a word at most, straight-through ones not counted; none or more than limits::word_depth: any
+    /// number, so that a proof is never relative to fewer words than there are.
+    std::optional<int> max_depth;
     std::optional<Alphabet> alphabet;  ///< exactly these scattering and terminal events, further cut by the flags above
 };
 

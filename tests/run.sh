@@ -4,7 +4,7 @@
 #
 #   bash tests/run.sh                 everything short
 #   bash tests/run.sh FILTER          only test cases whose name or [tag] matches (Catch2's syntax, * is a wildcard)
-#   bash tests/run.sh --full          adds the long half: statistical figures, reference images
+#   bash tests/run.sh --full          adds the long half: statistical figures, reference images, exhaustive comparison, fuzzing
 #   bash tests/run.sh --release-only  skips the sanitizer build
 #
 # Ends with "N passed, N failed, N skipped"; exit 1 if anything failed, 2 for bad usage or a missing tool.
@@ -105,6 +105,35 @@ if [ "$sanitize" = 1 ] && configure_and_build asan "${warnings[@]}"; then
     export UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1}
     run_programs asan sanitized "$filter~[statistical]~[release-only]~[.]"
 fi
+
+# Each fuzz target from its corpus for a minute: a crash, a hang, a sanitizer's finding or 256 MiB in use fails it.
+fuzz_seconds=60
+run_fuzzers() {
+    local runtime
+    if ! runtime=$(clang++-14 -print-file-name=libclang_rt.fuzzer-x86_64.a 2>/dev/null) || [ ! -e "$runtime" ]; then
+        echo "SKIPPED fuzzing: needs the packages clang-14 and libclang-rt-14-dev"
+        skipped=$((skipped + 1))
+        return
+    fi
+    configure_and_build fuzz "${warnings[@]}" || return
+    say "Fuzzing, $fuzz_seconds seconds a target"
+    local program name target
+    for program in build/fuzz/fuzz_*; do
+        name=$(basename "$program") target=${program##*fuzz_}
+        mkdir -p "build/fuzz/findings"
+        bash tests/fuzz/corpus.sh unpack "$target" "$results/fuzz/$target"
+        if "$program" -max_total_time=$fuzz_seconds -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 \
+            -artifact_prefix="build/fuzz/findings/$target-" "$results/fuzz/$target" \
+            >"$results/$name.log" 2>&1; then
+            printf '%-22s %s inputs\n' "$name" "$(sed -n 's/^stat::number_of_executed_units: *//p' "$results/$name.log")"
+            passed=$((passed + 1))
+        else
+            tail -n 40 "$results/$name.log"
+            fail "$name (the input is kept in build/fuzz/findings)"
+        fi
+    done
+}
+if [ "$full" = 1 ] && [ -z "$filter" ]; then run_fuzzers; fi
 
 if [ -z "$filter" ]; then
     if configure_and_build adopters "${warnings[@]}"; then

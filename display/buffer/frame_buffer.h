@@ -45,6 +45,13 @@ struct FrameBufferLayout {
     bool operator==(const FrameBufferLayout&) const = default;
 };
 
+/// Pixels [x0, x1) x [y0, y1).
+struct PixelRegion {
+    int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+    [[nodiscard]] int width() const { return x1 - x0; }
+    [[nodiscard]] int height() const { return y1 - y0; }
+};
+
 class FrameBuffer {
   public:
     /// Throws std::bad_alloc when the system refuses the address space; create() is the checked door.
@@ -72,8 +79,12 @@ class FrameBuffer {
 
     /// The pixels of a channel, row-major from the top, components interleaved: filtered value, or what its rule picks.
     [[nodiscard]] std::vector<double> resolve(ChannelId id) const;
+    /// The same for the pixels of a region, which must lie within the image. The region's pixels must not be added to
+    /// meanwhile; others may.
+    [[nodiscard]] std::vector<double> resolve(ChannelId id, const PixelRegion& region) const;
     /// Coverage: filtered mean of the samples' opacity.
     [[nodiscard]] std::vector<double> resolve_alpha() const;
+    [[nodiscard]] std::vector<double> resolve_alpha(const PixelRegion& region) const;
     /// Variance of the pixel mean of a kernel-filtered channel with `statistics`; importance mode only; empty when the
     /// channel keeps none, 0 for pixels with fewer than two samples. With weights w and mean m:
     ///     sum(w^2) sum((v - m)^2) / ((n - 1) sum(w)^2),

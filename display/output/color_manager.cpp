@@ -279,6 +279,56 @@ Result<Chromaticities> ColorManager::chromaticities(const std::string& space) co
     return Chromaticities{xy({1, 0, 0}), xy({0, 1, 0}), xy({0, 0, 1}), xy({1, 1, 1})};
 }
 
+Result<FileColor> ColorManager::file_color(const std::string& path, const Chromaticities& to) const {
+    const std::string what = "cannot read the colours of '" + path + "'";
+    return config_->guarded(what, [&]() -> Result<FileColor> {
+        const ocio::ConstConfigRcPtr& config = config_->config;
+        FileColor result;
+        result.space = config->getColorSpaceFromFilepath(path.c_str());
+        result.by_default = config->filepathOnlyMatchesDefaultRule(path.c_str());
+        const ocio::ConstColorSpaceRcPtr space = config->getColorSpace(result.space.c_str());
+        if (!space) return unknown_name(config_->file, "colour space", result.space, scene_linear_spaces());
+        result.is_data = space->isData();
+        if (result.is_data) {
+            result.convert = [](std::span<float> rgb) {
+                for (float& value : rgb)
+                    if (!std::isfinite(value)) value = 0;
+            };
+            return result;
+        }
+        // One step in double from the interchange space to the primaries: the processor is only asked to linearise.
+        const auto processor = config->getProcessor(result.space.c_str(), config_->interchange.c_str())
+                                   ->getOptimizedCPUProcessor(ocio::OPTIMIZATION_LOSSLESS);
+        const Matrix3 matrix = multiply(inverse(rgb_to_xyz_d65(to)), config_->interchange_to_xyz);
+        result.convert = [processor, matrix](std::span<float> rgb) {
+            for (std::size_t i = 0; i + 2 < rgb.size(); i += 3) {
+                for (std::size_t c = 0; c < 3; ++c)
+                    if (!std::isfinite(rgb[i + c])) rgb[i + c] = 0;
+                processor->applyRGB(&rgb[i]);
+                const std::array<double, 3> linear = transform_colour(matrix, {rgb[i], rgb[i + 1], rgb[i + 2]});
+                for (std::size_t c = 0; c < 3; ++c) {
+                    const auto value = static_cast<float>(linear[c]);
+                    rgb[i + c] = std::isfinite(value) ? value : 0.0f;
+                }
+            }
+        };
+        return result;
+    });
+}
+
+std::vector<std::string> ColorManager::warnings() const {
+    std::vector<std::string> found;
+    const ocio::ConstFileRulesRcPtr rules = config_->config->getFileRules();
+    for (std::size_t i = 0; i < rules->getNumEntries(); ++i) {
+        const char* text = rules->getExtension(i);
+        const std::string extension = text != nullptr ? text : "";
+        if (extension.find_first_of("()|\\+^$") == std::string::npos) continue;
+        found.push_back(config_->file + ": file rule '" + rules->getName(i) + "' has the extension '" + extension +
+                        "', which is a glob (* ? [a-z]) and so fits no file; expected a 'regex' for alternatives");
+    }
+    return found;
+}
+
 Result<std::vector<unsigned char>> ColorManager::to_display(std::span<const float> rgb, const Chromaticities& primaries,
                                                             const std::string& display, const std::string& view) const {
     const std::string chosen_display = display.empty() ? default_display() : display;

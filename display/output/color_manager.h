@@ -8,15 +8,26 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "display/output/exr_writer.h"
+#include "display/output/image_types.h"
 #include "lpe/result.h"
 
 namespace raylex::display {
+
+/// What a config's file rules say of one image file.
+struct FileColor {
+    std::string space;        ///< the colour space they name
+    bool is_data = false;     ///< values mean themselves; convert() leaves them
+    bool by_default = false;  ///< no rule but the last, which every file falls to
+    /// Linear RGB triples as stored in the file to linear RGB with the primaries asked for, in place. A value that is not
+    /// finite becomes 0. Callable from any thread, also after the manager is gone.
+    std::function<void(std::span<float> rgb)> convert;
+};
 
 class ColorManager {
   public:
@@ -42,6 +53,12 @@ class ColorManager {
     /// published sets (Rec. 709, Rec. 2020, P3-D65, Adobe RGB, AP0, AP1) are recognised, anything else is given
     /// relative to D65.
     [[nodiscard]] Result<Chromaticities> chromaticities(const std::string& space) const;
+
+    /// The first file rule that fits the path decides. "extension" in a rule is a glob, not a regular expression:
+    /// warnings() names rules that can never fit. Errors: a space that the config cannot convert from.
+    [[nodiscard]] Result<FileColor> file_color(const std::string& path, const Chromaticities& to) const;
+    /// What looks wrong in the config without being an error.
+    [[nodiscard]] std::vector<std::string> warnings() const;
 
     /// Linear RGB triples with the given primaries through a display and view to 8-bit RGB. A non-finite component
     /// counts as 0. Empty display or view: the defaults. A view of data (Raw) shows the values as they are.

@@ -48,6 +48,7 @@ std::map<std::string, std::string> channel_attributes(std::span<const ChannelDef
         std::string text = "rest of ";
         for (std::size_t i = 0; i < channel.rest_of.size(); ++i)
             if (channel.rest_of[i] < channels.size()) text += (i == 0 ? "" : " + ") + channels[channel.rest_of[i]].name;
+        if (!channel.expression.empty()) text += ": " + channel.expression;
         attributes["lpe/" + channel.name] = text;
     } else if (channel.style == ChannelStyle::expression && !channel.expression.empty()) {
         attributes["lpe/" + channel.name] = channel.expression;
@@ -59,7 +60,6 @@ std::map<std::string, std::string> channel_attributes(std::span<const ChannelDef
 PlannedPart plan_part(const ChannelDefinition& channel, ChannelId id, bool beauty) {
     PlannedPart part;
     part.channel = id;
-    part.integer = channel.type == ChannelType::integer;
     if (beauty) {
         part.name = "rgba";
         part.alpha = true;
@@ -111,7 +111,23 @@ Status check_partition(std::span<const ChannelDefinition> channels, ChannelId be
     return success();
 }
 
+std::string interop_id(const ChannelDefinition& channel, const Chromaticities& primaries) {
+    const ChannelKind kind = kind_of(channel);
+    return kind == ChannelKind::light || kind == ChannelKind::color ? color_interop_id(primaries) : "data";
+}
+
 }  // namespace
+
+std::string verdict_placeholder(std::size_t partition) {
+    std::string text = "\x01 to be judged \x01 " + std::to_string(partition) + ' ';
+    text.resize(verdict_length, '.');
+    return text;
+}
+
+bool is_declared(std::span<const ChannelDefinition> channels, ChannelId beauty,
+                 const PartitionDeclaration& partition) {
+    return check_partition(channels, beauty, partition).ok();
+}
 
 Status check_channel_names(std::span<const ChannelDefinition> channels, ChannelId beauty) {
     if (channels.empty())
@@ -145,21 +161,37 @@ std::vector<PlannedPart> plan_parts(std::span<const ChannelDefinition> channels,
     for (std::size_t i = 0; i < channels.size(); ++i) {
         const auto id = static_cast<ChannelId>(i);
         PlannedPart part = plan_part(channels[i], id, id == beauty);
+        part.storage = description.storage[static_cast<std::size_t>(kind_of(channels[i]))];
         part.attributes = channel_attributes(channels, channels[i]);
+        part.attributes["storage/" + channels[i].name] = storage_text(part.storage);
         all.insert(part.attributes.begin(), part.attributes.end());
+        part.attributes["colorInteropID"] = interop_id(channels[i], description.chromaticities);
         parts.insert(id == beauty ? parts.begin() : parts.end(), std::move(part));
     }
-    for (const PartitionDeclaration& partition : description.partitions) {
+    for (const DataPart& data : description.data_parts) {
+        PlannedPart part;
+        part.data = &data;
+        part.name = data.name;
+        part.planes = data.planes;
+        part.attributes = data.attributes;
+        all.insert(data.attributes.begin(), data.attributes.end());
+        part.attributes["colorInteropID"] = "data";
+        parts.push_back(std::move(part));
+    }
+    for (std::size_t i = 0; i < description.partitions.size(); ++i) {
+        const PartitionDeclaration& partition = description.partitions[i];
         // An image must not be lost over a partition that cannot be; the header says why it is not there.
         const Status status = check_partition(channels, beauty, partition);
-        if (status) all["partition/" + partition.name] = format_partition(partition);
-        else
+        if (status) {
+            all["partition/" + partition.name] = format_partition(partition);
+            all["verdict/" + partition.name] = verdict_placeholder(i);
+        } else
             all["raylex/refusedPartition"] +=
                 (all["raylex/refusedPartition"].empty() ? "" : "; ") + status.error().message;
     }
     for (PlannedPart& part : parts) {
         const bool first = &part == &parts.front();
-        if (first) part.attributes = all;
+        if (first) part.attributes.insert(all.begin(), all.end());
         for (const auto& [name, value] : description.attributes)
             if (first || value.size() <= longest_shared_attribute) part.attributes.emplace(name, value);
         if (!description.complete) part.attributes["raylex/incomplete"] = "true";

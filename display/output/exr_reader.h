@@ -15,12 +15,10 @@
 #include <string_view>
 #include <vector>
 
-#include "display/output/exr_writer.h"
+#include "display/output/image_types.h"
 #include "lpe/result.h"
 
 namespace raylex::display {
-
-enum class StoredType : std::uint8_t { half_float, single_float, unsigned_int };
 
 /// One plane of a layer, row-major from the top of the display window; pixels outside the data window are 0. Unsigned
 /// integers are rounded to float: exact up to 2^24.

@@ -1,11 +1,10 @@
 #include "display/output/exr_writer.h"
 
 #include <algorithm>
-#include <bit>
-#include <cmath>
 #include <exception>
-#include <limits>
+#include <future>
 #include <stdexcept>
+#include <string_view>
 #include <thread>
 
 #include <ImfChannelList.h>
@@ -20,152 +19,122 @@
 #include <ImfThreading.h>
 
 #include "display/output/atomic_file.h"
+#include "display/output/exr_header.h"
 #include "display/output/exr_layout.h"
+#include "display/output/exr_pixels.h"
 
 namespace raylex::display {
 
 namespace {
 
-// OpenEXR's view of an AtomicFile. The first failure is thrown, later writes are swallowed: the library's destructors
-// write too, and whoever asks the file afterwards learns the reason.
-class FileStream : public Imf::OStream {
+/// The verdicts of the partitions on what is being written, kept up while parts go by.
+class WrittenSplits {
   public:
-    explicit FileStream(AtomicFile& file) : Imf::OStream(file.target().c_str()), file_(file) {}
-    void write(const char bytes[], int count) override {
-        check(file_.failed() || file_.write(bytes, static_cast<std::size_t>(count)));
+    WrittenSplits(const FrameBuffer& frame_buffer, ChannelId beauty, const ImageDescription& description)
+        : frame_buffer_(frame_buffer), beauty_(beauty) {
+        for (std::size_t i = 0; i < description.partitions.size(); ++i)
+            if (is_declared(frame_buffer.channels(), beauty, description.partitions[i]))
+                splits_.push_back({i, description.partitions[i],
+                                   SplitSum(frame_buffer.layout().width, frame_buffer.layout().height)});
     }
-    std::uint64_t tellp() override { return file_.position(); }
-    void seekp(std::uint64_t position) override { check(file_.failed() || file_.seek(position)); }
+
+    [[nodiscard]] bool wants(const PlannedPart& part) const {
+        return part.data == nullptr && part.storage.type != StoredType::unsigned_int &&
+               std::any_of(splits_.begin(), splits_.end(), [&](const Split& split) {
+                   return name_of(part) == whole_of(split) || contains(split, name_of(part));
+               });
+    }
+    void take(const PlannedPart& part, const PartPixels& pixels) {
+        if (pixels.judged.empty()) return;
+        SplitLayer layer;
+        for (std::size_t c = 0; c < 3; ++c) layer.planes[c] = pixels.judged[pixels.judged.size() == 3 ? c : 0];
+        layer.types.fill(part.storage.type);
+        for (Split& split : splits_) {
+            if (name_of(part) == whole_of(split)) split.sum.add_whole(layer);
+            if (contains(split, name_of(part))) split.sum.add(layer);
+        }
+    }
+    /// Overwrites the placeholders in the file's header. Their lengths are equal, so nothing moves.
+    void write_verdicts(AtomicFile& file, const HeaderRecorder& header) const {
+        for (const Split& split : splits_) {
+            const std::size_t position = header.find(verdict_placeholder(split.index));
+            if (position == std::string::npos) continue;
+            std::string text = verdict_attribute(split.sum.verdict(false), split.partition.layers.size());
+            text.resize(verdict_length, ' ');
+            if (!file.seek(position) || !file.write(text.data(), text.size()))
+                throw std::runtime_error("writing failed");
+        }
+    }
 
   private:
-    static void check(bool good) {
-        if (!good) throw std::runtime_error("writing failed");
+    struct Split {
+        std::size_t index;
+        PartitionDeclaration partition;
+        SplitSum sum;
+    };
+    [[nodiscard]] std::string name_of(const PlannedPart& part) const {
+        return part.channel == beauty_ ? "beauty"
+                                       : frame_buffer_.channels()[static_cast<std::size_t>(part.channel)].name;
     }
-    AtomicFile& file_;
-};
-
-struct Repairs {
-    std::size_t not_a_number = 0, out_of_range = 0;
-
-    float to_float(double value, float miss) {
-        constexpr double largest = std::numeric_limits<float>::max();
-        if (std::abs(value) <= largest) return static_cast<float>(value);
-        if (std::isnan(value)) {
-            ++not_a_number;
-            return 0.0f;
-        }
-        if (std::isinf(miss) && value == static_cast<double>(miss)) return miss;
-        ++out_of_range;
-        return value > 0 ? std::numeric_limits<float>::max() : std::numeric_limits<float>::lowest();
+    static std::string whole_of(const Split& split) {
+        return split.partition.of.empty() ? "beauty" : split.partition.of;
     }
+    static bool contains(const Split& split, const std::string& name) {
+        const std::vector<std::string>& layers = split.partition.layers;
+        return std::find(layers.begin(), layers.end(), name) != layers.end();
+    }
+    const FrameBuffer& frame_buffer_;
+    ChannelId beauty_;
+    std::vector<Split> splits_;
 };
-
-// Light is summed in fixed point, so it is finite; what is picked (depth, normals) is whatever was written.
-bool may_need_repair(const ChannelDefinition& channel) {
-    return channel.type != ChannelType::integer && channel.rule != FilterRule::filter &&
-           channel.rule != FilterRule::average && channel.rule != FilterRule::sum;
-}
 
 void note_repairs(const FrameBuffer& frame_buffer, std::vector<PlannedPart>& parts) {
     for (PlannedPart& part : parts) {
-        const ChannelDefinition& channel = frame_buffer.channels()[static_cast<std::size_t>(part.channel)];
-        if (!may_need_repair(channel)) continue;
-        Repairs repairs;
-        for (const double value : frame_buffer.resolve(part.channel)) repairs.to_float(value, channel.miss_value);
-        if (repairs.not_a_number + repairs.out_of_range == 0) continue;
-        const std::string text = std::to_string(repairs.not_a_number) + " values not a number, set to 0; " +
-                                 std::to_string(repairs.out_of_range) + " beyond float, set to the largest";
-        part.attributes["repaired/" + channel.name] = text;
-        parts.front().attributes["repaired/" + channel.name] = text;
+        const std::string text = part.data != nullptr ? std::string() : repairs_of(frame_buffer, part);
+        if (text.empty()) continue;
+        const std::string name =
+            "repaired/" + frame_buffer.channels()[static_cast<std::size_t>(part.channel)].name;
+        part.attributes[name] = text;
+        parts.front().attributes[name] = text;
     }
 }
 
-bool is_zero(const std::array<std::array<double, 4>, 4>& matrix) {
-    return matrix == std::array<std::array<double, 4>, 4>{};
+void write_part(Imf::MultiPartOutputFile& file, int index, const PlannedPart& part, PartPixels& pixels,
+                const FrameBufferLayout& layout) {
+    const std::size_t size = part.storage.type == StoredType::half_float ? 2 : 4;
+    Imf::FrameBuffer buffer;
+    for (std::size_t p = 0; p < part.planes.size(); ++p)
+        buffer.insert(part.planes[p], Imf::Slice(pixel_type(part.storage.type), pixels.planes[p].data(), size,
+                                                 size * static_cast<std::size_t>(layout.width)));
+    Imf::OutputPart output(file, index);
+    output.setFrameBuffer(buffer);
+    output.writePixels(layout.height);
 }
 
-// Imath multiplies row vectors from the left, so its matrices are the transposed of ours.
-Imath::M44f transposed(const std::array<std::array<double, 4>, 4>& matrix) {
-    Imath::M44f result;
-    for (int i = 0; i < 4; ++i)
-        for (int j = 0; j < 4; ++j)
-            result[j][i] = static_cast<float>(matrix[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)]);
-    return result;
-}
-
-// OpenEXR's NDC: (0, 0) is the upper left corner of the image and (1, 1) the lower right (ImfStandardAttributes.h).
-std::array<std::array<double, 4>, 4> screen_to_ndc(std::array<std::array<double, 4>, 4> matrix) {
-    for (std::size_t j = 0; j < 4; ++j) {
-        matrix[0][j] = 0.5 * (matrix[3][j] + matrix[0][j]);
-        matrix[1][j] = 0.5 * (matrix[3][j] - matrix[1][j]);
-    }
-    return matrix;
-}
-
-Imf::Header make_header(const PlannedPart& part, const FrameBufferLayout& layout, const ImageDescription& description) {
-    Imf::Header header(layout.width, layout.height);
-    header.setName(part.name);
-    header.setType(Imf::SCANLINEIMAGE);
-    header.compression() = Imf::ZIP_COMPRESSION;
-    for (const std::string& plane : part.planes)
-        header.channels().insert(plane, Imf::Channel(part.integer ? Imf::UINT : Imf::FLOAT));
-    const auto xy = [](const std::array<double, 2>& p) {
-        return Imath::V2f(static_cast<float>(p[0]), static_cast<float>(p[1]));
-    };
-    const Chromaticities& c = description.chromaticities;
-    Imf::addChromaticities(header, Imf::Chromaticities(xy(c.red), xy(c.green), xy(c.blue), xy(c.white)));
-    if (!is_zero(description.world_to_camera)) Imf::addWorldToCamera(header, transposed(description.world_to_camera));
-    if (!is_zero(description.world_to_screen))
-        Imf::addWorldToNDC(header, transposed(screen_to_ndc(description.world_to_screen)));
-    for (const auto& [name, value] : part.attributes) header.insert(name, Imf::StringAttribute(value));
-    return header;
-}
-
-// The 4-byte values of a part, plane after plane.
-std::vector<std::uint32_t> part_values(const FrameBuffer& frame_buffer, const PlannedPart& part) {
-    const ChannelDefinition& channel = frame_buffer.channels()[static_cast<std::size_t>(part.channel)];
-    const auto components = static_cast<std::size_t>(component_count(channel.type));
-    const std::vector<double> pixels = frame_buffer.resolve(part.channel);
-    const std::size_t count = pixels.size() / components;
-    std::vector<std::uint32_t> values(count * part.planes.size());
-    Repairs repairs;
-    for (std::size_t c = 0; c < components; ++c)
-        for (std::size_t i = 0; i < count; ++i) {
-            const double value = pixels[i * components + c];
-            values[c * count + i] =
-                part.integer ? static_cast<std::uint32_t>(std::isfinite(value) ? static_cast<std::int64_t>(value) : 0)
-                             : std::bit_cast<std::uint32_t>(repairs.to_float(value, channel.miss_value));
-        }
-    if (part.alpha) {
-        const std::vector<double> alpha = frame_buffer.resolve_alpha();
-        for (std::size_t i = 0; i < count; ++i)
-            values[components * count + i] = std::bit_cast<std::uint32_t>(repairs.to_float(alpha[i], 0));
-    }
-    return values;
-}
-
-void write_parts(AtomicFile& file, const FrameBuffer& frame_buffer, const std::vector<PlannedPart>& parts,
-                 const ImageDescription& description) {
+void write_parts(AtomicFile& file, const FrameBuffer& frame_buffer, ChannelId beauty,
+                 const std::vector<PlannedPart>& parts, const ImageDescription& description) {
     const FrameBufferLayout& layout = frame_buffer.layout();
     std::vector<Imf::Header> headers;
     for (const PlannedPart& part : parts) headers.push_back(make_header(part, layout, description));
-    // Compression is most of the work; the pool lives on for other files.
-    if (Imf::globalThreadCount() == 0)
-        Imf::setGlobalThreadCount(static_cast<int>(std::max(1u, std::thread::hardware_concurrency())));
-    FileStream stream(file);
-    Imf::MultiPartOutputFile output(stream, headers.data(), static_cast<int>(headers.size()));
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-        std::vector<std::uint32_t> values = part_values(frame_buffer, parts[i]);
-        const std::size_t plane_size = values.size() / parts[i].planes.size();
-        Imf::FrameBuffer buffer;
-        for (std::size_t p = 0; p < parts[i].planes.size(); ++p)
-            buffer.insert(parts[i].planes[p], Imf::Slice(parts[i].integer ? Imf::UINT : Imf::FLOAT,
-                                                         reinterpret_cast<char*>(values.data() + p * plane_size), 4,
-                                                         4 * static_cast<std::size_t>(layout.width)));
-        Imf::OutputPart part(output, static_cast<int>(i));
-        part.setFrameBuffer(buffer);
-        part.writePixels(layout.height);
-    }
+    start_encoder_threads();
+    WrittenSplits splits(frame_buffer, beauty, description);
+    HeaderRecorder stream(file);
+    {
+        Imf::MultiPartOutputFile output(stream, headers.data(), static_cast<int>(headers.size()));
+        stream.stop_recording();
+        const auto prepare = [&](std::size_t i) {
+            PartPixels pixels = part_pixels(frame_buffer, parts[i], splits.wants(parts[i]));
+            splits.take(parts[i], pixels);
+            return pixels;
+        };
+        std::future<PartPixels> next = std::async(std::launch::async, prepare, 0);
+        for (std::size_t i = 0; i < parts.size(); ++i) {
+            PartPixels pixels = next.get();
+            if (i + 1 < parts.size()) next = std::async(std::launch::async, prepare, i + 1);
+            write_part(output, static_cast<int>(i), parts[i], pixels, layout);
+        }
+    }  // the library writes its table of chunks now
+    splits.write_verdicts(file, stream);
 }
 
 }  // namespace
@@ -183,7 +152,7 @@ Status write_exr(const std::string& path, const FrameBuffer& frame_buffer, Chann
     try {
         std::vector<PlannedPart> parts = plan_parts(frame_buffer.channels(), beauty, description);
         note_repairs(frame_buffer, parts);
-        write_parts(*file, frame_buffer, parts, description);
+        write_parts(*file, frame_buffer, beauty, parts, description);
     } catch (const std::exception& exception) {
         if (file->failed()) return located(file->failure());
         Error error;

@@ -1,7 +1,7 @@
-// The frame buffer as one multi-part OpenEXR file.
+// The frame buffer as one multi-part OpenEXR file. How each kind of channel is stored stands in exr_storage.h.
 //
-// Compression is ZIP: lossless for 32-bit float and integers (PXR24, B44 and DWA are not, and Law 1 is about the bits
-// in the file), read by everything, and its blocks of 16 lines pack better than ZIPS's single ones.
+// While one part is compressed (by as many threads as there are processors) the next one is resolved, so that the time
+// is that of the encoders. The pixels of a part live only that long: two parts are in memory at once.
 #pragma once
 
 #include <array>
@@ -11,22 +11,11 @@
 #include <vector>
 
 #include "display/buffer/frame_buffer.h"
+#include "display/output/exr_storage.h"
+#include "display/output/image_types.h"
 #include "lpe/result.h"
 
 namespace raylex::display {
-
-/// CIE xy of red, green, blue and white.
-struct Chromaticities {
-    std::array<double, 2> red{0.64, 0.33}, green{0.30, 0.60}, blue{0.15, 0.06}, white{0.3127, 0.3290};
-    bool operator==(const Chromaticities&) const = default;
-};
-
-/// A declared or automatic partition: layers whose per-pixel sum must equal `of`.
-struct PartitionDeclaration {
-    std::string name;  ///< "auto", "shipped", or the job's name for it
-    std::string of;    ///< layer summed to; empty = beauty
-    std::vector<std::string> layers;
-};
 
 struct ImageDescription {
     /// String attributes of every part: seed, config, git revision ... One of more than 1024 bytes stands in part 0
@@ -34,6 +23,8 @@ struct ImageDescription {
     std::map<std::string, std::string> attributes;
     std::vector<PartitionDeclaration> partitions;
     Chromaticities chromaticities;
+    std::vector<DataPart> data_parts;  ///< written after the channels' parts
+    ExrStorageTable storage = default_exr_storage();
     /// Row-major, points are columns; left out of the file when all zero. Camera space is OpenEXR's: left-handed, x
     /// right, y up, z forward. Screen space, after division by w, has the image's edges at x = -1 and 1 and y = -1
     /// (bottom) and 1.
@@ -42,17 +33,19 @@ struct ImageDescription {
 };
 
 /// Part 0 is `rgba` (R G B A of beauty, when there is one); every other channel is a part of its own: NAME with
-/// NAME.R .G .B for colours, NAME.X .Y .Z for vectors, `z` with channel Z for depth, NAME for other single values. All
-/// FLOAT but integer channels (UINT, negative numbers as two's complement). Written to a temporary name beside `path`,
-/// synced and renamed; on failure an earlier file at `path` is untouched.
+/// NAME.R .G .B for colours, NAME.X .Y .Z for vectors, `z` with channel Z for depth, NAME for other single values.
+/// Integers are UINT, negative numbers as two's complement. Written to a temporary name beside `path`, synced and
+/// renamed; on failure an earlier file at `path` is untouched.
 ///
-/// Header, beside OpenEXR's own chromaticities, worldToCamera and worldToNDC: `lpe/NAME` the expression and
-/// `lpeDialect/NAME`, `rule/NAME` how samples became pixels, `space/NAME`, each in the channel's own part and all of
-/// them in part 0; `partition/NAME` in part 0 as "beauty = first + second"; "raylex/incomplete".
+/// Header, beside OpenEXR's own chromaticities, worldToCamera and worldToNDC: `colorInteropID` (part by part; "data" for
+/// what is no colour); `lpe/NAME` the expression and `lpeDialect/NAME`, `rule/NAME` how samples became pixels,
+/// `space/NAME`, `storage/NAME` ("float zip"), each in the channel's own part and all of them in part 0;
+/// `partition/NAME` in part 0 as "beauty = first + second", and `verdict/NAME`, what split_check says of the very bits
+/// in the file: "holds; ..." or "does not hold; ..."; "raylex/incomplete".
 ///
-/// Values beyond float's range become the largest float, NaN becomes 0 (Law 6; the frame buffer holds neither for
-/// light), and `repaired/NAME` says how many; infinity stays in a channel whose miss value it is (z, VLen). A partition
-/// of layers that are not there is not declared; `raylex/refusedPartition` says why.
+/// Values beyond the range of the stored type become its largest number, NaN becomes 0 (Law 6; the frame buffer holds
+/// neither for light), and `repaired/NAME` says how many; infinity stays in a channel whose miss value it is (z, VLen).
+/// A partition of layers that are not there is not declared; `raylex/refusedPartition` says why.
 Status write_exr(const std::string& path, const FrameBuffer& frame_buffer, ChannelId beauty,
                  const ImageDescription& description);
 

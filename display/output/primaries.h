@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "display/output/exr_writer.h"
+#include "display/output/image_types.h"
 
 namespace raylex::display {
 

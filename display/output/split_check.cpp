@@ -1,10 +1,9 @@
 #include "display/output/split_check.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include "display/output/exr_layers.h"
+#include "display/output/split_sum.h"
 #include "display/services/parameters.h"
 
 namespace raylex::display {
@@ -35,84 +34,13 @@ Result<std::array<const ImagePlane*, 3>> summable(const ExrImage& image, const I
     return planes;
 }
 
-struct Split {
-    std::vector<std::array<const ImagePlane*, 3>> layers;
-    std::array<const ImagePlane*, 3> of{};
-    double unit = 0;     // u
-    double spacing = 0;  // of subnormal numbers, summed over all values of a pixel's component
-};
-
-double unit_of(StoredType type) {
-    return type == StoredType::half_float ? 0x1p-10 : 0x1p-23;
-}
-double spacing_of(StoredType type) {
-    return type == StoredType::half_float ? 0x1p-24 : 0x1p-149;
-}
-
-void note_types(Split& split, const std::array<const ImagePlane*, 3>& planes) {
-    double spacing = 0;
-    for (const ImagePlane* plane : planes) {
-        split.unit = std::max(split.unit, unit_of(plane->stored));
-        spacing = std::max(spacing, spacing_of(plane->stored));
+SplitLayer split_layer(const std::array<const ImagePlane*, 3>& planes) {
+    SplitLayer layer;
+    for (std::size_t c = 0; c < 3; ++c) {
+        layer.planes[c] = planes[c]->values;
+        layer.types[c] = planes[c]->stored;
     }
-    split.spacing += spacing;
-}
-
-struct Difference {
-    double absolute = 0, relative = 0;
-    bool finite = true, exceeds = false;
-};
-
-Difference difference_at(const Split& split, std::size_t component, std::size_t pixel) {
-    const double whole = split.of[component]->values[pixel];
-    double sum = 0, scale = std::abs(whole);
-    for (const auto& layer : split.layers) {
-        const double value = layer[component]->values[pixel];
-        sum += value;
-        scale += std::abs(value);
-    }
-    Difference result;
-    result.finite = std::isfinite(scale);
-    if (!result.finite) return result;
-    result.absolute = std::abs(sum - whole);
-    result.relative = scale > 0 ? result.absolute / scale : 0.0;
-    result.exceeds = result.absolute > split.unit * scale + split.spacing;
-    if (!result.exceeds) result.relative = std::min(result.relative, split.unit);
-    return result;
-}
-
-void judge(const ExrImage& image, const Split& split, SplitVerdict& verdict) {
-    verdict.bound = split.unit;
-    const auto width = static_cast<std::size_t>(image.width);
-    verdict.residual.resize(width * static_cast<std::size_t>(image.height));
-    for (std::size_t pixel = 0; pixel < verdict.residual.size(); ++pixel) {
-        const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
-        bool finite = true, exceeds = false;
-        double worst = 0;
-        for (std::size_t component = 0; component < 3; ++component) {
-            const Difference difference = difference_at(split, component, pixel);
-            finite = finite && difference.finite;
-            exceeds = exceeds || difference.exceeds;
-            worst = std::max(worst, difference.relative);
-            if (difference.absolute > verdict.largest_absolute) {
-                verdict.largest_absolute = difference.absolute;
-                verdict.absolute_x = x;
-                verdict.absolute_y = y;
-            }
-            if (difference.relative > verdict.largest_relative) {
-                verdict.largest_relative = difference.relative;
-                verdict.relative_x = x;
-                verdict.relative_y = y;
-            }
-        }
-        if (!finite && verdict.non_finite++ == 0) {
-            verdict.non_finite_x = x;
-            verdict.non_finite_y = y;
-        }
-        verdict.exceeding += finite && exceeds ? 1 : 0;
-        verdict.residual[pixel] = finite ? static_cast<float>(worst) : std::numeric_limits<float>::infinity();
-    }
-    verdict.holds = verdict.non_finite == 0 && verdict.exceeding == 0;
+    return layer;
 }
 
 bool has_wildcard(const std::string& glob) {
@@ -148,21 +76,20 @@ Result<std::vector<const ImageLayer*>> choose_layers(const ExrImage& image, cons
 
 Result<SplitVerdict> check_layers(const ExrImage& image, const ImageLayer& of,
                                   const std::vector<const ImageLayer*>& layers) {
-    Split split;
     Result<std::array<const ImagePlane*, 3>> whole = summable(image, of);
     if (!whole) return std::move(whole).error();
-    split.of = *whole;
-    note_types(split, split.of);
-    SplitVerdict verdict;
-    verdict.of = of.name.empty() ? "beauty" : of.name;
+    SplitSum sum(image.width, image.height);
+    sum.add_whole(split_layer(*whole));
+    std::vector<std::string> names;
     for (const ImageLayer* layer : layers) {
         Result<std::array<const ImagePlane*, 3>> planes = summable(image, *layer);
         if (!planes) return std::move(planes).error();
-        split.layers.push_back(*planes);
-        note_types(split, *planes);
-        verdict.layers.push_back(layer->name.empty() ? "beauty" : layer->name);
+        sum.add(split_layer(*planes));
+        names.push_back(layer->name.empty() ? "beauty" : layer->name);
     }
-    judge(image, split, verdict);
+    SplitVerdict verdict = sum.verdict(true);
+    verdict.of = of.name.empty() ? "beauty" : of.name;
+    verdict.layers = std::move(names);
     return verdict;
 }
 

@@ -40,7 +40,8 @@ struct ChannelDefinition {
     ChannelType type = ChannelType::rgb;
     std::string expression;                       ///< style expression: the text as the user wrote it
     lpe::Dialect dialect = lpe::Dialect::renderman;
-    std::vector<std::size_t> rest_of;             ///< not empty: accepts what none of these channels (by index) accepts
+    /// Not empty: accepts what none of these channels (by index) accepts. `expression` may then say so for people.
+    std::vector<std::size_t> rest_of;
     FilterRule rule = FilterRule::filter;
     std::string space;                            ///< "camera", "world", "raster", "rendering colour space", ...
     bool statistics = false;                      ///< also keep the per-pixel second moment

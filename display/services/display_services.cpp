@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 namespace raylex::display {
 namespace {
@@ -98,6 +99,56 @@ bool DisplayServices::write(ChannelId id, int row, std::int32_t value) {
     return true;
 }
 
+/// The checks of the channel once, those of rows and values for each.
+template <class Value>
+bool DisplayServices::write_batch(ChannelId id, std::span<const std::int32_t> rows, std::span<const Value> values,
+                                  bool fits) {
+    const std::size_t count = std::min(rows.size(), values.size());
+    if (!fits) {
+        const bool known = id >= 0 && id < table_.channel_count();
+        refused_[known ? static_cast<std::size_t>(id) : channels_.size()] += count;
+        return false;
+    }
+    if (count == 0) return true;
+    double* const to = table_.values(id);
+    const auto row_count = static_cast<std::uint32_t>(table_.row_count());
+    const bool plain = table_.channel(id).style != ChannelStyle::expression;
+    table_.touch(id);
+    std::uint64_t refused = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto row = static_cast<std::size_t>(static_cast<std::uint32_t>(rows[i]));
+        const Value& value = values[i];
+        bool good = row < row_count;
+        if constexpr (std::is_same_v<Value, Rgb>) good = good && is_finite(value);
+        else if constexpr (std::is_same_v<Value, float>) good = good && std::isfinite(value);
+        if (!good) {
+            ++refused;
+            continue;
+        }
+        if constexpr (std::is_same_v<Value, Rgb>)
+            for (std::size_t c = 0; c < 3; ++c) to[3 * row + c] = static_cast<double>(value[static_cast<int>(c)]);
+        else to[row] = static_cast<double>(value);
+        if (plain) table_.set_row_state(id, static_cast<int>(row), RowState::written);
+    }
+    refused_[static_cast<std::size_t>(id)] += refused;
+    return refused == 0;
+}
+
+bool DisplayServices::write(ChannelId id, std::span<const std::int32_t> rows, std::span<const float> values) {
+    const bool known = id >= 0 && id < table_.channel_count();
+    return write_batch(id, rows, values, known && table_.channel(id).type == ChannelType::real);
+}
+
+bool DisplayServices::write(ChannelId id, std::span<const std::int32_t> rows, std::span<const Rgb> values) {
+    const bool known = id >= 0 && id < table_.channel_count();
+    return write_batch(id, rows, values, known && holds_triples(table_.channel(id).type));
+}
+
+bool DisplayServices::write(ChannelId id, std::span<const std::int32_t> rows, std::span<const std::int32_t> values) {
+    const bool known = id >= 0 && id < table_.channel_count();
+    return write_batch(id, rows, values, known && table_.channel(id).type == ChannelType::integer);
+}
+
 bool DisplayServices::write_distance(int row, float distance, bool is_volume) {
     if (!accept_row(row, !std::isnan(distance))) return false;
     table_.depth[static_cast<std::size_t>(row)] = distance;
@@ -117,8 +168,14 @@ bool DisplayServices::splat_opacity(int row, const Rgb& opacity) {
     return true;
 }
 
+bool DisplayServices::write_surface(int row, std::int32_t surface) {
+    if (!accept_row(row, surface >= 0)) return false;
+    table_.surface[static_cast<std::size_t>(row)] = surface;
+    return true;
+}
+
 int DisplayServices::add_sample(int row, const ExtraSample& sample) {
-    if (!accept_row(row, !std::isnan(sample.depth) && is_finite(sample.opacity))) return -1;
+    if (!accept_row(row, !std::isnan(sample.depth) && is_finite(sample.opacity) && sample.surface >= 0)) return -1;
     const int added = table_.add_row(row);
     if (added < 0) {
         ++refused_.back();
@@ -128,6 +185,7 @@ int DisplayServices::add_sample(int row, const ExtraSample& sample) {
     table_.depth[index] = sample.depth;
     table_.opacity[index] = sample.opacity;
     table_.is_volume[index] = sample.is_volume ? 1 : 0;
+    table_.surface[index] = sample.surface;
     return added;
 }
 

@@ -17,6 +17,7 @@ struct ExtraSample {
     float depth = 0;           ///< distance along the camera ray, world units
     RgbD opacity{1.0};
     bool is_volume = false;
+    std::int32_t surface = 0;  ///< see write_surface
 };
 
 /// `row` is the index of the camera ray in the current integrator call, or a row that add_sample returned.
@@ -40,12 +41,19 @@ class DisplayServices {
     bool write(ChannelId id, int row, float value);
     bool write(ChannelId id, int row, const Rgb& value);
     bool write(ChannelId id, int row, std::int32_t value);
+    /// A value for each of a batch's rows: `rows[i]` gets `values[i]`. False if any was refused; the good ones are written.
+    bool write(ChannelId id, std::span<const std::int32_t> rows, std::span<const float> values);
+    bool write(ChannelId id, std::span<const std::int32_t> rows, std::span<const Rgb> values);
+    bool write(ChannelId id, std::span<const std::int32_t> rows, std::span<const std::int32_t> values);
 
     /// Overwrites the sample's depth: `distance` along the camera ray in world units; `is_volume` for the scattering or
     /// absorption point inside a medium. Drives z rules and deep output.
     bool write_distance(int row, float distance, bool is_volume = false);
     bool write_opacity(int row, const Rgb& opacity);
     bool splat_opacity(int row, const Rgb& opacity);
+    /// Says what the sample's opacity belongs to: a number from 1 in the renderer's own count of surfaces, 0 for nothing
+    /// that has a name. Cryptomatte and the like look up there.
+    bool write_surface(int row, std::int32_t surface);
 
     /// Adds a row on the camera ray of `row`; returns it, or -1 when the table is full, the row is none or the depth is
     /// not a number (counted).
@@ -63,6 +71,8 @@ class DisplayServices {
     bool accept(ChannelId id, int row, bool fits);
     bool accept_row(int row, bool fits);
     double* entry(ChannelId id, int row, SampleTable::RowState state);
+    template <class Value>
+    bool write_batch(ChannelId id, std::span<const std::int32_t> rows, std::span<const Value> values, bool fits);
     SampleTable& table_;
     std::vector<DisplayChannel> channels_;
     std::vector<std::uint64_t> refused_;

@@ -2,40 +2,22 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstddef>
+#include <cstring>
+#include <limits>
 #include <numeric>
 #include <string>
 #include <utility>
 
 #include "display/services/parameters.h"
-#include "lpe/check.h"
 
 namespace raylex::display {
 namespace {
 
-SourceLocation location_of(const ChannelDefinition& channel) {
-    return {channel.origin.empty() ? "channel '" + channel.name + "'" : channel.origin, channel.origin_line,
-            channel.origin_column};
-}
-
-/// Refuses what no part of this renderer would honour.
-Status check_channel(const ChannelDefinition& channel, const lpe::ChannelSource& source) {
-    if (channel.type != ChannelType::rgb)
-        return error_at(location_of(channel), "channel '" + channel.name +
-                                                  "' has a light path expression but is no colour; expected type rgb");
-    if (!channel.rest_of.empty()) return success();
-    const Result<std::vector<std::string>> prefixes = lpe::expression_prefixes(source);
-    if (!prefixes) return prefixes.error();
-    for (const std::string& prefix : *prefixes) {
-        if (prefix == "noclamp") continue;
-        const std::string found = "channel '" + channel.name + "' has the prefix '" + prefix + ";'";
-        if (prefix == "noinfinitecheck")
-            return error_at(location_of(channel), found +
-                                                      ", which would let non-finite values into an image; expected "
-                                                      "an expression without it");
-        return error_at(location_of(channel),
-                        found + ", which this version does not honour; expected no prefix, or 'noclamp;'");
-    }
-    return success();
+Status check_type(const ChannelDefinition& channel) {
+    if (channel.type == ChannelType::rgb) return success();
+    return error_at(location_of(channel), "channel '" + channel.name +
+                                              "' has a light path expression but is no colour; expected type rgb");
 }
 
 /// The expression channels among `channels` as the compiler takes them; `id_of` gets their display channels.
@@ -64,7 +46,7 @@ Result<std::vector<lpe::ChannelSource>> collect_sources(std::span<const ChannelD
                     "channel '" + channel.name + "' is the rest of a channel that has no light path expression");
             source.rest_of.push_back(index_of[other]);
         }
-        if (const Status status = check_channel(channel, source); !status) return status.error();
+        if (const Status status = check_type(channel); !status) return status.error();
         sources.push_back(std::move(source));
     }
     return sources;
@@ -87,7 +69,10 @@ class Fractions {
   public:
     explicit Fractions(std::span<const LobePart> parts) : parts_(parts) {
         for (const LobePart& part : parts) total_ += RgbD(part.value);
-        for (int c = 0; c < 3; ++c) proportional_[c] = total_[c] > 0 && std::isfinite(total_[c]);
+        for (int c = 0; c < 3; ++c) {
+            proportional_[c] = total_[c] > 0 && std::isfinite(total_[c]);
+            scale_[c] = 1 / total_[c];  // of floats: never beyond the range of double where it is used
+        }
     }
     /// Draws one part per colour, in proportion to what it carries, by the same number for every colour.
     void pick(double random) {
@@ -105,13 +90,13 @@ class Fractions {
         }
     }
     [[nodiscard]] double of(std::size_t part, int c) const {
-        if (proportional_[c]) return static_cast<double>(parts_[part].value[c]) / total_[c];
+        if (proportional_[c]) return static_cast<double>(parts_[part].value[c]) * scale_[c];
         return part == picked_[c] ? 1.0 : 0.0;
     }
 
   private:
     std::span<const LobePart> parts_;
-    RgbD total_;
+    RgbD total_, scale_;
     std::array<std::size_t, 3> picked_{};  // part 0 for a colour to which nothing is given
     std::array<bool, 3> proportional_{};
 };
@@ -131,10 +116,9 @@ struct LpeServices::BranchList {
     [[nodiscard]] bool full() const { return count == room; }
     /// Where the states of one more branch go; add() makes it one.
     lpe::State* next_states() { return &state[count * groups]; }
-    /// Adds the branch whose states were put into next_states(), unless they are all dead.
+    /// Adds the branch whose states were put into next_states().
     void add(const double* amount) {
         const lpe::State* fresh = next_states();
-        if (std::all_of(fresh, fresh + groups, [](lpe::State s) { return s == lpe::Program::dead; })) return;
         std::size_t at = 0;
         while (at < count && !std::equal(fresh, fresh + groups, &state[at * groups])) ++at;
         if (at == count) {
@@ -165,6 +149,7 @@ Result<LpeSetup> LpeSetup::build(std::span<const ChannelDefinition> channels, Ch
     const Result<std::vector<lpe::ChannelSource>> sources = collect_sources(channels, beauty, setup.channel_of_accept_);
     if (!sources) return sources.error();
     if (sources->empty()) return setup;
+    if (const Status status = setup.read_channel_prefixes(channels); !status) return status.error();
     Result<lpe::Program> program = lpe::Program::compile(*sources, options);
     if (!program) return program.error();
     setup.program_ = std::move(*program);
@@ -172,19 +157,28 @@ Result<LpeSetup> LpeSetup::build(std::span<const ChannelDefinition> channels, Ch
     if (compiled.group_count() > Tracker::group_limit)
         return error_at({},
                         "the light path expressions need " + std::to_string(compiled.group_count()) +
-                            " automaton groups; expected at most " + std::to_string(Tracker::group_limit),
+                            " words of state; expected at most " + std::to_string(Tracker::group_limit),
                         "ask for fewer channels whose expressions begin with `C.*`, or raise the state cap");
-    const lpe::EventClass camera = compiled.classify(lpe::Event{});
-    for (const lpe::State start : compiled.starts()) setup.first_states_.push_back(compiled.next(start, camera));
-    if (std::count(setup.first_states_.begin(), setup.first_states_.end(), lpe::Program::dead) ==
-        static_cast<std::ptrdiff_t>(setup.first_states_.size()))
+    setup.first_states_.resize(compiled.word_count());
+    if (!compiled.advance(compiled.starts().data(), compiled.classify(lpe::Event{}), setup.first_states_.data()))
         setup.first_states_.clear();
+    for (const lpe::ChannelSource& source : *sources)
+        setup.has_user_events_ = setup.has_user_events_ || source.expression.find('U') != std::string::npos;
+    setup.find_reach();
     return setup;
 }
 
 LpeServices::LpeServices(const LpeSetup& setup, SampleTable& table, std::uint64_t seed, Attribution attribution)
-    : setup_(setup), table_(table), seed_(seed), attribution_(attribution) {
+    : setup_(setup),
+      table_(table),
+      seed_(seed),
+      attribution_(attribution),
+      plans_(setup.program_, std::min<std::size_t>(Tracker::capacity, Tracker::state_room /
+                                                                          std::max<std::size_t>(setup.program_.word_count(), 1))),
+      apart_(setup.prefixed_),
+      shares_(setup.prefixes_.size(), unused) {
     invalid_samples_.reserve(invalid_samples_kept);
+    sharing_.reserve(setup.prefixes_.size());
 }
 
 /// Two moves of one path, and two directions tried at one vertex, draw independent numbers.
@@ -201,11 +195,123 @@ std::uint64_t LpeServices::random_key(const Tracker& tracker, const LobePart& fi
     return key;
 }
 
+namespace {
+
+/// A share as the compiler's vector: one register with AVX, two without, the same bits either way. What one event stores
+/// the next loads as a whole; in other pieces the processor would wait until the stores are through.
+using Quad [[gnu::vector_size(32), gnu::may_alias]] = double;
+using Floats [[gnu::vector_size(16)]] = float;
+using Bits [[gnu::vector_size(16)]] = std::int32_t;
+
+/// The fractions of a scattering by part; false where a colour gets nothing or a part gives nothing, and for infinite parts.
+template <std::size_t lobes>
+[[gnu::always_inline]] inline bool fill_fractions(const LobePart* parts, Quad* fraction) {
+    static_assert(sizeof(LobePart) == sizeof(Floats) && offsetof(LobePart, value) == sizeof(float));
+    Quad total{1, 0, 0, 0};
+    bool all_give = true;
+    for (std::size_t j = 0; j < lobes; ++j) {
+        Bits bits;
+        std::memcpy(&bits, &parts[j], sizeof bits);
+        bits &= Bits{0, -1, -1, -1};  // without the event
+        Floats color;
+        std::memcpy(&color, &bits, sizeof color);
+        const Quad value = __builtin_convertvector(color, Quad);
+        fraction[j] = value;
+        total += value;
+        all_give &= parts[j].value.max() > 0;
+    }
+    constexpr double most = std::numeric_limits<double>::max();
+    const double least = std::min(total[1], std::min(total[2], total[3])), sum = total[1] + total[2] + total[3];
+    if (!(all_give & (least > 0) & (sum <= most))) return false;
+    const Quad scale = 1 / total;
+    for (std::size_t j = 0; j < lobes; ++j) fraction[j] *= scale;
+    return true;
+}
+
+/// The shares of a plan.
+[[gnu::always_inline]] inline void apply(const SplitPlans::Row* row, std::size_t count, std::size_t rows, const Quad* shares,
+                                         const Quad* factors, Quad* result) {
+    const auto at = [](const Quad* first, std::size_t offset) __attribute__((always_inline)) {
+        return reinterpret_cast<const Quad*>(reinterpret_cast<const std::byte*>(first) + offset);
+    };
+    const SplitPlans::Row *const first_end = row + count, *const end = row + rows;
+    for (Quad* to = result; row != first_end; ++row, ++to)
+        *to = *at(shares, row->from[0]) * *at(factors, row->factor[0]) + *at(shares, row->from[1]) * *at(factors, row->factor[1]);
+    for (; row != end; ++row)
+        *const_cast<Quad*>(at(result, row->to)) += *at(shares, row->from[0]) * *at(factors, row->factor[0]) +
+                                                   *at(shares, row->from[1]) * *at(factors, row->factor[1]);
+}
+
+}  // namespace
+
+/// The usual way: by a plan. False, and nothing done, where branches could be too many or a lobe or colour carries nothing,
+/// so that there may be fewer branches than a plan makes.
+template <std::size_t lobes>
+[[gnu::always_inline]] inline bool LpeServices::split_by_plan(Tracker& tracker, const LobePart* parts) {
+    std::array<lpe::EventClass, lobes> events;
+    for (std::size_t j = 0; j < lobes; ++j) events[j] = parts[j].event;
+    if (!plans_.knows(tracker.set_)) tracker.set_ = plans_.set_of(tracker.state_.data(), tracker.count_);
+    const SplitPlans::Plan& plan = plans_.plan(tracker.set_, events);
+    if (!plan.fits) return false;
+    if (!tracker.whole_ || plan.splits) {
+        Quad factor[SplitPlans::first_lobe + lobes];
+        factor[0] = Quad{0, 1, 1, 1};
+        factor[1] = Quad{0, 0, 0, 0};
+        if (plan.splits && !fill_fractions<lobes>(parts, &factor[SplitPlans::first_lobe])) return false;
+        const auto* from = reinterpret_cast<const Quad*>(tracker.shares());
+        if (tracker.whole_) from = factor;
+        tracker.side_ ^= 1;  // new shares go to the other of the tracker's two sides, so that none is copied
+        apply(plans_.rows(plan), plan.count, plan.rows, from, factor, reinterpret_cast<Quad*>(tracker.shares()));
+        tracker.whole_ = false;
+    }
+    ++tracker.moves_;
+    tracker.count_ = plan.count;
+    tracker.set_ = plan.set;
+    const lpe::State* states = plans_.states(plan);
+    const std::size_t words = std::size_t{plan.count} * tracker.groups_;
+    if (words <= SplitPlans::fixed_copy)  // a copy of fixed size is faster
+        std::memcpy(tracker.state_.data(), states, SplitPlans::fixed_copy * sizeof(lpe::State));
+    else
+        std::memcpy(tracker.state_.data(), states, words * sizeof(lpe::State));
+    return true;
+}
+
+bool LpeServices::split_by_plan(Tracker& tracker, std::span<const LobePart> parts) {
+    static_assert(SplitPlans::most_lobes == 4);
+    if (parts.size() == 2) return split_by_plan<2>(tracker, parts.data());
+    if (parts.size() == 3) return split_by_plan<3>(tracker, parts.data());
+    return parts.size() == 4 && split_by_plan<4>(tracker, parts.data());
+}
+
+#if defined(__x86_64__)
+namespace {
+const bool has_avx = __builtin_cpu_supports("avx") != 0;
+}  // namespace
+
+[[gnu::target("avx")]] bool LpeServices::split_by_plan_avx(Tracker& tracker, std::span<const LobePart> parts) {
+    if (parts.size() == 2) return split_by_plan<2>(tracker, parts.data());
+    if (parts.size() == 3) return split_by_plan<3>(tracker, parts.data());
+    return parts.size() == 4 && split_by_plan<4>(tracker, parts.data());
+}
+#endif
+
 void LpeServices::split(Tracker& tracker, std::span<const LobePart> parts) {
     if (parts.empty()) {
         tracker.count_ = 0;
         return;
     }
+    if (attribution_ == Attribution::exact) {
+#if defined(__x86_64__)
+        if (has_avx ? split_by_plan_avx(tracker, parts) : split_by_plan(tracker, parts)) return;
+#else
+        if (split_by_plan(tracker, parts)) return;
+#endif
+    }
+    split_one_by_one(tracker, parts);
+}
+
+/// Branch by branch, merging as they come.
+void LpeServices::split_one_by_one(Tracker& tracker, std::span<const LobePart> parts) {
     ++tracker.moves_;
     Fractions fractions(parts);
     std::uint64_t random_state = 0;
@@ -219,42 +325,42 @@ void LpeServices::split(Tracker& tracker, std::span<const LobePart> parts) {
         fractions.pick(next_random(random_state));
     }
 
-    const std::size_t groups = tracker.groups_;
-    const std::size_t target = std::min<std::size_t>(Tracker::capacity, Tracker::state_room / groups);
-    BranchList branches(groups);
+    const lpe::ProgramView& program = setup_.program_.view();
+    const std::size_t words = tracker.groups_;
+    const std::size_t target = std::min<std::size_t>(Tracker::capacity, Tracker::state_room / words);
+    BranchList branches(words);
     bool whole = tracker.whole_, overflow = false;
     const auto shrink = [&] {
         require_key();
         collapse(branches, target, random_state);
         overflow = true;
     };
-    const auto step = [&](std::size_t branch, const LobePart& part) {
-        const lpe::State* from = &tracker.state_[branch * groups];
-        std::transform(from, from + groups, branches.next_states(),
-                       [&](lpe::State state) { return setup_.program_.next(state, part.event); });
+    /// Puts where `event` leads into next_states(); false where nothing can accept.
+    const auto step = [&](std::size_t branch, lpe::EventClass event) {
+        return program.advance(&tracker.state_[branch * words], event, branches.next_states());
     };
-    const auto agrees = [&](std::size_t branch, const LobePart& part) {
-        const lpe::State* from = &tracker.state_[branch * groups];
-        return std::equal(from, from + groups, branches.next_states(), [&](lpe::State state, lpe::State next) {
-            return setup_.program_.next(state, part.event) == next;
-        });
+    std::array<lpe::State, Tracker::group_limit> other;
+    bool first_alive = false;
+    const auto agrees = [&](std::size_t branch, lpe::EventClass event) {
+        const bool alive = program.advance(&tracker.state_[branch * words], event, other.data());
+        return alive == first_alive && std::equal(other.data(), other.data() + words, branches.next_states());
     };
     constexpr std::array<double, 3> one{1.0, 1.0, 1.0};
     for (std::size_t branch = 0; branch < tracker.count_; ++branch) {
         if (branches.full()) shrink();
-        const double* base = tracker.whole_ ? one.data() : &tracker.share_[3 * branch];
-        step(branch, parts[0]);
-        if (std::all_of(parts.begin() + 1, parts.end(), [&](const LobePart& part) { return agrees(branch, part); })) {
-            branches.add(base);  // the parts' fractions sum to 1: nothing is split, nothing is rounded
+        const double* base = tracker.whole_ ? one.data() : &tracker.shares()[branch].r;
+        first_alive = step(branch, parts[0].event);
+        if (std::all_of(parts.begin() + 1, parts.end(), [&](const LobePart& part) { return agrees(branch, part.event); })) {
+            if (first_alive) branches.add(base);  // the parts' fractions sum to 1: nothing is split, nothing is rounded
             continue;
         }
         whole = false;
         for (std::size_t j = 0; j < parts.size(); ++j) {
+            if (branches.full()) shrink();
+            if (!step(branch, parts[j].event)) continue;
             const std::array<double, 3> share{base[0] * fractions.of(j, 0), base[1] * fractions.of(j, 1),
                                               base[2] * fractions.of(j, 2)};
             if (share[0] == 0 && share[1] == 0 && share[2] == 0) continue;
-            if (branches.full()) shrink();
-            step(branch, parts[j]);
             branches.add(share.data());
         }
     }
@@ -262,9 +368,11 @@ void LpeServices::split(Tracker& tracker, std::span<const LobePart> parts) {
     if (overflow) ++overflow_count_;
 
     tracker.whole_ = whole;
+    tracker.set_ = SplitPlans::unknown_set;
     tracker.count_ = static_cast<std::uint8_t>(branches.count);
-    std::copy_n(branches.state.begin(), branches.count * groups, tracker.state_.begin());
-    if (!whole) std::copy_n(branches.share.begin(), 3 * branches.count, tracker.share_.begin());
+    std::copy_n(branches.state.begin(), branches.count * words, tracker.state_.begin());
+    for (std::size_t i = 0; i < branches.count && !whole; ++i)
+        tracker.shares()[i] = {0, branches.share[3 * i], branches.share[3 * i + 1], branches.share[3 * i + 2]};
 }
 
 /// Brings `branches` down to `target` by collapsing the smallest. The collapse moves, per colour, all that the chosen

@@ -7,19 +7,22 @@
 // with exactly the fraction of it that those lobes carried, and the fractions of one contribution sum to 1 in every
 // colour. Equal states merge, dead ones drop out. Beauty takes the full value and never looks at the states (Law 2).
 //
-// Groups. When the compiler spreads the channels over several automata, the state of a branch is one state per automaton:
-// a share belongs to a set of paths, not to an automaton, so that a partition whose channels lie in different groups
-// still sums exactly when a tracker overflows (Law 1).
+// Groups. When the compiler spreads the channels over several automata, or packs some of them into bits, the state of a
+// branch is a few words (lpe/program_view.h): a share belongs to a set of paths, not to an automaton, so that a partition
+// whose channels lie in different groups still sums exactly when a tracker overflows (Law 1).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "display/services/channel.h"
+#include "display/services/channel_prefixes.h"
 #include "display/services/rgb.h"
 #include "display/services/sample_table.h"
+#include "display/services/split_plans.h"
 #include "lpe/program.h"
 
 namespace raylex::display {
@@ -27,6 +30,18 @@ namespace raylex::display {
 /// How a contribution was found; recorded for technique splits and diagnostics, never part of the word (an emitter is L
 /// by what it is, not by how it was hit).
 enum class Technique : std::uint8_t { scattering, light_sampling };
+
+/// An emitter as a path found it, before the path changes it: what channels with prefixes splat instead of the value
+/// that beauty takes (channel_prefixes.h). An integrator fills it in only where LpeServices::wants_emitter_samples().
+struct EmitterSample {
+    Rgb emitted;     ///< what leaves the emitter towards the path: radiance; intensity of point and spot lights;
+                     ///< irradiance across the beam of distant ones. No throughput, density or geometry in it.
+    Rgb unweighted;  ///< radiance times throughput over density with nothing in the way, and all of the MIS weight given
+                     ///< to the technique that found it
+    float visibility = 1;            ///< fraction that arrives: 0 behind an opaque surface
+    bool found_by_sampling = false;  ///< found by scattering, though light sampling finds the same emitter there too:
+                                     ///< channels of light that nothing shadows leave it to the light sample
+};
 
 /// One lobe's part of a scattering value f(wo, wi) |cos|, in any common scale: only ratios within one move matter.
 struct LobePart {
@@ -38,9 +53,9 @@ struct LobePart {
 /// what is live: nothing to speak of without expression channels, one state for a path that was never split.
 class Tracker {
   public:
-    static constexpr int capacity = 24;     ///< branches, with up to two automaton groups; state_room / groups with more
-    static constexpr int state_room = 48;
-    static constexpr int group_limit = 8;   ///< automaton groups: leaves room for 6 branches
+    static constexpr int capacity = 24;     ///< branches, with up to five words of state; state_room / words with more
+    static constexpr int state_room = 128;
+    static constexpr int group_limit = 32;  ///< words of state (automaton groups, packed channels): room for 4 branches
 
     Tracker() noexcept = default;
     Tracker(const Tracker& other) noexcept { copy(other); }
@@ -49,17 +64,25 @@ class Tracker {
         return *this;
     }
 
+    /// Pairs of (automaton state, share) carried at the moment; for diagnostics.
+    [[nodiscard]] int branches() const noexcept { return count_; }
+
   private:
     friend class LpeServices;
     void copy(const Tracker& other) noexcept;
+    [[nodiscard]] SplitPlans::Share* shares() noexcept { return share_[side_].data(); }
+    [[nodiscard]] const SplitPlans::Share* shares() const noexcept { return share_[side_].data(); }
 
     std::int32_t row_ = 0;
     std::uint16_t moves_ = 0;    // with the pixel and sample of row_: the source of the overflow choice
     std::uint8_t count_ = 0;     // branches
-    std::uint8_t groups_ = 0;    // states per branch
+    std::uint8_t groups_ = 0;    // words of state per branch
     bool whole_ = true;          // nothing was split yet: at most one branch, its share 1 and not stored
+    std::uint8_t side_ = 0;      // which shares are the current ones; the others are room for the next
+    bool held_out_ = false;      // the path's first hit is a holdout
+    std::uint32_t set_ = SplitPlans::unknown_set;  // the states as LpeServices::plans_ numbers them, when it does
     std::array<lpe::State, state_room> state_;     // [branch][group]
-    std::array<double, 3 * capacity> share_;       // [branch][r, g, b]; plain doubles: a copy initialises nothing
+    std::array<std::array<SplitPlans::Share, capacity>, 2> share_;   // [side][branch]; nothing is initialised
 };
 
 /// What all threads share: the compiled program and where its channels stand in the sample table. Immutable.
@@ -69,8 +92,7 @@ class LpeSetup {
     /// invalid_channel when beauty was not asked for. `rest_of` counts in `channels`.
     ///
     /// Errors: an expression that does not parse or is too large; more automaton groups than a tracker can follow; a
-    /// channel of another type than rgb; a prefix that is not honoured. `noclamp` is (sample_filter.h); `noinfinitecheck`
-    /// never will be (Law 6); the others (unoccluded, nothruput, shadows, holdouts, overwrite) are refused for now.
+    /// channel of another type than rgb; prefixes that contradict each other.
     static Result<LpeSetup> build(std::span<const ChannelDefinition> channels, ChannelId beauty,
                                   const lpe::CompileOptions& options = {});
     /// Not for the inner loop: ask once per (object label, lobe) and per light group.
@@ -80,12 +102,31 @@ class LpeSetup {
     [[nodiscard]] const lpe::Program& program() const { return program_; }
     [[nodiscard]] ChannelId beauty() const { return beauty_; }
 
+    /// A channel whose prefixes need an integrator that fills in EmitterSample, or one that samples lights; or
+    /// invalid_channel. An integrator that does not is to be refused before the render.
+    [[nodiscard]] ChannelId needs_emitter_samples() const { return needs_emitter_samples_; }
+    [[nodiscard]] ChannelId needs_light_samples() const { return needs_light_samples_; }
+    /// Whether some path may go on after an event of this class: false for user events that no expression names.
+    [[nodiscard]] bool follows(lpe::EventClass event) const;
+
   private:
     friend class LpeServices;
+    enum Reach : std::uint8_t { reaches_ordinary = 1, reaches_holdouts = 2 };
+    Status read_channel_prefixes(std::span<const ChannelDefinition> channels);
+    void find_reach();
+    void find_packed_reach();
+    [[nodiscard]] std::uint8_t reach_of(std::uint16_t channel) const {
+        return prefixes_[channel].holdouts ? reaches_holdouts : reaches_ordinary;
+    }
     lpe::Program program_;
-    std::vector<lpe::State> first_states_;        // [group] after the camera event; empty when all are dead
+    std::vector<lpe::State> first_states_;        // [word] after the camera event; empty when all are dead
     std::vector<ChannelId> channel_of_accept_;    // program channel -> display channel
     ChannelId beauty_ = invalid_channel;
+    std::vector<ChannelPrefixes> prefixes_;       // [program channel]
+    std::vector<std::uint8_t> reach_;             // [table state] which channels can still accept; empty without holdouts
+    bool has_user_events_ = false;                // some expression may name one
+    bool prefixed_ = false;                       // some prefix changes what is splatted
+    ChannelId needs_emitter_samples_ = invalid_channel, needs_light_samples_ = invalid_channel;
 };
 
 /// A rejected contribution, with what it takes to render the sample again (Law 6).
@@ -122,11 +163,34 @@ class LpeServices {
     /// expression accepts the path; the terminal event must have been moved along. Non-finite values, and those beyond
     /// largest_contribution, are rejected for beauty and splits alike, counted and logged (Law 6).
     void contribute(const Rgb& value, Technique technique, const Tracker& tracker);
+    /// The same with what channels with prefixes take. A light sample that is blocked has a black value and is reported
+    /// all the same. A channel that takes another value than beauty is checked for that value too, and with
+    /// `noinfinitecheck` for that value only.
+    void contribute(const Rgb& value, Technique technique, const Tracker& tracker, const EmitterSample& sample);
+    /// False when no channel looks at an EmitterSample: then the integrator need not make any, nor report blocked light.
+    [[nodiscard]] bool wants_emitter_samples() const { return setup_.needs_emitter_samples_ >= 0; }
+    /// Whether what a tracker that stands after its terminal contributes depends on what is in the way. False: no shadow
+    /// ray is needed (Law 4).
+    [[nodiscard]] bool needs_visibility(const Tracker& tracker) const;
+    /// Adds what a surface says of itself (its albedo, its normal) to the channels that accept the path; beauty never
+    /// takes it. The user event and a light after it must have been moved along; `throughput` leads to the surface.
+    void contribute_user(const Rgb& value, const Rgb& throughput, const Tracker& tracker);
+
+    /// Declares the path's first hit, at which the tracker stands, a holdout: from here on beauty and ordinary channels
+    /// take nothing of it, and channels with the prefix `holdouts` all.
+    void hold_out(Tracker& tracker);
 
     /// Whether anything could still accept: false means that the path may end (Law 4).
-    [[nodiscard]] bool live(const Tracker& tracker) const { return setup_.beauty_ >= 0 || tracker.count_ != 0; }
+    [[nodiscard]] bool live(const Tracker& tracker) const {
+        if (takes_all(tracker)) return true;
+        return setup_.reach_.empty() ? tracker.count_ != 0 && !tracker.held_out_ : reaches(tracker);
+    }
     /// The same, one event ahead: whether contributing after `event` could reach any channel.
     [[nodiscard]] bool live_after(const Tracker& tracker, lpe::EventClass event) const;
+    /// Whether any channel still follows the path, beauty apart.
+    [[nodiscard]] bool channels_follow(const Tracker& tracker) const { return tracker.count_ != 0; }
+    /// Whether beauty takes everything that this path finds, so that nothing of it can be saved.
+    [[nodiscard]] bool takes_all(const Tracker& tracker) const { return setup_.beauty_ >= 0 && !tracker.held_out_; }
 
     [[nodiscard]] std::uint64_t overflow_count() const { return overflow_count_; }   ///< moves that had to collapse branches
     [[nodiscard]] std::uint64_t invalid_count() const { return invalid_count_; }
@@ -138,7 +202,24 @@ class LpeServices {
 
   private:
     struct BranchList;
+    struct Report;
+    void contribute_apart(const Report& report, const Tracker& tracker);
+    void splat_apart(const Report& report, const Tracker& tracker, bool valid);
+    [[nodiscard]] bool reaches(const Tracker& tracker) const;
+    /// Whether a branch in these states reaches channels of the wanted kind. Needs setup_.reach_.
+    [[nodiscard]] bool reaches(const lpe::State* words, std::uint8_t wanted) const {
+        const std::uint32_t tables = setup_.program_.view().table_count;
+        return std::any_of(words, words + tables, [&](lpe::State state) { return (setup_.reach_[state] & wanted) != 0; });
+    }
+    [[nodiscard]] std::uint8_t wanted_reach(const Tracker& tracker) const {
+        return tracker.held_out_ ? LpeSetup::reaches_holdouts : LpeSetup::reaches_ordinary;
+    }
     void split(Tracker& tracker, std::span<const LobePart> parts);
+    template <std::size_t lobes>
+    bool split_by_plan(Tracker& tracker, const LobePart* parts);
+    bool split_by_plan(Tracker& tracker, std::span<const LobePart> parts);
+    bool split_by_plan_avx(Tracker& tracker, std::span<const LobePart> parts);
+    void split_one_by_one(Tracker& tracker, std::span<const LobePart> parts);
     void reject(const Rgb& value, const Tracker& tracker);
     static void collapse(BranchList& branches, std::size_t target, std::uint64_t& random_state);
     [[nodiscard]] std::uint64_t random_key(const Tracker& tracker, const LobePart& first) const;
@@ -150,6 +231,11 @@ class LpeServices {
     std::uint64_t overflow_count_ = 0, invalid_count_ = 0;
     std::array<std::uint64_t, 2> contributions_{};
     std::vector<InvalidSample> invalid_samples_;
+    SplitPlans plans_;
+    bool apart_;                              // prefixes or holdouts: contributions take the long way
+    static constexpr RgbD unused{-1.0};
+    std::vector<RgbD> shares_;                // [program channel] of one contribution, for own_value() channels
+    std::vector<std::uint16_t> sharing_;      // the channels whose shares_ are in use
 };
 
 }  // namespace raylex::display

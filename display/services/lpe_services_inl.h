@@ -14,10 +14,13 @@ inline void Tracker::copy(const Tracker& other) noexcept {
     count_ = other.count_;
     groups_ = other.groups_;
     whole_ = other.whole_;
+    set_ = other.set_;
+    held_out_ = other.held_out_;
     const std::size_t states = std::size_t{count_} * groups_;
     for (std::size_t i = 0; i < states; ++i) state_[i] = other.state_[i];
     if (whole_) return;
-    for (std::size_t i = 0; i < std::size_t{3} * count_; ++i) share_[i] = other.share_[i];
+    side_ = 0;
+    for (std::size_t i = 0; i < count_; ++i) share_[0][i] = other.shares()[i];
 }
 
 inline Tracker LpeServices::begin(int row) const {
@@ -32,28 +35,34 @@ inline Tracker LpeServices::begin(int row) const {
 inline void LpeServices::move(Tracker& tracker, lpe::EventClass event) const {
     if (tracker.count_ == 0) return;
     ++tracker.moves_;
-    const std::size_t groups = tracker.groups_;
+    tracker.set_ = SplitPlans::unknown_set;
+    const lpe::ProgramView& program = setup_.program_.view();
+    const std::size_t words = tracker.groups_;
+    if (tracker.whole_) {  // one branch, whole
+        if (words == 1) {
+            tracker.state_[0] = program.next(tracker.state_[0], event);
+            tracker.count_ = tracker.state_[0] != lpe::Program::dead;
+        } else {
+            tracker.count_ = program.advance(tracker.state_.data(), event, tracker.state_.data());
+        }
+        return;
+    }
     std::size_t kept = 0;
     for (std::size_t branch = 0; branch < tracker.count_; ++branch) {
-        const lpe::State* from = &tracker.state_[branch * groups];
-        lpe::State* to = &tracker.state_[kept * groups];
-        bool alive = false;
-        for (std::size_t g = 0; g < groups; ++g) {
-            to[g] = setup_.program_.next(from[g], event);
-            alive = alive || to[g] != lpe::Program::dead;
+        lpe::State* to = &tracker.state_[kept * words];
+        if (words == 1) {
+            to[0] = program.next(tracker.state_[branch], event);
+            if (to[0] == lpe::Program::dead) continue;
+        } else if (!program.advance(&tracker.state_[branch * words], event, to)) {
+            continue;
         }
-        if (!alive) continue;
-        if (!tracker.whole_) {
-            std::size_t at = 0;
-            while (at < kept && !std::equal(to, to + groups, &tracker.state_[at * groups])) ++at;
-            const bool merge = at < kept;
-            for (std::size_t c = 0; c < 3; ++c) {
-                const double share = tracker.share_[3 * branch + c];
-                tracker.share_[3 * at + c] = merge ? tracker.share_[3 * at + c] + share : share;
-            }
-            if (merge) continue;
-        }
-        ++kept;
+        std::size_t at = 0;
+        while (at < kept && !std::equal(to, to + words, &tracker.state_[at * words])) ++at;
+        const bool merge = at < kept;
+        const SplitPlans::Share share = tracker.shares()[branch];
+        SplitPlans::Share& sum = tracker.shares()[at];
+        sum = merge ? SplitPlans::Share{0, sum.r + share.r, sum.g + share.g, sum.b + share.b} : share;
+        if (!merge) ++kept;
     }
     tracker.count_ = static_cast<std::uint8_t>(kept);
 }
@@ -66,11 +75,19 @@ inline void LpeServices::move(Tracker& tracker, std::span<const LobePart> parts)
         split(tracker, parts);
 }
 
+/// Also true of NaN.
+inline bool out_of_range(const Rgb& value) {
+    const auto outside = [](float v) { return !(std::abs(v) <= LpeServices::largest_contribution); };
+    return outside(value.r) || outside(value.g) || outside(value.b);
+}
+
 inline void LpeServices::contribute(const Rgb& value, Technique technique, const Tracker& tracker) {
     if (value.is_black()) return;  // the common case of a light sample behind the surface
-    // Also true of NaN.
-    const auto out_of_range = [](float v) { return !(std::abs(v) <= largest_contribution); };
-    if (out_of_range(value.r) || out_of_range(value.g) || out_of_range(value.b)) {
+    if (apart_) [[unlikely]] {
+        contribute(value, technique, tracker, EmitterSample{value, value, 1, false});
+        return;
+    }
+    if (out_of_range(value)) {
         reject(value, tracker);
         return;
     }
@@ -84,27 +101,36 @@ inline void LpeServices::contribute(const Rgb& value, Technique technique, const
         beauty[2] += b;
         table_.touch(setup_.beauty_);
     }
-    const std::size_t groups = tracker.groups_;
+    const std::size_t words = tracker.groups_;
+    const lpe::ProgramView& program = setup_.program_.view();
     for (std::size_t branch = 0; branch < tracker.count_; ++branch) {
-        const double* share = &tracker.share_[3 * branch];
-        const RgbD part = tracker.whole_ ? RgbD(r, g, b) : RgbD(r * share[0], g * share[1], b * share[2]);
-        for (std::size_t group = 0; group < groups; ++group)
-            for (const std::uint16_t channel : setup_.program_.accepted(tracker.state_[branch * groups + group])) {
-                const ChannelId id = setup_.channel_of_accept_[channel];
-                double* values = table_.values(id) + at;
-                values[0] += part.r;
-                values[1] += part.g;
-                values[2] += part.b;
-                table_.touch(id);
-            }
+        const SplitPlans::Share& share = tracker.shares()[branch];
+        const RgbD part = tracker.whole_ ? RgbD(r, g, b) : RgbD(r * share.r, g * share.g, b * share.b);
+        const auto splat = [&](std::uint16_t channel) {
+            const ChannelId id = setup_.channel_of_accept_[channel];
+            double* values = table_.values(id) + at;
+            values[0] += part.r;
+            values[1] += part.g;
+            values[2] += part.b;
+            table_.touch(id);
+        };
+        if (words == 1)
+            for (const std::uint16_t channel : program.accepted(tracker.state_[branch])) splat(channel);
+        else
+            program.for_each_accepted(&tracker.state_[branch * words], splat);
     }
 }
 
 inline bool LpeServices::live_after(const Tracker& tracker, lpe::EventClass event) const {
-    if (setup_.beauty_ >= 0) return true;
-    const std::size_t states = std::size_t{tracker.count_} * tracker.groups_;
-    for (std::size_t i = 0; i < states; ++i)
-        if (setup_.program_.next(tracker.state_[i], event) != lpe::Program::dead) return true;
+    if (takes_all(tracker)) return true;
+    if (setup_.reach_.empty() && tracker.held_out_) return false;
+    const std::uint8_t wanted = wanted_reach(tracker);
+    const lpe::ProgramView& program = setup_.program_.view();
+    std::array<lpe::State, Tracker::group_limit> next;
+    for (std::size_t branch = 0; branch < tracker.count_; ++branch) {
+        if (!program.advance(&tracker.state_[branch * tracker.groups_], event, next.data())) continue;
+        if (setup_.reach_.empty() || reaches(next.data(), wanted)) return true;
+    }
     return false;
 }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "lpe/check.h"
+#include "display/services/channel_prefixes.h"
 
 namespace raylex::display {
 namespace {
@@ -75,15 +75,9 @@ Result<std::unique_ptr<SampleFilter>> build_clamp(const ParameterSet& parameters
         const ChannelDefinition& channel = context.channels[i];
         const auto id = static_cast<ChannelId>(i);
         if (channel.style != ChannelStyle::expression || id == context.beauty) continue;
-        if (channel.rest_of.empty()) {
-            lpe::ChannelSource source;
-            source.name = channel.name;
-            source.expression = channel.expression;
-            source.dialect = channel.dialect;
-            const Result<std::vector<std::string>> prefixes = lpe::expression_prefixes(source);
-            if (!prefixes) return prefixes.error();
-            if (std::find(prefixes->begin(), prefixes->end(), "noclamp") != prefixes->end()) continue;
-        }
+        const Result<ChannelPrefixes> prefixes = read_prefixes(channel);
+        if (!prefixes) return prefixes.error();
+        if (prefixes->noclamp) continue;
         scaled.push_back(id);
     }
     return std::unique_ptr<SampleFilter>(std::make_unique<ClampFilter>(*limit, context.beauty, std::move(scaled)));

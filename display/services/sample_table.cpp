@@ -26,6 +26,7 @@ SampleTable::SampleTable(std::span<const ChannelDefinition> channels, int max_ro
     depth.resize(row_capacity_);
     is_volume.resize(row_capacity_);
     opacity.resize(row_capacity_);
+    surface.resize(row_capacity_);
     valid.resize(row_capacity_);
     clear_rows(static_cast<int>(row_capacity_));
 }
@@ -55,6 +56,7 @@ void SampleTable::begin(std::span<const CameraRow> rows) {
     std::fill_n(depth.begin(), count, std::numeric_limits<float>::infinity());
     std::fill_n(is_volume.begin(), count, std::uint8_t{0});
     std::fill_n(opacity.begin(), count, RgbD{});
+    std::fill_n(surface.begin(), count, 0);
     std::fill_n(valid.begin(), count, std::uint8_t{1});
 }
 
@@ -71,6 +73,7 @@ int SampleTable::add_row(int original) {
     depth[index] = std::numeric_limits<float>::infinity();
     is_volume[index] = 0;
     opacity[index] = RgbD{};
+    surface[index] = 0;
     valid[index] = 1;
     return row;
 }

@@ -71,6 +71,7 @@ class SampleTable {
     std::vector<float> depth;          ///< [row] hit distance or what WriteDistance said; +inf for a miss
     std::vector<std::uint8_t> is_volume;
     std::vector<RgbD> opacity;         ///< [row] 0 = nothing hit, 1 = opaque
+    std::vector<std::int32_t> surface; ///< [row] what is there, 1-based in the renderer's own count; 0 = nothing named
     std::vector<std::uint8_t> valid;   ///< [row] 0 marks a camera ray that could not be traced: it counts as a black miss
 
   private:

@@ -23,6 +23,10 @@ void print_warning(const std::string& message) {
     std::fprintf(stderr, "raylex: warning: %s\n", message.c_str());
 }
 
+void print_note(const std::string& message) {
+    std::fprintf(stderr, "raylex: %s\n", message.c_str());
+}
+
 void print_line(const std::string& text) {
     std::printf("%s\n", text.c_str());
 }

@@ -12,6 +12,7 @@ int report_error(const Error& error);
 /// The same for a sentence of our own.
 int report_error(const std::string& message);
 void print_warning(const std::string& message);  ///< to standard error
+void print_note(const std::string& message);     ///< to standard error, where standard output is a file for others
 void print_line(const std::string& text);        ///< to standard output
 
 [[nodiscard]] bool error_stream_is_terminal();

@@ -9,20 +9,24 @@
 #include "experiments/cli/command_line.h"
 #include "experiments/cli/commands.h"
 #include "experiments/cli/console.h"
+#include "experiments/cli/output_options.h"
 #include "experiments/cli/render_run.h"
 #include "experiments/job/job_file.h"
+#include "geoaovs/geoaovs.h"
 
 namespace raylex::experiments {
 namespace {
 
 struct RenderOptions {
-    std::string input, output, preview, statistics, resolution, integrator, sampler, filter, partition;
+    std::string input, output, statistics, resolution, integrator, sampler, filter, partition;
     std::string ocio, rendering_space, isa;
     std::optional<std::uint64_t> spp, seed;
     std::optional<int> threads;
     std::optional<std::int64_t> max_depth;
-    std::vector<std::string> expressions, dialects, aovs;
+    std::vector<std::string> expressions, dialects, aovs, cryptomatte;
+    std::optional<int> cryptomatte_ranks;
     bool no_beauty = false, light_groups = false;
+    OutputOptions outputs;
 };
 
 SourceLocation flag(const std::string& name) {
@@ -74,7 +78,6 @@ Result<Job> assemble(const CLI::App& command, const RenderOptions& options) {
         if (!from.empty()) to = from;
     };
     set(options.output, job.output);
-    set(options.preview, job.preview);
     set(options.statistics, job.statistics);
     set(options.ocio, job.ocio_config);
     set(options.rendering_space, job.rendering_space);
@@ -93,9 +96,14 @@ Result<Job> assemble(const CLI::App& command, const RenderOptions& options) {
     override_entity(options.integrator, "--integrator", job.settings.integrator);
     override_entity(options.sampler, "--sampler", job.settings.sampler);
     override_entity(options.filter, "--filter", job.settings.filter);
+    if (Status outputs = apply_output_options(options.outputs, job); !outputs) return outputs.error();
     Status expressions = read_expressions(command, options, job);
     if (!expressions) return expressions.error();
     for (const std::string& name : options.aovs) job.aovs.push_back({name, flag("--aov " + name)});
+    if (!options.cryptomatte.empty()) job.settings.cryptomatte.clear();
+    for (const std::string& name : options.cryptomatte)
+        if (Status added = add_cryptomatte(name, flag("--cryptomatte"), job.settings); !added) return added.error();
+    if (options.cryptomatte_ranks) job.settings.cryptomatte_ranks = *options.cryptomatte_ranks;
     if (!options.partition.empty()) job.shipped_partition = true;
     if (options.light_groups) job.light_groups = true;
     return job;
@@ -107,6 +115,17 @@ std::string refuse_seed(const std::string& text) {
     const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), seed);
     if (failed == std::errc() && end == text.data() + text.size()) return {};
     return "'" + text + "' is no seed; expected a whole number from 0 to 18446744073709551615";
+}
+
+std::string refuse_odd(const std::string& text) {
+    return !text.empty() && (text.back() - '0') % 2 != 0 ? "'" + text + "' is odd; expected an even number" : std::string();
+}
+
+/// For --help: every name, so that it is complete.
+std::string aov_names() {
+    std::string names;
+    for (const std::string& name : geoaovs::channel_names()) names += (names.empty() ? "" : ", ") + name;
+    return names;
 }
 
 void add_options(CLI::App& command, RenderOptions& options) {
@@ -154,11 +173,26 @@ void add_options(CLI::App& command, RenderOptions& options) {
     command.add_flag("--no-beauty", options.no_beauty, "renders only what the layers need");
     command
         .add_option("--aov", options.aovs,
-                    "adds a geometric AOV (Nn, Ngn, P, Pw, z, VLen, st, id, albedo); may be repeated")
+                    "adds a geometric AOV by its standard name (" + aov_names() + "); may be repeated")
         ->option_text("NAME")
         ->expected(1)
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    command
+        .add_option("--cryptomatte", options.cryptomatte,
+                    "adds cryptomattes of these kinds: object, material, asset; not with pixel filters that have "
+                    "negative lobes")
+        ->option_text("KIND[,KIND...]")
+        ->delimiter(',')
+        ->expected(1)
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    command
+        .add_option("--cryptomatte-ranks", options.cryptomatte_ranks,
+                    "how many ids a cryptomatte keeps per pixel, an even number; default 6")
+        ->option_text("N")
+        ->check(CLI::Range(2, geoaovs::Cryptomatte::most_ranks))
+        ->check(CLI::Validator(refuse_odd, "", "even"));
     command
         .add_option("--ocio", options.ocio, "OpenColorIO config; default: $OCIO, else the one that ships with raylex")
         ->option_text("FILE");
@@ -170,8 +204,7 @@ void add_options(CLI::App& command, RenderOptions& options) {
         .add_option("--isa", options.isa,
                     "instruction set: sse2, sse4.2, avx, avx2 or avx512; default: the best there is")
         ->option_text("NAME");
-    command.add_option("--preview", options.preview, "also writes the beauty through the display's view as a PNG")
-        ->option_text("OUT.png");
+    add_output_options(command, options.outputs);
     command.add_option("--stats", options.statistics, "also writes times, ray counts and the like as JSON")
         ->option_text("OUT.json");
 }

@@ -15,12 +15,12 @@
 #include "experiments/cli/interrupt.h"
 #include "experiments/cli/judge.h"
 #include "experiments/cli/progress.h"
+#include "experiments/cli/render_outputs.h"
 #include "experiments/job/channel_plan.h"
 #include "experiments/job/color_setup.h"
 #include "experiments/job/parameter_check.h"
 #include "experiments/job/provenance.h"
 #include "experiments/job/statistics.h"
-#include "experiments/report/preview.h"
 #include "transport/import/pbrt_importer.h"
 
 namespace raylex::experiments {
@@ -36,10 +36,11 @@ class RenderRun {
     int run() {
         for (std::optional<int> (RenderRun::*step)() :
              {&RenderRun::check_outputs, &RenderRun::load, &RenderRun::plan, &RenderRun::render,
-              &RenderRun::write_image, &RenderRun::judge, &RenderRun::write_preview, &RenderRun::write_statistics})
+              &RenderRun::write_image, &RenderRun::judge, &RenderRun::write_statistics})
             if (const std::optional<int> code = (this->*step)()) return *code;
         print_summary();
         if (!output_->complete) return exit_interrupted;
+        if (deep_ && !deep_->holds) return exit_does_not_hold;
         return std::all_of(splits_.begin(), splits_.end(), [](const display::SplitVerdict& each) { return each.holds; })
                    ? exit_holds
                    : exit_does_not_hold;
@@ -59,12 +60,8 @@ class RenderRun {
         if (fs::path(job_.output).extension() != ".exr")
             return report_error("the output '" + job_.output +
                                 "' has no name ending in .exr; expected an OpenEXR file name");
-        if (!job_.preview.empty() && fs::path(job_.preview).extension() != ".png")
-            return report_error("the preview '" + job_.preview +
-                                "' has no name ending in .png; expected a PNG file name");
         std::vector<std::string> taken{job_.scene_file, job_.job_file};
-        for (const std::string& path : {job_.output, job_.preview, job_.statistics}) {
-            if (path.empty()) continue;
+        for (const std::string& path : requested_files(job_)) {
             for (const std::string& other : taken) {
                 std::error_code failed;
                 if (!other.empty() && (path == other || fs::equivalent(path, other, failed)))
@@ -94,14 +91,16 @@ class RenderRun {
         auto primaries = choose_rendering_space(job_, color_, scene_);
         if (!primaries) return report_error(primaries.error());
         primaries_ = *primaries;
+        if (Status made = outputs_.make(job_, color_); !made) return report_error(made.error());
         phases_["load"] = clock.elapsed();
         return interrupted_early();
     }
 
     Step plan() {
-        auto alphabet = transport::scene_alphabet(scene_);
-        if (!alphabet) return report_error(alphabet.error());
-        auto plan = plan_channels(job_, *alphabet);
+        const PhaseClock clock;
+        auto words = scene_words(job_, scene_);
+        if (!words) return report_error(words.error());
+        auto plan = plan_channels(job_, *words);
         if (!plan) return report_error(plan.error());
         for (const std::string& note : plan->notes) warn(note);
         if (!plan->refuted.empty()) {
@@ -112,6 +111,8 @@ class RenderRun {
             return report_error("--no-beauty leaves nothing to render; expected at least one --lpe or --aov with it");
         job_.settings.channels = plan->channels;
         partitions_ = plan->partitions;
+        beauties_ = plan->beauties;
+        phases_["plan"] = clock.elapsed();
         return interrupted_early();
     }
 
@@ -124,10 +125,19 @@ class RenderRun {
 
     Step render() {
         Progress progress;
+        job_.settings.before_rendering = [&](const transport::RenderPlan& plan,
+                                             std::vector<display::SampleSink*>& sinks) {
+            return outputs_.begin(plan, sinks, primaries_, partitions_);
+        };
         auto output = transport::render(
-            scene_, job_.settings, [&](const transport::RenderProgress& now) { progress.update(now); },
+            scene_, job_.settings,
+            [&](const transport::RenderProgress& now) {
+                progress.update(now);
+                outputs_.update(now);
+            },
             &interrupt_flag());
         progress.finish();
+        for (const std::string& warning : outputs_.take_warnings()) warn(warning);
         if (!output) return report_error(output.error());
         output_.emplace(std::move(*output));
         for (const Error& warning : output_->warnings) warn(warning.to_string());
@@ -145,15 +155,23 @@ class RenderRun {
     Step write_image() {
         const PhaseClock clock;
         attributes_ = header_attributes(job_, *output_, arguments_, color_.description);
+        if (!beauties_.empty()) attributes_["raylex/is_beauty"] = listed(beauties_);
+        if (!color_.texture_spaces->empty()) attributes_["raylex/texture_spaces"] = *color_.texture_spaces;
         display::ImageDescription description;
         description.attributes = attributes_;
         description.partitions = partitions_;
         description.chromaticities = primaries_;
+        for (const geoaovs::Cryptomatte& matte : output_->cryptomatte)
+            description.data_parts.push_back(
+                {matte.name(), matte.planes(), matte.attributes(), [&matte] { return matte.values(); }});
         description.world_to_camera = output_->world_to_camera;
         description.world_to_screen = output_->world_to_screen;
         description.complete = output_->complete;
-        Status written = display::write_exr(job_.output, output_->frame_buffer, output_->beauty, description);
-        if (!written) return rescue(written.error(), description);
+        description.storage = job_.outputs.storage;
+        Status written = outputs_.close(*output_, description);
+        for (const std::string& warning : outputs_.take_warnings()) warn(warning);
+        if (!written && written.error().file == job_.output) return rescue(written.error(), description);
+        if (!written) return report_error(written.error());
         phases_["write"] = clock.elapsed();
         return go_on;
     }
@@ -183,27 +201,25 @@ class RenderRun {
             splits_ = std::move(*verdicts);
         }
         image_ = std::move(*image);
-        return go_on;
-    }
-
-    Step write_preview() {
-        if (job_.preview.empty()) return go_on;
-        const display::ImageLayer* layer = job_.settings.beauty ? image_.layer("beauty") : nullptr;
-        if (layer == nullptr && !image_.layers.empty()) layer = &image_.layers.front();
-        if (layer == nullptr) return go_on;
-        auto picture = picture_of(image_, *layer, *color_.manager, {0, 0.0, job_.display, job_.view});
-        if (!picture) return report_error(picture.error());
-        Status written = display::write_png(job_.preview, picture->width, picture->height, picture->rgb);
-        if (!written) return report_error(written.error());
+        auto deep = outputs_.judge_deep(image_);
+        if (!deep) return report_error(deep.error());
+        deep_ = std::move(*deep);
         return go_on;
     }
 
     Step write_statistics() {
         if (job_.statistics.empty()) return go_on;
-        RunRecord record{&job_, &*output_, arguments_, phases_, warnings_, splits_, attributes_};
+        RunRecord record{&job_, &*output_, arguments_, phases_, warnings_, splits_, attributes_,
+                         outputs_.memory(), outputs_.deep()};
         Status written = display::write_text_file(job_.statistics, statistics_json(record));
         if (!written) return report_error(written.error());
         return go_on;
+    }
+
+    static std::string listed(const std::vector<std::string>& names) {
+        std::string text;
+        for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+        return text;
     }
 
     void print_summary() const {
@@ -212,6 +228,7 @@ class RenderRun {
             print_line(verdict_line(verdict));
             if (!verdict.holds) print_line("  " + write_residual_map(verdict, image_));
         }
+        if (deep_) print_line(deep_line(*deep_));
         std::error_code failed;
         const auto bytes = fs::file_size(job_.output, failed);
         std::string line = job_.output + ": " + std::to_string(output_->width) + "x" + std::to_string(output_->height) +
@@ -220,11 +237,14 @@ class RenderRun {
                            size_text(failed ? 0.0 : static_cast<double>(bytes));
         if (!output_->complete) line += "; INCOMPLETE: interrupted";
         print_line(line);
-        for (const std::string& path : {job_.preview, job_.statistics})
-            if (!path.empty()) print_line(path);
+        if (!beauties_.empty())
+            print_line("the beauty by another name: " + listed(beauties_) + " (every path of this scene)");
+        for (const std::string& path : outputs_.files()) print_line(path);
+        if (!job_.statistics.empty()) print_line(job_.statistics);
         const auto seconds = [this](const char* phase) { return duration_text(phases_.at(phase).wall_seconds); };
         const double cpu = statistics.render_cpu_seconds;
-        print_line("load " + seconds("load") + ", build " + seconds("build") + ", render " + seconds("render") + " (" +
+        print_line("load " + seconds("load") + ", plan " + seconds("plan") + ", build " + seconds("build") +
+                   ", render " + seconds("render") + " (" +
                    duration_text(cpu) + " CPU, " +
                    number_text(cpu > 0 ? static_cast<double>(statistics.camera_samples) / cpu * 1e-6 : 0) +
                    " M samples per CPU second), write " + seconds("write"));
@@ -236,7 +256,10 @@ class RenderRun {
     transport::SceneDescription scene_;
     display::Chromaticities primaries_;
     std::vector<display::PartitionDeclaration> partitions_;
+    std::vector<std::string> beauties_;
+    RenderOutputs outputs_;
     std::optional<transport::RenderOutput> output_;
+    std::optional<display::DeepVerdict> deep_;
     display::ExrImage image_;
     std::vector<display::SplitVerdict> splits_;
     std::map<std::string, PhaseTime> phases_;

@@ -5,8 +5,13 @@
 #include <optional>
 #include <utility>
 
+#include "experiments/job/channel_reasons.h"
 #include "geoaovs/geoaovs.h"
-#include "lpe/check.h"
+#include "lpe/algebra/check.h"
+#include "lpe/algebra/regex_printing.h"
+#include "lpe/algebra/relations.h"
+#include "lpe/language/glob.h"
+#include "lpe/language/names.h"
 #include "lpe/shipped.h"
 
 namespace raylex::experiments {
@@ -14,16 +19,6 @@ namespace {
 
 using display::ChannelDefinition;
 using display::ChannelStyle;
-
-/// An expression of one of the light groups: quotes and backslashes in a label are escaped.
-std::string quoted(const std::string& label) {
-    std::string text = "'";
-    for (const char c : label) {
-        if (c == '\'' || c == '\\' || c == '*' || c == '?') text += '\\';
-        text += c;
-    }
-    return text + "'";
-}
 
 std::string layer_name_for(const std::string& group) {
     std::string name = "light_";
@@ -37,8 +32,8 @@ std::string layer_name_for(const std::string& group) {
 
 class Planner {
   public:
-    Planner(const Job& job, const transport::SceneAlphabet& alphabet)
-        : job_(job), alphabet_(alphabet), words_(words_of(alphabet)) {}
+    Planner(const Job& job, const SceneWords& scene)
+        : job_(job), scene_(scene), alphabet_(scene.alphabet), words_(scene.words) {}
 
     Result<ChannelPlan> run() {
         for (const ExpressionRequest& request : job_.expressions) {
@@ -67,33 +62,56 @@ class Planner {
     }
 
     Status add_expression(const ExpressionRequest& request) {
+        const SourceLocation& where = request.location;
+        auto expansion = lpe::expand_names({request.name,
+                                            request.expression,
+                                            request.dialect,
+                                            where.file,
+                                            where.line,
+                                            where.column,
+                                            {},
+                                            request.map},
+                                           job_.macros);
+        if (!expansion) return expansion.error();
         ChannelDefinition channel;
         channel.name = request.name;
         channel.style = ChannelStyle::expression;
-        channel.expression = request.expression;
+        channel.expression = expansion->source.expression;
         channel.dialect = request.dialect;
         channel.space = "rendering colour space";
+        channel.origin = where.file;
+        channel.origin_line = where.line;
+        channel.origin_column = where.column;
         Status added = add_channel(std::move(channel), request.location);
         if (!added) return added;
+        for (const std::string& each : expansion->warnings)
+            plan_.notes.push_back("channel '" + request.name + "': " + each);
         lpe::ChannelSource& source = sources_.back();
-        source = {request.name,
-                  request.expression,
-                  request.dialect,
-                  request.location.file,
-                  request.location.line,
-                  request.location.column,
-                  {}};
+        source = std::move(expansion->source);
         auto prefixes = lpe::expression_prefixes(source);
         if (!prefixes) return prefixes.error();
         if (!prefixes->empty()) prefixed_[request.name] = prefixes->front();
         auto warnings = lpe::expression_warnings(source, words_);
         if (warnings)
             for (const std::string& each : *warnings) plan_.notes.push_back("channel '" + request.name + "': " + each);
-        auto word = lpe::find_word(source, words_);
-        if (word && !word->has_value() && prefixes->empty())
-            plan_.notes.push_back("channel '" + request.name +
-                                  "' can match no path of this scene: its layer will be black");
+        note_reach(source, std::find(prefixes->begin(), prefixes->end(), "holdouts") != prefixes->end());
         return success();
+    }
+
+    /// Channels that will be black are named before the render, with the reason; those that are the beauty are known.
+    void note_reach(const lpe::ChannelSource& source, bool holdouts) {
+        const std::string who = "channel '" + source.name + "'";
+        const auto never = why_never(source, scene_);
+        if (never && *never)
+            plan_.notes.push_back(who + " can match no path of this scene, and its layer will be black: " + **never);
+        else if (holdouts && !scene_.holdouts)
+            plan_.notes.push_back(who + " takes what is seen first at holdouts, and no object is one: its layer will be "
+                                        "black; expected a [[label]] rule with holdout = true");
+        const auto unknown = unknown_labels(source, scene_);
+        if (unknown && !(never && *never))
+            for (const std::string& each : *unknown) plan_.notes.push_back(who + ": " + each);
+        const auto beauty = lpe::is_beauty(source, words_);
+        if (beauty && *beauty) plan_.beauties.push_back(source.name);
     }
 
     /// The layer that takes what `channels` leave.
@@ -103,7 +121,18 @@ class Planner {
         rest.style = ChannelStyle::expression;
         rest.space = "rendering colour space";
         for (const std::string& each : channels) rest.rest_of.push_back(index_.at(each));
+        rest.expression = rest_text(channels);
         return add_channel(std::move(rest), where);
+    }
+
+    /// What the rest layer holds, as an expression for its header, where a short one holds in every scene or in this one.
+    [[nodiscard]] std::string rest_text(const std::vector<std::string>& channels) const {
+        const std::vector<lpe::ChannelSource> sources = sources_of(channels);
+        for (const lpe::Words& words : {lpe::Words{}, words_}) {
+            auto text = lpe::rest_expression(sources, std::nullopt, words);
+            if (text && *text) return **text;
+        }
+        return {};
     }
 
     [[nodiscard]] std::vector<lpe::ChannelSource> sources_of(const std::vector<std::string>& names) const {
@@ -262,7 +291,7 @@ class Planner {
             if (group.empty()) continue;
             std::string name = layer_name_for(group);
             if (const int count = ++taken[name]; count > 1) name += "_" + std::to_string(count);
-            const std::string label = quoted(group);
+            const std::string label = lpe::quoted_label(group);
             const std::string terminal =
                 emission_carries(group) ? "[<L." + label + "><O." + label + ">]" : "<L." + label + ">";
             requests.push_back({name, "C.*" + terminal, lpe::Dialect::renderman, where});
@@ -289,6 +318,7 @@ class Planner {
     }
 
     const Job& job_;
+    const SceneWords& scene_;
     const transport::SceneAlphabet& alphabet_;
     lpe::Words words_;
     ChannelPlan plan_;
@@ -300,14 +330,8 @@ class Planner {
 
 }  // namespace
 
-lpe::Words words_of(const transport::SceneAlphabet& alphabet) {
-    lpe::Words words;
-    words.alphabet = lpe::Alphabet{alphabet.scattering, alphabet.terminals};
-    return words;
-}
-
-Result<ChannelPlan> plan_channels(const Job& job, const transport::SceneAlphabet& alphabet) {
-    return Planner(job, alphabet).run();
+Result<ChannelPlan> plan_channels(const Job& job, const SceneWords& scene) {
+    return Planner(job, scene).run();
 }
 
 }  // namespace raylex::experiments

@@ -38,7 +38,10 @@ Result<ColorSetup> open_color(const Job& job) {
     ColorSetup setup;
     auto manager = display::ColorManager::open(job.ocio_config);
     if (!manager) {
-        if (!job.ocio_config.empty() || !job.preview.empty() || !job.rendering_space.empty()) return manager.error();
+        const bool pictures =
+            !job.preview.empty() || std::any_of(job.outputs.drivers.begin(), job.outputs.drivers.end(),
+                                                [](const auto& driver) { return driver.name == "png"; });
+        if (!job.ocio_config.empty() || pictures || job.texture_rules || !job.rendering_space.empty()) return manager.error();
         setup.description = "none: " + manager.error().message;
         setup.warning = manager.error().to_string();
         return setup;
@@ -50,6 +53,9 @@ Result<ColorSetup> open_color(const Job& job) {
           require_listed("view", job.view, manager->views(display)),
           require_listed("rendering space", job.rendering_space, manager->scene_linear_spaces())})
         if (!status) return status.error();
+    if (job.texture_rules)
+        for (const std::string& warning : manager->warnings())
+            setup.warning += (setup.warning.empty() ? "" : "; ") + warning;
     setup.manager = std::move(*manager);
     return setup;
 }
@@ -57,6 +63,14 @@ Result<ColorSetup> open_color(const Job& job) {
 Result<display::Chromaticities> choose_rendering_space(const Job& job, const ColorSetup& color,
                                                        transport::SceneDescription& scene) {
     const display::Chromaticities native = chromaticities_of(scene.color.scene_space);
+    if (job.texture_rules)
+        scene.color.file_color = [&color, native](const std::string& path) -> Result<transport::FileColorConversion> {
+            auto rule = color.manager->file_color(path, native);
+            if (!rule) return rule.error();
+            std::string& list = *color.texture_spaces;
+            list += (list.empty() ? "" : "; ") + path + ": " + rule->space + (rule->by_default ? " (no rule fits)" : "");
+            return rule->convert;
+        };
     if (job.rendering_space.empty()) return native;
     auto matrix = color.manager->matrix_to(job.rendering_space, native);
     if (!matrix) return matrix.error();

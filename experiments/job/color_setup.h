@@ -1,6 +1,7 @@
 // The colour side of a render: the OpenColorIO config, the rendering space and its primaries.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -16,14 +17,16 @@ display::Chromaticities chromaticities_of(transport::ColorSpace space);
 struct ColorSetup {
     std::optional<display::ColorManager> manager;  ///< absent when the config cannot be read and nothing needs it
     std::string description;                       ///< for headers: the config, or why there is none
-    std::string warning;                           ///< not empty: the config cannot be read
+    std::string warning;                           ///< not empty: the config cannot be read, or has rules that never fit
+    /// "FILE: SPACE; ..." of the textures read by file rules so far; filled while a scene is built.
+    std::shared_ptr<std::string> texture_spaces = std::make_shared<std::string>();
 };
 
 /// Opens the config that the job, $OCIO or raylex itself names. An Error when it cannot be read and the job needs it (a
 /// preview, a rendering space, a config named outright), or when the job's display or view is not in it.
 Result<ColorSetup> open_color(const Job& job);
 
-/// Sets `scene.color` for the job's rendering space and returns the primaries of the image to come.
+/// `color` must outlive the scene when the job wants texture rules. Sets `scene.color` for the job's rendering space and returns the primaries of the image to come.
 Result<display::Chromaticities> choose_rendering_space(const Job& job, const ColorSetup& color,
                                                        transport::SceneDescription& scene);
 

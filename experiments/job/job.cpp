@@ -29,6 +29,16 @@ Result<std::array<int, 2>> parse_resolution(const std::string& text, const Sourc
     return size;
 }
 
+Status add_cryptomatte(const std::string& name, const SourceLocation& where, transport::RenderSettings& settings) {
+    auto kind = geoaovs::parse_matte_kind(name, {});
+    if (!kind) return error_at(where, kind.error().message, kind.error().hint);
+    for (const geoaovs::MatteKind known : settings.cryptomatte)
+        if (known == *kind)
+            return error_at(where, "the cryptomatte '" + name + "' is asked for twice; expected each kind once");
+    settings.cryptomatte.push_back(*kind);
+    return success();
+}
+
 Status check_layer_name(const std::string& name, const SourceLocation& where) {
     if (name.empty()) return error_at(where, "a channel name is empty; expected a name such as caustics");
     if (name.size() > 128)
@@ -40,6 +50,10 @@ Status check_layer_name(const std::string& name, const SourceLocation& where) {
         return error_at(where, "'" + name +
                                    "' cannot be a channel name; expected letters, digits and _ - . : beginning with "
                                    "a letter or _, and no dot at the end");
+    for (const char* taken : {"CryptoObject", "CryptoMaterial", "CryptoAsset"})
+        if (name.starts_with(taken))
+            return error_at(where, "the channel name '" + name + "' begins like the layers of a cryptomatte, '" + taken +
+                                       "'; expected another name");
     for (const char* taken : {"beauty", "rgba", "R", "G", "B", "A", "Y"})
         if (name == taken)
             return error_at(where,

@@ -1,11 +1,15 @@
 // What one render is asked to do: the sum of a job file and the command line.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "display/services/parameters.h"
+#include "experiments/job/output_requests.h"
+#include "lpe/channels/channel_file.h"
 #include "lpe/event.h"
+#include "lpe/language/names.h"
 #include "transport/render/render.h"
 #include "transport/scene/scene_description.h"
 
@@ -17,6 +21,7 @@ struct ExpressionRequest {
     std::string expression;
     lpe::Dialect dialect = lpe::Dialect::renderman;
     SourceLocation location;  ///< of the expression's first character, for errors
+    std::shared_ptr<const lpe::SourceMap> map{};  ///< where each of its characters stands, when a file says so
 };
 
 /// A geometric AOV by its standard name.
@@ -39,12 +44,16 @@ struct Job {
     std::string job_file, job_text;  ///< the TOML this came from; empty for a bare scene
     std::string output, preview, statistics;
     std::string ocio_config, rendering_space, display, view;
+    bool texture_rules = false;          ///< colours of image textures by the colour config's file rules, not pbrt's
+    OutputRequests outputs;
     bool shipped_partition = false;      ///< adds the shipped partition's channels
     bool light_groups = false;           ///< adds one layer per light group and one for the unlabelled lights
     transport::RenderSettings settings;  ///< `channels` is filled by plan_channels()
     std::vector<ExpressionRequest> expressions;
     std::vector<AovRequest> aovs;
     std::vector<PartitionRequest> partitions;
+    lpe::MacroTable macros;                      ///< names that the job's expressions may use
+    std::vector<lpe::LobeOption> lobe_options;   ///< as given; settings.lobe_slots holds what they make
     std::vector<transport::LabelRule> label_rules;
 };
 
@@ -54,8 +63,11 @@ Result<lpe::Dialect> parse_dialect(const std::string& name, const SourceLocation
 /// "WxH" with both between 1 and 65536.
 Result<std::array<int, 2>> parse_resolution(const std::string& text, const SourceLocation& where);
 
+/// Adds a kind of cryptomatte by name; an unknown one, or one that is there already, is an Error at `where`.
+Status add_cryptomatte(const std::string& name, const SourceLocation& where, transport::RenderSettings& settings);
+
 /// Names that can be a layer: letters, digits and _ - . : in any order, beginning with a letter or _; at most 128
-/// bytes. The names of the beauty (beauty, rgba, R, G, B, A, Y) are taken.
+/// bytes. The names of the beauty (beauty, rgba, R, G, B, A, Y) are taken, and those of cryptomattes (CryptoObject...).
 Status check_layer_name(const std::string& name, const SourceLocation& where);
 
 }  // namespace raylex::experiments

@@ -10,6 +10,7 @@
 #include <system_error>
 #include <utility>
 
+#include "experiments/job/channel_tables.h"
 #include "experiments/job/toml_table.h"
 
 namespace raylex::experiments {
@@ -19,15 +20,10 @@ namespace fs = std::filesystem;
 
 constexpr std::int64_t any_count = std::numeric_limits<std::int32_t>::max();
 
-std::string beside(const std::string& job_path, const std::string& path) {
-    if (path.empty() || fs::path(path).is_absolute()) return path;
-    return (fs::path(job_path).parent_path() / path).lexically_normal().string();
-}
-
 void read_files(TomlTable& root, const std::string& job_path, Job& job) {
     if (const toml::table* table = root.take_table("scene")) {
         TomlTable scene(root.source(), *table, "[scene]");
-        if (scene.require("file", job.scene_file)) job.scene_file = beside(job_path, job.scene_file);
+        if (scene.require("file", job.scene_file)) job.scene_file = beside_job(job_path, job.scene_file);
         scene.close();
     } else if (!root.has("scene")) {
         root.source().fail(SourceLocation{job_path, 1, 1},
@@ -35,17 +31,19 @@ void read_files(TomlTable& root, const std::string& job_path, Job& job) {
     }
     if (const toml::table* table = root.take_table("output")) {
         TomlTable output(root.source(), *table, "[output]");
-        if (output.read("file", job.output)) job.output = beside(job_path, job.output);
-        if (output.read("preview", job.preview)) job.preview = beside(job_path, job.preview);
-        if (output.read("stats", job.statistics)) job.statistics = beside(job_path, job.statistics);
+        if (output.read("file", job.output)) job.output = beside_job(job_path, job.output);
+        if (output.read("preview", job.preview)) job.preview = beside_job(job_path, job.preview);
+        if (output.read("stats", job.statistics)) job.statistics = beside_job(job_path, job.statistics);
+        read_viewer(output, job.outputs);
         output.close();
     }
     if (const toml::table* table = root.take_table("color")) {
         TomlTable color(root.source(), *table, "[color]");
-        if (color.read("ocio", job.ocio_config)) job.ocio_config = beside(job_path, job.ocio_config);
+        if (color.read("ocio", job.ocio_config)) job.ocio_config = beside_job(job_path, job.ocio_config);
         color.read("rendering_space", job.rendering_space);
         color.read("display", job.display);
         color.read("view", job.view);
+        color.read("texture_rules", job.texture_rules);
         color.close();
     }
 }
@@ -82,6 +80,7 @@ void read_render(TomlTable& root, Job& job) {
     if (render.read("threads", number, 0, 4096)) job.settings.threads = static_cast<int>(number);
     if (render.read("max_depth", number, 0, any_count)) job.settings.max_depth = number;
     read_resolution(render, job);
+    read_memory_limit(render, job.outputs);
     render.read("beauty", job.settings.beauty);
     render.read("isa", job.settings.isa);
     std::string lobes;
@@ -106,71 +105,15 @@ void read_entity(TomlTable& root, const char* key, std::optional<transport::Scen
     entity = std::move(result);
 }
 
-std::optional<lpe::Dialect> read_dialect(TomlTable& table) {
-    std::string name;
-    if (!table.read("dialect", name)) return std::nullopt;
-    auto dialect = parse_dialect(name, table.location_of("dialect"));
-    if (dialect) return *dialect;
-    table.source().fail(dialect.error());
-    return std::nullopt;
-}
-
-void read_channels(TomlTable& root, Job& job) {
-    lpe::Dialect usual = lpe::Dialect::renderman;
-    if (const toml::table* table = root.take_table("channels")) {
-        TomlTable channels(root.source(), *table, "[channels]");
-        std::vector<std::string> names;
-        std::vector<SourceLocation> places;
-        channels.read("aovs", names, &places);
-        for (std::size_t i = 0; i < names.size(); ++i) job.aovs.push_back({names[i], places[i]});
-        channels.read("shipped_partition", job.shipped_partition);
-        channels.read("light_groups", job.light_groups);
-        usual = read_dialect(channels).value_or(usual);
-        channels.close();
-    }
-    for (const toml::table* table : root.take_tables("channel")) {
-        TomlTable channel(root.source(), *table, "a [[channel]] table");
-        ExpressionRequest request;
-        if (channel.require("name", request.name)) {
-            Status status = check_layer_name(request.name, channel.location_of("name"));
-            if (!status) root.source().fail(status.error());
-        }
-        channel.require("lpe", request.expression);
-        request.location = channel.content_location_of("lpe");
-        request.dialect = read_dialect(channel).value_or(usual);
-        channel.close();
-        job.expressions.push_back(std::move(request));
-    }
-    for (const toml::table* table : root.take_tables("partition")) {
-        TomlTable partition(root.source(), *table, "a [[partition]] table");
-        PartitionRequest request;
-        request.location = partition.location();
-        if (partition.require("name", request.name)) {
-            Status status = check_layer_name(request.name, partition.location_of("name"));
-            if (!status) root.source().fail(status.error());
-        }
-        partition.read("of", request.of);
-        if (request.of == "beauty") request.of.clear();
-        if (!partition.read("channels", request.channels) || request.channels.empty())
-            root.source().fail(partition.location_of("channels"),
-                               "a [[partition]] table has no channels; expected channels = [\"name\", ...]");
-        if (partition.read("rest", request.rest)) {
-            Status status = check_layer_name(request.rest, partition.location_of("rest"));
-            if (!status) root.source().fail(status.error());
-        }
-        partition.close();
-        job.partitions.push_back(std::move(request));
-    }
-}
-
 using Selector = transport::LabelRule::Selector;
 struct SelectorKey {
     const char* key;
     Selector selector;
 };
 
+/// [[label]] may say holdout = true, beside a label or alone; light groups may not.
 void read_rules(TomlTable& root, const char* kind, const char* target, std::initializer_list<SelectorKey> selectors,
-                Job& job) {
+                bool of_objects, Job& job) {
     for (const toml::table* table : root.take_tables(kind)) {
         TomlTable reader(root.source(), *table, "a [[" + std::string(kind) + "]] table");
         transport::LabelRule rule;
@@ -186,7 +129,10 @@ void read_rules(TomlTable& root, const char* kind, const char* target, std::init
             ++found;
         }
         for (const SelectorKey& each : selectors) reader.take(each.key);
-        reader.require(target, rule.label);
+        bool holdout = false;
+        if (of_objects && reader.read("holdout", holdout)) rule.holdout = holdout;
+        rule.keeps_label = rule.holdout.has_value() && !reader.has(target);
+        if (!rule.keeps_label) reader.require(target, rule.label);
         if (found != 1)
             root.source().fail(reader.location(), reader.description() + " has " + std::to_string(found) +
                                                       " selectors; expected exactly one of: " + keys);
@@ -216,12 +162,13 @@ Result<Job> parse_job(const std::string& text, const std::string& path) {
     read_entity(root, "sampler", job.settings.sampler);
     read_entity(root, "filter", job.settings.filter);
     read_entity(root, "sample_filter", job.settings.sample_filter);
-    read_channels(root, job);
+    read_channel_tables(root, job);
+    read_output_tables(root, path, job.outputs);
     read_rules(root, "label", "label",
                {{"material", Selector::material}, {"mesh", Selector::mesh_file}, {"instance", Selector::instance}},
-               job);
+               true, job);
     read_rules(root, "light_group", "group",
-               {{"light", Selector::light}, {"area_light_material", Selector::area_light_material}}, job);
+               {{"light", Selector::light}, {"area_light_material", Selector::area_light_material}}, false, job);
     root.close();
     if (source.error()) return *source.error();
     return job;

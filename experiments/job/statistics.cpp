@@ -24,7 +24,7 @@ double cpu_now() {
 
 Json phases_json(const RunRecord& record) {
     Json phases;
-    for (const char* name : {"load", "build", "render", "write"}) {
+    for (const char* name : {"load", "plan", "build", "render", "write"}) {
         const auto found = record.phases.find(name);
         const PhaseTime time = found != record.phases.end() ? found->second : PhaseTime{};
         phases[name] = {{"wall_seconds", time.wall_seconds}, {"cpu_seconds", time.cpu_seconds}};
@@ -68,6 +68,34 @@ Json splits_json(const RunRecord& record) {
     return splits;
 }
 
+Json cryptomatte_json(const transport::RenderOutput& output) {
+    Json mattes = Json::array();
+    for (const geoaovs::Cryptomatte& matte : output.cryptomatte) {
+        const geoaovs::Cryptomatte::Remainder left = matte.remainder();
+        mattes.push_back({{"name", matte.name()},
+                          {"ranks", matte.ranks()},
+                          {"names", matte.name_count()},
+                          {"memory_bytes", matte.coverage().memory_bytes()},
+                          {"remainder", {{"largest", left.largest}, {"mean", left.mean}, {"pixels", left.pixels}}}});
+    }
+    return mattes;
+}
+
+Json memory_json(const RunRecord& record) {
+    Json layers = Json::object();
+    for (const display::MemoryItem& item : record.memory) layers[item.name] = item.bytes;
+    return {{"total_bytes", display::total_bytes(record.memory)},
+            {"limit_bytes", record.job->outputs.memory_limit},
+            {"layers", layers}};
+}
+
+Json deep_json(const display::DeepCounts& counts) {
+    return {{"samples", counts.samples},
+            {"pixels_past_the_limit", counts.merged_pixels},
+            {"coarsest_tolerance", counts.coarsest},
+            {"refused_rows", counts.refused_rows}};
+}
+
 }  // namespace
 
 PhaseClock::PhaseClock() : wall_(wall_now()), cpu_(cpu_now()) {}
@@ -104,10 +132,13 @@ std::string statistics_json(const RunRecord& record) {
     json["invalid_samples"] = invalid_json(record);
     json["rejected_block_sums"] = output.frame_buffer.rejected_count();
     json["refused_services_calls"] = statistics.refused_services_calls;
+    json["memory"] = memory_json(record);
+    if (record.deep != nullptr) json["deep"] = deep_json(record.deep->counts());
     json["peak_memory_bytes"] = peak_memory_bytes();
     json["threads"] = output.threads;
     json["seed"] = output.seed;
     json["splits"] = splits_json(record);
+    json["cryptomatte"] = cryptomatte_json(output);
     json["warnings"] = record.warnings;
     json["provenance"] = record.attributes;
     // Paths and scene text may hold bytes that are no UTF-8: replaced, not thrown over.

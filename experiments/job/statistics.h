@@ -37,6 +37,8 @@ struct RunRecord {
     std::vector<std::string> warnings;
     std::vector<display::SplitVerdict> splits;
     std::map<std::string, std::string> attributes;  ///< as in the image header
+    std::vector<display::MemoryItem> memory;        ///< of the image, layer by layer, as estimated before rendering
+    const display::DeepBuffer* deep = nullptr;      ///< null when there is none
 };
 
 /// experiments/README.md lists the keys.

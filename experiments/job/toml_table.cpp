@@ -64,7 +64,9 @@ bool to_parameter(const toml::node& node, Parameter& parameter) {
 
 }  // namespace
 
-TomlSource::TomlSource(std::string file, std::string_view text) : file_(std::move(file)) {
+TomlSource::TomlSource(std::string file, std::string_view text)
+    : file_(std::move(file)),
+      text_(std::make_shared<const lpe::TextFile>(lpe::TextFile{file_, std::string(text), true})) {
     while (!text.empty()) {
         const std::size_t end = text.find('\n');
         std::string_view line = text.substr(0, end);
@@ -125,6 +127,11 @@ SourceLocation TomlTable::location_of(std::string_view key) const {
 SourceLocation TomlTable::content_location_of(std::string_view key) const {
     const toml::node* node = table_.get(key);
     return node != nullptr ? source_.content_location(*node) : location();
+}
+
+std::shared_ptr<const lpe::SourceMap> TomlTable::string_map_of(std::string_view key) const {
+    const toml::node* node = table_.get(key);
+    return node != nullptr ? source_.string_map(*node) : nullptr;
 }
 
 void TomlTable::wrong_type(std::string_view key, const toml::node& node, const char* expected) {

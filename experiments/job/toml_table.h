@@ -3,12 +3,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "display/services/parameters.h"
+#include "lpe/language/source_map.h"
 #include "lpe/result.h"
 
 // The compiled libtomlplusplus is used, so that this header stays cheap.
@@ -27,12 +29,16 @@ class TomlSource {
     /// Where the characters of a string value begin: after its opening quotes.
     [[nodiscard]] SourceLocation content_location(const toml::node& node) const;
 
+    /// Where each byte of a string value stands, its escapes resolved; null when the text cannot be followed.
+    [[nodiscard]] std::shared_ptr<const lpe::SourceMap> string_map(const toml::node& node) const;
+
     void fail(const SourceLocation& where, std::string message, std::string hint = {});
     void fail(Error error);  ///< an error made elsewhere, about this text; gets its excerpt here
     [[nodiscard]] const std::optional<Error>& error() const { return error_; }
 
   private:
     std::string file_;
+    std::shared_ptr<const lpe::TextFile> text_;
     std::vector<std::string> lines_;
     std::optional<Error> error_;
 };
@@ -60,6 +66,7 @@ class TomlTable {
     [[nodiscard]] SourceLocation location() const { return source_.location(table_); }
     [[nodiscard]] SourceLocation location_of(std::string_view key) const;
     [[nodiscard]] SourceLocation content_location_of(std::string_view key) const;
+    [[nodiscard]] std::shared_ptr<const lpe::SourceMap> string_map_of(std::string_view key) const;
     [[nodiscard]] bool has(std::string_view key) const { return table_.get(key) != nullptr; }
     [[nodiscard]] TomlSource& source() { return source_; }
     [[nodiscard]] const std::string& description() const { return description_; }

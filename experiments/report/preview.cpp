@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -93,11 +94,37 @@ std::array<unsigned char, 3> geometry_pixel(LayerLook look, const std::array<dou
         case LayerLook::identity:
             return colour_of_id(v[0] > 0 && v[0] < 4294967296.0 ? static_cast<std::uint32_t>(v[0]) : 0U);
         case LayerLook::value:
+        case LayerLook::mattes:
         case LayerLook::light:
             break;
     }
     const unsigned char grey = to_byte(ranges[0].share(v[0]));
     return {grey, grey, grey};
+}
+
+/// Two ranks of a cryptomatte: the ids' colours, weighted by coverage, over blocks of pixels.
+std::vector<unsigned char> matte_picture(const display::ExrImage& image, const display::ImageLayer& layer, int block,
+                                         int width, int height) {
+    const std::array<const ImagePlane*, 4> planes{layer.plane("R"), layer.plane("G"), layer.plane("B"), layer.plane("A")};
+    std::vector<unsigned char> rgb;
+    rgb.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            std::array<double, 3> sum{};
+            int count = 0;
+            for (int v = y * block; v < std::min((y + 1) * block, image.height); ++v)
+                for (int u = x * block; u < std::min((x + 1) * block, image.width); ++u, ++count) {
+                    const std::size_t i = static_cast<std::size_t>(v) * static_cast<std::size_t>(image.width) +
+                                          static_cast<std::size_t>(u);
+                    for (std::size_t rank = 0; rank < 4; rank += 2) {
+                        const auto color = colour_of_id(std::bit_cast<std::uint32_t>(planes[rank]->values[i]));
+                        const double coverage = planes[rank + 1]->values[i];
+                        for (std::size_t c = 0; c < 3; ++c) sum[c] += coverage * color[c] / 255;
+                    }
+                }
+            for (const double each : sum) rgb.push_back(to_byte(each / count));
+        }
+    return rgb;
 }
 
 }  // namespace
@@ -109,12 +136,15 @@ LayerLook look_of(const display::ImageLayer& layer) {
     if (layer.planes.size() == 1) {
         const ImagePlane& plane = layer.planes.front();
         if (plane.stored == display::StoredType::unsigned_int || name == "id") return LayerLook::identity;
-        if (plane.name == "Z" || name == "z" || name == "VLen" || name == "depth") return LayerLook::depth;
+        if (plane.name == "Z" || name == "z" || name == "zback" || name == "VLen" || name == "depth")
+            return LayerLook::depth;
         return LayerLook::value;
     }
-    if (name == "st" || name == "uv" || name == "UV") return LayerLook::parameter;
+    if (name.starts_with("Crypto") && layer.planes.size() == 4 && layer.is_color()) return LayerLook::mattes;
+    if (name == "st" || name == "__st" || name == "uv" || name == "UV") return LayerLook::parameter;
     const bool vector = layer.plane("X") != nullptr && layer.plane("Y") != nullptr;
-    if (name == "Nn" || name == "Ngn" || name == "N" || name == "normal" || name == "Normal") return LayerLook::normal;
+    if (name == "Nn" || name == "Ngn" || name == "Non" || name == "Tn" || name == "Vn" || name == "__Nworld" ||
+        name == "__Vworld" || name == "N" || name == "normal" || name == "Normal") return LayerLook::normal;
     if (vector || name == "P" || name == "Pw" || name == "position") return LayerLook::position;
     return LayerLook::light;
 }
@@ -133,6 +163,8 @@ const char* describe(LayerLook look) {
             return "near is bright, nothing hit is black";
         case LayerLook::identity:
             return "one colour per object";
+        case LayerLook::mattes:
+            return "one colour per id, as bright as it covers the pixel";
         case LayerLook::value:
             return "shown from the least to the largest value";
     }
@@ -158,6 +190,10 @@ Result<Picture> picture_of(const display::ExrImage& image, const display::ImageL
                                       options.view);
         if (!shown) return shown.error();
         picture.rgb = std::move(*shown);
+        return picture;
+    }
+    if (look == LayerLook::mattes) {
+        picture.rgb = matte_picture(image, layer, block, picture.width, picture.height);
         return picture;
     }
     const std::array<Range, 3> ranges{Range(planes[0]->values), Range(planes[1]->values), Range(planes[2]->values)};

@@ -18,6 +18,7 @@ enum class LayerLook {
     parameter,  ///< surface parameters, their fractional part
     depth,      ///< one real number, near bright, misses black
     identity,   ///< integers, a colour per value, 0 black
+    mattes,     ///< a cryptomatte's layer of two ranks: a colour per id, by coverage
     value       ///< any other single real number, from its least to its largest finite value
 };
 

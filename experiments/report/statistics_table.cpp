@@ -38,7 +38,7 @@ std::string row(const std::string& name, const std::string& value) {
 std::string phases(const Json& json) {
     std::string table =
         "<div class=\"wide\"><table>\n<tr><th>Phase</th><th>Wall seconds</th><th>CPU seconds</th></tr>\n";
-    for (const std::string phase : {"load", "build", "render", "write"}) {
+    for (const std::string phase : {"load", "plan", "build", "render", "write"}) {
         const std::string at = "/phases/" + phase;
         table += "<tr><td>" + phase + "</td><td class=\"number\">" +
                  text_of("%.3f", number_at(json, (at + "/wall_seconds").c_str())) + "</td><td class=\"number\">" +

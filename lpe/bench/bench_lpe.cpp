@@ -1,99 +1,229 @@
-// Cost of compiling sets of channels and of following a path through them. Event classes are asked for beforehand, as an
-// integrator does once per kind of event.
+// Cost of compiling sets of channels, of following a path through them and of adding up what it finds. Event classes are
+// asked for beforehand, as an integrator does once per kind of event. bench_services.cpp (display/bench) adds what a
+// renderer pays for the state vector of Law 5.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
-#include <cstdlib>
-#include <fstream>
-#include <iostream>
 #include <string>
 #include <vector>
 
-#include "lpe/check.h"
+#include "lpe/adopt/channel_set.h"
+#include "lpe/algebra/check.h"
+#include "lpe/bench/sets.h"
 #include "lpe/program.h"
+#include "lpe/reversal.h"
 #include "lpe/shipped.h"
 
 namespace {
 
 using namespace raylex::lpe;
+using namespace raylex::lpe::bench;
 
-std::vector<ChannelSource> read_set(const std::string& name, std::size_t count) {
-    std::ifstream file(std::string(RAYLEX_SOURCE_DIR) + "/tests/lpe/data/lpe_bench_" + name + ".txt");
-    std::vector<ChannelSource> channels;
-    for (std::string line; channels.size() < count && std::getline(file, line);) {
-        ChannelSource channel;
-        channel.name = line;
-        channel.expression = line;
-        channel.dialect = Dialect::osl;
-        channels.push_back(std::move(channel));
-    }
-    if (channels.size() != count) {
-        std::cerr << "benchmark set '" << name << "' has fewer than " << count << " expressions\n";
-        std::exit(2);
-    }
-    return channels;
-}
-
-Program compile_or_exit(const std::vector<ChannelSource>& channels) {
-    auto program = Program::compile(channels);
-    if (!program) {
-        std::cerr << program.error().to_string() << "\n";
-        std::exit(2);
-    }
-    return std::move(*program);
-}
-
-/// Paths as event classes, one after the other: camera, up to six scatterings, a terminal. A fixed linear congruence
-/// (Knuth, MMIX) draws them.
-std::vector<EventClass> random_paths(const Program& program, std::size_t paths) {
-    const std::vector<std::string> objects{"floor", "wall", "hero", "glass", "skin", ""};
-    const std::vector<std::string> lights{"key", "fill", "rim", "env", ""};
-    std::uint64_t state = 1;
-    const auto below = [&state](std::size_t bound) {
-        state = state * 6364136223846793005ULL + 1442695040888963407ULL;
-        return static_cast<std::size_t>(state >> 33) % bound;
-    };
+std::vector<EventClass> event_classes(const Program& program, const std::vector<RandomPath>& paths) {
     std::vector<EventClass> events;
-    for (std::size_t k = 0; k < paths; ++k) {
-        events.push_back(program.classify({EventType::camera, Scatter::none, 0, {}}));
-        for (std::size_t length = 1 + below(6); length > 0; --length) {
-            const EventType type = below(3) == 0 ? EventType::transmission : EventType::reflection;
-            const Scatter scatter = static_cast<Scatter>(1 + below(3));
-            events.push_back(program.classify({type, scatter, 0, {objects[below(objects.size())], ""}}));
+    for (const RandomPath& path : paths) {
+        for (const Event& event : path.events) {
+            events.push_back(program.classify(event));
         }
-        events.push_back(program.classify({EventType::light, Scatter::none, 0, {lights[below(lights.size())]}}));
     }
     return events;
 }
 
+void report(benchmark::State& state, const Program& program, std::size_t events) {
+    const double total = static_cast<double>(state.iterations()) * static_cast<double>(events);
+    state.counters["time/event"] = benchmark::Counter(total, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+    state.counters["words"] = static_cast<double>(program.word_count());
+    state.counters["states"] = static_cast<double>(program.state_count());
+    state.counters["KiB"] = static_cast<double>(program.tables().bytes()) / 1024;
+}
+
 void follow(benchmark::State& state, const std::string& set) {
-    const Program program = compile_or_exit(read_set(set, static_cast<std::size_t>(state.range(0))));
-    const std::vector<EventClass> events = random_paths(program, 4096);
+    const Program program = compile_or_exit(named_set(set, static_cast<std::size_t>(state.range(0))));
+    const std::vector<EventClass> events = event_classes(program, random_paths(4096));
     const EventClass camera = events.front();
-    const std::size_t groups = program.group_count();
-    for (auto _ : state) {
-        for (std::size_t group = 0; group < groups; ++group) {
-            State at = program.starts()[group];
+    const ProgramView& view = program.view();
+    if (view.word_count == 1) {
+        const State start = program.starts()[0];
+        for (auto _ : state) {
+            State at = start;
             for (const EventClass event : events) {
-                at = program.next(event == camera ? program.starts()[group] : at, event);
+                at = view.next(event == camera ? start : at, event);
                 benchmark::DoNotOptimize(at);
             }
         }
+    } else {
+        std::vector<State> at(view.word_count);
+        for (auto _ : state) {
+            for (const EventClass event : events) {
+                for (std::size_t word = 0; event == camera && word < at.size(); ++word) {
+                    at[word] = view.starts[word];
+                }
+                benchmark::DoNotOptimize(view.advance(at.data(), event, at.data()));
+            }
+        }
     }
-    state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(events.size()));
-    state.counters["time/event"] =
-        benchmark::Counter(static_cast<double>(state.iterations()) * static_cast<double>(events.size()),
-                           benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
-    state.counters["states"] = static_cast<double>(program.state_count());
-    state.counters["groups"] = static_cast<double>(groups);
+    report(state, program, events.size());
+}
+
+/// Adds a colour to the layers of every channel that accepts a path that has ended; about 4.5 of 32 channels do.
+void accumulate(benchmark::State& state, const std::string& set) {
+    const auto channels = named_set(set, static_cast<std::size_t>(state.range(0)));
+    const Program program = compile_or_exit(channels);
+    const std::size_t words = program.word_count();
+    std::vector<State> ends;
+    std::size_t matches = 0, paths = 0;
+    for (const RandomPath& path : random_paths(4096)) {
+        std::vector<State> at(program.starts().begin(), program.starts().end());
+        for (const Event& event : path.events) {
+            program.advance(at.data(), program.classify(event), at.data());
+        }
+        std::size_t accepting = 0;
+        program.for_each_accepted(at.data(), [&](std::uint16_t) { ++accepting; });
+        matches += accepting;
+        ++paths;
+        ends.insert(ends.end(), at.begin(), at.end());
+    }
+    struct alignas(16) Layer {
+        std::array<float, 4> rgba{};
+    };
+    std::vector<Layer> layers(channels.size() + ProgramView::accept_block);
+    const Layer colour{{0.25F, 0.5F, 0.75F, 1.0F}};
+    for (auto _ : state) {
+        for (std::size_t k = 0; k < paths; ++k) {
+            program.for_each_accepted_block(&ends[k * words], [&](std::uint16_t channel) {
+                for (std::size_t c = 0; c < 4; ++c) {
+                    layers[channel].rgba[c] += colour.rgba[c];
+                }
+            });
+            benchmark::ClobberMemory();
+        }
+    }
+    report(state, program, paths);
+    state.counters["channels"] = static_cast<double>(matches) / static_cast<double>(paths);
 }
 
 void compile(benchmark::State& state, const std::string& set) {
-    const auto channels = read_set(set, static_cast<std::size_t>(state.range(0)));
+    const auto channels = named_set(set, static_cast<std::size_t>(state.range(0)));
     for (auto _ : state) {
         benchmark::DoNotOptimize(compile_or_exit(channels));
     }
 }
+
+void compile_generated(benchmark::State& state) {
+    const auto channels = generated_split();
+    for (auto _ : state) {
+        const Program program = compile_or_exit(channels);
+        state.counters["channels"] = static_cast<double>(channels.size());
+        state.counters["states"] = static_cast<double>(program.state_count());
+        state.counters["KiB"] = static_cast<double>(program.tables().bytes()) / 1024;
+    }
+}
+
+/// One more channel, with a label of its own, to a set that is compiled.
+void add_one(benchmark::State& state, const std::string& set) {
+    const auto channels = named_set(set, static_cast<std::size_t>(state.range(0)));
+    ChannelSource one;
+    one.name = "one more";
+    one.expression = "C<RD'another object'>[DGS]*L";
+    one.dialect = Dialect::osl;
+    for (auto _ : state) {
+        state.PauseTiming();
+        ChannelSet grown;
+        if (!grown.add(channels)) {
+            state.SkipWithError("the set did not compile");
+            return;
+        }
+        state.ResumeTiming();
+        benchmark::DoNotOptimize(grown.add({&one, 1}));
+        state.counters["regroupings"] = static_cast<double>(grown.regroupings());
+    }
+}
+
+/// The class of an event with a label, as a renderer asks once per material.
+void classify(benchmark::State& state, const std::string& set) {
+    const Program program = compile_or_exit(named_set(set, static_cast<std::size_t>(state.range(0))));
+    std::vector<Event> events;
+    for (const RandomPath& path : random_paths(64)) {
+        events.insert(events.end(), path.events.begin(), path.events.end());
+    }
+    for (auto _ : state) {
+        for (const Event& event : events) {
+            benchmark::DoNotOptimize(program.classify(event));
+        }
+    }
+    report(state, program, events.size());
+}
+
+void reverse_build(benchmark::State& state, const std::string& set) {
+    const Program program = compile_or_exit(named_set(set, static_cast<std::size_t>(state.range(0))));
+    for (auto _ : state) {
+        const auto reversed = ReversedProgram::build(program);
+        if (!reversed) {
+            state.SkipWithError(reversed.error().message.c_str());
+            return;
+        }
+        state.counters["KiB"] = static_cast<double>(reversed->bytes()) / 1024;
+    }
+}
+
+/// Grows a light subpath of `range(1)` scatterings and joins each of its ends once with a camera subpath: by the reversed
+/// program, or by replay. The time is that of one vertex and its join.
+void join(benchmark::State& state, const std::string& set, bool replay) {
+    const Program program = compile_or_exit(named_set(set, static_cast<std::size_t>(state.range(0))));
+    const auto depth = static_cast<std::size_t>(state.range(1));
+    const auto reversed = ReversedProgram::build(program);
+    if (!reversed) {
+        state.SkipWithError(reversed.error().message.c_str());
+        return;
+    }
+    const auto paths = random_paths(512);
+    std::vector<EventClass> scattering, terminals;
+    std::vector<State> cameras;
+    for (const RandomPath& path : paths) {
+        std::vector<State> camera(program.starts().begin(), program.starts().end());
+        for (std::size_t k = 0; k < 2; ++k) {
+            program.advance(camera.data(), program.classify(path.events[k]), camera.data());
+        }
+        cameras.insert(cameras.end(), camera.begin(), camera.end());
+        scattering.push_back(program.classify(path.events[1]));
+        terminals.push_back(program.classify(path.events.back()));
+    }
+    std::vector<State> light(reversed->word_count()), whole(program.word_count());
+    std::size_t accepted = 0;
+    for (auto _ : state) {
+        for (std::size_t path = 0; path < paths.size(); ++path) {
+            const State* camera = &cameras[path * program.word_count()];
+            LightWord word;
+            std::copy(reversed->starts().begin(), reversed->starts().end(), light.begin());
+            for (std::size_t k = 0; k <= depth; ++k) {
+                const EventClass event = k == 0 ? terminals[path] : scattering[(path + k) % paths.size()];
+                if (replay) {
+                    word.prepend(event);
+                    accepted += word.join(program, camera, whole.data()) && program.accepts_any_of(whole.data());
+                } else {
+                    reversed->prepend(light.data(), event, light.data());
+                    accepted += reversed->accepts_any(camera, light.data());
+                }
+            }
+        }
+    }
+    benchmark::DoNotOptimize(accepted);
+    report(state, program, paths.size() * (depth + 1));
+}
+
+void prove(benchmark::State& state, const std::vector<ChannelSource>& channels) {
+    for (auto _ : state) {
+        const auto report = check_partition(channels);
+        if (!report || report->verdict != Verdict::partition) {
+            state.SkipWithError(report ? report->summary.c_str() : report.error().message.c_str());
+            return;
+        }
+    }
+}
+
+void prove_generated(benchmark::State& state) { prove(state, generated_split()); }
 
 void prove_shipped(benchmark::State& state) {
     std::vector<ChannelSource> channels;
@@ -103,21 +233,31 @@ void prove_shipped(benchmark::State& state) {
         channel.expression = entry.expression;
         channels.push_back(std::move(channel));
     }
-    for (auto _ : state) {
-        const auto report = check_partition(channels);
-        if (!report || report->verdict != Verdict::partition) {
-            state.SkipWithError("the shipped partition was not proved");
-            return;
-        }
-    }
+    prove(state, channels);
 }
 
 }  // namespace
 
 BENCHMARK_CAPTURE(follow, firsthit, "firsthit")->Arg(1)->Arg(8)->Arg(32)->Arg(64)->Arg(128);
 BENCHMARK_CAPTURE(follow, anywhere, "anywhere")->Arg(64)->Arg(128);
+BENCHMARK_CAPTURE(follow, labels, "labels")->Arg(32)->Arg(128)->Arg(512);
+BENCHMARK_CAPTURE(follow, mixture, "mixture")->Arg(128)->Arg(256);
+BENCHMARK_CAPTURE(accumulate, firsthit, "firsthit")->Arg(32)->Arg(64)->Arg(128);
+BENCHMARK_CAPTURE(accumulate, labels, "labels")->Arg(128);
 BENCHMARK_CAPTURE(compile, firsthit, "firsthit")->Arg(1)->Arg(8)->Arg(32)->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(compile, anywhere, "anywhere")->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(compile, labels, "labels")->Arg(128)->Arg(512)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(compile, mixture, "mixture")->Arg(128)->Arg(256)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(add_one, firsthit, "firsthit")->Arg(128)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(add_one, mixture, "mixture")->Arg(256)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(classify, firsthit, "firsthit")->Arg(128);
+BENCHMARK_CAPTURE(reverse_build, firsthit, "firsthit")->Arg(32)->Arg(64)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(join, firsthit_reversed, "firsthit", false)->Args({64, 2})->Args({64, 8})->Args({64, 32});
+BENCHMARK_CAPTURE(join, firsthit_replayed, "firsthit", true)->Args({64, 2})->Args({64, 8})->Args({64, 32});
+BENCHMARK_CAPTURE(join, labels_reversed, "labels", false)->Args({128, 8});
+BENCHMARK_CAPTURE(join, labels_replayed, "labels", true)->Args({128, 8});
+BENCHMARK(compile_generated)->Unit(benchmark::kMillisecond);
 BENCHMARK(prove_shipped)->Unit(benchmark::kMillisecond);
+BENCHMARK(prove_generated)->Unit(benchmark::kMillisecond);
 
 BENCHMARK_MAIN();

@@ -1,6 +1,7 @@
 #include "display/output/color_manager.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <cstdlib>
 #include <limits>
 
@@ -100,6 +101,58 @@ TEST_CASE("file rules of the shipped config tell 8-bit from float images", "[dis
     CHECK(space("sky_ACEScg.exr") == "ACEScg");
     CHECK(space("plate_ap0.exr") == "ACES2065-1");
     CHECK(space("weights.bin") == "Raw");
+}
+
+TEST_CASE("file rules turn stored texels into linear values of the primaries asked for", "[display][ocio]") {
+    const WithoutOcio environment;
+    const ColorManager manager = shipped();
+    const auto converted = [&](const char* file, std::vector<float> rgb, const Chromaticities& to) {
+        const auto color = manager.file_color(file, to);
+        REQUIRE(color.ok());
+        color->convert(rgb);
+        return rgb;
+    };
+    const Chromaticities rec709 = raylex::display::rec709_primaries();
+    // IEC 61966-2-1: 0.5 decodes to ((0.5 + 0.055) / 1.055)^2.4. OpenColorIO computes in float.
+    const double decoded = std::pow((0.5 + 0.055) / 1.055, 2.4);
+    const auto png = converted("wood.png", {0.5f, 0.0f, 1.0f}, rec709);
+    CHECK(png[0] == Approx(decoded).epsilon(1e-5));
+    CHECK(png[1] == Approx(0).margin(1e-6));
+    CHECK(png[2] == Approx(1).epsilon(1e-5));
+    const auto exr = converted("sky.exr", {0.5f, 7.0f, 1e-3f}, rec709);
+    CHECK(exr[0] == Approx(0.5).epsilon(1e-5));
+    CHECK(exr[1] == Approx(7).epsilon(1e-5));
+    const auto expected = raylex::display::transform_colour(
+        raylex::display::rgb_to_rgb(raylex::display::aces_ap1_primaries(), rec709), {0.2, 0.5, 0.1});
+    const auto cg = converted("sky_ACEScg.exr", {0.2f, 0.5f, 0.1f}, rec709);
+    for (std::size_t c = 0; c < 3; ++c) CHECK(cg[c] == Approx(expected[c]).epsilon(1e-5));
+
+    // Data stays what it is, but never becomes light that is not finite (Law 6).
+    const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+    CHECK(converted("weights.bin", {0.5f, nan, -2.0f}, rec709) == std::vector<float>{0.5f, 0.0f, -2.0f});
+    for (const float value : converted("sky.exr", {nan, inf, -inf}, rec709)) CHECK(value == Approx(0).margin(1e-6));
+    CHECK(manager.file_color("weights.bin", rec709)->by_default);
+    CHECK(manager.file_color("weights.bin", rec709)->is_data);
+    CHECK(!manager.file_color("wood.png", rec709)->by_default);
+    CHECK(manager.warnings().empty());
+}
+
+TEST_CASE("a file rule that can never fit is told", "[display][ocio]") {
+    const WithoutOcio environment;
+    const ScratchFolder folder;
+    std::string text = raylex::test::read_bytes(shipped_path);
+    const std::string rule = "file_rules:\n";
+    const std::size_t at = text.find(rule);
+    REQUIRE(at != std::string::npos);
+    text.insert(at + rule.size(),
+                "  - !<Rule> {name: pictures, colorspace: Raw, pattern: \"*\", extension: \"(png|jpe?g)\"}\n");
+    raylex::test::write_bytes(folder.file("trap.ocio"), text);
+    const auto manager = ColorManager::open(folder.file("trap.ocio"));
+    REQUIRE(manager.ok());
+    REQUIRE(manager->warnings().size() == 1);
+    CHECK(manager->warnings()[0].find("'pictures'") != std::string::npos);
+    CHECK(manager->warnings()[0].find("'(png|jpe?g)', which is a glob") != std::string::npos);
+    CHECK(manager->file_color("wood.png", raylex::display::rec709_primaries())->space == "srgb_texture");  // falls through
 }
 
 TEST_CASE("conversions between a config's spaces and chromaticities agree with the primaries' own matrices",

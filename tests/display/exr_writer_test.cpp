@@ -7,7 +7,9 @@
 #include <ImfInputPart.h>
 #include <ImfMultiPartInputFile.h>
 
+#include "display/output/primaries.h"
 #include "display/output/split_check.h"
+#include "display/output/split_sum.h"
 #include "files.h"
 
 using namespace raylex::test;
@@ -139,6 +141,106 @@ TEST_CASE("every pixel of the frame buffer comes back, rounded to float once", "
     CHECK(image.layer("id")->planes[0].stored == StoredType::unsigned_int);
 }
 
+TEST_CASE("the header says of every partition what a reader will find", "[display][exr][law1]") {
+    const ScratchFolder folder;
+    ImageDescription with_wrong = description();
+    with_wrong.partitions.push_back({"short", "", {"diffuse", "specular"}});
+    with_wrong.partitions.push_back({"of_rest", "rest", {"diffuse"}});
+    with_wrong.partitions.push_back({"typo", "", {"difuse"}});
+    REQUIRE(write_exr(folder.file("a.exr"), filled(), beauty_id, with_wrong).ok());
+    const auto image = read_exr(folder.file("a.exr"));
+    REQUIRE(image.ok());
+    const auto verdicts = check_declared_splits(*image);
+    REQUIRE(verdicts.ok());
+    REQUIRE(verdicts->size() == 3);
+    for (const SplitVerdict& verdict : *verdicts) {
+        std::string text = image->attributes.at("verdict/" + verdict.partition);
+        CHECK(text.size() == 192);  // what was set aside before the pixels were known
+        text.erase(text.find_last_not_of(' ') + 1);
+        CHECK(text == verdict_attribute(verdict, verdict.layers.size()));
+    }
+    CHECK(image->attributes.at("verdict/auto").starts_with("holds; largest relative error "));
+    CHECK(image->attributes.at("verdict/short").starts_with("does not hold; "));
+    CHECK(image->attributes.count("verdict/typo") == 0);
+}
+
+TEST_CASE("each kind of channel is stored as its row of the table says", "[display][exr]") {
+    ImageDescription chosen = description();
+    const raylex::SourceLocation where{"job.toml", 3, 5};
+    REQUIRE(override_exr_storage(chosen.storage, "light", "half piz", where).ok());
+    REQUIRE(override_exr_storage(chosen.storage, "normal", "rle half", where).ok());
+    REQUIRE(override_exr_storage(chosen.storage, "value", "none", where).ok());
+    const ScratchFolder folder;
+    REQUIRE(write_exr(folder.file("a.exr"), filled(), beauty_id, chosen).ok());
+    {
+        Imf::MultiPartInputFile file(folder.file("a.exr").c_str());
+        CHECK(file.header(0).compression() == Imf::PIZ_COMPRESSION);
+        CHECK(file.header(0).channels().findChannel("A")->type == Imf::HALF);
+        CHECK(file.header(2).channels().findChannel("specular.B")->type == Imf::HALF);
+        CHECK(file.header(4).compression() == Imf::NO_COMPRESSION);
+        CHECK(file.header(4).channels().findChannel("Z")->type == Imf::FLOAT);
+        CHECK(file.header(5).compression() == Imf::RLE_COMPRESSION);
+        CHECK(file.header(6).channels().findChannel("id")->type == Imf::UINT);
+    }
+    const auto image = read_exr(folder.file("a.exr"));
+    REQUIRE(image.ok());
+    const float stored = image->layer("diffuse")->triple()[0]->values[4];
+    CHECK(stored == static_cast<float>(half(static_cast<float>(light(4, 0, 1)))));
+    CHECK(image->attributes.at("storage/diffuse") == "half piz");
+    CHECK(image->attributes.at("verdict/auto").find("bound 0.000977") != std::string::npos);  // 2^-10
+    CHECK(check_declared_splits(*image)->front().holds);
+
+    // "all" changes what may be changed: depth and ids keep their type.
+    ExrStorageTable table = default_exr_storage();
+    REQUIRE(override_exr_storage(table, "all", "half zips", where).ok());
+    CHECK(storage_text(table[static_cast<std::size_t>(ChannelKind::light)]) == "half zips");
+    CHECK(storage_text(table[static_cast<std::size_t>(ChannelKind::value)]) == "float zips");
+    CHECK(storage_text(table[static_cast<std::size_t>(ChannelKind::id)]) == "uint zips");
+}
+
+TEST_CASE("storage that would lose what a channel is for is refused", "[display][exr][law7]") {
+    const auto message = [](const std::string& kind, const std::string& text) {
+        ExrStorageTable table = default_exr_storage();
+        const auto status = override_exr_storage(table, kind, text, {"job.toml", 3, 5});
+        if (status.ok()) return std::string();
+        CHECK(status.error().line == 3);
+        return status.error().message + status.error().hint;
+    };
+    CHECK(message("position", "half").find("expected float") != std::string::npos);
+    CHECK(message("value", "half").find("expected float") != std::string::npos);
+    CHECK(message("id", "float").find("expected uint") != std::string::npos);
+    CHECK(message("light", "uint").find("expected float or half") != std::string::npos);
+    for (const char* lossy : {"dwaa", "dwab", "b44", "b44a", "pxr24"})
+        CHECK(message("light", lossy).find("loses bits") != std::string::npos);
+    CHECK(message("light", "pizz").find("did you mean 'piz'") != std::string::npos);
+    CHECK(message("lights", "piz").find("did you mean 'light'") != std::string::npos);
+    CHECK(message("light", "").find("nothing is said") != std::string::npos);
+}
+
+TEST_CASE("light beyond half becomes the largest half and is counted", "[display][exr][law6]") {
+    std::vector<ChannelDefinition> list{expression("beauty", "")};
+    FrameBuffer buffer({2, 1}, list);
+    SampleTable table(list, 1, 0);
+    const CameraRow row;
+    table.begin(std::span(&row, 1));
+    for (int c = 0; c < 3; ++c) table.values(0)[c] = 1e6;
+    table.touch(0);
+    buffer.accumulate(table);
+    ImageDescription chosen;
+    REQUIRE(override_exr_storage(chosen.storage, "light", "half", {}).ok());
+    const ScratchFolder folder;
+    REQUIRE(write_exr(folder.file("a.exr"), buffer, 0, chosen).ok());
+    const auto image = read_exr(folder.file("a.exr"));
+    CHECK(image->layer("")->planes[0].values[0] == 65504);
+    CHECK(image->attributes.at("repaired/beauty") == "0 values not a number, set to 0; 3 beyond half, set to the largest");
+}
+
+TEST_CASE("known primaries have their interop id, others none", "[display][exr]") {
+    CHECK(color_interop_id(rec709_primaries()) == "lin_rec709_scene");
+    CHECK(color_interop_id(aces_ap0_primaries()) == "lin_ap0_scene");
+    CHECK(color_interop_id({{0.7, 0.3}, {0.2, 0.7}, {0.1, 0.05}, {0.31, 0.33}}) == "unknown");
+}
+
 TEST_CASE("a split written by raylex holds in the file", "[display][exr][law1]") {
     const ScratchFolder folder;
     const ExrImage image = written(folder);
@@ -173,7 +275,8 @@ TEST_CASE("parts, channels and attributes stand where the design puts them", "[d
     CHECK(file.header(7).channels().findChannel("VLen") != nullptr);
     for (int part = 0; part < file.parts(); ++part) {
         CAPTURE(part);
-        CHECK(file.header(part).compression() == Imf::ZIP_COMPRESSION);
+        CHECK(file.header(part).compression() == (part == 6 ? Imf::ZIPS_COMPRESSION : Imf::ZIP_COMPRESSION));
+        CHECK(text(part, "colorInteropID") == (part < 4 ? "lin_ap1_scene" : "data"));
         CHECK(Imf::chromaticities(file.header(part)).white.x == 0.32168f);
         CHECK(text(part, "raylex/seed") == "7");
         CHECK(text(part, "software") == "raylex 0.1");
@@ -188,6 +291,8 @@ TEST_CASE("parts, channels and attributes stand where the design puts them", "[d
     CHECK(text(4, "rule/z") == "zmin");
     CHECK(text(5, "space/Nn") == "camera");
     CHECK(text(1, "rule/diffuse") == "filter");
+    CHECK(text(1, "storage/diffuse") == "float zip");
+    CHECK(text(0, "storage/id") == "uint zips");
 
     // A point's camera coordinates and its place in the image by OpenEXR's row vectors.
     Imath::V3f camera, ndc;

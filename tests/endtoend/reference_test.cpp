@@ -28,18 +28,26 @@ struct ReferenceScene {
     bool shipped;                ///< the scene file is in experiments/scenes
     bool grey;
     double mean_luminance;       ///< 0: not published
-    double luminance_rmse;       ///< of the reference image; 0: only relMSE published
-    double reference_relmse;
+    double luminance_rmse;       ///< of the reference image; 0: not published
+    double block_allowance = 0;  ///< relative, beside the noise: pbrt is spectral, and products of RGB colours differ
 };
 
-// Published with the references (data README): mean luminance, RMSE of luminance, relMSE.
+// Published with the references (data README): mean luminance, RMSE of luminance. The red wall (0.63 0.065 0.05) of
+// bitterli-cornell-box under its yellow light (17 12 4) is 9.3 % brighter than pbrt's, evenly over the whole wall; its
+// neutral walls agree within 1 %.
 const ReferenceScene scenes[] = {
-    {"point-plane", true, true, 0.22134, 0.00009, 6.7e-6},      {"furnace-sphere", true, true, 0.71992, 0.0007, 9.7e-6},
-    {"furnace-box", true, true, 1.99587, 0.058, 1.0e-3},        {"cornell-grey", true, true, 0.23711, 0.0043, 7.4e-4},
-    {"cornell-color", true, false, 0.23075, 0.0056, 1.1e-3},    {"mis-plates", true, true, 0.59076, 0.17, 5.8e-4},
-    {"displaced-sphere-1m", false, true, 0.55752, 0.0094, 6.3e-4}, {"still-life", true, true, 0, 0, 8e-4},
-    {"sky-image", true, true, 0, 0, 3e-3},                      {"bitterli-cornell-box", false, false, 0.13031, 0.0035, 4.6e-4},
-    {"bitterli-veach-mis", false, false, 0.93147, 0.50, 4.1e-3}, {"bitterli-veach-bidir", false, false, 0.35630, 0.072, 1.5e-3},
+    {"point-plane", true, true, 0.22134, 0.00009},
+    {"furnace-sphere", true, true, 0.71992, 0.0007},
+    {"furnace-box", true, true, 1.99587, 0.058},
+    {"cornell-grey", true, true, 0.23711, 0.0043},
+    {"cornell-color", true, false, 0.23075, 0.0056, 0.03},
+    {"mis-plates", true, true, 0.59076, 0.17},
+    {"displaced-sphere-1m", false, true, 0.55752, 0.0094},
+    {"still-life", true, true, 0, 0},
+    {"sky-image", true, true, 0, 0},
+    {"bitterli-cornell-box", false, false, 0.13031, 0.0035, 0.11},
+    {"bitterli-veach-mis", false, false, 0.93147, 0.50, 0.03},
+    {"bitterli-veach-bidir", false, false, 0.35630, 0.072, 0.03},
 };
 
 fs::path reference_folder() {
@@ -78,6 +86,20 @@ std::vector<double> block_means(const std::vector<double>& image, int width, int
             result.push_back(sum / 256);
         }
     return result;
+}
+
+/// Variance of the mean of a - b over the 16 x 16 block at (x0, y0), from the scatter of its own pixels: the noise of both
+/// images, whatever its causes. The reference's is nowhere published by block, and it is not proportional to ours: pbrt's
+/// samples are independent and spectral, ours stratified and RGB.
+double difference_variance(const std::vector<double>& a, const std::vector<double>& b, int width, int x0, int y0) {
+    double sum = 0, squares = 0;
+    for (int y = y0; y < y0 + 16; ++y)
+        for (int x = x0; x < x0 + 16; ++x) {
+            const std::size_t i = std::size_t(y) * std::size_t(width) + std::size_t(x);
+            sum += a[i] - b[i];
+            squares += (a[i] - b[i]) * (a[i] - b[i]);
+        }
+    return std::max(squares - sum * sum / 256, 0.0) / 255 / 256;
 }
 
 /// Inverse of the standard normal distribution function by bisection on erfc.
@@ -131,7 +153,7 @@ TEST_CASE("Every reference scene agrees with its pbrt-v4 image in mean and in bl
         const int width = reference_file->width, height = reference_file->height;
 
         std::vector<std::vector<double>> blocks;
-        std::vector<double> sum(reference.size()), sum_of_squares(reference.size());
+        std::vector<double> sum(reference.size());
         for (int r = 0; r < replicates; ++r) {
             transport::RenderSettings settings;
             settings.samples_per_pixel = 64;
@@ -141,18 +163,13 @@ TEST_CASE("Every reference scene agrees with its pbrt-v4 image in mean and in bl
             REQUIRE(output.height == height);
             const auto pixels = luminance_of(output.frame_buffer.resolve(output.beauty));
             blocks.push_back(block_means(pixels, width, height));
-            for (std::size_t i = 0; i < pixels.size(); ++i) {
-                sum[i] += pixels[i];
-                sum_of_squares[i] += pixels[i] * pixels[i];
-            }
+            for (std::size_t i = 0; i < pixels.size(); ++i) sum[i] += pixels[i];
         }
-        double own_pixel_variance = 0;   // of one replicate, averaged over the image
-        for (std::size_t i = 0; i < sum.size(); ++i)
-            own_pixel_variance += (sum_of_squares[i] - sum[i] * sum[i] / replicates) / (replicates - 1) / double(sum.size());
         for (double& value : sum) value /= replicates;
         const double ratio = mean_of(sum) / mean_of(reference);
 
         const auto reference_blocks = block_means(reference, width, height);
+        const auto block_means_of_mean = block_means(sum, width, height);
         const int across = width / 16, down = height / 16;
         std::vector<double> variance(reference_blocks.size());
         for (std::size_t b = 0; b < variance.size(); ++b) {
@@ -161,11 +178,6 @@ TEST_CASE("Every reference scene agrees with its pbrt-v4 image in mean and in bl
             for (const auto& each_block : blocks) squares += (each_block[b] - mean) * (each_block[b] - mean);
             variance[b] = squares / (replicates - 1);
         }
-        double relmse_scale = 0;   // luminance RMSE from relMSE where only that is published
-        for (const double r : reference) relmse_scale += (r * r + 0.01) / double(reference.size());
-        const double reference_pixel_variance = each.luminance_rmse > 0 ? each.luminance_rmse * each.luminance_rmse
-                                                                        : each.reference_relmse * relmse_scale;
-        const double reference_share = own_pixel_variance > 0 ? reference_pixel_variance / own_pixel_variance : 0;
         double worst = 0;
         int worst_block = 0;
         for (int by = 0; by < down; ++by)
@@ -175,13 +187,14 @@ TEST_CASE("Every reference scene agrees with its pbrt-v4 image in mean and in bl
                 for (int y = std::max(by - 1, 0); y <= std::min(by + 1, down - 1); ++y)
                     for (int x = std::max(bx - 1, 0); x <= std::min(bx + 1, across - 1); ++x, ++count)
                         pooled += variance[std::size_t(y * across + x)];
-                pooled /= count;
+                const double own_variance = pooled / count / replicates;
                 const auto b = std::size_t(by * across + bx);
-                double own = 0;
-                for (const auto& each_block : blocks) own += each_block[b] / replicates;
-                const double error = std::sqrt(pooled / replicates + pooled * reference_share);
+                const double both_variance = difference_variance(sum, reference, width, bx * 16, by * 16);
+                const double difference = block_means_of_mean[b] - reference_blocks[b];
+                const double error = std::sqrt(std::max(own_variance, both_variance));
                 // 1e-5 relative: both renderers compute in float, and noise-free blocks have no other error bar.
-                const double z = std::abs(own - reference_blocks[b]) / (error + 1e-5 * reference_blocks[b]);
+                const double systematic = each.block_allowance * reference_blocks[b];
+                const double z = std::max(std::abs(difference) - systematic, 0.0) / (error + 1e-5 * reference_blocks[b]);
                 if (z > worst) worst = z, worst_block = int(b);
             }
         const double threshold = normal_quantile(0.5 + 0.5 * std::pow(0.99, 1.0 / double(variance.size())));
@@ -189,7 +202,6 @@ TEST_CASE("Every reference scene agrees with its pbrt-v4 image in mean and in bl
                   << "," << worst_block / across * 16 << " (threshold " << threshold << ")" << std::endl;
         CAPTURE(each.name, ratio, worst, worst_block, threshold);
         CHECK(std::abs(ratio - 1) <= (each.grey ? 0.01 : 0.03));
-        // Coloured albedos are upsampled to spectra by pbrt, so RGB products differ systematically by a few per cent.
-        if (each.grey) CHECK(worst <= threshold);
+        CHECK(worst <= threshold);
     }
 }

@@ -12,7 +12,7 @@ TEST_CASE("lpe match prints the verdict and ends with 0 or 1") {
     CHECK(yes.out == "match\n");
     Outcome no = run_raylex(folder, "lpe match 'CSL' 'C,- R,D L,-'");
     CHECK(no.code == 1);
-    CHECK(no.out == "no match\n");
+    CHECK(no.out.find("no match\n") == 0);  // the reason follows
     CHECK(run_raylex(folder, "lpe match --dialect osl 'C[DG]L' 'C,- R,D L,-'").code == 0);
     // Labels with blanks and commas stand in quotes.
     CHECK(run_raylex(folder, "lpe match \"C<RD'the floor, left'>L\" \"C,- R,D,'the floor, left' L,-\"").code == 0);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include <catch2/catch.hpp>
 
@@ -40,47 +41,107 @@ void set(std::vector<float> (&to)[3], std::size_t hit, float x, float y, float z
 
 /// A camera at (10, 20, 30) that looks along world +x, its right along world -y, up along world +z: rows of the matrix
 /// are the camera's axes in world space, the last column minus their products with its position.
+constexpr float camera_matrix[3][4] = {{0, -1, 0, 20}, {0, 0, 1, -30}, {1, 0, 0, -10}};
+
 ShadingBatch one_hit() {
     ShadingBatch hits;
     hits.resize(1);
-    const float matrix[3][4] = {{0, -1, 0, 20}, {0, 0, 1, -30}, {1, 0, 0, -10}};
-    for (int r = 0; r < 3; ++r) std::copy_n(matrix[r], 4, hits.world_to_camera[r]);
+    for (int r = 0; r < 3; ++r) std::copy_n(camera_matrix[r], 4, hits.world_to_camera[r]);
     hits.row[0] = 1;
     set(hits.position, 0, 14, 20, 33);      // 4 ahead, 3 up
     set(hits.shading_normal, 0, -1, 0, 0);  // towards the camera
     set(hits.geometric_normal, 0, 0, 0.6f, 0.8f);
+    set(hits.plain_normal, 0, 0, 0, 1);
+    set(hits.view, 0, -0.8f, 0, -0.6f);
+    set(hits.object_position, 0, 7, 8, 9);
+    set(hits.dpdu, 0, 0, 2, 0);
+    set(hits.dpdv, 0, 0, 0, 3);
     hits.s[0] = 0.25f;
     hits.t[0] = 0.75f;
-    hits.distance[0] = 5;
+    hits.u[0] = 0.125f;
+    hits.v[0] = 0.5f;
+    hits.curvature[0] = -2;
+    hits.outside_ior[0] = 1.5f;
     hits.object_id[0] = 42;
+    hits.part_id[0] = 3;
+    hits.surface_id[0] = 99;
+    hits.edge_pixels[0] = 0.25f;
     set(hits.albedo, 0, 0.1f, 0.2f, 0.3f);
     return hits;
+}
+
+/// Rays of `count` rows through the hit of one_hit(): 4 / 5 of every unit of distance goes along the camera's axis.
+RayBatch rays_to_hit(std::size_t count) {
+    RayBatch rays;
+    rays.origin_z.assign(count, 0.0f);
+    rays.direction_z.assign(count, 0.8f);
+    return rays;
 }
 
 TEST_CASE("every AOV has its value in its space", "[geoaovs]") {
     const std::vector<ChannelDefinition> channels = all_channels();
     SampleTable table(channels, 4, 0);
-    table.begin(std::vector<display::CameraRow>(2));
+    std::vector<display::CameraRow> rows(2);
+    rows[1].shutter_time = 0.75f;
+    table.begin(rows);
     display::DisplayServices services(table);
     const GeometricAovs aovs(channels);
-    CHECK(aovs.wants_albedo());
+    CHECK(aovs.inputs() == inputs::all);
+    CHECK(aovs.wants_time());
     aovs.write(one_hit(), services);
-    const auto value = [&](const std::string& name) {
-        const ChannelId id = id_of(channels, name);
-        const int n = component_count(channels[static_cast<std::size_t>(id)].type);
-        return std::vector<double>(table.values(id) + n, table.values(id) + 2 * n);  // row 1
-    };
+    services.write_distance(1, 5);
+    services.write_opacity(1, Rgb(1, 0.5f, 0));
+    aovs.write_rays(rays_to_hit(2), table, services);
+    aovs.write_samples(0.5, table, services);
     const auto f = [](float v) { return static_cast<double>(v); };
-    CHECK(value("P") == std::vector<double>{0, 3, 4});
-    CHECK(value("Pw") == std::vector<double>{14, 20, 33});
-    CHECK(value("Nn") == std::vector<double>{0, 0, -1});
-    CHECK(value("Ngn") == std::vector<double>{f(-0.6f), f(0.8f), 0});
-    CHECK(value("z") == std::vector<double>{4});     // along the axis
-    CHECK(value("VLen") == std::vector<double>{5});  // radial: 3-4-5
-    CHECK(value("st") == std::vector<double>{0.25, 0.75, 0});
-    CHECK(value("id") == std::vector<double>{42});
-    CHECK(value("albedo") == std::vector<double>{f(0.1f), f(0.2f), f(0.3f)});
-    CHECK(table.depth[1] == 5.0f);
+    const std::map<std::string, std::vector<double>> expected{
+        {"P", {0, 3, 4}},
+        {"Po", {7, 8, 9}},
+        {"Pw", {14, 20, 33}},
+        {"Nn", {0, 0, -1}},
+        {"Ngn", {f(-0.6f), f(0.8f), 0}},
+        {"Non", {0, 1, 0}},
+        {"Tn", {-1, 0, 0}},
+        {"Vn", {0, f(-0.6f), f(-0.8f)}},
+        {"VLen", {5}},  // radial: 3-4-5
+        {"z", {4}},     // along the axis
+        {"zback", {4}},
+        {"zfiltered", {4}},
+        {"u", {0.125}},
+        {"v", {0.5}},
+        {"st", {0.25, 0.75, 0}},
+        {"dPdu", {-2, 0, 0}},
+        {"dPdv", {0, 3, 0}},
+        {"curvature", {-2}},
+        {"outsideIOR", {1.5}},
+        {"incidenceAngle", {std::atan2(0.6, 0.8)}},
+        {"time", {0.75}},
+        {"id", {42}},
+        {"id2", {3}},
+        {"rawId", {99}},
+        {"a", {0.5}},
+        {"Ci", {0, 0, 0}},  // light, and there is none
+        {"Oi", {1, 0.5, 0}},
+        {"cpuTime", {0.25}},
+        {"sampleCount", {1}},
+        {"__Pworld", {14, 20, 33}},
+        {"__Nworld", {-1, 0, 0}},
+        {"__Vworld", {f(-0.8f), 0, f(-0.6f)}},
+        {"__st", {0.25, 0.75, 0}},
+        {"__depth", {4, 20, f(0.8f)}},
+        {"albedo", {f(0.1f), f(0.2f), f(0.3f)}},
+        {"wireframe", {1}}};
+    CHECK(expected.size() == channels.size());
+    for (std::size_t i = 0; i < channels.size(); ++i) {
+        CAPTURE(channels[i].name);
+        const auto n = static_cast<std::size_t>(component_count(channels[i].type));
+        const double* values = table.values(static_cast<ChannelId>(i)) + n;  // row 1
+        REQUIRE(expected.count(channels[i].name) == 1);
+        const std::vector<double>& wanted = expected.at(channels[i].name);
+        REQUIRE(wanted.size() == n);
+        // Sums and products of floats of size 5 that are no powers of two: a few ulps.
+        for (std::size_t c = 0; c < n; ++c) CHECK(values[c] == Approx(wanted[c]).margin(1e-6));
+    }
     CHECK(std::all_of(services.refused().begin(), services.refused().end(), [](auto n) { return n == 0; }));
 }
 
@@ -89,10 +150,17 @@ TEST_CASE("a pixel that misses is infinitely far and 0 otherwise", "[geoaovs]") 
     FrameBuffer buffer({1, 1}, channels);
     SampleTable table(channels, 4, 0);
     table.begin(std::vector<display::CameraRow>(4));
+    display::DisplayServices services(table);
+    const GeometricAovs aovs(channels);
+    aovs.write_rays(rays_to_hit(4), table, services);
+    aovs.write_samples(0, table, services);
     buffer.accumulate(table);
     for (std::size_t i = 0; i < channels.size(); ++i) {
-        CAPTURE(channels[i].name);
-        const double expected = channels[i].name == "z" || channels[i].name == "VLen" ? infinity : 0;
+        const std::string& name = channels[i].name;
+        CAPTURE(name);
+        const double expected = name == "z" || name == "zback" || name == "VLen" ? infinity
+                                : name == "sampleCount"                          ? 4
+                                                                                 : 0;
         for (const double v : buffer.resolve(static_cast<ChannelId>(i))) CHECK(v == expected);
     }
 }
@@ -109,34 +177,52 @@ TEST_CASE("at an edge depth and id are those of the nearest sample, normals fade
     ShadingBatch hits = one_hit();
     aovs.write(hits, services);  // row 1: 5 away
     hits.row[0] = 2;             // row 2: nearer, another object; rows 0 and 3 miss
-    hits.position[0][0] = 12;
-    hits.distance[0] = 3.5f;
     hits.object_id[0] = 7;
     aovs.write(hits, services);
+    for (const int row : {1, 2}) {
+        services.write_distance(row, row == 1 ? 5.0f : 2.5f);
+        services.write_opacity(row, Rgb(1));
+    }
+    aovs.write_rays(rays_to_hit(4), table, services);
+    aovs.write_samples(2, table, services);
     buffer.accumulate(table);
-    CHECK(buffer.resolve(id_of(channels, "z"))[0] == 2);
-    CHECK(buffer.resolve(id_of(channels, "VLen"))[0] == 3.5);
-    CHECK(buffer.resolve(id_of(channels, "id"))[0] == 7);
-    CHECK(buffer.resolve(id_of(channels, "Nn"))[2] == -0.5);
+    const auto value = [&](const char* name) { return buffer.resolve(id_of(channels, name)); };
+    CHECK(value("z")[0] == 2);
+    CHECK(value("zback")[0] == 2);
+    CHECK(value("VLen")[0] == 2.5);
+    CHECK(value("id")[0] == 7);
+    CHECK(value("Nn")[2] == -0.5);
+    CHECK(value("zfiltered")[0] == 1.5);  // 4 and 2 over four samples: the mean depth times the alpha
+    CHECK(value("a")[0] == 0.5);
+    CHECK(value("a") == buffer.resolve_alpha());
+    CHECK(value("Oi") == std::vector<double>{0.5, 0.5, 0.5});
+    CHECK(value("sampleCount")[0] == 4);
+    CHECK(value("cpuTime")[0] == 2);
 }
 
-TEST_CASE("z does not depend on where in the image a plane facing the camera is hit, VLen does", "[geoaovs]") {
-    const std::vector<ChannelDefinition> channels{*channel_definition("z"), *channel_definition("VLen")};
-    SampleTable table(channels, 16, 0);
-    table.begin(std::vector<display::CameraRow>(16));
+TEST_CASE("depth follows WriteDistance, and passes over rows that are wholly transparent", "[geoaovs]") {
+    const std::vector<ChannelDefinition> channels{*channel_definition("z"), *channel_definition("a"),
+                                                  *channel_definition("zfiltered"), *channel_definition("time")};
+    FrameBuffer buffer({1, 1}, channels);
+    SampleTable table(channels, 1, 4);
+    std::vector<display::CameraRow> rows(1);
+    rows[0].shutter_time = 0.5f;
+    table.begin(rows);
     display::DisplayServices services(table);
-    ShadingBatch hits = one_hit();
     const GeometricAovs aovs(channels);
-    CHECK_FALSE(aovs.wants_albedo());
-    for (int i = 0; i < 16; ++i) {
-        const auto up = static_cast<float>(i);
-        hits.row[0] = i;
-        set(hits.position, 0, 14, 20, 30 + up);
-        hits.distance[0] = std::sqrt(16 + up * up);
-        aovs.write(hits, services);
-        CHECK(table.values(0)[i] == 4);
-        CHECK(table.values(1)[i] == Approx(std::hypot(4.0, i)).epsilon(1e-6));  // a float square root
-    }
+    CHECK(aovs.inputs() == 0);  // no hit needs to be shaded for these
+    services.add_sample(0, {5, RgbD(0.0), false});           // a cutout, passed
+    services.add_sample(0, {10, RgbD(0.25), true});          // haze
+    services.write_distance(0, 20, true);
+    services.write_opacity(0, Rgb(1));
+    aovs.write_rays(rays_to_hit(1), table, services);
+    aovs.write_samples(0, table, services);
+    buffer.accumulate(table);
+    const double nearest = static_cast<double>(10 * 0.8f), farther = static_cast<double>(20 * 0.8f);
+    CHECK(buffer.resolve(0)[0] == nearest);
+    CHECK(buffer.resolve(1)[0] == 1);
+    CHECK(buffer.resolve(2)[0] == Approx(0.25 * nearest + 0.75 * farther));
+    CHECK(buffer.resolve(3)[0] == 0.5);  // once a sample, whatever it passed
 }
 
 TEST_CASE("definitions say type, space and rule; unknown names say what there is", "[geoaovs][law7]") {
@@ -151,6 +237,17 @@ TEST_CASE("definitions say type, space and rule; unknown names say what there is
     REQUIRE_FALSE(missing);
     CHECK(missing.error().hint == "did you mean 'Nn'?");
     CHECK(missing.error().message.find("VLen") != std::string::npos);
+    CHECK(channel_definition("incidence_angle").error().hint == "did you mean 'incidenceAngle'?");
+    for (const char* name : {"id", "id2", "rawId", "z", "zback"}) CHECK(channel_definition(name)->rule == FilterRule::zmin);
+    for (const char* name : {"cpuTime", "sampleCount"}) CHECK(channel_definition(name)->rule == FilterRule::sum);
+}
+
+TEST_CASE("names of motion are refused with the reason", "[geoaovs][law7]") {
+    for (const char* name : {"dPdtime", "dPcameradtime", "motionFore", "motionBack"}) {
+        const auto refused = channel_definition(name);
+        REQUIRE_FALSE(refused);
+        CHECK(refused.error().message.find("no motion yet") != std::string::npos);
+    }
 }
 
 TEST_CASE("channels that are no geometric AOV are passed over", "[geoaovs]") {
@@ -159,8 +256,11 @@ TEST_CASE("channels that are no geometric AOV are passed over", "[geoaovs]") {
     wrong_type.type = ChannelType::rgb;
     expression.style = display::ChannelStyle::expression;
     const std::vector<ChannelDefinition> channels{beauty, wrong_type, expression};
-    CHECK(GeometricAovs(channels).empty());
-    CHECK_FALSE(GeometricAovs(all_channels()).empty());
+    const GeometricAovs none(channels);
+    CHECK(none.inputs() == 0);
+    CHECK_FALSE(none.wants_rays());
+    CHECK_FALSE(none.wants_samples());
+    CHECK_FALSE(none.wants_time());
 }
 
 }  // namespace

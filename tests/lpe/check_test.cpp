@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "lpe/check.h"
+#include "lpe/algebra/check.h"
 #include "lpe/match.h"
 #include "lpe/shipped.h"
 

@@ -68,7 +68,7 @@ TEST_CASE("renderman errors point at the byte that is wrong", "[errors][law7]") 
         {"C<Ts>L", 4, "--dialect osl"},
         {"C2L", 2, "repetition is written {n}"},
         {"CxL", 2, "labels are quoted"},
-        {"diffuse", 1, "labels are quoted"},
+        {"difuse", 1, "did you mean 'diffuse'?"},
         {"C!DL", 2, "negates a whole expression"},
         {"C-", 3, "expected an event"},
         {"unocluded;CDL", 1, "did you mean 'unoccluded'?"},
@@ -129,7 +129,8 @@ TEST_CASE("a caret stands under the column, characters of several bytes counted 
 
 TEST_CASE("events that do not read are refused with a column", "[errors][law7]") {
     const std::pair<const char*, int> cases[] = {{"Q,D", 1}, {"C", 2},          {"C,", 3},      {"C,-x", 4},      {"R,D5", 4},
-                                                 {"U,-", 2}, {"C,- R,D,'a", 9}, {"R,D,'a'b", 8}, {"C,- , L,-", 5}};
+                                                 {"U,-", 2}, {"C,- R,D,'a", 9}, {"R,D,'a'b", 8}, {"C,- , L,-", 5},
+                                                 {"U2,G", 4}};
     for (const auto& [text, column] : cases) {
         INFO(text);
         const auto events = parse_events(text);

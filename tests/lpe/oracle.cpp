@@ -349,10 +349,18 @@ const std::vector<Event>& alphabet() {
     return events;
 }
 
-std::vector<Path> all_paths(Dialect dialect, std::size_t longest) {
-    // One event per behaviour that the small tokens tell apart; the random tests use the whole alphabet.
+namespace {
+
+/// One event per behaviour that the small tokens tell apart; the random tests use the whole alphabet.
+std::vector<Event> small_alphabet(Dialect dialect) {
     const std::vector<Event>& all = alphabet();
-    const std::vector<Event> small{all[0], all[2], all[4], dialect == Dialect::osl ? all[6] : all[9], all[8]};
+    return {all[0], all[2], all[4], dialect == Dialect::osl ? all[6] : all[9], all[8]};
+}
+
+}  // namespace
+
+std::vector<Path> all_paths(Dialect dialect, std::size_t longest) {
+    const std::vector<Event> small = small_alphabet(dialect);
     std::vector<Path> paths{{}};
     std::size_t first = 0;
     for (std::size_t length = 1; length <= longest; ++length) {
@@ -365,6 +373,72 @@ std::vector<Path> all_paths(Dialect dialect, std::size_t longest) {
         }
     }
     return paths;
+}
+
+ShortWords::ShortWords(Dialect dialect, std::size_t longest)
+    : longest_(longest), events_(small_alphabet(dialect)), words_(all_paths(dialect, longest)) {
+    for (std::size_t length = 0, first = 0, count = 1; length <= longest; ++length, count *= events_.size()) {
+        first_.push_back(first);
+        first += count;
+    }
+    first_.push_back(words_.size());
+    for (std::size_t w = 0; w < words_.size(); ++w) {
+        without_user_[w] = std::none_of(words_[w].begin(), words_[w].end(), is_user);
+    }
+}
+
+ShortWords::Set ShortWords::concatenated(const Set& a, const Set& b) const {
+    // With words of one length numbered by value, the words u v for one u and all v of one length are a run of numbers.
+    Set result;
+    std::size_t length = 0;
+    for (std::size_t u = 0; u < words_.size(); ++u) {
+        length += u == first_[length + 1] ? 1 : 0;
+        if (!a[u]) continue;
+        std::size_t run = 1;
+        for (std::size_t rest = 0; length + rest <= longest_; ++rest, run *= events_.size()) {
+            const std::size_t to = first_[length + rest] + (u - first_[length]) * run;
+            for (std::size_t v = 0; v < run; ++v) {
+                if (b[first_[rest] + v]) result.set(to + v);
+            }
+        }
+    }
+    return result;
+}
+
+ShortWords::Set ShortWords::language(const Tree& tree) const {
+    Set result;
+    switch (tree.kind) {
+        case Kind::event:
+            for (std::size_t k = 0; k < events_.size(); ++k) {
+                result[1 + k] = tree.token->matches(events_[k]);
+            }
+            break;
+        case Kind::sequence:
+            result.set(0);
+            for (const TreePtr& child : tree.children) result = concatenated(result, language(*child));
+            break;
+        case Kind::choice:
+            for (const TreePtr& child : tree.children) result |= language(*child);
+            break;
+        case Kind::repeat: {
+            const Set child = language(*tree.children.front());
+            Set power;
+            power.set(0);
+            for (int i = 0; i < tree.min; ++i) power = concatenated(power, child);
+            result = power;
+            Set before;
+            for (int i = tree.min; (tree.max < 0 || i < tree.max) && before != result; ++i) {
+                before = result;
+                power = concatenated(power, child);
+                result |= power;
+            }
+            break;
+        }
+        case Kind::complement: result = without_user_ & ~language(*tree.children[0]); break;
+        case Kind::both: result = language(*tree.children[0]) & language(*tree.children[1]); break;
+        case Kind::without: result = language(*tree.children[0]) & ~language(*tree.children[1]); break;
+    }
+    return result;
 }
 
 std::vector<std::size_t> random_expression(Random& random, Dialect dialect, std::size_t size) {

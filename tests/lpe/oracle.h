@@ -2,6 +2,7 @@
 // parser over ready-made tokens, its own predicates on events, and a matcher that computes sets of end positions.
 #pragma once
 
+#include <bitset>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -38,6 +39,33 @@ std::string text_of(const std::vector<std::size_t>& sequence, Dialect dialect);
 /// Every path of at most `longest` events over a small alphabet that shows each predicate true and false.
 std::vector<Path> all_paths(Dialect dialect, std::size_t longest);
 const std::vector<Event>& alphabet();
+
+/// All words of at most `longest` events over the small alphabet of all_paths, and the languages of trees cut to them: sets
+/// of words, united and concatenated word by word. A second reading beside matches(), fast enough to be exhaustive.
+class ShortWords {
+  public:
+    static constexpr std::size_t most = 3906;  ///< words of at most 5 events over 5
+    using Set = std::bitset<most>;
+
+    ShortWords(Dialect dialect, std::size_t longest);
+
+    /// In the order of all_paths: shorter words first, then by value.
+    [[nodiscard]] const std::vector<Path>& words() const { return words_; }
+    [[nodiscard]] const std::vector<Event>& events() const { return events_; }
+    /// Where the word before the last event of word `w` stands; w > 0.
+    [[nodiscard]] std::size_t parent(std::size_t w) const { return (w - 1) / events_.size(); }
+    [[nodiscard]] std::size_t last_event(std::size_t w) const { return (w - 1) % events_.size(); }
+    [[nodiscard]] Set language(const Tree& tree) const;
+
+  private:
+    [[nodiscard]] Set concatenated(const Set& a, const Set& b) const;
+
+    std::size_t longest_;
+    std::vector<Event> events_;
+    std::vector<Path> words_;
+    std::vector<std::size_t> first_;  // [length], where words of that length begin; one more at the end
+    Set without_user_;
+};
 
 /// A small generator with a fixed sequence everywhere (SplitMix64; Steele, Lea and Flood 2014).
 class Random {

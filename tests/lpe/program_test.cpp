@@ -15,7 +15,7 @@ using namespace raylex::lpe;
 namespace {
 
 std::vector<ChannelSource> read_set(const std::string& name) {
-    std::ifstream file(RAYLEX_SOURCE_DIR "/tests/lpe/data/" + name);
+    std::ifstream file(RAYLEX_SOURCE_DIR "/lpe/bench/data/" + name);
     std::vector<ChannelSource> channels;
     for (std::string line; std::getline(file, line);) {
         if (!line.empty()) {
@@ -29,15 +29,19 @@ std::vector<ChannelSource> read_set(const std::string& name) {
 }
 
 std::set<std::size_t> accepted(const Program& program, const std::vector<Event>& path) {
-    std::set<std::size_t> channels;
-    for (State state : program.starts()) {
-        for (const Event& event : path) {
-            state = program.next(state, program.classify(event));
-        }
-        for (const std::uint16_t channel : program.accepted(state)) {
-            REQUIRE(channels.insert(channel).second);  // no channel stands in two groups
-        }
+    std::vector<State> words(program.starts().begin(), program.starts().end());
+    bool alive = true;
+    for (const Event& event : path) {
+        const bool moved = program.advance(words.data(), program.classify(event), words.data());
+        REQUIRE((alive || !moved));  // nothing comes back to life
+        alive = moved;
     }
+    std::set<std::size_t> channels;
+    program.for_each_accepted(words.data(), [&](std::uint16_t channel) {
+        REQUIRE(channels.insert(channel).second);  // no channel stands in two groups
+    });
+    REQUIRE(program.accepts_any_of(words.data()) == !channels.empty());
+    REQUIRE((alive || channels.empty()));
     return channels;
 }
 
@@ -75,29 +79,39 @@ TEST_CASE("realistic channels compile to one small automaton", "[program]") {
     CHECK(program->class_count() <= 67);
 }
 
-TEST_CASE("channels that multiply are spread over groups by the cap alone", "[program]") {
+TEST_CASE("channels that multiply are spread over groups, and the small ones packed", "[program]") {
     const auto channels = read_set("lpe_bench_anywhere.txt");
     const auto program = Program::compile(channels);
     REQUIRE(program);
-    CHECK(program->group_count() > 1);
-    CHECK(program->group_count() <= CompileOptions{}.group_cap);
+    CHECK(program->word_count() > 1);
+    CHECK(program->word_count() <= CompileOptions{}.group_cap);
     CompileOptions tight;
-    tight.state_cap = 300;
+    tight.state_cap = 100;
     tight.group_cap = 64;
     const auto spread = Program::compile(channels, tight);
     REQUIRE(spread);
-    CHECK(spread->group_count() > program->group_count());
+    CHECK(spread->view().has_lanes());
+    CHECK(spread->word_count() > program->word_count());
+    tight.state_cap = 300;
     tight.group_cap = 2;
+    tight.any_word = true;  // nothing is packed then
     const auto refused = Program::compile(channels, tight);
     REQUIRE_FALSE(refused);
     CHECK(refused.error().message.find("2 are allowed") != std::string::npos);
+    tight = {};
+    tight.state_cap = 100;
+    tight.group_cap = 64;
+    tight.word_cap = 3;
+    const auto too_many_words = Program::compile(channels, tight);
+    REQUIRE_FALSE(too_many_words);
+    CHECK(too_many_words.error().message.find("3 are allowed") != std::string::npos);
 }
 
 TEST_CASE("channels compiled together accept what each accepts alone, in one group or in many", "[program]") {
     for (const char* set : {"lpe_bench_firsthit.txt", "lpe_bench_anywhere.txt"}) {
         const auto channels = read_set(set);
         CompileOptions tight;
-        tight.state_cap = 300;
+        tight.state_cap = 100;
         tight.group_cap = 64;
         const auto whole = Program::compile(channels);
         const auto spread = Program::compile(channels, tight);

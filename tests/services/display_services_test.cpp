@@ -80,6 +80,29 @@ TEST_CASE("bad ids, rows and types are refused, counted per channel and change n
     for (ChannelId id = 0; id < 4; ++id) CHECK_FALSE(f.table.touched(id));
 }
 
+TEST_CASE("a batch of values is written as one by one: good ones land, bad ones are counted", "[display_services][law7]") {
+    Fixture f;
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    const std::vector<std::int32_t> rows{0, 2, 9, -1, 3};
+    const std::vector<float> reals{1, 2, 3, 4, nan};
+    CHECK_FALSE(f.services.write(depth, rows, std::span<const float>(reals)));
+    CHECK(f.values(depth, 0) == std::vector<double>{1});
+    CHECK(f.values(depth, 2) == std::vector<double>{2});
+    CHECK_FALSE(f.table.written(depth, 3));
+    CHECK(f.services.refused()[depth] == 3);
+    const std::vector<Rgb> colors{Rgb(1, 2, 3), Rgb(4, 5, 6)};
+    CHECK(f.services.write(color, std::span(rows).first(2), std::span<const Rgb>(colors)));
+    CHECK(f.values(color, 2) == std::vector<double>{4, 5, 6});
+    CHECK(f.table.row_state(color, 2) == SampleTable::RowState::written);
+    const std::vector<std::int32_t> ids{7, 8};
+    CHECK(f.services.write(index, std::span(rows).first(2), std::span<const std::int32_t>(ids)));
+    CHECK(f.values(index, 0) == std::vector<double>{7});
+    CHECK_FALSE(f.services.write(color, rows, std::span<const float>(reals)));
+    CHECK(f.services.refused()[color] == 5);
+    CHECK_FALSE(f.services.write(77, rows, std::span<const float>(reals)));
+    CHECK(f.services.refused().back() == 5);
+}
+
 TEST_CASE("values that are not finite are refused and counted", "[display_services][law6]") {
     Fixture f;
     const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();

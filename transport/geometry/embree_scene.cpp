@@ -12,6 +12,7 @@
 namespace raylex::transport {
 namespace {
 
+constexpr std::uint64_t most_surfaces = 0x7fffffff;  // what an id in an image can count
 constexpr unsigned opaque_mask = 1, alpha_mask = 2, any_mask = opaque_mask | alpha_mask;
 
 /// What Embree's callback gets for a user geometry.
@@ -217,6 +218,8 @@ Status EmbreeScene::add_shape(const SceneShape& shape, const SceneDescription& s
     g.material = std::max(shape.material, 0);
     g.area_light = instanced ? -1 : shape.area_light;
     g.label = label_index(shape.label);
+    g.holdout = shape.holdout;
+    has_holdouts_ = has_holdouts_ || shape.holdout;
     const auto material = static_cast<std::size_t>(g.material);
     if (material >= scene.materials.size() && material > 0)
         return error_at(shape.location, "the shape's material is not defined");
@@ -235,6 +238,7 @@ Status EmbreeScene::add_shape(const SceneShape& shape, const SceneDescription& s
     g.hidden = !g.interface && g.alpha >= 0 && textures.is_constant(g.alpha) && textures.real(g.alpha, {}) <= 0;
     g.normals = shape.normals;
     g.uvs = shape.uvs;
+    g.to_object = Placement(shape.object_to_world).to_object;
     const bool mesh = shape.kind == ShapeKind::triangle_mesh || shape.kind == ShapeKind::bilinear_mesh;
     const std::size_t corners = shape.kind == ShapeKind::triangle_mesh ? 3 : 4;
     const Status checked = mesh ? check_mesh(shape, corners) : check_quadric(shape);
@@ -331,6 +335,7 @@ Result<EmbreeScene> EmbreeScene::build(const SceneDescription& scene, TextureTab
         attach(device.objects.back(), first_shape[k], scene.objects[k].shapes.size());
         rtcCommitScene(device.objects.back());
     }
+    std::uint64_t surfaces = result.top_level_shapes_;
     for (const SceneInstance& instance : scene.instances) {
         if (instance.object < 0 || static_cast<std::size_t>(instance.object) >= scene.objects.size())
             return error_at(instance.location, "instance of an object that is not defined");
@@ -338,7 +343,13 @@ Result<EmbreeScene> EmbreeScene::build(const SceneDescription& scene, TextureTab
             return error_at(instance.location, "the instance's transform has no inverse");
         const auto object = static_cast<std::size_t>(instance.object);
         ShapeInstance placed{Placement(instance.to_world), first_shape[object],
-                             instance.label.empty() ? -1 : result.label_index(instance.label)};
+                             instance.label.empty() ? -1 : result.label_index(instance.label), instance.holdout,
+                             static_cast<std::uint32_t>(surfaces)};
+        surfaces += scene.objects[object].shapes.size();
+        if (surfaces > most_surfaces)
+            return error_at(instance.location, "the instances hold more than " + std::to_string(most_surfaces) +
+                                                   " shapes; expected no more in a scene");
+        result.has_holdouts_ = result.has_holdouts_ || instance.holdout.value_or(false);
         RTCGeometry geometry = rtcNewGeometry(device.device, RTC_GEOMETRY_TYPE_INSTANCE);
         rtcSetGeometryInstancedScene(geometry, device.objects[object]);
         float columns[12];

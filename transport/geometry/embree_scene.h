@@ -6,8 +6,10 @@
 // batch (Law 3).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -33,6 +35,7 @@ struct ShapeGeometry {
     std::vector<Vec3> patch_positions;  ///< bilinear meshes keep their own
     std::vector<std::uint32_t> patch_indices;
     Quadric quadric;
+    Matrix34 to_object;                     ///< meshes: from where their vertices stand to the space they were written in
     bool flip_normal = false;
     int material = 0;
     int area_light = -1;                    ///< index into SceneDescription::area_lights; -1 also for instanced shapes
@@ -40,6 +43,7 @@ struct ShapeGeometry {
     bool interface = false;                 ///< no surface at all: rays pass, but an area light on it shines
     bool hidden = false;                    ///< alpha is 0 everywhere: no ray ever stops here
     int label = 0;                          ///< index into object_labels()
+    bool holdout = false;                   ///< see LabelRule
     std::uint32_t first_light = Hit::none;  ///< set by the light table: the light of primitive 0
 
     [[nodiscard]] BilinearPatch patch(std::uint32_t primitive) const;
@@ -49,6 +53,8 @@ struct ShapeInstance {
     Placement placement;
     std::uint32_t first_shape = 0;  ///< of the object it places
     int label = -1;                 ///< overrides the shapes' own unless -1
+    std::optional<bool> holdout{};  ///< overrides the shapes' own
+    std::uint32_t first_surface = 0;  ///< surface number of the object's first shape, less 1
 };
 
 /// Where a surface point came from: what integrators need beside the SurfacePoint.
@@ -56,6 +62,15 @@ struct SurfaceSource {
     float offset = 0;            ///< how far a leaving ray starts off the surface; see ray.h
     std::int32_t label = 0;      ///< index into object_labels()
     std::int32_t object_id = 0;  ///< 1-based: top-level shapes first, then instances
+};
+
+/// What only geometric AOVs ask of a hit. World space, unless it says otherwise.
+struct SurfaceDetails {
+    Vec3 dpdv;               ///< beside SurfacePoint::dpdu: by the second texture coordinate
+    Vec3 object_position;    ///< in the space that the shape's parameters were written in
+    float curvature = 0;     ///< mean curvature; positive where the surface bulges towards SurfacePoint::wo
+    std::array<Vec3, 8> edges;  ///< of the triangle or patch: start and end by turns
+    int edge_count = 0;         ///< 0 for quadrics
 };
 
 /// A length-3 interval in world space.
@@ -97,8 +112,24 @@ class EmbreeScene {
     void surfaces(std::span<const Ray> rays, std::span<const Hit> hits, std::span<SurfacePoint> points,
                   std::span<SurfaceSource> sources) const;
 
+    /// Of a valid hit and the point that surfaces() made of it.
+    [[nodiscard]] SurfaceDetails details(const Hit& hit, const SurfacePoint& point) const;
+
+    /// Surfaces count from 1: top-level shapes, then the shapes of every instance in turn.
+    [[nodiscard]] std::int32_t surface_number(const Hit& hit) const {
+        if (hit.instance == Hit::none) return static_cast<std::int32_t>(hit.shape) + 1;
+        const ShapeInstance& instance = instances_[hit.instance];
+        return static_cast<std::int32_t>(instance.first_surface + (hit.shape - instance.first_shape)) + 1;
+    }
+
     /// Whether any shape can be passed straight through (alpha or an interface).
     [[nodiscard]] bool has_alpha() const { return has_alpha_; }
+    /// Whether any object is a holdout, and whether this hit is on one.
+    [[nodiscard]] bool has_holdouts() const { return has_holdouts_; }
+    [[nodiscard]] bool is_holdout(const Hit& hit) const {
+        const bool own = shapes_[hit.shape].holdout;
+        return hit.instance == Hit::none ? own : instances_[hit.instance].holdout.value_or(own);
+    }
     [[nodiscard]] std::span<const ShapeGeometry> shapes() const { return shapes_; }
     [[nodiscard]] std::span<ShapeGeometry> shapes() { return shapes_; }
     [[nodiscard]] std::span<const ShapeInstance> instances() const { return instances_; }
@@ -121,7 +152,7 @@ class EmbreeScene {
     Bounds bounds_;
     std::string isa_;
     mutable RayLog* log_ = nullptr;     // one test a batch; never part of a result
-    bool has_alpha_ = false;
+    bool has_alpha_ = false, has_holdouts_ = false;
 };
 
 /// Flushes denormals to zero on the calling thread (row 32 of the hard cases: a throughput that underflows would

@@ -107,6 +107,13 @@ DVec3 Quadric::object_normal(const DVec3& p) const {
     return {0, 0, 1};
 }
 
+DVec3 Quadric::object_dpdv(const DVec3& p) const {
+    if (kind == ShapeKind::cylinder) return {0, 0, z_max - z_min};
+    const double rho = std::hypot(p.x, p.y), c = rho > 0 ? p.x / rho : 1, s = rho > 0 ? p.y / rho : 0;
+    if (kind == ShapeKind::sphere) return DVec3{p.z * c, p.z * s, -rho} * (theta_max - theta_min);
+    return DVec3{c, s, 0} * (inner_radius - radius);
+}
+
 double Quadric::object_area() const {
     if (kind == ShapeKind::disk) return phi_max * 0.5 * (radius * radius - inner_radius * inner_radius);
     return phi_max * radius * (z_max - z_min);  // Archimedes: the sphere's zone has its cylinder's area

@@ -32,6 +32,7 @@ struct Quadric {
     /// Outward unit normal there, before `reversed`.
     [[nodiscard]] DVec3 object_normal(const DVec3& point) const;
     [[nodiscard]] DVec3 object_dpdu(const DVec3& point) const { return {-phi_max * point.y, phi_max * point.x, 0}; }
+    [[nodiscard]] DVec3 object_dpdv(const DVec3& point) const;
     /// Surface area in the object's own space.
     [[nodiscard]] double object_area() const;
     /// (u, v) of a point on the surface, in the object's own space; what is cut away gets some (u, v) too.

@@ -105,6 +105,7 @@ bool has_no_area(const Vec3& a, const Vec3& b, const Vec3& c) {
 /// Moves the vertices to world space; a vertex that leaves the range of float is an Error.
 Status transform_vertices(SceneShape& shape, const ShapeContext& context) {
     const Transform& t = context.object_to_world;
+    shape.object_to_world = t;
     const bool identity = t.is_identity();
     if (!identity)
         for (Vec3& p : shape.positions) p = t.point(p);

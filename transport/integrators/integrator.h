@@ -2,7 +2,8 @@
 //
 // The engine hands camera rays over in batches; row i of the batch is row i of the thread's sample table. An integrator
 // answers through the services only: it moves a tracker along each path, reports every contribution once, and writes
-// distance, opacity and (when asked for) geometric AOVs. It never learns which light path expressions exist.
+// distance, opacity, surface and (when asked for) geometric AOVs of first hits. It never learns which light path
+// expressions exist.
 //
 // Life of an integrator:
 //
@@ -21,6 +22,8 @@
 // a raster-position sink joins display and lpe there.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -32,6 +35,7 @@
 #include "display/services/lpe_services.h"
 #include "display/services/registry.h"
 #include "geoaovs/geoaovs.h"
+#include "lpe/channels/lobe_slots.h"
 #include "transport/geometry/embree_scene.h"
 #include "transport/lights/light_table.h"
 #include "transport/materials/material.h"
@@ -50,11 +54,17 @@ struct SceneView {
     const LightTable* lights = nullptr;
 };
 
+/// What surfaces say of themselves, as RenderMan's default options number it (lpe:user2 "...Albedo", lpe:user6 "Normal"):
+/// U2, the albedo, and U6, the shading normal in camera space.
+enum class UserLobe : std::uint8_t { albedo, normal };
+/// The events' lobe labels, by which lobe slots number them.
+inline constexpr std::array<const char*, 2> user_lobes{"albedo", "normal"};
+
 /// What events of this scene are to this render's channels: look-ups for the inner loop, filled once.
 class EventTable {
   public:
     EventTable() = default;
-    EventTable(const display::LpeSetup& setup, const SceneView& scene);
+    EventTable(const display::LpeSetup& setup, const SceneView& scene, const lpe::LobeSlots& slots);
 
     /// A scattering by `lobe` at an object of this label.
     [[nodiscard]] lpe::EventClass scatter(std::int32_t label, LobeId lobe) const {
@@ -66,19 +76,32 @@ class EventTable {
     }
     /// The terminal: L, or B for infinite lights, with the light's group.
     [[nodiscard]] lpe::EventClass terminal(std::uint32_t light) const { return terminal_[light]; }
+    /// What a surface of this label says of itself, and the L without a group that ends such a word.
+    [[nodiscard]] lpe::EventClass user(std::int32_t label, UserLobe lobe) const {
+        return user_[static_cast<std::size_t>(label) * user_lobes.size() + static_cast<std::size_t>(lobe)];
+    }
+    [[nodiscard]] lpe::EventClass user_terminal() const { return user_terminal_; }
+    /// Whether any channel names this user event.
+    [[nodiscard]] bool wants(UserLobe lobe) const { return wants_user_[static_cast<std::size_t>(lobe)]; }
+    [[nodiscard]] bool wants_user() const {
+        return std::any_of(wants_user_.begin(), wants_user_.end(), [](bool wanted) { return wanted; });
+    }
     /// False when there is nothing to match: then moves may be skipped.
     [[nodiscard]] bool any() const { return any_; }
 
   private:
-    std::vector<lpe::EventClass> scatter_, straight_, terminal_;
+    std::vector<lpe::EventClass> scatter_, straight_, terminal_, user_;
+    lpe::EventClass user_terminal_ = 0;
+    std::array<bool, user_lobes.size()> wants_user_{};
     std::size_t lobe_count_ = 0;
     bool any_ = false;
 };
 
 /// The events behind EventTable, also what scene_alphabet() lists.
-lpe::Event scattering_event(const std::string& object_label, const LobeKind& lobe);
+lpe::Event scattering_event(const std::string& object_label, const LobeKind& lobe, const lpe::LobeSlots& slots);
 lpe::Event straight_event(const std::string& object_label);
 lpe::Event terminal_event(bool infinite, const std::string& light_group);
+lpe::Event user_event(const std::string& object_label, UserLobe lobe, const lpe::LobeSlots& slots);
 
 /// What prepare() gets; the pointers live as long as the render.
 struct IntegratorContext {
@@ -87,6 +110,7 @@ struct IntegratorContext {
     const geoaovs::GeometricAovs* aovs = nullptr;
     std::span<const display::ChannelDefinition> channels;
     float world_to_camera[3][4] = {};  ///< rigid part, for geoaovs::ShadingBatch
+    Vec2 pixel_size;                   ///< of a pixel on the plane at distance 1 before the camera
     bool beauty = true;                ///< false: what no channel can accept need not be simulated (Law 4)
     int batch_capacity = 0;            ///< most rays of one batch
 };
@@ -115,9 +139,19 @@ struct IntegratorThread {
     IntegratorCounters counters;
 };
 
+/// What an integrator can answer for. Channels that ask for more are refused before the render.
+struct IntegratorTraits {
+    bool emitter_samples = false;  ///< reports emitters with an EmitterSample: prefix nothruput
+    bool light_samples = false;    ///< samples lights, and blocked ones too: prefixes unoccluded and shadows
+    bool holdouts = false;         ///< holds out paths whose first hit is a holdout
+    bool user_events = false;      ///< reports UserLobe events
+    std::optional<std::int64_t> max_depth;  ///< scattering events of a path at most
+};
+
 class Integrator {
   public:
     virtual ~Integrator() = default;
+    [[nodiscard]] virtual IntegratorTraits traits() const { return {}; }
     virtual Status prepare(const IntegratorContext& context) = 0;
     [[nodiscard]] virtual std::unique_ptr<IntegratorThread> make_thread_state() const = 0;
     [[nodiscard]] virtual bool synchronous() const { return false; }

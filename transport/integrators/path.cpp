@@ -29,6 +29,7 @@ std::uint32_t dimension(const PathState& path, VertexDimension which) {
 Status PathIntegrator::prepare(const IntegratorContext& context) {
     context_ = context;
     can_sample_lights_ = context.scene.lights->can_sample(choice());
+    reports_surfaces_ = context.events->wants_user();
     return success();
 }
 
@@ -49,6 +50,7 @@ void PathIntegrator::integrate(const CameraBatch& batch, IntegratorThread& state
         context_.scene.materials->shade(*context_.scene.textures, {v.points.data(), v.count},
                                         {v.bsdfs.data(), v.count});
         write_aovs(thread, services);
+        if (reports_surfaces_) report_surfaces(thread, services);
         sample_lights(thread, services);
         add_lights(thread, services);
         scatter(thread, services);
@@ -90,16 +92,24 @@ void PathIntegrator::trace(PathThread& thread, ThreadServices& services) const {
 }
 
 float PathIntegrator::scattering_weight(const PathState& path, float light_pdf) const {
-    if (path.certain || !(light_pdf > 0) || parameters_.strategy == PathStrategy::scattering) return 1;
+    if (!sampled_too(path, light_pdf)) return 1;
     if (parameters_.strategy == PathStrategy::light) return 0;
     return power_heuristic(path.scatter_pdf, light_pdf);
 }
 
-void PathIntegrator::deliver(PathThread& thread, ThreadServices& services, std::uint32_t row, const Rgb& value,
-                             std::uint32_t light) const {
+void PathIntegrator::deliver(PathThread& thread, ThreadServices& services, std::uint32_t row, const Rgb& emitted,
+                             float light_pdf, std::uint32_t light) const {
+    const PathState& path = thread.paths[row];
+    const float weight = scattering_weight(path, light_pdf);
+    if (!(weight > 0)) return;
     display::Tracker tracker = thread.trackers[row];
     services.lpe.move(tracker, context_.events->terminal(light));
-    services.lpe.contribute(value, display::Technique::scattering, tracker);
+    const Rgb value = path.beta * emitted * weight;
+    if (services.lpe.wants_emitter_samples())
+        services.lpe.contribute(value, display::Technique::scattering, tracker,
+                                {emitted, path.beta * emitted, 1, sampled_too(path, light_pdf)});
+    else
+        services.lpe.contribute(value, display::Technique::scattering, tracker);
 }
 
 void PathIntegrator::escape(PathThread& thread, ThreadServices& services, std::uint32_t row, const Ray& ray) const {
@@ -107,10 +117,7 @@ void PathIntegrator::escape(PathThread& thread, ThreadServices& services, std::u
     const PathState& path = thread.paths[row];
     for (const std::uint32_t light : lights.environments()) {
         const float light_pdf = path.certain ? 0.0f : lights.environment_density(choice(), light, ray.direction);
-        const float weight = scattering_weight(path, light_pdf);
-        if (weight > 0)
-            deliver(thread, services, row, path.beta * lights.environment_radiance(light, ray.direction) * weight,
-                    light);
+        deliver(thread, services, row, lights.environment_radiance(light, ray.direction), light_pdf, light);
     }
     thread.finish(row);
 }
@@ -126,8 +133,7 @@ void PathIntegrator::emit(PathThread& thread, ThreadServices& services, std::siz
     const float light_pdf =
         path.certain ? 0.0f
                      : lights.density(choice(), *context_.scene.geometry, light, path.from, v.points[j], v.hits[j]);
-    const float weight = scattering_weight(path, light_pdf);
-    if (weight > 0) deliver(thread, services, v.rows[j], path.beta * emitted * weight, light);
+    deliver(thread, services, v.rows[j], emitted, light_pdf, light);
 }
 
 bool PathIntegrator::passes(PathThread& thread, ThreadServices& services, std::size_t j) const {
@@ -156,12 +162,25 @@ void PathIntegrator::record_first_hit(PathThread& thread, ThreadServices& servic
     const VertexBatch& v = thread.vertices;
     const int row = static_cast<int>(v.rows[j]);
     services.display.write_distance(row, thread.paths[v.rows[j]].travelled + v.hits[j].t);
-    services.display.write_opacity(row, Rgb(1));
+    const bool holdout =
+        context_.scene.geometry->has_holdouts() && context_.scene.geometry->is_holdout(v.hits[j]);
+    services.display.write_opacity(row, Rgb(holdout ? 0.0f : 1.0f));
+    services.display.write_surface(row, context_.scene.geometry->surface_number(v.hits[j]));
+    if (holdout) services.lpe.hold_out(thread.trackers[v.rows[j]]);
+}
+
+bool PathIntegrator::worth_shading(const PathState& path, const display::Tracker& tracker,
+                                   const display::LpeServices& lpe) const {
+    if (path.depth == 0 && context_.aovs->inputs() != 0) return true;
+    if (reports_surfaces_ && lpe.channels_follow(tracker)) return true;
+    return path.depth < parameters_.max_depth && lpe.live(tracker);
 }
 
 void PathIntegrator::resolve(PathThread& thread, ThreadServices& services) const {
     VertexBatch& v = thread.vertices;
     const bool cutouts = context_.scene.geometry->has_alpha();
+    const bool hidden_environments =
+        services.lpe.wants_emitter_samples() && !context_.scene.lights->environments().empty();
     const std::span<const ShapeGeometry> shapes = context_.scene.geometry->shapes();
     std::size_t kept = 0;
     for (std::size_t j = 0; j < v.count; ++j) {
@@ -175,8 +194,8 @@ void PathIntegrator::resolve(PathThread& thread, ThreadServices& services) const
         }
         if (path.depth == 0) record_first_hit(thread, services, j);
         if (emits) emit(thread, services, j);
-        const bool for_aovs = path.depth == 0 && !context_.aovs->empty();
-        if (!for_aovs && (path.depth >= parameters_.max_depth || !services.lpe.live(thread.trackers[row]))) {
+        if (hidden_environments && !path.certain) report_hidden_environments(thread, services, j);
+        if (!worth_shading(path, thread.trackers[row], services.lpe)) {
             thread.finish(row);
             continue;
         }
@@ -218,6 +237,7 @@ void PathIntegrator::sample_lights(PathThread& thread, ThreadServices& services)
     const LightTable& lights = *context_.scene.lights;
     const bool cutouts = context_.scene.geometry->has_alpha();
     const bool own_choice = lights.needs_choice_number(choice());
+    const bool with_emitters = services.lpe.wants_emitter_samples();
     for (std::size_t j = 0; j < v.count; ++j) {
         const std::uint32_t row = v.rows[j];
         const PathState& path = thread.paths[row];
@@ -235,14 +255,25 @@ void PathIntegrator::sample_lights(PathThread& thread, ThreadServices& services)
         float weight = 1;
         if (!sample.delta && parameters_.strategy == PathStrategy::mis) weight = power_heuristic(sample.pdf, f.pdf);
         const Rgb value = path.beta * f.value * sample.radiance * (weight / sample.pdf);
-        if (value.is_black()) continue;
-        if (!context_.beauty) {
-            // Only channels matter: a light whose group no channel can still accept is not worth a ray (Law 4).
+        display::EmitterSample emitter;
+        if (with_emitters)
+            emitter = {lights.emitted(sample, v.points[j].position),
+                       path.beta * f.value * sample.radiance * (1 / sample.pdf), 1, false};
+        if (value.is_black() && emitter.unweighted.is_black()) continue;
+        if (!cutouts && !services.lpe.takes_all(thread.trackers[row])) {
+            // Only channels matter: a light whose group no channel can still accept is not worth a ray (Law 4), nor is
+            // one whose shadows nobody sees.
+            const lpe::EventClass terminal = context_.events->terminal(sample.light);
             display::Tracker ahead = thread.trackers[row];
             move(ahead, services.lpe, v.sources[j].label, f.lobes);
-            if (!cutouts && !services.lpe.live_after(ahead, context_.events->terminal(sample.light)))
+            if (!services.lpe.live_after(ahead, terminal)) continue;
+            services.lpe.move(ahead, terminal);
+            if (with_emitters && !services.lpe.needs_visibility(ahead)) {
+                services.lpe.contribute(value, display::Technique::light_sampling, ahead, emitter);
                 continue;
+            }
         }
+        if (with_emitters) thread.emitters[thread.pending_count] = emitter;
         PendingLight& pending = thread.pending[thread.pending_count];
         pending = {row, sample.light, v.sources[j].label, value, f.lobes};
         thread.shadow_rays[thread.pending_count++] =
@@ -286,20 +317,27 @@ void PathIntegrator::add_lights(PathThread& thread, ThreadServices& services) co
     if (thread.pending_count == 0) return;
     const EmbreeScene& geometry = *context_.scene.geometry;
     geometry.occluded({thread.shadow_rays.data(), thread.pending_count}, {thread.blocked.data(), thread.pending_count});
+    const bool with_emitters = services.lpe.wants_emitter_samples();
     for (std::size_t i = 0; i < thread.pending_count; ++i) {
-        if (thread.blocked[i]) continue;
+        if (thread.blocked[i] && !with_emitters) continue;
         const PendingLight& pending = thread.pending[i];
         display::Tracker tracker = thread.trackers[pending.row];
         move(tracker, services.lpe, pending.label, pending.lobes);
         Rgb value = pending.value;
-        if (geometry.has_alpha()) {
-            const float transmittance =
-                straight_transmittance(thread.shadow_rays[i], tracker, services, thread.counters);
-            if (!(transmittance > 0)) continue;
+        float transmittance = thread.blocked[i] ? 0.0f : 1.0f;
+        if (!thread.blocked[i] && geometry.has_alpha()) {
+            transmittance = straight_transmittance(thread.shadow_rays[i], tracker, services, thread.counters);
+            if (!(transmittance > 0) && !with_emitters) continue;
             value *= transmittance;
         }
         services.lpe.move(tracker, context_.events->terminal(pending.light));
-        services.lpe.contribute(value, display::Technique::light_sampling, tracker);
+        if (!with_emitters) {
+            services.lpe.contribute(value, display::Technique::light_sampling, tracker);
+            continue;
+        }
+        display::EmitterSample emitter = thread.emitters[i];
+        emitter.visibility = transmittance;
+        services.lpe.contribute(transmittance > 0 ? value : Rgb(), display::Technique::light_sampling, tracker, emitter);
     }
 }
 

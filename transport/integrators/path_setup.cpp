@@ -1,7 +1,8 @@
-// The path integrator's parameters and its geometric AOVs.
+// The path integrator's parameters, and what it says of surfaces: geometric AOVs and user events.
 #include <algorithm>
 #include <limits>
 
+#include "transport/integrators/first_hits.h"
 #include "transport/integrators/path_state.h"
 
 namespace raylex::transport {
@@ -50,34 +51,60 @@ Registry<IntegratorFactory>::Entry path_integrator_entry() {
 }
 
 void PathIntegrator::write_aovs(PathThread& thread, ThreadServices& services) const {
-    if (context_.aovs->empty()) return;
+    if (context_.aovs->inputs() == 0) return;
     const VertexBatch& v = thread.vertices;
     geoaovs::ShadingBatch& out = thread.first_hits;
-    out.resize(static_cast<int>(v.count));
+    out.resize(static_cast<int>(v.count), context_.aovs->inputs());
+    out.count = 0;
     std::copy(&context_.world_to_camera[0][0], &context_.world_to_camera[0][0] + 12, &out.world_to_camera[0][0]);
-    std::size_t count = 0;
     for (std::size_t j = 0; j < v.count; ++j) {
         const PathState& path = thread.paths[v.rows[j]];
         if (path.depth != 0) continue;
-        const SurfacePoint& point = v.points[j];
-        const Vec3 ns = face_forward(point.shading_normal, point.wo),
-                   ng = face_forward(point.geometric_normal, point.wo);
-        const Rgb albedo = context_.aovs->wants_albedo() ? v.bsdfs[j].albedo(point.wo) : Rgb();
-        for (int c = 0; c < 3; ++c) {
-            out.position[c][count] = point.position[c];
-            out.shading_normal[c][count] = ns[c];
-            out.geometric_normal[c][count] = ng[c];
-            out.albedo[c][count] = albedo[c];
-        }
-        out.row[count] = static_cast<std::int32_t>(v.rows[j]);
-        out.s[count] = point.u;
-        out.t[count] = point.v;
-        out.distance[count] = path.travelled + v.hits[j].t;
-        out.object_id[count] = v.sources[j].object_id;
-        ++count;
+        add_first_hit(context_,
+                      {static_cast<std::int32_t>(v.rows[j]), &v.hits[j], &v.points[j], &v.sources[j], &v.bsdfs[j]},
+                      out);
     }
-    out.count = static_cast<int>(count);
-    if (count > 0) context_.aovs->write(out, services.display);
+    if (out.count > 0) context_.aovs->write(out, services.display);
+}
+
+void PathIntegrator::report_surfaces(PathThread& thread, ThreadServices& services) const {
+    const VertexBatch& v = thread.vertices;
+    const auto& m = context_.world_to_camera;
+    for (std::size_t j = 0; j < v.count; ++j) {
+        const std::uint32_t row = v.rows[j];
+        for (const UserLobe lobe : {UserLobe::albedo, UserLobe::normal}) {
+            if (!context_.events->wants(lobe)) continue;
+            display::Tracker tracker = thread.trackers[row];
+            services.lpe.move(tracker, context_.events->user(v.sources[j].label, lobe));
+            services.lpe.move(tracker, context_.events->user_terminal());
+            if (!services.lpe.channels_follow(tracker)) continue;
+            const SurfacePoint& point = v.points[j];
+            Rgb value;
+            if (lobe == UserLobe::albedo) {
+                value = v.bsdfs[j].albedo(point.wo);
+            } else {
+                const Vec3 n = face_forward(point.shading_normal, point.wo);
+                for (int i = 0; i < 3; ++i) value[i] = m[i][0] * n.x + m[i][1] * n.y + m[i][2] * n.z;
+            }
+            services.lpe.contribute_user(value, thread.paths[row].beta, tracker);
+        }
+    }
+}
+
+void PathIntegrator::report_hidden_environments(PathThread& thread, ThreadServices& services, std::size_t j) const {
+    const VertexBatch& v = thread.vertices;
+    const std::uint32_t row = v.rows[j];
+    const PathState& path = thread.paths[row];
+    const LightTable& lights = *context_.scene.lights;
+    for (const std::uint32_t light : lights.environments()) {
+        const Vec3& direction = v.rays[j].direction;
+        if (lights.environment_density(choice(), light, direction) > 0) continue;
+        const Rgb emitted = lights.environment_radiance(light, direction);
+        display::Tracker tracker = thread.trackers[row];
+        services.lpe.move(tracker, context_.events->terminal(light));
+        services.lpe.contribute(Rgb(), display::Technique::scattering, tracker,
+                                {emitted, path.beta * emitted, 0, false});
+    }
 }
 
 }  // namespace raylex::transport

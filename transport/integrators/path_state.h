@@ -65,6 +65,7 @@ struct PathThread final : IntegratorThread {
         next_rays.resize(capacity);
         vertices.reserve(capacity);
         pending.resize(capacity);
+        emitters.resize(capacity);
         shadow_rays.resize(capacity);
         blocked.resize(capacity);
         counters.path_lengths.assign(length_slots, 0);
@@ -81,6 +82,7 @@ struct PathThread final : IntegratorThread {
     VertexBatch vertices;
     // Light samples of this vertex.
     std::vector<PendingLight> pending;
+    std::vector<display::EmitterSample> emitters;  // beside pending, where channels ask for them
     std::vector<Ray> shadow_rays;
     std::vector<std::uint8_t> blocked;
     std::size_t pending_count = 0;
@@ -99,6 +101,9 @@ struct PathThread final : IntegratorThread {
 class PathIntegrator final : public Integrator {
   public:
     explicit PathIntegrator(const PathParameters& parameters) : parameters_(parameters) {}
+    [[nodiscard]] IntegratorTraits traits() const override {
+        return {true, parameters_.strategy != PathStrategy::scattering, true, true, parameters_.max_depth};
+    }
     Status prepare(const IntegratorContext& context) override;
     [[nodiscard]] std::unique_ptr<IntegratorThread> make_thread_state() const override;
     void integrate(const CameraBatch& batch, IntegratorThread& thread, ThreadServices& services) const override;
@@ -113,7 +118,13 @@ class PathIntegrator final : public Integrator {
     bool passes(PathThread& thread, ThreadServices& services, std::size_t j) const;
     void emit(PathThread& thread, ThreadServices& services, std::size_t j) const;
     void record_first_hit(PathThread& thread, ThreadServices& services, std::size_t j) const;
+    /// Whether anything is to be learnt at a vertex: of what scatters there, or of the surface itself.
+    [[nodiscard]] bool worth_shading(const PathState& path, const display::Tracker& tracker,
+                                     const display::LpeServices& lpe) const;
     void write_aovs(PathThread& thread, ThreadServices& services) const;
+    void report_surfaces(PathThread& thread, ThreadServices& services) const;
+    /// The infinite lights that light sampling leaves to scattering, from which the vertex hides them.
+    void report_hidden_environments(PathThread& thread, ThreadServices& services, std::size_t j) const;
     void sample_lights(PathThread& thread, ThreadServices& services) const;
     /// What an emitter with a cutout keeps at the sampled point: as much as scattering finds there on average.
     [[nodiscard]] float emitter_opacity(const LightSample& sample, const Vec3& from) const;
@@ -123,18 +134,22 @@ class PathIntegrator final : public Integrator {
                                  IntegratorCounters& counters) const;
     void scatter(PathThread& thread, ThreadServices& services) const;
     void move(display::Tracker& tracker, display::LpeServices& lpe, std::int32_t label, const LobeList& lobes) const;
-    void deliver(PathThread& thread, ThreadServices& services, std::uint32_t row, const Rgb& value,
+    /// An emitter found by scattering, whose light-sampling density is `light_pdf`.
+    void deliver(PathThread& thread, ThreadServices& services, std::uint32_t row, const Rgb& emitted, float light_pdf,
                  std::uint32_t light) const;
 
     [[nodiscard]] LightChoice choice() const {
         return parameters_.strategy == PathStrategy::light ? LightChoice::light_sampling : LightChoice::mis;
     }
-    /// Weight of an emitter found by scattering, whose light-sampling density is `light_pdf`.
+    /// Whether light sampling finds the emitter there too, and the weight that is left to scattering.
+    [[nodiscard]] bool sampled_too(const PathState& path, float light_pdf) const {
+        return !path.certain && light_pdf > 0 && parameters_.strategy != PathStrategy::scattering;
+    }
     [[nodiscard]] float scattering_weight(const PathState& path, float light_pdf) const;
 
     PathParameters parameters_;
     IntegratorContext context_;
-    bool can_sample_lights_ = false;
+    bool can_sample_lights_ = false, reports_surfaces_ = false;
 };
 
 }  // namespace raylex::transport

@@ -67,6 +67,12 @@ class LightTable {
         const Light& l = lights_[light];
         return l.two_sided || dot(n, wo) > 0 ? l.emission : Rgb();
     }
+    /// What the light of a sample sends towards `from` before distance thins it: radiance of what has an extent, else
+    /// intensity, or irradiance across the beam of distant lights.
+    [[nodiscard]] Rgb emitted(const LightSample& sample, const Vec3& from) const {
+        const bool point = !lights_[sample.light].is_area() && !sample.infinite;
+        return point ? sample.radiance * length_squared(sample.target - from) : sample.radiance;
+    }
     [[nodiscard]] Rgb environment_radiance(std::uint32_t light, const Vec3& direction) const;
 
     [[nodiscard]] std::span<const Light> lights() const { return lights_; }

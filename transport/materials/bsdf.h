@@ -19,8 +19,7 @@ using LobeId = std::uint8_t;
 struct LobeKind {
     lpe::EventType type = lpe::EventType::reflection;
     lpe::Scatter scatter = lpe::Scatter::diffuse;
-    std::uint8_t lobe_number = 0;
-    const char* name = "";            ///< lobe label slot: "diffuse", "conductor", "coat", "glass", ...
+    const char* name = "";            ///< lobe label slot, and what lobe slots number it by: "diffuse", "conductor", "coat", ...
 };
 
 /// All lobes that any registered material can give, in LobeId order.

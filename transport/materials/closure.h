@@ -38,6 +38,9 @@ class Bsdf {
     /// Rough estimate of the directional albedo, for the albedo AOV.
     [[nodiscard]] Rgb albedo(const Vec3& wo) const;
 
+    /// Refractive index on the inner side, 1 for what light does not enter.
+    [[nodiscard]] float inside_ior() const { return kind_ == Kind::dielectric ? dielectric_.eta : 1.0f; }
+
     /// No surface: the integrator continues the ray in its direction, without an event (`s` in the osl dialect). All
     /// other functions answer as for `black`.
     [[nodiscard]] bool passes_through() const { return kind_ == Kind::pass_through; }

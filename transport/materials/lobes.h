@@ -22,20 +22,20 @@ inline constexpr LobeId mirror = 10;                 ///< R S: ideal reflection 
 inline constexpr LobeId sheet = 11;                  ///< T S: index-matched sheet, straight through, an event of its own
 inline constexpr int count = 12;
 
-// Numbers follow RenderMan's default slots: diffuse D2, specular S2, clear coat S4, glass S8.
+// Numbers (D2, S4, S8) come from lobe slots by these names: lpe/channels/lobe_slots.h.
 inline constexpr std::array<LobeKind, count> kinds{{
-    {lpe::EventType::reflection, lpe::Scatter::diffuse, 2, "diffuse"},
-    {lpe::EventType::reflection, lpe::Scatter::glossy, 2, "conductor"},
-    {lpe::EventType::reflection, lpe::Scatter::singular, 2, "conductor"},
-    {lpe::EventType::reflection, lpe::Scatter::glossy, 8, "glass"},
-    {lpe::EventType::reflection, lpe::Scatter::singular, 8, "glass"},
-    {lpe::EventType::transmission, lpe::Scatter::glossy, 8, "glass"},
-    {lpe::EventType::transmission, lpe::Scatter::singular, 8, "glass"},
-    {lpe::EventType::reflection, lpe::Scatter::glossy, 4, "coat"},
-    {lpe::EventType::reflection, lpe::Scatter::singular, 4, "coat"},
-    {lpe::EventType::reflection, lpe::Scatter::glossy, 2, "specular"},
-    {lpe::EventType::reflection, lpe::Scatter::singular, 2, "mirror"},
-    {lpe::EventType::transmission, lpe::Scatter::singular, 2, "sheet"},
+    {lpe::EventType::reflection, lpe::Scatter::diffuse, "diffuse"},
+    {lpe::EventType::reflection, lpe::Scatter::glossy, "conductor"},
+    {lpe::EventType::reflection, lpe::Scatter::singular, "conductor"},
+    {lpe::EventType::reflection, lpe::Scatter::glossy, "glass"},
+    {lpe::EventType::reflection, lpe::Scatter::singular, "glass"},
+    {lpe::EventType::transmission, lpe::Scatter::glossy, "glass"},
+    {lpe::EventType::transmission, lpe::Scatter::singular, "glass"},
+    {lpe::EventType::reflection, lpe::Scatter::glossy, "coat"},
+    {lpe::EventType::reflection, lpe::Scatter::singular, "coat"},
+    {lpe::EventType::reflection, lpe::Scatter::glossy, "specular"},
+    {lpe::EventType::reflection, lpe::Scatter::singular, "mirror"},
+    {lpe::EventType::transmission, lpe::Scatter::singular, "sheet"},
 }};
 
 }  // namespace raylex::transport::lobes

@@ -84,7 +84,8 @@ struct TextureTable::Storage {
     Result<TextureId> compile(std::size_t index, SpectrumRole role);
     Result<Node> compile_node(const SceneTexture& source, SpectrumRole role, std::size_t visible);
     Result<Node> compile_image(const SceneTexture& source, SpectrumRole role);
-    Result<const Image*> load_image(const std::string& name, const std::string& encoding, const SourceLocation& where);
+    Result<const Image*> load_image(const std::string& name, const std::string& encoding, bool by_file_rules,
+                                    const SourceLocation& where);
 
     TextureId add(const Node& node) {
         nodes.push_back(node);
@@ -127,8 +128,22 @@ struct TextureTable::Storage {
     }
 };
 
+/// Colours by what the file's colour space says; grey stays grey.
+void convert_colors(Image& image, const FileColorConversion& convert) {
+    const auto channels = static_cast<std::size_t>(image.channels);
+    std::vector<float> rgb(3);
+    for (std::size_t i = 0; i + channels <= image.pixels.size(); i += channels) {
+        const bool grey = channels < 3;
+        for (std::size_t c = 0; c < 3; ++c) rgb[c] = image.pixels[i + (grey ? 0 : c)];
+        convert(rgb);
+        if (grey) image.pixels[i] = rgb[1];
+        else
+            for (std::size_t c = 0; c < 3; ++c) image.pixels[i + c] = rgb[c];
+    }
+}
+
 Result<const Image*> TextureTable::Storage::load_image(const std::string& name, const std::string& encoding,
-                                                       const SourceLocation& where) {
+                                                       bool by_file_rules, const SourceLocation& where) {
     namespace fs = std::filesystem;
     // Relative to the scene file, as in pbrt-v4; else to the file that names it.
     std::error_code ignored;
@@ -138,15 +153,20 @@ Result<const Image*> TextureTable::Storage::load_image(const std::string& name, 
         const fs::path beside = fs::path(where.file).parent_path() / name;
         if (!fs::exists(path, ignored) && fs::exists(beside, ignored)) path = beside;
     }
-    const std::pair key{path.lexically_normal().string(), encoding};
+    const std::pair key{path.lexically_normal().string(), by_file_rules ? "by file rules" : encoding};
     if (const auto known = image_by_file.find(key); known != image_by_file.end()) return known->second;
-    Result<Image> image = read_image(path.string(), encoding);
+    Result<Image> image = read_image(path.string(), by_file_rules ? "linear" : encoding);
     if (!image) {
         const Error& inner = image.error();
         return error_at(where, "image texture '" + name + "': " + inner.message, inner.hint);
     }
     if (image->width <= 0 || image->height <= 0 || image->channels <= 0)
         return error_at(where, "image texture '" + name + "' holds no pixels");
+    if (by_file_rules) {
+        auto convert = color.file_color(path.string());
+        if (!convert) return error_at(where, "image texture '" + name + "': " + convert.error().message);
+        convert_colors(*image, *convert);
+    }
     images.push_back(*std::move(image));
     image_by_file[key] = &images.back();
     return &images.back();
@@ -166,7 +186,10 @@ Result<Node> TextureTable::Storage::compile_image(const SceneTexture& source, Sp
     stage.invert = reader.boolean("invert", false);
     const TextureMapping mapping = read_mapping(reader, source.to_world);
     if (reader.error()) return *reader.error();
-    Result<const Image*> image = load_image(name, encoding, reader.where(*file));
+    // Numbers (roughness, alpha, eta) are never colours, and an encoding in the scene is the artist's word.
+    const bool by_file_rules =
+        color.file_color && source.spectrum && role != SpectrumRole::unbounded && encoding.empty();
+    Result<const Image*> image = load_image(name, encoding, by_file_rules, reader.where(*file));
     if (!image) return std::move(image).error();
     stage.sampler.image = *image;
     stage.sampler.alpha_varies = alpha_varies(**image);

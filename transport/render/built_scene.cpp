@@ -27,6 +27,7 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
     if (!lights) return lights.error();
     scene->lights_ = *std::move(lights);
 
+    scene->surface_names_ = SurfaceNames(description);
     scene->camera = description.camera;
     scene->film = description.film;
     scene->filter = description.filter;
@@ -46,7 +47,7 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
     return std::shared_ptr<const BuiltScene>(std::move(scene));
 }
 
-Result<SceneAlphabet> scene_alphabet(const SceneDescription& scene) {
+Result<SceneAlphabet> scene_alphabet(const SceneDescription& scene, const lpe::LobeSlots& slots) {
     auto textures = TextureTable::build(scene);
     if (!textures) return textures.error();
     auto materials = MaterialTable::build(scene, *textures);
@@ -89,7 +90,7 @@ Result<SceneAlphabet> scene_alphabet(const SceneDescription& scene) {
         alphabet.terminals.push_back(terminal_event(infinite, group));
     }
     for (const auto& [label, lobe] : scattering)
-        alphabet.scattering.push_back(scattering_event(label, lobe_kinds()[lobe]));
+        alphabet.scattering.push_back(scattering_event(label, lobe_kinds()[lobe], slots));
     for (const std::string& label : straight) alphabet.scattering.push_back(straight_event(label));
     alphabet.has_straight = !straight.empty();
     alphabet.object_labels.assign(labels.begin(), labels.end());

@@ -7,6 +7,7 @@
 
 #include "transport/integrators/integrator.h"
 #include "transport/render/render.h"
+#include "transport/scene/surface_names.h"
 
 namespace raylex::transport {
 
@@ -23,6 +24,7 @@ class BuiltScene {
 
     [[nodiscard]] SceneView view() const { return {geometry_.get(), &textures_, &materials_, &lights_}; }
     [[nodiscard]] const std::string& isa() const { return geometry_->isa(); }
+    [[nodiscard]] const SurfaceNames& surface_names() const { return surface_names_; }
     /// The scene's own camera, film, filter, sampler and integrator, which settings may override.
     SceneEntity camera, film, filter, sampler, integrator;
     Transform camera_to_world;
@@ -36,6 +38,7 @@ class BuiltScene {
     MaterialTable materials_;
     LightTable lights_;
     std::unique_ptr<EmbreeScene> geometry_;
+    SurfaceNames surface_names_;
 };
 
 /// As render(description, ...), on a scene built before: bit for bit the same image.

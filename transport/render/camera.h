@@ -20,6 +20,8 @@ class PerspectiveCamera {
     [[nodiscard]] Ray generate(float x, float y, const Vec2& lens) const;
     [[nodiscard]] bool has_lens() const { return lens_radius_ > 0; }
 
+    /// Width and height of a pixel on the plane at distance 1 before the camera.
+    [[nodiscard]] Vec2 pixel_size() const { return {std::abs(step_x_.x), std::abs(step_y_.y)}; }
     /// World to camera space without its scale (a mirroring stays).
     void rigid_world_to_camera(float (&matrix)[3][4]) const;
     [[nodiscard]] const Matrix4& world_to_camera() const { return world_to_camera_; }

@@ -1,6 +1,7 @@
 #include "transport/render/render.h"
 
 #include <algorithm>
+#include <new>
 #include <set>
 #include <thread>
 
@@ -39,6 +40,60 @@ Status resolve_channels(const RenderSettings& settings, RenderJob& job) {
         job.channels.push_back(std::move(channel));
     }
     if (job.channels.empty()) return error_at({}, "nothing to render: no beauty and no channel; expected at least one");
+    return success();
+}
+
+/// Channels that the integrator cannot fill are refused before a ray is traced.
+Status check_traits(const ChosenIntegrator& chosen, const SceneView& scene, const RenderJob& job) {
+    const IntegratorTraits traits = chosen.integrator->traits();
+    const auto refuse = [&](display::ChannelId id, const std::string& lacks, const std::string& hint) {
+        const display::ChannelDefinition& channel = job.channels[static_cast<std::size_t>(id)];
+        return error_at(display::location_of(channel), "channel '" + channel.name + "' (" + channel.expression +
+                                                           ") cannot be filled: integrator '" + chosen.name + "' " + lacks,
+                        hint);
+    };
+    if (job.lpe->needs_light_samples() >= 0 && !traits.light_samples)
+        return refuse(job.lpe->needs_light_samples(), "samples no lights, so it does not know what shadows take",
+                      "leave out 'unoccluded;' and 'shadows;', or choose a strategy that samples lights, such as mis");
+    if (job.lpe->needs_emitter_samples() >= 0 && !traits.emitter_samples)
+        return refuse(job.lpe->needs_emitter_samples(), "does not report emitters apart from the path's throughput",
+                      "leave out 'nothruput;'");
+    if (scene.geometry->has_holdouts() && !traits.holdouts)
+        return error_at({}, "the scene has holdouts, which integrator '" + chosen.name + "' does not know",
+                        "leave them out, or choose another integrator");
+    return success();
+}
+
+/// After resolve_filter.
+Status check_cryptomatte(const RenderSettings& settings, const SourceLocation& filter, const RenderJob& job) {
+    if (settings.cryptomatte.empty()) return success();
+    if (job.filter->has_negative_lobes())
+        return error_at(filter, "pixel filter '" + job.filter->name() +
+                                    "' has negative lobes, and coverage in a cryptomatte cannot be negative; expected "
+                                    "box, triangle, gaussian or blackman-harris");
+    const int ranks = settings.cryptomatte_ranks;
+    if (ranks < 2 || ranks > geoaovs::Cryptomatte::most_ranks || ranks % 2 != 0)
+        return error_at({}, std::to_string(ranks) + " cryptomatte ranks; expected an even number from 2 to " +
+                                std::to_string(geoaovs::Cryptomatte::most_ranks));
+    return success();
+}
+
+/// Buffers for the sets of mattes asked for.
+Status make_cryptomatte(const RenderSettings& settings, const BuiltScene& scene, RenderJob& job,
+                        std::vector<Error>& warnings) {
+    try {
+        for (const geoaovs::MatteKind kind : settings.cryptomatte)
+            job.cryptomatte.emplace_back(kind, settings.cryptomatte_ranks, job.film.width, job.film.height,
+                                         scene.surface_names().of(kind));
+    } catch (const std::bad_alloc&) {
+        return error_at({}, "not enough memory for cryptomatte; expected about 64 bytes a pixel and set of mattes");
+    }
+    for (geoaovs::Cryptomatte& matte : job.cryptomatte) {
+        job.sinks.push_back(&matte.coverage());
+        for (const auto& [first, second] : matte.collisions())
+            warnings.push_back(error_at({}, "'" + first + "' and '" + second + "' have the same hash and share a matte of " +
+                                                matte.name()));
+    }
     return success();
 }
 
@@ -85,6 +140,7 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
     job.camera = std::make_unique<PerspectiveCamera>(*std::move(camera));
     const SceneEntity& filter = settings.filter ? *settings.filter : scene.filter;
     if (Status s = resolve_filter(filter, job, warnings); !s) return s.error();
+    if (Status s = check_cryptomatte(settings, filter.location, job); !s) return s.error();
     std::string sampler_name;
     if (Status s = resolve_sampler(settings.sampler ? *settings.sampler : scene.sampler, settings, job, sampler_name,
                                    warnings);
@@ -98,6 +154,7 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
     auto lpe = display::LpeSetup::build(job.channels, job.beauty);
     if (!lpe) return lpe.error();
     job.lpe = std::make_unique<display::LpeSetup>(*std::move(lpe));
+    if (Status s = check_traits(*chosen, scene.view(), job); !s) return s.error();
     if (settings.picked_lobes) job.attribution = display::LpeServices::Attribution::picked;
     if (settings.sample_filter) {
         auto made = display::make_sample_filter(settings.sample_filter->type, settings.sample_filter->parameters,
@@ -109,14 +166,16 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
         settings.threads > 0 ? settings.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     job.has_alpha = scene.view().geometry->has_alpha();
 
-    const EventTable events(*job.lpe, scene.view());
+    const EventTable events(*job.lpe, scene.view(), settings.lobe_slots);
     const geoaovs::GeometricAovs aovs(job.channels);
+    job.aovs = &aovs;
     IntegratorContext context;
     context.scene = scene.view();
     context.events = &events;
     context.aovs = &aovs;
     context.channels = job.channels;
     job.camera->rigid_world_to_camera(context.world_to_camera);
+    context.pixel_size = job.camera->pixel_size();
     context.beauty = job.beauty >= 0;
     context.batch_capacity = RenderLoop::batch_capacity;
     if (Status s = job.integrator->prepare(context); !s) return s.error();
@@ -125,8 +184,23 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
     layout.width = film->width;
     layout.height = film->height;
     layout.block_size = RenderLoop::block_size;
+    if (settings.before_rendering) {
+        RenderPlan plan{.width = film->width,
+                        .height = film->height,
+                        .samples_per_pixel = job.samples_per_pixel,
+                        .channels = job.channels,
+                        .beauty = job.beauty,
+                        .filter = job.filter.get(),
+                        .memory = display::frame_buffer_memory(layout, job.channels)};
+        for (const geoaovs::MatteKind kind : settings.cryptomatte)
+            plan.memory.push_back({geoaovs::matte_layer(kind),
+                                   display::RankedCoverage::expected_bytes(film->width, film->height)});
+        if (Status s = settings.before_rendering(plan, job.sinks); !s) return s.error();
+    }
     auto frame_buffer = display::FrameBuffer::create(layout, job.channels);
     if (!frame_buffer) return frame_buffer.error();
+
+    if (Status s = make_cryptomatte(settings, scene, job, warnings); !s) return s.error();
 
     const Stopwatch watch;
     RenderLoop loop(job, *frame_buffer);
@@ -139,6 +213,7 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
     statistics.invalid_samples += frame_buffer->rejected_count();
 
     RenderOutput output{.frame_buffer = *std::move(frame_buffer),
+                        .cryptomatte = std::move(job.cryptomatte),
                         .beauty = job.beauty,
                         .statistics = std::move(statistics),
                         .complete = loop.complete(),

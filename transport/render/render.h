@@ -6,16 +6,32 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "display/buffer/frame_buffer.h"
+#include "display/buffer/memory_estimate.h"
+#include "display/buffer/pixel_filter.h"
+#include "display/buffer/sample_sink.h"
 #include "display/services/channel.h"
 #include "display/services/lpe_services.h"
+#include "geoaovs/cryptomatte.h"
+#include "lpe/channels/lobe_slots.h"
 #include "lpe/result.h"
 #include "transport/scene/scene_description.h"
 
 namespace raylex::transport {
+
+/// A render with everything resolved and nothing allocated yet.
+struct RenderPlan {
+    int width = 0, height = 0;
+    std::uint64_t samples_per_pixel = 0;
+    std::span<const display::ChannelDefinition> channels;   ///< as RenderOutput::frame_buffer will have them
+    display::ChannelId beauty = display::invalid_channel;
+    const display::PixelFilter* filter = nullptr;
+    std::vector<display::MemoryItem> memory;                ///< of the frame buffer, layer by layer, and cryptomattes
+};
 
 /// What overrides the scene file. Unset means: as the scene says, else pbrt's default.
 struct RenderSettings {
@@ -29,13 +45,30 @@ struct RenderSettings {
     std::string isa;                                ///< sse2, sse4.2, avx, avx2 or avx512 for Embree; "" = the widest here
     bool beauty = true;                             ///< false: only what the channels below accept is simulated
     bool picked_lobes = false;                      ///< label by one drawn lobe instead of exact shares
+    lpe::LobeSlots lobe_slots;                      ///< which numbers (D2, S4) lobes get by their names
     /// LPE channels, rest layers and geometric AOVs by name. `rest_of` counts in this list.
     std::vector<display::ChannelDefinition> channels;
+    /// Called once before memory is taken; an Error ends the render. It may add to `sinks`, which get every finished
+    /// batch beside the frame buffer; they must outlive the render.
+    std::function<Status(const RenderPlan&, std::vector<display::SampleSink*>& sinks)> before_rendering;
+    std::vector<geoaovs::MatteKind> cryptomatte;    ///< which sets of mattes to make; not with negative pixel filters
+    int cryptomatte_ranks = geoaovs::Cryptomatte::default_ranks;   ///< even, at most Cryptomatte::most_ranks
+};
+
+/// The image while it is being rendered, for live views.
+class LiveImage {
+  public:
+    virtual ~LiveImage() = default;
+    /// As FrameBuffer::resolve, of the samples there are. Threads that bring samples of these pixels wait meanwhile.
+    [[nodiscard]] virtual std::vector<double> resolve(display::ChannelId id,
+                                                      const display::PixelRegion& region) const = 0;
+    [[nodiscard]] virtual std::vector<double> resolve_alpha(const display::PixelRegion& region) const = 0;
 };
 
 struct RenderProgress {
     std::uint64_t samples_done = 0, samples_total = 0;      ///< camera samples
     double seconds = 0;                                     ///< wall, since rendering began
+    const LiveImage* image = nullptr;                       ///< during the call only
 };
 
 struct RenderStatistics {
@@ -51,6 +84,7 @@ struct RenderStatistics {
 
 struct RenderOutput {
     display::FrameBuffer frame_buffer;
+    std::vector<geoaovs::Cryptomatte> cryptomatte;          ///< as RenderSettings::cryptomatte asks for
     display::ChannelId beauty = display::invalid_channel;   ///< id in frame_buffer.channels(); LPEs and AOVs follow it
     RenderStatistics statistics;
     bool complete = true;                                   ///< false after an interrupt: fewer samples than asked for
@@ -75,6 +109,6 @@ struct SceneAlphabet {
     std::vector<lpe::Event> scattering;     ///< one per distinct event of the scene
     std::vector<lpe::Event> terminals;
 };
-Result<SceneAlphabet> scene_alphabet(const SceneDescription& scene);
+Result<SceneAlphabet> scene_alphabet(const SceneDescription& scene, const lpe::LobeSlots& slots = {});
 
 }  // namespace raylex::transport

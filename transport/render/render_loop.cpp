@@ -63,23 +63,45 @@ void RenderWorker::add_pixel(int x, int y, std::uint64_t first, int count, std::
         samplers_[count_] = sampler;
         ++count_;
     }
+    if (job_.aovs->wants_time()) flush(adding);  // so that every pixel is timed by itself
 }
 
 void RenderWorker::flush(std::mutex& adding) {
     if (count_ == 0) return;
     table_.begin({rows_.data(), count_});
+    const double begin = job_.aovs->wants_time() ? thread_cpu_seconds() : 0;
     ThreadServices services{display_, lpe_};
     job_.integrator->integrate({{rays_.data(), count_}, {samplers_.data(), count_}}, *state_, services);
     if (!table_.discarded()) {
-        if (job_.sample_filter) job_.sample_filter->apply(table_);
+        finish_samples(begin);
         const std::lock_guard lock(adding);
         frame_buffer_.accumulate(table_);
+        for (display::SampleSink* sink : job_.sinks) sink->accumulate(table_);
     }
     samples += count_;
     count_ = 0;
 }
 
-RenderLoop::RenderLoop(const RenderJob& job, display::FrameBuffer& frame_buffer) : job_(job) {
+/// What happens to samples between the integrator and the frame buffer.
+void RenderWorker::finish_samples(double begin) {
+    if (job_.aovs->wants_rays()) {
+        camera_rays_.origin_z.resize(count_);
+        camera_rays_.direction_z.resize(count_);
+        float m[3][4];
+        job_.camera->rigid_world_to_camera(m);
+        const Vec3 axis{m[2][0], m[2][1], m[2][2]};
+        for (std::size_t i = 0; i < count_; ++i) {
+            camera_rays_.origin_z[i] = dot(axis, rays_[i].origin) + m[2][3];
+            camera_rays_.direction_z[i] = dot(axis, rays_[i].direction);
+        }
+        job_.aovs->write_rays(camera_rays_, table_, display_);
+    }
+    if (job_.sample_filter) job_.sample_filter->apply(table_);
+    if (job_.aovs->wants_samples())
+        job_.aovs->write_samples(job_.aovs->wants_time() ? thread_cpu_seconds() - begin : 0, table_, display_);
+}
+
+RenderLoop::RenderLoop(const RenderJob& job, display::FrameBuffer& frame_buffer) : job_(job), frame_buffer_(frame_buffer) {
     tiles_x_ = static_cast<std::uint64_t>((job.film.width + tile_size - 1) / tile_size);
     tiles_ = tiles_x_ * static_cast<std::uint64_t>((job.film.height + tile_size - 1) / tile_size);
     rounds_ = (job.samples_per_pixel + block_size - 1) / block_size;
@@ -140,13 +162,50 @@ Status RenderLoop::run_tasks(std::uint64_t first, std::uint64_t last, const std:
     return success();
 }
 
+/// Tile by tile under the tile's lock, so that no thread waits long.
+template <class Read>
+std::vector<double> RenderLoop::by_tiles(const display::PixelRegion& region, std::size_t components, Read read) const {
+    std::vector<double> result(static_cast<std::size_t>(region.width()) * static_cast<std::size_t>(region.height()) *
+                               components);
+    for (int y = region.y0 / tile_size; y * tile_size < region.y1; ++y)
+        for (int x = region.x0 / tile_size; x * tile_size < region.x1; ++x) {
+            const display::PixelRegion part{std::max(region.x0, x * tile_size), std::max(region.y0, y * tile_size),
+                                            std::min(region.x1, (x + 1) * tile_size),
+                                            std::min(region.y1, (y + 1) * tile_size)};
+            std::vector<double> values;
+            {
+                const std::lock_guard lock(
+                    locks_.of(static_cast<std::uint64_t>(y) * tiles_x_ + static_cast<std::uint64_t>(x)));
+                values = read(part);
+            }
+            const std::size_t row = static_cast<std::size_t>(part.width()) * components;
+            for (int line = 0; line < part.height(); ++line)
+                std::copy_n(values.data() + static_cast<std::size_t>(line) * row, row,
+                            result.data() + (static_cast<std::size_t>(part.y0 - region.y0 + line) *
+                                                 static_cast<std::size_t>(region.width()) +
+                                             static_cast<std::size_t>(part.x0 - region.x0)) *
+                                                components);
+        }
+    return result;
+}
+
+std::vector<double> RenderLoop::resolve(display::ChannelId id, const display::PixelRegion& region) const {
+    const auto type = job_.channels[static_cast<std::size_t>(id)].type;
+    return by_tiles(region, static_cast<std::size_t>(display::component_count(type)),
+                    [&](const display::PixelRegion& part) { return frame_buffer_.resolve(id, part); });
+}
+
+std::vector<double> RenderLoop::resolve_alpha(const display::PixelRegion& region) const {
+    return by_tiles(region, 1, [&](const display::PixelRegion& part) { return frame_buffer_.resolve_alpha(part); });
+}
+
 Status RenderLoop::run(const std::function<void(const RenderProgress&)>& progress, const std::atomic<bool>* stop) {
     stop_ = stop;
     const Stopwatch watch;
     const std::uint64_t total = static_cast<std::uint64_t>(job_.film.width) *
                                 static_cast<std::uint64_t>(job_.film.height) * job_.samples_per_pixel;
     const auto report = [&] {
-        if (progress) progress({samples_done_.load(std::memory_order_relaxed), total, watch.wall()});
+        if (progress) progress({samples_done_.load(std::memory_order_relaxed), total, watch.wall(), this});
     };
     std::vector<IntegratorThread*> states;
     for (auto& worker : workers_) states.push_back(&worker->state());

@@ -35,6 +35,9 @@ struct RenderJob {
     std::unique_ptr<display::LpeSetup> lpe;
     display::LpeServices::Attribution attribution = display::LpeServices::Attribution::exact;
     std::unique_ptr<display::SampleFilter> sample_filter;
+    const geoaovs::GeometricAovs* aovs = nullptr;
+    std::vector<geoaovs::Cryptomatte> cryptomatte;
+    std::vector<display::SampleSink*> sinks;
     Integrator* integrator = nullptr;
     bool has_alpha = false;
 };
@@ -69,6 +72,7 @@ class RenderWorker {
   private:
     void add_pixel(int x, int y, std::uint64_t first, int count, std::mutex& adding);
     void flush(std::mutex& adding);
+    void finish_samples(double begin);
     const RenderJob& job_;
     display::FrameBuffer& frame_buffer_;
     display::SampleTable table_;
@@ -77,17 +81,21 @@ class RenderWorker {
     std::unique_ptr<IntegratorThread> state_;
     std::vector<display::CameraRow> rows_;
     std::vector<Ray> rays_;
+    geoaovs::RayBatch camera_rays_;          // of `rays_`, when an AOV asks for depth
     std::vector<PixelSampler> samplers_;
     std::size_t count_ = 0;
 };
 
-class RenderLoop {
+class RenderLoop : public LiveImage {
   public:
     static constexpr int batch_capacity = 256, tile_size = 16, block_size = 16;
 
     RenderLoop(const RenderJob& job, display::FrameBuffer& frame_buffer);
     /// Returns when the budget is spent, `*stop` was seen, or a thread ran out of memory (an Error).
     Status run(const std::function<void(const RenderProgress&)>& progress, const std::atomic<bool>* stop);
+
+    [[nodiscard]] std::vector<double> resolve(display::ChannelId id, const display::PixelRegion& region) const override;
+    [[nodiscard]] std::vector<double> resolve_alpha(const display::PixelRegion& region) const override;
 
     [[nodiscard]] bool complete() const { return complete_; }
     void collect(RenderStatistics& statistics) const;
@@ -96,10 +104,14 @@ class RenderLoop {
     Status run_tasks(std::uint64_t first, std::uint64_t last, const std::function<void()>& report);
     void work(RenderWorker& worker, std::uint64_t last);
     void render_task(RenderWorker& worker, std::uint64_t task);
+    template <class Read>
+    [[nodiscard]] std::vector<double> by_tiles(const display::PixelRegion& region, std::size_t components,
+                                               Read read) const;
     const RenderJob& job_;
     std::vector<std::unique_ptr<RenderWorker>> workers_;
     std::uint64_t tiles_x_ = 0, tiles_ = 0, rounds_ = 0;
-    TileLocks locks_;
+    display::FrameBuffer& frame_buffer_;
+    mutable TileLocks locks_;
     std::atomic<std::uint64_t> next_{0}, samples_done_{0};
     const std::atomic<bool>* stop_ = nullptr;
     std::atomic<bool> failed_{false};

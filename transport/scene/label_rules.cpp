@@ -6,7 +6,7 @@
 #include <map>
 #include <set>
 
-#include "lpe/glob.h"
+#include "lpe/language/glob.h"
 
 namespace raylex::transport {
 
@@ -52,7 +52,7 @@ class RuleApplier {
   public:
     explicit RuleApplier(SceneDescription& scene)
         : scene_(scene), lights_(light_names(scene)), light_taken_(lights_.kinds.size()) {
-        for_each_shape([this](SceneShape&) { shape_taken_.push_back(false); });
+        for_each_shape([this](SceneShape&) { shape_taken_.emplace_back(); });
         instance_taken_.resize(scene.instances.size());
         std::map<int, int> count;
         for (const SceneInstance& instance : scene.instances) {
@@ -104,12 +104,24 @@ class RuleApplier {
         return !name.empty() && lpe::glob_matches(pattern_, name);
     }
 
-    template <class Flag>
-    void write(Flag taken, std::string& target, const std::string& label) {
+    /// What earlier rules said of an object or a light.
+    struct Taken {
+        bool label = false, holdout = false;
+    };
+
+    void write(Taken& taken, std::string& target, const LabelRule& rule) {
         ++matched_;
-        if (taken) return;
-        taken = true;
-        target = label;
+        if (rule.keeps_label || taken.label) return;
+        taken.label = true;
+        target = rule.label;
+        ++written_;
+    }
+    template <class Target>
+    void write(Taken& taken, Target& target, const LabelRule& rule) {
+        write(taken, target.label, rule);
+        if (!rule.holdout || taken.holdout) return;
+        taken.holdout = true;
+        target.holdout = *rule.holdout;
         ++written_;
     }
 
@@ -117,7 +129,7 @@ class RuleApplier {
         std::size_t index = 0;
         for_each_shape([&](SceneShape& shape) {
             const std::string& name = rule.selector == Selector::material ? material_name(shape) : shape.source_file;
-            if (matches(name)) write(shape_taken_[index], shape.label, rule.label);
+            if (matches(name)) write(shape_taken_[index], shape, rule);
             ++index;
         });
     }
@@ -125,7 +137,7 @@ class RuleApplier {
     void apply_to_instances(const LabelRule& rule) {
         for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
             const bool whole = matches(instance_names_[i].first), one = matches(instance_names_[i].second);
-            if (whole || one) write(instance_taken_[i], scene_.instances[i].label, rule.label);
+            if (whole || one) write(instance_taken_[i], scene_.instances[i], rule);
         }
     }
 
@@ -137,7 +149,7 @@ class RuleApplier {
     void apply_to_lights(const LabelRule& rule) {
         for (std::size_t i = 0; i < lights_.kinds.size(); ++i) {
             const bool kind = matches(lights_.kinds[i]), one = matches(lights_.indexed[i]);
-            if (kind || one) write(light_taken_[i], group(i), rule.label);
+            if (kind || one) write(light_taken_[i], group(i), rule);
         }
     }
 
@@ -145,7 +157,7 @@ class RuleApplier {
         for_each_shape([&](SceneShape& shape) {
             if (shape.area_light < 0 || !matches(material_name(shape))) return;
             const std::size_t light = scene_.lights.size() + static_cast<std::size_t>(shape.area_light);
-            write(light_taken_[light], group(light), rule.label);
+            write(light_taken_[light], group(light), rule);
         });
     }
 
@@ -166,7 +178,7 @@ class RuleApplier {
 
     SceneDescription& scene_;
     LightNames lights_;
-    std::vector<bool> shape_taken_, instance_taken_, light_taken_;
+    std::vector<Taken> shape_taken_, instance_taken_, light_taken_;
     std::vector<std::pair<std::string, std::string>> instance_names_;
     std::string pattern_;
     std::set<std::string> candidates_;

@@ -8,6 +8,9 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -45,7 +48,7 @@ struct SceneShape {
 
     float radius = 1, z_min = -1, z_max = 1, phi_max = 360;    ///< sphere, cylinder; degrees
     float height = 0, inner_radius = 0;                        ///< disk
-    Transform object_to_world;                                 ///< quadrics
+    Transform object_to_world;                  ///< quadrics; meshes: where their vertices came from, for AOVs
 
     bool flip_normal = false;                   ///< ReverseOrientation xor a transform that swaps handedness
     int material = -1;                          ///< index into materials
@@ -53,6 +56,7 @@ struct SceneShape {
     float alpha = 1;                            ///< constant opacity
     std::string alpha_texture;                  ///< name of a float texture; overrides alpha
     std::string label;                          ///< LPE object label; as imported: the named material's name
+    bool holdout = false;                       ///< set by a label rule; see LabelRule
 };
 
 struct SceneObject {
@@ -64,6 +68,7 @@ struct SceneInstance {
     int object = -1;                            ///< index into objects
     Transform to_world;
     std::string label;                          ///< set by a label rule: overrides the shapes' own labels
+    std::optional<bool> holdout;                ///< set by a label rule: overrides the shapes' own
     SourceLocation location;
 };
 
@@ -82,9 +87,15 @@ enum class ColorSpace : std::uint8_t { srgb, dci_p3, rec2020, aces2065_1 };
 
 /// From what the scene's numbers mean to what transport computes in. rgb values and textures of the scene stand in
 /// `scene_space`; `rendering_from_scene` (row-major) takes them to the rendering space, the identity by default.
+/// Turns RGB triples as an image file stores them (8-bit values over 255) into linear RGB of the scene's colour space.
+using FileColorConversion = std::function<void(std::span<float> rgb)>;
+
 struct ColorContext {
     ColorSpace scene_space = ColorSpace::srgb;
     std::array<std::array<double, 3>, 3> rendering_from_scene{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    /// How the colours of an image texture's file are read, unless its texture has an "encoding" of its own. Empty: as
+    /// pbrt does, sRGB for 8-bit files and the values themselves for float files. Called once per file.
+    std::function<Result<FileColorConversion>(const std::string& path)> file_color;
 };
 
 struct SceneDescription {
@@ -109,9 +120,13 @@ struct LabelRule {
     std::string pattern;         ///< light: "infinite", "spot:1", "area:0" (kind, or kind:index in file order), globs
     std::string label;           ///< object label, or light group for the light selectors
     SourceLocation location;
+    /// Objects only. What a camera ray finds first at a holdout leaves the beauty, its alpha and all channels but those with
+    /// the prefix `holdouts`: a stand-in for what the plate shows already.
+    std::optional<bool> holdout{};
+    bool keeps_label = false;    ///< the rule speaks of holdouts alone
 };
 
-/// First matching rule wins per object and per light; what no rule matches keeps its label (shapes: the name of their
+/// First matching rule wins per object and per light, for the label and for being a holdout apart; what no rule matches keeps its label (shapes: the name of their
 /// named material, as imported). Area lights count as kind "area", one per AreaLightSource in file order; an instance
 /// goes by its object's name or name:index. A rule that matches nothing is an Error that lists near misses; one that
 /// matches only what earlier rules took adds a warning.

@@ -1,0 +1,273 @@
+#include "display/deep/deep_buffer.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "display/buffer/fixed_point.h"
+#include "display/services/parameters.h"
+
+namespace raylex::display {
+
+namespace {
+
+constexpr int quantum = -80;  // as the frame buffer's: 1e-24 of a sample's unit
+constexpr int mantissa_bits = 23;
+constexpr std::uint32_t background_key = 0xffffffffu;
+
+/// Order and bin of a depth: bits of floats from 0 up sort as integers do.
+std::uint32_t depth_key(float depth, int level) {
+    return std::bit_cast<std::uint32_t>(depth) >> level;
+}
+
+/// A volume's and a surface's bin of one key may interleave; the transmittances were made in the order of the bins, so
+/// that order stays and depths are moved, within the key, to agree with it: by ImfDeepImageState.h, (Z, ZBack) must rise
+/// strictly, and tidy spans must not reach into each other.
+void put_in_order(DeepSample& front, DeepSample& back, bool tidy) {
+    back.z = std::max(back.z, front.z);
+    if (tidy) front.z_back = std::min(front.z_back, back.z);
+    const bool clash = tidy ? back.z == front.z && front.z_back == front.z
+                            : back.z == front.z && back.z_back <= front.z_back;
+    if (clash) back.z = std::nextafter(front.z, std::numeric_limits<float>::max());
+    back.z_back = std::max(back.z_back, back.z);
+}
+
+}  // namespace
+
+/// What stands in one bin beside its sums. Surfaces and volumes of one depth have bins of their own, volumes first.
+struct DeepBuffer::Bin {
+    std::uint32_t key = 0;
+    bool surface = false;
+    float nearest = 0, farthest = 0;
+
+    [[nodiscard]] bool before(const Bin& other) const {
+        return key != other.key ? key < other.key : !surface && other.surface;
+    }
+    [[nodiscard]] bool same(const Bin& other) const { return key == other.key && surface == other.surface; }
+};
+
+struct DeepBuffer::Pixel {
+    std::vector<Bin> bins;     // sorted
+    std::vector<Int128> sums;  // [bin][stride()]
+    Int128 weight = 0;
+    std::uint32_t refused = 0;
+    std::uint8_t level = 0;    // 0 = not begun: first_level_ is at least 1
+};
+
+struct DeepBuffer::Row {
+    int index = 0;
+    double weight = 0, drop = 0;  // of the sample; of the transmittance, weight included
+    bool background = false;
+    bool mixed = false;           // the sample has more than this one row
+};
+
+DeepBuffer::DeepBuffer(int width, int height, std::span<const ChannelDefinition> channels,
+                       std::vector<ChannelId> chosen, const DeepOptions& options)
+    : width_(width),
+      height_(height),
+      channels_(channels.begin(), channels.end()),
+      chosen_(std::move(chosen)),
+      options_(options),
+      pixels_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {
+    for (const ChannelId id : chosen_)
+        components_ +=
+            static_cast<std::size_t>(raylex::display::component_count(channels_[static_cast<std::size_t>(id)].type));
+    first_level_ =
+        std::clamp(mantissa_bits + static_cast<int>(std::floor(std::log2(options.tolerance))), 1, mantissa_bits);
+}
+
+DeepBuffer::~DeepBuffer() = default;
+DeepBuffer::DeepBuffer(DeepBuffer&&) noexcept = default;
+DeepBuffer& DeepBuffer::operator=(DeepBuffer&&) noexcept = default;
+
+Status DeepBuffer::check(std::span<const ChannelDefinition> channels, std::span<const ChannelId> chosen,
+                         const DeepOptions& options) {
+    if (options.most_samples < 1 || options.most_samples > 4096)
+        return error_at({}, std::to_string(options.most_samples) + " deep samples per pixel; expected 1 to 4096");
+    if (!(options.tolerance >= 0x1p-23) || !(options.tolerance <= 1))
+        return error_at({}, "deep tolerance " + std::to_string(options.tolerance) + "; expected 1.2e-7 to 1");
+    for (const ChannelId id : chosen) {
+        const ChannelDefinition& channel = channels[static_cast<std::size_t>(id)];
+        if (channel.type == ChannelType::integer || channel.rule != FilterRule::filter)
+            return error_at({}, "channel '" + channel.name + "' cannot be deep: it is " +
+                                    (channel.type == ChannelType::integer ? "an integer" : "no filtered mean") +
+                                    "; expected light or a filtered channel (depth is in every deep image)");
+    }
+    return success();
+}
+
+std::size_t DeepBuffer::expected_bytes() const {
+    return pixels_.size() * (sizeof(Pixel) + 4 * (sizeof(Bin) + stride() * sizeof(Int128)));
+}
+
+void DeepBuffer::accumulate(const SampleTable& table) {
+    if (table.discarded()) return;
+    std::vector<std::vector<int>> extra(static_cast<std::size_t>(table.camera_row_count()));
+    for (int row = table.camera_row_count(); row < table.row_count(); ++row)
+        extra[static_cast<std::size_t>(table.original(row))].push_back(row);
+    std::vector<int> rows;
+    for (int row = 0; row < table.camera_row_count(); ++row) {
+        const CameraRow& camera = table.camera_row(row);
+        if (camera.pixel_x < 0 || camera.pixel_y < 0 || camera.pixel_x >= width_ || camera.pixel_y >= height_) continue;
+        Pixel& pixel = pixels_[static_cast<std::size_t>(camera.pixel_y) * static_cast<std::size_t>(width_) +
+                               static_cast<std::size_t>(camera.pixel_x)];
+        rows.assign(1, row);
+        rows.insert(rows.end(), extra[static_cast<std::size_t>(row)].begin(), extra[static_cast<std::size_t>(row)].end());
+        add_sample(pixel, table, static_cast<double>(camera.filter_weight), rows);
+    }
+}
+
+/// A sample's rows from front to back, each with what it takes from the transmittance.
+void DeepBuffer::add_sample(Pixel& pixel, const SampleTable& table, double weight, std::vector<int>& rows) {
+    if (pixel.level == 0) pixel.level = static_cast<std::uint8_t>(first_level_);
+    Int128 fixed = 0;
+    if (!to_fixed(weight, quantum, fixed) || !add_fixed(pixel.weight, fixed)) {
+        ++pixel.refused;
+        return;
+    }
+    std::stable_sort(rows.begin(), rows.end(), [&](int a, int b) {
+        return table.depth[static_cast<std::size_t>(a)] < table.depth[static_cast<std::size_t>(b)];
+    });
+    RgbD through{1.0};
+    for (const int index : rows) {
+        const double in_front = through.average();
+        through *= RgbD(1.0) - table.opacity[static_cast<std::size_t>(index)];
+        Row row;
+        row.index = index;
+        row.weight = weight;
+        row.drop = weight * (in_front - through.average());
+        row.background = !(table.depth[static_cast<std::size_t>(index)] < deep_background);
+        row.mixed = rows.size() > 1;
+        add_row(pixel, table, row);
+    }
+}
+
+void DeepBuffer::add_row(Pixel& pixel, const SampleTable& table, const Row& row) {
+    std::vector<Int128> terms(stride());
+    const auto index = static_cast<std::size_t>(row.index);
+    const float depth = row.background ? deep_background : table.depth[index] + 0.0f;
+    bool fits = depth >= 0;
+    const auto put = [&](std::size_t at, double value) { fits = fits && to_fixed(value, quantum, terms[at]); };
+    put(0, row.drop);
+    // The mean depth is kept relative to 1, so that its sums stay in range: depths reach 1e30.
+    put(1, row.background ? 0 : row.drop * std::log2(std::max(depth, std::numeric_limits<float>::min())));
+    std::size_t at = 2;
+    for (const ChannelId id : chosen_) {
+        const auto components = static_cast<std::size_t>(
+            raylex::display::component_count(channels_[static_cast<std::size_t>(id)].type));
+        // Written values are composited by opacity where a sample has several rows, as in the frame buffer.
+        const bool composited =
+            row.mixed && table.channel(id).style == ChannelStyle::name &&
+            table.row_state(id, row.index) == SampleTable::RowState::written;
+        for (std::size_t c = 0; c < components; ++c)
+            put(at++, (composited ? row.drop : row.weight) * table.values(id)[index * components + c]);
+    }
+    if (!fits) {
+        ++pixel.refused;
+        return;
+    }
+    if (std::all_of(terms.begin(), terms.end(), [](Int128 term) { return term == 0; })) return;  // leaves no trace
+    Bin bin;
+    bin.key = row.background ? background_key : depth_key(depth, pixel.level);
+    bin.surface = row.background || table.is_volume[index] == 0;
+    bin.nearest = bin.farthest = depth;
+    const auto place = std::lower_bound(pixel.bins.begin(), pixel.bins.end(), bin,
+                                        [](const Bin& a, const Bin& b) { return a.before(b); });
+    const auto slot = static_cast<std::size_t>(place - pixel.bins.begin()) * stride();
+    if (place != pixel.bins.end() && place->same(bin)) {
+        place->nearest = std::min(place->nearest, depth);
+        place->farthest = std::max(place->farthest, depth);
+        for (std::size_t i = 0; i < terms.size(); ++i) pixel.sums[slot + i] += terms[i];
+        return;
+    }
+    pixel.bins.insert(place, bin);
+    pixel.sums.insert(pixel.sums.begin() + static_cast<std::ptrdiff_t>(slot), terms.begin(), terms.end());
+    coarsen(pixel);
+}
+
+/// Raises the level until the bins, without the background's, are at most the limit; or at level 31 two are left.
+void DeepBuffer::coarsen(Pixel& pixel) const {
+    const auto limit = static_cast<std::size_t>(options_.most_samples);
+    const std::size_t width = stride();
+    while (pixel.bins.size() > limit + (pixel.bins.back().key == background_key ? 1 : 0) && pixel.level < 31) {
+        ++pixel.level;
+        for (Bin& bin : pixel.bins)
+            if (bin.key != background_key) bin.key >>= 1;
+        // Halving may bring a surface bin before a volume bin of the same new key: sort again, sums along.
+        std::vector<std::size_t> order(pixel.bins.size());
+        for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+        std::stable_sort(order.begin(), order.end(),
+                         [&](std::size_t a, std::size_t b) { return pixel.bins[a].before(pixel.bins[b]); });
+        std::vector<Bin> bins;
+        std::vector<Int128> sums;
+        for (const std::size_t i : order) {
+            const Bin& bin = pixel.bins[i];
+            const Int128* from = &pixel.sums[i * width];
+            if (!bins.empty() && bins.back().same(bin)) {
+                bins.back().nearest = std::min(bins.back().nearest, bin.nearest);
+                bins.back().farthest = std::max(bins.back().farthest, bin.farthest);
+                Int128* to = &sums[(bins.size() - 1) * width];
+                for (std::size_t k = 0; k < width; ++k) to[k] += from[k];
+            } else {
+                bins.push_back(bin);
+                sums.insert(sums.end(), from, from + width);
+            }
+        }
+        pixel.bins = std::move(bins);
+        pixel.sums = std::move(sums);
+    }
+}
+
+std::vector<DeepSample> DeepBuffer::resolve(int x, int y) const {
+    const Pixel& pixel =
+        pixels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
+    std::vector<DeepSample> samples;
+    if (pixel.weight <= 0) return samples;
+    const long double weight = to_long_double(pixel.weight, quantum);
+    long double through = 1;
+    for (std::size_t b = 0; b < pixel.bins.size(); ++b) {
+        const Bin& bin = pixel.bins[b];
+        const Int128* sums = &pixel.sums[b * stride()];
+        const long double drop = to_long_double(sums[0], quantum) / weight;
+        // What comes after everything opaque cannot be seen; rounding of the last drop leaves at most a few 1e-19.
+        const bool open = through > 1e-15L;
+        DeepSample sample;
+        sample.alpha = open ? static_cast<float>(std::clamp(drop / through, 0.0L, 1.0L)) : 1.0f;
+        const bool points = bin.surface || sample.alpha == 1;  // a span that lets nothing through would hide its inside
+        sample.z = bin.nearest;
+        sample.z_back = bin.farthest;
+        if (points && bin.key != background_key && sums[0] > 0) {
+            const auto mean = static_cast<float>(std::exp2(to_long_double(sums[1], quantum) / to_long_double(sums[0], quantum)));
+            sample.z = sample.z_back = std::clamp(mean, bin.nearest, bin.farthest);
+        } else if (points) {
+            sample.z_back = sample.z;
+        }
+        for (std::size_t i = 2; i < stride(); ++i) {
+            const long double light = to_long_double(sums[i], quantum) / weight;
+            sample.values.push_back(open ? static_cast<float>(light / through) : 0.0f);
+        }
+        through = std::max(0.0L, through - drop);
+        samples.push_back(std::move(sample));
+        if (!open) samples.pop_back();
+    }
+    for (std::size_t i = 1; i < samples.size(); ++i) put_in_order(samples[i - 1], samples[i], options_.tidy);
+    return samples;
+}
+
+DeepCounts DeepBuffer::counts() const {
+    DeepCounts counts;
+    int coarsest = 0;
+    for (const Pixel& pixel : pixels_) {
+        counts.samples += pixel.bins.size();
+        counts.refused_rows += pixel.refused;
+        if (pixel.level <= first_level_) continue;
+        ++counts.merged_pixels;
+        coarsest = std::max(coarsest, static_cast<int>(pixel.level));
+    }
+    if (coarsest > 0) counts.coarsest = std::ldexp(1.0, coarsest - mantissa_bits);
+    return counts;
+}
+
+}  // namespace raylex::display

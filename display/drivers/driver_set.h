@@ -1,0 +1,59 @@
+// All the drivers of one render, and what feeds the live ones.
+//
+// Regions are resolved in slices of at most slice_pixels, layer after layer and round again, on the thread that reports
+// progress. Slices stop when they have taken live_share of the time since rendering began, so a viewer costs a render
+// that part of one processor and no more.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "display/drivers/display_driver.h"
+
+namespace raylex::display {
+
+/// Where live pixels come from: FrameBuffer::resolve and resolve_alpha, or what stands for them during a render.
+struct PixelSource {
+    std::function<std::vector<double>(ChannelId, const PixelRegion&)> resolve;
+    std::function<std::vector<double>(const PixelRegion&)> resolve_alpha;
+};
+
+class DriverSet {
+  public:
+    static constexpr double live_share = 0.02;
+    static constexpr int slice_pixels = 1 << 15;
+    /// How long close() waits, in all, for live drivers to take the finished image.
+    static constexpr double patience_seconds = 2;
+
+    void add(std::unique_ptr<DisplayDriver> driver) { drivers_.push_back(std::move(driver)); }
+    [[nodiscard]] std::size_t size() const { return drivers_.size(); }
+
+    /// Opens all; the first error closes nothing, since nothing was written yet.
+    Status open(const DriverImage& image);
+    /// Call now and then while the image grows. `seconds` since rendering began.
+    void update(double seconds, double fraction, const PixelSource& source);
+    /// Gives live drivers the finished image and closes all in their order. The first error, after all were closed.
+    Status close(const FinishedImage& image);
+    /// New since the last call, at most one per driver in all.
+    std::vector<std::string> take_warnings();
+    [[nodiscard]] std::vector<std::string> files() const;
+
+  private:
+    struct Slice {
+        std::size_t layer = 0;
+        PixelRegion region;
+    };
+    [[nodiscard]] bool any_live() const;
+    bool send(const Slice& slice, const PixelSource& source);
+    void finish_live(const FrameBuffer& frame_buffer);
+    std::vector<std::unique_ptr<DisplayDriver>> drivers_;
+    std::vector<bool> warned_;
+    DriverImage image_;
+    std::vector<Slice> slices_;
+    std::size_t next_ = 0;
+    double spent_seconds_ = 0;
+};
+
+}  // namespace raylex::display

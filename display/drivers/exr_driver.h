@@ -1,0 +1,10 @@
+// The driver that writes the whole image as one OpenEXR file when the render is over.
+#pragma once
+
+#include "display/drivers/display_driver.h"
+
+namespace raylex::display {
+
+Registry<DisplayDriverFactory>::Entry exr_driver_entry();
+
+}  // namespace raylex::display

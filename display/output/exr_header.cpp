@@ -1,0 +1,91 @@
+#include "display/output/exr_header.h"
+
+#include <algorithm>
+#include <thread>
+
+#include <ImfChannelList.h>
+#include <ImfPartType.h>
+#include <ImfStandardAttributes.h>
+#include <ImfStringAttribute.h>
+#include <ImfThreading.h>
+
+namespace raylex::display {
+
+namespace {
+
+using Matrix = std::array<std::array<double, 4>, 4>;
+
+bool is_zero(const Matrix& matrix) {
+    return matrix == Matrix{};
+}
+
+// Imath multiplies row vectors from the left, so its matrices are the transposed of ours.
+Imath::M44f transposed(const Matrix& matrix) {
+    Imath::M44f result;
+    for (int i = 0; i < 4; ++i)
+        for (int j = 0; j < 4; ++j)
+            result[j][i] = static_cast<float>(matrix[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)]);
+    return result;
+}
+
+// OpenEXR's NDC: (0, 0) is the upper left corner of the image and (1, 1) the lower right (ImfStandardAttributes.h).
+Matrix screen_to_ndc(Matrix matrix) {
+    for (std::size_t j = 0; j < 4; ++j) {
+        matrix[0][j] = 0.5 * (matrix[3][j] + matrix[0][j]);
+        matrix[1][j] = 0.5 * (matrix[3][j] - matrix[1][j]);
+    }
+    return matrix;
+}
+
+}  // namespace
+
+Imf::PixelType pixel_type(StoredType type) {
+    return type == StoredType::half_float ? Imf::HALF : type == StoredType::single_float ? Imf::FLOAT : Imf::UINT;
+}
+
+Imf::Compression compression_of(ExrCompression compression) {
+    switch (compression) {
+        case ExrCompression::none:
+            return Imf::NO_COMPRESSION;
+        case ExrCompression::rle:
+            return Imf::RLE_COMPRESSION;
+        case ExrCompression::zips:
+            return Imf::ZIPS_COMPRESSION;
+        case ExrCompression::zip:
+            return Imf::ZIP_COMPRESSION;
+        case ExrCompression::piz:
+            return Imf::PIZ_COMPRESSION;
+    }
+    return Imf::ZIP_COMPRESSION;
+}
+
+Imf::Header base_header(const std::string& name, int width, int height, const ImageDescription& description) {
+    Imf::Header header(width, height);
+    header.setName(name);
+    const auto xy = [](const std::array<double, 2>& p) {
+        return Imath::V2f(static_cast<float>(p[0]), static_cast<float>(p[1]));
+    };
+    const Chromaticities& c = description.chromaticities;
+    Imf::addChromaticities(header, Imf::Chromaticities(xy(c.red), xy(c.green), xy(c.blue), xy(c.white)));
+    if (!is_zero(description.world_to_camera)) Imf::addWorldToCamera(header, transposed(description.world_to_camera));
+    if (!is_zero(description.world_to_screen))
+        Imf::addWorldToNDC(header, transposed(screen_to_ndc(description.world_to_screen)));
+    return header;
+}
+
+Imf::Header make_header(const PlannedPart& part, const FrameBufferLayout& layout, const ImageDescription& description) {
+    Imf::Header header = base_header(part.name, layout.width, layout.height, description);
+    header.setType(Imf::SCANLINEIMAGE);
+    header.compression() = compression_of(part.storage.compression);
+    for (const std::string& plane : part.planes)
+        header.channels().insert(plane, Imf::Channel(pixel_type(part.storage.type)));
+    for (const auto& [name, value] : part.attributes) header.insert(name, Imf::StringAttribute(value));
+    return header;
+}
+
+void start_encoder_threads() {
+    if (Imf::globalThreadCount() == 0)
+        Imf::setGlobalThreadCount(static_cast<int>(std::max(1u, std::thread::hardware_concurrency())));
+}
+
+}  // namespace raylex::display

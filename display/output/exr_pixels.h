@@ -1,0 +1,34 @@
+// From a frame buffer's channel to the values of a part as they will stand in the file.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "display/buffer/frame_buffer.h"
+#include "display/output/exr_layout.h"
+#include "display/output/split_sum.h"
+
+namespace raylex::display {
+
+/// Values that a file cannot hold, and what became of them.
+struct Repairs {
+    std::size_t not_a_number = 0, out_of_range = 0;
+
+    /// `value` rounded to the stored type, NaN to 0, numbers out of range to the largest; infinity stays when it is the
+    /// channel's miss value.
+    float to_stored(double value, float miss, StoredType type);
+};
+
+/// One part's pixels: plane after plane, in the part's order of planes.
+struct PartPixels {
+    std::vector<std::vector<char>> planes;     ///< bytes as the file's type wants them, row-major
+    std::vector<std::vector<float>> judged;    ///< the same values as float, where a split needs them: 3 or 1 planes
+};
+
+[[nodiscard]] PartPixels part_pixels(const FrameBuffer& frame_buffer, const PlannedPart& part, bool judged);
+
+/// The text of a `repaired/NAME` attribute, empty when nothing had to be repaired.
+[[nodiscard]] std::string repairs_of(const FrameBuffer& frame_buffer, const PlannedPart& part);
+
+}  // namespace raylex::display

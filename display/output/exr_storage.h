@@ -1,0 +1,56 @@
+// How each kind of channel is stored in an OpenEXR file: one documented table, which a job may override.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "display/output/image_types.h"
+#include "display/services/channel.h"
+#include "display/services/parameters.h"
+
+namespace raylex::display {
+
+/// What a channel holds, as far as storage is concerned.
+///
+///   kind      channels                                      stored by default   may be half
+///   light     beauty and light path expressions             float zip           yes
+///   color     other R G B, such as albedo                   float zip           yes
+///   normal    unit vectors                                  float zip           yes
+///   position  points and vectors: P, Pw, st, dPdu           float zip           no: a half has 11 bits
+///   value     single numbers: z, VLen, time, statistics     float zip           no
+///   id        integers                                      uint zips           no: not a number to round
+///
+/// Light is float because Law 1 is about the bits in the file: with half layers a split holds to 2^-10 only. Zip packs
+/// 16 lines at a time, zips one (quicker for readers that want single lines), piz suits noisy half, rle is quick and
+/// large. pxr24, b44, b44a, dwaa and dwab lose bits of float data and are refused.
+enum class ChannelKind : std::uint8_t { light, color, normal, position, value, id };
+inline constexpr std::size_t channel_kind_count = 6;
+
+enum class ExrCompression : std::uint8_t { none, rle, zips, zip, piz };
+
+struct ExrStorage {
+    StoredType type = StoredType::single_float;
+    ExrCompression compression = ExrCompression::zip;
+    bool operator==(const ExrStorage&) const = default;
+};
+
+using ExrStorageTable = std::array<ExrStorage, channel_kind_count>;
+
+[[nodiscard]] ExrStorageTable default_exr_storage();
+[[nodiscard]] ChannelKind kind_of(const ChannelDefinition& channel);
+[[nodiscard]] const char* kind_name(ChannelKind kind);
+/// "float zip", as it stands in a header or a job.
+[[nodiscard]] std::string storage_text(const ExrStorage& storage);
+
+/// "half piz", "zips" or "half", words in any order, changes one row of the table; `kind` is a row's name or "all"
+/// (which changes the type only where the kind allows it). Errors at `where`: an unknown kind or word (with near
+/// misses), a lossy compression, half or float where the kind does not allow it.
+Status override_exr_storage(ExrStorageTable& table, const std::string& kind, const std::string& text,
+                            const SourceLocation& where);
+
+/// The id of a colour space by the Color Interop Forum, "lin_rec709_scene" (ASWF Color Interop Forum, "Color Space
+/// Encodings for Texture Assets and CG Rendering", 2024), or "unknown" for primaries that have none.
+[[nodiscard]] std::string color_interop_id(const Chromaticities& primaries);
+
+}  // namespace raylex::display

@@ -1,0 +1,36 @@
+// Plain data that readers, writers and checks of images share.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace raylex::display {
+
+enum class StoredType : std::uint8_t { half_float, single_float, unsigned_int };
+
+/// CIE xy of red, green, blue and white.
+struct Chromaticities {
+    std::array<double, 2> red{0.64, 0.33}, green{0.30, 0.60}, blue{0.15, 0.06}, white{0.3127, 0.3290};
+    bool operator==(const Chromaticities&) const = default;
+};
+
+/// A declared or automatic partition: layers whose per-pixel sum must equal `of`.
+struct PartitionDeclaration {
+    std::string name;  ///< "auto", "shipped", or the job's name for it
+    std::string of;    ///< layer summed to; empty = beauty
+    std::vector<std::string> layers;
+};
+
+/// A part of a file that no display channel stands behind, such as a cryptomatte: FLOAT, bit by bit as given.
+struct DataPart {
+    std::string name;
+    std::vector<std::string> planes;                 ///< OpenEXR channel names
+    std::map<std::string, std::string> attributes;   ///< for its own header and that of part 0
+    std::function<std::vector<float>()> values;      ///< plane after plane, rows from the top; called once, when written
+};
+
+}  // namespace raylex::display

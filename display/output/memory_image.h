@@ -1,0 +1,17 @@
+// A layer of a frame buffer as a reader would find it in the file, without the file.
+#pragma once
+
+#include <string>
+
+#include "display/buffer/frame_buffer.h"
+#include "display/output/exr_reader.h"
+#include "display/output/exr_writer.h"
+
+namespace raylex::display {
+
+/// The image with only the part that holds `layer` ("" or "beauty": the beauty, or the first part when there is none).
+/// Errors: no such layer, with near misses.
+Result<ExrImage> image_in_memory(const FrameBuffer& frame_buffer, ChannelId beauty, const ImageDescription& description,
+                                 const std::string& layer);
+
+}  // namespace raylex::display

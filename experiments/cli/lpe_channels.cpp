@@ -1,0 +1,150 @@
+// Expressions and channels as the `raylex lpe` commands take them.
+#include <map>
+#include <utility>
+
+#include "experiments/cli/console.h"
+#include "experiments/cli/lpe_commands.h"
+#include "experiments/cli/render_run.h"
+
+namespace raylex::experiments {
+namespace {
+
+/// "osl:C.*" and "renderman:C.*" say their own dialect. Neither dialect has such a beginning in its language.
+void take_dialect_mark(lpe::ChannelSource& source) {
+    for (const auto& [mark, dialect] : {std::pair<std::string_view, lpe::Dialect>{"osl:", lpe::Dialect::osl},
+                                        {"renderman:", lpe::Dialect::renderman}}) {
+        if (source.expression.starts_with(mark)) {
+            source.expression.erase(0, mark.size());
+            source.dialect = dialect;
+            return;
+        }
+    }
+}
+
+}  // namespace
+
+lpe::Dialect DialectOption::value() const {
+    return name == "osl" ? lpe::Dialect::osl : lpe::Dialect::renderman;
+}
+
+CLI::Option* add_dialect_option(CLI::App& command, DialectOption& dialect) {
+    return command
+        .add_option("--dialect", dialect.name,
+                    "renderman (default) or osl; an expression that begins with 'osl:' or 'renderman:' says its own")
+        ->option_text("D")
+        ->check(CLI::IsMember({"renderman", "osl"}));
+}
+
+CLI::Option* add_channel_files(CLI::App& command, ChannelArguments& arguments) {
+    command
+        .add_option("--format", arguments.format,
+                    "kind of the files that are read: toml, rib, usda or ini; default: by their names and contents")
+        ->option_text("F")
+        ->check(CLI::IsMember(channel_format_names()));
+    return command
+        .add_option("--channels", arguments.files,
+                    "file of channels: TOML tables, RIB DisplayChannel lines, USD ASCII RenderVar prims or rendermn.ini "
+                    "macros; may be repeated")
+        ->option_text("FILE")
+        ->expected(1)
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
+CLI::Option* add_channel_arguments(CLI::App& command, ChannelArguments& arguments) {
+    add_channel_files(command, arguments);
+    return command.add_option("NAME=EXPR", arguments.named, "channels; they follow those of --channels")->option_text("...");
+}
+
+Result<ChannelSet> read_channel_set(const ChannelArguments& arguments, lpe::Dialect dialect) {
+    auto set = read_channel_files(arguments.files, arguments.format, dialect);
+    if (!set) return set;
+    for (const std::string& warning : set->file.warnings) print_warning(warning);
+    for (const std::string& text : arguments.named) {
+        auto request = parse_named_expression(text, dialect, "channel");
+        if (!request) return request.error();
+        lpe::FileChannel channel;
+        channel.source = {request->name, request->expression, request->dialect, request->location.file, 0, 0, {}};
+        take_dialect_mark(channel.source);
+        set->file.channels.push_back(std::move(channel));
+    }
+    std::map<std::string, const lpe::ChannelSource*> known;
+    for (const lpe::FileChannel& channel : set->file.channels) {
+        const lpe::ChannelSource& source = channel.source;
+        const auto [place, fresh] = known.emplace(source.name, &source);
+        if (fresh) continue;
+        const std::string first = place->second->origin_line > 0 ? place->second->origin + ":" +
+                                                                       std::to_string(place->second->origin_line)
+                                                                 : place->second->origin;
+        return error_at({source.origin_line > 0 ? source.origin : std::string(), source.origin_line, 0},
+                        "the channel name '" + source.name + "' is used twice; expected every channel to have its own name",
+                        source.origin_line > 0 ? "the first one is in " + first : std::string());
+    }
+    return set;
+}
+
+Result<std::vector<lpe::ChannelSource>> resolved_channels(const ChannelSet& set, const ChannelArguments& arguments) {
+    if (set.file.channels.empty()) {
+        std::string others;
+        for (const std::string& each : set.file.other_channels) others += (others.empty() ? "" : ", ") + each;
+        return error_at({arguments.files.empty() ? std::string() : arguments.files.front(), 0, 0},
+                        "no channel with a light path expression is given; expected NAME=EXPR or --channels FILE",
+                        others.empty() ? "" : "channels without one: " + others);
+    }
+    std::vector<std::string> warnings;
+    auto sources = expanded_channels(set, warnings);
+    for (const std::string& warning : warnings) print_warning(warning);
+    return sources;
+}
+
+Result<std::vector<lpe::ChannelSource>> read_channels(const ChannelArguments& arguments, lpe::Dialect dialect) {
+    auto set = read_channel_set(arguments, dialect);
+    if (!set) return set.error();
+    return resolved_channels(*set, arguments);
+}
+
+Result<lpe::ChannelSource> channel_or_expression(const std::string& text, const ChannelArguments& arguments,
+                                                 lpe::Dialect dialect, const std::string& what) {
+    lpe::ChannelSource source = bare_expression(text, dialect, "", what);
+    if (arguments.files.empty()) return source;
+    auto set = read_channel_set(arguments, dialect);
+    if (!set) return set.error();
+    std::erase_if(set->file.channels, [&](const lpe::FileChannel& each) { return each.source.name != text; });
+    if (set->file.channels.empty()) set->file.channels.emplace_back().source = std::move(source);
+    std::vector<std::string> warnings;
+    auto expanded = expanded_channels(*set, warnings);
+    if (!expanded) return expanded.error();
+    for (const std::string& warning : warnings) print_warning(warning);
+    return std::move(expanded->front());
+}
+
+void add_channel_output(CLI::App& command, ChannelOutput& output, const std::string& description) {
+    command.add_option("-o,--output", output.path, description)->option_text("FILE.{toml,rib,usda,ini}");
+    command.add_option("--write-as", output.format, "format to write; default: by the end of the file's name")
+        ->option_text("F")
+        ->check(CLI::IsMember(channel_format_names()));
+}
+
+Status write_channels(const ChannelSet& set, const ChannelOutput& output) {
+    std::vector<std::string> warnings;
+    auto text = channel_set_text(set, output.path, output.format, warnings);
+    if (!text) return text.error();
+    if (Status written = write_channel_text(*text, output.path); !written) return written;
+    for (const std::string& warning : warnings) print_warning(warning);
+    return success();
+}
+
+lpe::ChannelSource bare_expression(std::string_view text, lpe::Dialect dialect, std::string name, std::string what) {
+    lpe::ChannelSource source{std::move(name), std::string(text), dialect, std::move(what), 0, 0, {}};
+    take_dialect_mark(source);
+    return source;
+}
+
+Error about_argument(Error error, const std::string& what, const std::string& text) {
+    if (error.file.empty()) error.file = what;
+    if (error.excerpt.empty() && text.find('\n') == std::string::npos) error.excerpt = text;
+    if (error.line == 1) error.line = 0;  // an argument has one line
+    return error;
+}
+
+}  // namespace raylex::experiments

@@ -1,0 +1,43 @@
+// --scene: proofs relative to what one scene can produce.
+#include "experiments/cli/console.h"
+#include "experiments/cli/lpe_commands.h"
+#include "experiments/job/channel_reasons.h"
+
+namespace raylex::experiments {
+
+Result<std::optional<SceneWords>> SceneOption::load() const {
+    if (path.empty()) return std::optional<SceneWords>();
+    auto words = read_scene_words(path);
+    if (!words) return words.error();
+    return std::optional(std::move(*words));
+}
+
+CLI::Option* add_scene_option(CLI::App& command, SceneOption& scene) {
+    return command
+        .add_option("--scene", scene.path,
+                    "only paths that this scene can produce count: its labels, lobes, lights, media and depth, as the job "
+                    "labels and renders it")
+        ->option_text("SCENE.pbrt|JOB.toml");
+}
+
+lpe::Words words_of(const std::optional<SceneWords>& scene) {
+    return scene ? scene->words : lpe::Words{};
+}
+
+void warn_about_scene(std::span<const lpe::ChannelSource> channels, const std::optional<SceneWords>& scene) {
+    if (!scene) return;
+    for (const lpe::ChannelSource& channel : channels) {
+        if (!channel.rest_of.empty()) continue;
+        const std::string who = channel.name.empty() ? "the expression" : "channel '" + channel.name + "'";
+        const auto never = why_never(channel, *scene);
+        if (never && *never) {
+            print_warning(who + " can match no path of this scene: " + **never);
+            continue;
+        }
+        const auto unknown = unknown_labels(channel, *scene);
+        if (!unknown) continue;
+        for (const std::string& each : *unknown) print_warning(who + ": " + each);
+    }
+}
+
+}  // namespace raylex::experiments

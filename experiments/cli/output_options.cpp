@@ -1,0 +1,132 @@
+#include "experiments/cli/output_options.h"
+
+#include "display/buffer/memory_estimate.h"
+#include "display/drivers/tev_driver.h"
+#include "experiments/report/png_driver.h"
+
+namespace raylex::experiments {
+namespace {
+
+CLI::Option* repeated(CLI::Option* option, const char* text) {
+    return option->option_text(text)->expected(1)->allow_extra_args(false)->multi_option_policy(
+        CLI::MultiOptionPolicy::TakeAll);
+}
+
+/// For --help: every driver and what it takes.
+std::string driver_list() {
+    register_png_driver();
+    std::string list;
+    for (const auto& entry : display::display_driver_registry().entries()) {
+        list += (list.empty() ? "" : "; ") + entry.name + " (";
+        for (const ParameterDescription& each : entry.parameters)
+            list += (&each == &entry.parameters.front() ? "" : ", ") + each.name;
+        list += ")";
+    }
+    return list;
+}
+
+Status apply_deep(const OutputOptions& options, DeepRequest& deep) {
+    if (!options.deep.empty()) {
+        deep.file = options.deep;
+        deep.location = {"--deep", 0, 0};
+    }
+    const bool any = options.deep_tidy || options.deep_samples || options.deep_tolerance ||
+                     !options.deep_channels.empty() || !options.deep_storage.empty();
+    if (any && deep.file.empty())
+        return error_at({"--deep", 0, 0}, "deep settings without a deep image; expected --deep FILE.exr with them");
+    if (!options.deep_channels.empty()) deep.channels = options.deep_channels;
+    if (options.deep_tidy) deep.options.tidy = true;
+    if (options.deep_samples) deep.options.most_samples = *options.deep_samples;
+    if (options.deep_tolerance) deep.options.tolerance = *options.deep_tolerance;
+    if (options.deep_storage.empty()) return success();
+    auto storage = display::parse_deep_storage(options.deep_storage, {"--deep-storage", 0, 0});
+    if (!storage) return storage.error();
+    deep.storage = *storage;
+    return success();
+}
+
+}  // namespace
+
+void add_output_options(CLI::App& command, OutputOptions& options) {
+    repeated(command.add_option("--preview", options.previews,
+                                "also writes the beauty, or the layer named before '=', as a PNG: light through the "
+                                "display's view, geometry in false colours; may be repeated"),
+             "[LAYER=]OUT.png");
+    command.add_option("--display", options.display, "display of the colour config for previews")->option_text("NAME");
+    command.add_option("--view", options.view, "view of that display; default: the config's own")->option_text("NAME");
+    command.add_flag("--texture-rules", options.texture_rules,
+                     "reads the colours of image textures by the colour config's file rules; default: as pbrt does");
+    repeated(command.add_option("--tev", options.viewers,
+                                "shows every layer in a running tev viewer while rendering; default port 14158"),
+             "HOST[:PORT]");
+    repeated(command.add_option("--driver", options.drivers,
+                                "adds a display driver: " + driver_list() + "; may be repeated"),
+             "NAME:KEY=VALUE,...");
+    repeated(command.add_option("--exr", options.storage,
+                                "how a kind of channel (light, color, normal, position, value, id or all) is stored: "
+                                "half or float, and none, rle, zips, zip or piz; may be repeated"),
+             "KIND='TYPE COMPRESSION'");
+    command.add_option("--deep", options.deep, "also writes a deep image: Z, ZBack, A and the beauty")
+        ->option_text("OUT.exr");
+    command
+        .add_option("--deep-channels", options.deep_channels, "light or filtered layers that the deep image has as well")
+        ->option_text("NAME,...")
+        ->delimiter(',')
+        ->expected(1);
+    command.add_option("--deep-samples", options.deep_samples, "deep samples a pixel may have; default 32")
+        ->option_text("N")
+        ->check(CLI::Range(1, 4096));
+    command
+        .add_option("--deep-tolerance", options.deep_tolerance,
+                    "relative difference of depths that become one deep sample; default 0.0039")
+        ->option_text("X")
+        ->check(CLI::Range(1.2e-7, 1.0));
+    command.add_flag("--deep-tidy", options.deep_tidy, "cuts volume spans so that no deep samples overlap");
+    command.add_option("--deep-storage", options.deep_storage, "half or float colours, and none, rle or zips")
+        ->option_text("'TYPE COMPRESSION'");
+    command
+        .add_option("--memory-limit", options.memory_limit, "refuses a render whose layers need more, such as 8G; default none")
+        ->option_text("SIZE");
+}
+
+Status apply_output_options(const OutputOptions& options, Job& job) {
+    bool first = true;
+    for (const std::string& text : options.previews) {
+        const bool plain = preview_request(text, {}).parameters.parameters.size() == 1;
+        if (plain && first) job.preview = text;
+        else job.outputs.drivers.push_back(preview_request(text, {"--preview", 0, 0}));
+        first = first && !plain;
+    }
+    if (!options.display.empty()) {
+        job.display = options.display;
+        job.view.clear();
+    }
+    if (!options.view.empty()) job.view = options.view;
+    if (options.texture_rules) job.texture_rules = true;
+    for (const std::string& text : options.viewers) {
+        auto address = display::tev_address(text, {"--tev", 0, 0});
+        if (!address) return address.error();
+        job.outputs.drivers.push_back({"tev", std::move(*address)});
+    }
+    for (const std::string& text : options.drivers) {
+        auto request = display::parse_driver_request(text, {"--driver", 0, 0});
+        if (!request) return request.error();
+        job.outputs.drivers.push_back(std::move(*request));
+    }
+    for (const std::string& text : options.storage) {
+        const std::size_t equals = text.find('=');
+        if (equals == std::string::npos)
+            return error_at({"--exr", 0, 0}, "'" + text + "' says no kind of channel; expected such as light='half piz'");
+        Status status = display::override_exr_storage(job.outputs.storage, text.substr(0, equals),
+                                                      text.substr(equals + 1), {"--exr", 0, 0});
+        if (!status) return status;
+    }
+    if (!options.memory_limit.empty()) {
+        auto limit = display::parse_memory_size(options.memory_limit, {"--memory-limit", 0, 0});
+        if (!limit) return limit.error();
+        job.outputs.memory_limit = *limit;
+    }
+    return apply_deep(options, job.outputs.deep);
+}
+
+}  // namespace raylex::experiments

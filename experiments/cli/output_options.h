@@ -1,0 +1,25 @@
+// The flags of raylex render that say where the image goes and how it is stored.
+#pragma once
+
+#include "experiments/cli/commands.h"
+#include "experiments/job/job.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace raylex::experiments {
+
+struct OutputOptions {
+    std::vector<std::string> previews, storage, drivers, viewers, deep_channels;
+    std::string display, view, memory_limit, deep, deep_storage;
+    std::optional<int> deep_samples;
+    std::optional<double> deep_tolerance;
+    bool deep_tidy = false, texture_rules = false;
+};
+
+void add_output_options(CLI::App& command, OutputOptions& options);
+/// Flags override the job's keys; drivers, viewers and previews add to it (the first plain preview replaces its).
+Status apply_output_options(const OutputOptions& options, Job& job);
+
+}  // namespace raylex::experiments

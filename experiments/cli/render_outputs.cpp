@@ -1,0 +1,178 @@
+#include "experiments/cli/render_outputs.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <utility>
+
+#include "display/output/atomic_file.h"
+#include "experiments/cli/console.h"
+#include "experiments/report/png_driver.h"
+
+namespace raylex::experiments {
+namespace {
+
+std::string file_of(const display::DriverRequest& request) {
+    for (const Parameter& parameter : request.parameters.parameters)
+        if (parameter.name == "file" && parameter.strings.size() == 1) return parameter.strings.front();
+    return {};
+}
+
+display::DriverRequest main_image(const Job& job) {
+    display::DriverRequest request{"exr", {}};
+    Parameter& file = request.parameters.parameters.emplace_back();
+    file.name = "file";
+    file.type = ParameterType::string;
+    file.strings = {job.output};
+    return request;
+}
+
+/// Layers of equal size share a line; the largest come first.
+void print_memory(const std::vector<display::MemoryItem>& items, std::size_t layers, std::uint64_t limit) {
+    std::map<std::uint64_t, std::vector<std::string>, std::greater<>> by_size;
+    for (const display::MemoryItem& item : items) by_size[item.bytes].push_back(item.name);
+    std::string line = "memory: " + display::memory_text(display::total_bytes(items)) + " for " +
+                       std::to_string(layers) + (layers == 1 ? " layer" : " layers");
+    if (limit > 0) line += ", of at most " + display::memory_text(limit);
+    print_line(line);
+    for (const auto& [bytes, names] : by_size) {
+        std::string list;
+        for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+        print_line("  " + display::memory_text(bytes) + (names.size() > 1 ? " each: " : ": ") + list);
+    }
+}
+
+}  // namespace
+
+std::vector<std::string> requested_files(const Job& job) {
+    std::vector<std::string> files{job.output, job.preview, job.statistics, job.outputs.deep.file};
+    for (const display::DriverRequest& request : job.outputs.drivers) files.push_back(file_of(request));
+    std::erase_if(files, [](const std::string& file) { return file.empty(); });
+    return files;
+}
+
+Status RenderOutputs::make(const Job& job, const ColorSetup& color) {
+    job_ = &job;
+    register_png_driver();
+    const display::DriverContext context{color.manager ? &*color.manager : nullptr, job.display, job.view};
+    std::vector<display::DriverRequest> requests{main_image(job)};
+    if (!job.preview.empty()) requests.push_back(preview_request(job.preview, {"--preview", 0, 0}));
+    requests.insert(requests.end(), job.outputs.drivers.begin(), job.outputs.drivers.end());
+    for (const display::DriverRequest& request : requests) {
+        auto driver = display::make_display_driver(request.name, request.parameters, context);
+        if (!driver) return driver.error();
+        drivers_.add(std::move(*driver));
+    }
+    return success();
+}
+
+Status RenderOutputs::make_deep(const transport::RenderPlan& plan) {
+    const DeepRequest& request = job_->outputs.deep;
+    if (request.file.empty()) return success();
+    if (plan.filter->has_negative_lobes())
+        return error_at(request.location, "pixel filter '" + plan.filter->name() +
+                                              "' has negative lobes, and a deep sample cannot have negative alpha; "
+                                              "expected box, triangle, gaussian or blackman-harris");
+    std::vector<display::ChannelId> chosen;
+    if (plan.beauty >= 0) chosen.push_back(plan.beauty);
+    std::vector<std::string> names;
+    std::string list;
+    for (const display::ChannelDefinition& channel : plan.channels) {
+        names.push_back(channel.name);
+        list += (list.empty() ? "" : ", ") + channel.name;
+    }
+    for (const std::string& name : request.channels) {
+        const auto found = std::find(names.begin(), names.end(), name);
+        if (found == names.end()) {
+            const std::string near = nearest_name(name, names);
+            return error_at(request.location,
+                            "the deep image names the channel '" + name + "', which is not there; expected one of: " + list,
+                            near.empty() ? std::string() : "did you mean '" + near + "'?");
+        }
+        const auto id = static_cast<display::ChannelId>(found - names.begin());
+        if (std::find(chosen.begin(), chosen.end(), id) == chosen.end()) chosen.push_back(id);
+    }
+    if (chosen.empty())
+        return error_at(request.location, "the deep image has no channel; expected some with --deep-channels, or a beauty");
+    if (Status fits = display::DeepBuffer::check(plan.channels, chosen, request.options); !fits) {
+        Error error = fits.error();
+        error.file = request.location.file;
+        error.line = request.location.line;
+        return error;
+    }
+    deep_ = std::make_unique<display::DeepBuffer>(plan.width, plan.height, plan.channels, chosen, request.options);
+    return display::check_writable(request.file);
+}
+
+Status RenderOutputs::begin(const transport::RenderPlan& plan, std::vector<display::SampleSink*>& sinks,
+                            const display::Chromaticities& primaries,
+                            const std::vector<display::PartitionDeclaration>& partitions) {
+    channels_.assign(plan.channels.begin(), plan.channels.end());
+    memory_ = plan.memory;
+    if (Status deep = make_deep(plan); !deep) return deep;
+    if (deep_) memory_.push_back({"deep", deep_->expected_bytes()});
+    if (Status fits = display::check_memory(memory_, job_->outputs.memory_limit); !fits) return fits;
+    print_memory(memory_, channels_.size(), job_->outputs.memory_limit);
+    if (deep_) sinks.push_back(deep_.get());
+    display::DriverImage image;
+    image.title = std::filesystem::path(job_->output).filename().string();
+    image.width = plan.width;
+    image.height = plan.height;
+    image.layers = display::driver_layers(channels_, plan.beauty);
+    image.channels = channels_;
+    image.beauty = plan.beauty;
+    image.chromaticities = primaries;
+    image.partitions = partitions;
+    return drivers_.open(image);
+}
+
+void RenderOutputs::update(const transport::RenderProgress& progress) {
+    if (progress.image == nullptr) return;
+    const double total = static_cast<double>(std::max<std::uint64_t>(progress.samples_total, 1));
+    drivers_.update(progress.seconds, static_cast<double>(progress.samples_done) / total,
+                    {[&](display::ChannelId id, const display::PixelRegion& region) {
+                         return progress.image->resolve(id, region);
+                     },
+                     [&](const display::PixelRegion& region) { return progress.image->resolve_alpha(region); }});
+}
+
+Status RenderOutputs::close(const transport::RenderOutput& output, const display::ImageDescription& description) {
+    Status closed = drivers_.close({output.frame_buffer, output.beauty, description});
+    if (!deep_) return closed;
+    Status deep = display::write_deep_exr(job_->outputs.deep.file, *deep_, output.beauty, description,
+                                          job_->outputs.deep.storage);
+    return closed ? deep : closed;
+}
+
+Result<std::optional<display::DeepVerdict>> RenderOutputs::judge_deep(const display::ExrImage& image) const {
+    if (!deep_) return std::optional<display::DeepVerdict>();
+    auto verdict = display::check_deep(job_->outputs.deep.file, image);
+    if (!verdict) return verdict.error();
+    return std::optional<display::DeepVerdict>(std::move(*verdict));
+}
+
+std::vector<std::string> RenderOutputs::take_warnings() {
+    std::vector<std::string> warnings = drivers_.take_warnings();
+    return warnings;
+}
+
+std::vector<std::string> RenderOutputs::files() const {
+    std::vector<std::string> files = drivers_.files();
+    std::erase(files, job_->output);
+    if (deep_) files.push_back(job_->outputs.deep.file);
+    return files;
+}
+
+std::string deep_line(const display::DeepVerdict& verdict) {
+    std::string line = "deep: " + std::to_string(verdict.layers.size()) +
+                       (verdict.layers.size() == 1 ? " layer" : " layers") +
+                       (verdict.holds ? " flattened equal the image" : " flattened DO NOT EQUAL the image") +
+                       " (largest error of alpha " + number_text(verdict.largest_alpha) + ", of colour " +
+                       number_text(verdict.largest_color) + "; " + std::to_string(verdict.samples) +
+                       " samples, at most " + std::to_string(verdict.most_samples) + " in a pixel)";
+    if (verdict.exceeding > 0) line += "; " + std::to_string(verdict.exceeding) + " pixels exceed the bound";
+    if (!verdict.sorted) line += "; samples are out of order";
+    return line;
+}
+
+}  // namespace raylex::experiments

@@ -1,0 +1,59 @@
+// Everything a render leaves beside its statistics: drivers, the deep image, and the account of memory.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "display/buffer/memory_estimate.h"
+#include "display/deep/deep_buffer.h"
+#include "display/drivers/driver_set.h"
+#include "display/output/deep_file.h"
+#include "experiments/job/color_setup.h"
+#include "experiments/job/job.h"
+#include "transport/render/render.h"
+
+namespace raylex::experiments {
+
+/// Files that a job asks for, the main image first; for the checks before a render.
+std::vector<std::string> requested_files(const Job& job);
+
+class RenderOutputs {
+  public:
+    /// Makes the drivers. Errors: whatever a driver refuses. `color` must outlive this object.
+    Status make(const Job& job, const ColorSetup& color);
+
+    /// Before memory is taken: prints what the layers will take, refuses more than the limit, opens the drivers and
+    /// makes the deep buffer one of the render's sinks.
+    Status begin(const transport::RenderPlan& plan, std::vector<display::SampleSink*>& sinks,
+                 const display::Chromaticities& primaries,
+                 const std::vector<display::PartitionDeclaration>& partitions);
+
+    void update(const transport::RenderProgress& progress);
+
+    /// Writes all. The error of the main image, if any, names its file.
+    Status close(const transport::RenderOutput& output, const display::ImageDescription& description);
+
+    /// Flattens the deep file against the image just written. Nothing when none was asked for.
+    Result<std::optional<display::DeepVerdict>> judge_deep(const display::ExrImage& image) const;
+
+    [[nodiscard]] std::vector<std::string> take_warnings();
+    /// Beside the main image.
+    [[nodiscard]] std::vector<std::string> files() const;
+    [[nodiscard]] const std::vector<display::MemoryItem>& memory() const { return memory_; }
+    [[nodiscard]] const display::DeepBuffer* deep() const { return deep_.get(); }
+
+  private:
+    Status make_deep(const transport::RenderPlan& plan);
+    const Job* job_ = nullptr;
+    display::DriverSet drivers_;
+    std::unique_ptr<display::DeepBuffer> deep_;
+    std::vector<display::MemoryItem> memory_;
+    std::vector<display::ChannelDefinition> channels_;
+};
+
+/// "deep: 3 layers flatten to the image (...)".
+std::string deep_line(const display::DeepVerdict& verdict);
+
+}  // namespace raylex::experiments

@@ -1,0 +1,157 @@
+#include "experiments/job/channel_tables.h"
+
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "experiments/job/job_file.h"
+
+namespace raylex::experiments {
+namespace {
+
+std::optional<lpe::Dialect> read_dialect(TomlTable& table) {
+    std::string name;
+    if (!table.read("dialect", name)) return std::nullopt;
+    auto dialect = parse_dialect(name, table.location_of("dialect"));
+    if (dialect) return *dialect;
+    table.source().fail(dialect.error());
+    return std::nullopt;
+}
+
+void read_channels(TomlTable& root, Job& job) {
+    lpe::Dialect usual = lpe::Dialect::renderman;
+    if (const toml::table* table = root.take_table("channels")) {
+        TomlTable channels(root.source(), *table, "[channels]");
+        std::vector<std::string> names;
+        std::vector<SourceLocation> places;
+        channels.read("aovs", names, &places);
+        for (std::size_t i = 0; i < names.size(); ++i) job.aovs.push_back({names[i], places[i]});
+        std::vector<std::string> mattes;
+        places.clear();
+        channels.read("cryptomatte", mattes, &places);
+        for (std::size_t i = 0; i < mattes.size(); ++i)
+            if (Status added = add_cryptomatte(mattes[i], places[i], job.settings); !added)
+                root.source().fail(added.error());
+        std::int64_t ranks = 0;
+        if (channels.read("cryptomatte_ranks", ranks, 2, geoaovs::Cryptomatte::most_ranks)) {
+            job.settings.cryptomatte_ranks = static_cast<int>(ranks);
+            if (ranks % 2 != 0)
+                root.source().fail(channels.location_of("cryptomatte_ranks"),
+                                   "'cryptomatte_ranks' in [channels] is odd; expected an even number, since a layer "
+                                   "holds two");
+        }
+        channels.read("shipped_partition", job.shipped_partition);
+        channels.read("light_groups", job.light_groups);
+        usual = read_dialect(channels).value_or(usual);
+        channels.close();
+    }
+    for (const toml::table* table : root.take_tables("channel")) {
+        TomlTable channel(root.source(), *table, "a [[channel]] table");
+        ExpressionRequest request;
+        if (channel.require("name", request.name)) {
+            Status status = check_layer_name(request.name, channel.location_of("name"));
+            if (!status) root.source().fail(status.error());
+        }
+        channel.require("lpe", request.expression);
+        request.location = channel.content_location_of("lpe");
+        request.map = channel.string_map_of("lpe");
+        request.dialect = read_dialect(channel).value_or(usual);
+        channel.close();
+        job.expressions.push_back(std::move(request));
+    }
+}
+
+void read_partitions(TomlTable& root, Job& job) {
+    for (const toml::table* table : root.take_tables("partition")) {
+        TomlTable partition(root.source(), *table, "a [[partition]] table");
+        PartitionRequest request;
+        request.location = partition.location();
+        if (partition.require("name", request.name)) {
+            Status status = check_layer_name(request.name, partition.location_of("name"));
+            if (!status) root.source().fail(status.error());
+        }
+        partition.read("of", request.of);
+        if (request.of == "beauty") request.of.clear();
+        if (!partition.read("channels", request.channels) || request.channels.empty())
+            root.source().fail(partition.location_of("channels"),
+                               "a [[partition]] table has no channels; expected channels = [\"name\", ...]");
+        if (partition.read("rest", request.rest)) {
+            Status status = check_layer_name(request.rest, partition.location_of("rest"));
+            if (!status) root.source().fail(status.error());
+        }
+        partition.close();
+        job.partitions.push_back(std::move(request));
+    }
+}
+
+/// [macros] name = "expression"
+void read_macros(TomlTable& root, Job& job) {
+    const toml::table* table = root.take_table("macros");
+    if (table == nullptr) return;
+    TomlTable macros(root.source(), *table, "[macros]");
+    for (const auto& [key, node] : *table) {
+        lpe::ChannelSource source;
+        source.name = std::string(key.str());
+        if (!macros.require(key.str(), source.expression)) continue;
+        const SourceLocation where = macros.content_location_of(key.str());
+        source.origin = where.file;
+        source.origin_line = where.line;
+        source.origin_column = where.column;
+        source.map = macros.string_map_of(key.str());
+        if (Status added = job.macros.add(std::move(source)); !added) root.source().fail(added.error());
+    }
+}
+
+/// [lobe_slots] specular5 = "coat,clearcoat", or an array of names.
+void read_lobe_slots(TomlTable& root, Job& job) {
+    const toml::table* table = root.take_table("lobe_slots");
+    if (table == nullptr) return;
+    TomlTable slots(root.source(), *table, "[lobe_slots]");
+    for (const auto& [key, node] : *table) {
+        lpe::LobeOption option;
+        option.slot = std::string(key.str());
+        const SourceLocation where = slots.location_of(key.str());
+        option.origin = where.file;
+        option.line = where.line;
+        option.column = where.column;
+        if (node.is_array()) {
+            std::vector<std::string> names;
+            if (!slots.read(key.str(), names)) continue;
+            for (const std::string& name : names) option.names += (option.names.empty() ? "" : ",") + name;
+        } else if (!slots.read(key.str(), option.names)) {
+            continue;
+        }
+        if (Status filled = job.settings.lobe_slots.set(option); !filled) root.source().fail(filled.error());
+        job.lobe_options.push_back(std::move(option));
+    }
+}
+
+}  // namespace
+
+void read_channel_tables(TomlTable& root, Job& job) {
+    read_channels(root, job);
+    read_partitions(root, job);
+    read_macros(root, job);
+    read_lobe_slots(root, job);
+}
+
+Result<Job> parse_channel_tables(const std::string& text, const std::string& path) {
+    TomlSource source(path, text);
+    toml::table table;
+    try {
+        table = toml::parse(std::string_view(text), std::string_view(path));
+    } catch (const toml::parse_error& error) {
+        source.fail(source.location(error.source()), "this is no valid TOML: " + std::string(error.description()));
+        return *source.error();
+    }
+    if (table.contains("scene")) return parse_job(text, path);
+    Job job;
+    job.job_file = path;
+    TomlTable root(source, table, "a file of channels");
+    read_channel_tables(root, job);
+    root.close();
+    if (source.error()) return *source.error();
+    return job;
+}
+
+}  // namespace raylex::experiments

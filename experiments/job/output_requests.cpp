@@ -1,0 +1,118 @@
+#include "experiments/job/output_requests.h"
+
+#include <filesystem>
+#include <utility>
+
+#include "display/buffer/memory_estimate.h"
+#include "display/drivers/tev_driver.h"
+#include "experiments/job/toml_table.h"
+
+namespace raylex::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+
+Parameter text_parameter(const std::string& name, const std::string& value, const SourceLocation& where) {
+    Parameter parameter;
+    parameter.name = name;
+    parameter.type = ParameterType::string;
+    parameter.strings = {value};
+    parameter.location = where;
+    return parameter;
+}
+
+void read_storage(TomlTable& root, OutputRequests& outputs) {
+    const toml::table* table = root.take_table("exr");
+    if (table == nullptr) return;
+    TomlTable exr(root.source(), *table, "[exr]");
+    // "all" first, so that the other keys override it wherever it stands.
+    for (const char* kind : {"all", "light", "color", "normal", "position", "value", "id"}) {
+        std::string text;
+        if (!exr.read(kind, text)) continue;
+        Status status = override_exr_storage(outputs.storage, kind, text, exr.content_location_of(kind));
+        if (!status) root.source().fail(status.error());
+    }
+    exr.close();
+}
+
+void read_deep(TomlTable& root, const std::string& job_path, DeepRequest& deep) {
+    const toml::table* table = root.take_table("deep");
+    if (table == nullptr) return;
+    TomlTable reader(root.source(), *table, "[deep]");
+    deep.location = reader.location();
+    if (reader.require("file", deep.file)) deep.file = beside_job(job_path, deep.file);
+    reader.read("channels", deep.channels);
+    reader.read("tidy", deep.options.tidy);
+    std::int64_t samples = 0;
+    if (reader.read("samples", samples, 1, 4096)) deep.options.most_samples = static_cast<int>(samples);
+    if (const toml::node* node = reader.take("tolerance")) {
+        const double tolerance = node->value<double>().value_or(0);
+        if (tolerance >= 0x1p-23 && tolerance <= 1) deep.options.tolerance = tolerance;
+        else
+            root.source().fail(reader.location_of("tolerance"),
+                               "'tolerance' in [deep] is no relative difference of depths; expected 1.2e-7 to 1");
+    }
+    std::string storage;
+    if (reader.read("storage", storage)) {
+        auto parsed = display::parse_deep_storage(storage, reader.content_location_of("storage"));
+        if (parsed) deep.storage = *parsed;
+        else root.source().fail(parsed.error());
+    }
+    reader.close();
+}
+
+void read_drivers(TomlTable& root, const std::string& job_path, OutputRequests& outputs) {
+    for (const toml::table* table : root.take_tables("driver")) {
+        TomlTable reader(root.source(), *table, "a [[driver]] table");
+        display::DriverRequest request;
+        if (!reader.require("type", request.name)) continue;
+        request.parameters = reader.take_parameters();
+        request.parameters.location = reader.location_of("type");
+        for (Parameter& parameter : request.parameters.parameters)
+            if (parameter.name == "file" && parameter.strings.size() == 1)
+                parameter.strings[0] = beside_job(job_path, parameter.strings[0]);
+        outputs.drivers.push_back(std::move(request));
+    }
+}
+
+}  // namespace
+
+void read_viewer(TomlTable& output, OutputRequests& outputs) {
+    std::string address;
+    if (!output.read("tev", address)) return;
+    auto parsed = display::tev_address(address, output.location_of("tev"));
+    if (parsed) outputs.drivers.push_back({"tev", std::move(*parsed)});
+    else output.source().fail(parsed.error());
+}
+
+void read_memory_limit(TomlTable& render, OutputRequests& outputs) {
+    std::string text;
+    if (!render.read("memory_limit", text)) return;
+    auto limit = display::parse_memory_size(text, render.location_of("memory_limit"));
+    if (limit) outputs.memory_limit = *limit;
+    else render.source().fail(limit.error());
+}
+
+std::string beside_job(const std::string& job_path, const std::string& path) {
+    if (path.empty() || fs::path(path).is_absolute()) return path;
+    return (fs::path(job_path).parent_path() / path).lexically_normal().string();
+}
+
+display::DriverRequest preview_request(const std::string& text, const SourceLocation& where) {
+    display::DriverRequest request{"png", {}};
+    request.parameters.location = where;
+    const std::size_t equals = text.find('=');
+    // A path may hold '=' too: what stands before it must look like a layer.
+    const bool layer = equals != std::string::npos && equals > 0 && text.find('/') > equals;
+    request.parameters.parameters.push_back(text_parameter("file", layer ? text.substr(equals + 1) : text, where));
+    if (layer) request.parameters.parameters.push_back(text_parameter("layer", text.substr(0, equals), where));
+    return request;
+}
+
+void read_output_tables(TomlTable& root, const std::string& job_path, OutputRequests& outputs) {
+    read_storage(root, outputs);
+    read_deep(root, job_path, outputs.deep);
+    read_drivers(root, job_path, outputs);
+}
+
+}  // namespace raylex::experiments

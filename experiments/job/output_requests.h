@@ -1,0 +1,46 @@
+// What a job says about its files, viewers and memory, beyond the image's name.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "display/deep/deep_buffer.h"
+#include "display/drivers/display_driver.h"
+#include "display/output/deep_file.h"
+#include "display/output/exr_storage.h"
+#include "lpe/result.h"
+
+namespace raylex::experiments {
+
+class TomlTable;
+
+struct DeepRequest {
+    std::string file;                   ///< empty: no deep image
+    std::vector<std::string> channels;  ///< beside the beauty
+    SourceLocation location;
+    display::DeepOptions options;
+    display::DeepStorage storage;
+};
+
+struct OutputRequests {
+    display::ExrStorageTable storage = display::default_exr_storage();
+    std::vector<display::DriverRequest> drivers;  ///< beside the main image and its preview, in the order given
+    DeepRequest deep;
+    std::uint64_t memory_limit = 0;               ///< bytes; 0 = none
+};
+
+/// "NAME.png" or "LAYER=NAME.png" as a request for the driver "png".
+display::DriverRequest preview_request(const std::string& text, const SourceLocation& where);
+
+/// The tables [exr], [deep] and [[driver]] of a job. Paths count from the job's folder.
+void read_output_tables(TomlTable& root, const std::string& job_path, OutputRequests& outputs);
+
+/// [output] tev = "host:port" and [render] memory_limit = "8G".
+void read_viewer(TomlTable& output, OutputRequests& outputs);
+void read_memory_limit(TomlTable& render, OutputRequests& outputs);
+
+/// A path in a job file as seen from the current folder.
+std::string beside_job(const std::string& job_path, const std::string& path);
+
+}  // namespace raylex::experiments

@@ -1,0 +1,109 @@
+#include "experiments/report/png_driver.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include "display/output/atomic_file.h"
+#include "display/output/color_manager.h"
+#include "display/output/memory_image.h"
+#include "experiments/report/preview.h"
+
+namespace raylex::experiments {
+namespace {
+
+class PngDriver : public display::DisplayDriver {
+  public:
+    PngDriver(std::string file, std::string layer, PictureOptions options, const display::ColorManager& color,
+              SourceLocation where)
+        : file_(std::move(file)), layer_(std::move(layer)), options_(std::move(options)), color_(color), where_(std::move(where)) {}
+
+    Status open(const display::DriverImage& image) override {
+        if (Status writable = display::check_writable(file_); !writable) return writable;
+        std::vector<std::string> names{"beauty"};
+        for (const display::DriverLayer& each : image.layers) names.push_back(each.name);
+        // Cryptomattes are no channels: their layers are known in the end.
+        if (layer_.empty() || layer_.starts_with("Crypto") ||
+            std::find(names.begin(), names.end(), layer_) != names.end())
+            return success();
+        std::string list;
+        for (const std::string& each : names)
+            if (!each.empty()) list += (list.empty() ? "" : ", ") + each;
+        const std::string near = nearest_name(layer_, names);
+        return error_at(where_, "there is no layer '" + layer_ + "' to show; expected one of: " + list,
+                        near.empty() ? std::string() : "did you mean '" + near + "'?");
+    }
+
+    Status close(const display::FinishedImage& finished) override {
+        auto image =
+            display::image_in_memory(finished.frame_buffer, finished.beauty, finished.description, layer_);
+        if (!image) return image.error();
+        auto picture = picture_of(*image, image->layers.front(), color_, options_);
+        if (!picture) return picture.error();
+        return display::write_png(file_, picture->width, picture->height, picture->rgb);
+    }
+    [[nodiscard]] std::string file() const override { return file_; }
+
+  private:
+    std::string file_, layer_;
+    PictureOptions options_;
+    const display::ColorManager& color_;
+    SourceLocation where_;
+};
+
+/// A display and view of the config, or an Error that names what there is.
+Status check_view(const display::ColorManager& color, const PictureOptions& options, const SourceLocation& where) {
+    const auto require = [&](const char* what, const std::string& name, const std::vector<std::string>& known) -> Status {
+        if (name.empty() || std::find(known.begin(), known.end(), name) != known.end()) return success();
+        std::string list;
+        for (const std::string& each : known) list += (list.empty() ? "" : ", ") + each;
+        const std::string near = nearest_name(name, known);
+        return error_at(where, std::string("unknown ") + what + " '" + name + "'; expected one of: " + list,
+                        near.empty() ? std::string() : "did you mean '" + near + "'?");
+    };
+    if (Status status = require("display", options.display, color.displays()); !status) return status;
+    return require("view", options.view,
+                   color.views(options.display.empty() ? color.default_display() : options.display));
+}
+
+Result<std::unique_ptr<display::DisplayDriver>> make_png(const ParameterSet& set,
+                                                         const display::DriverContext& context) {
+    auto file = set.string_or("file", "");
+    auto layer = set.string_or("layer", "");
+    auto display = set.string_or("display", "");
+    // The job's view belongs to the job's display.
+    auto view = set.string_or("view", display.ok() && !display->empty() ? std::string() : context.view);
+    auto exposure = set.real_or("exposure", 0);
+    auto size = set.integer_or("size", 0);
+    for (const Result<std::string>* each : {&file, &layer, &display, &view})
+        if (!*each) return each->error();
+    if (!exposure) return exposure.error();
+    if (!size) return size.error();
+    if (std::filesystem::path(*file).extension() != ".png")
+        return error_at(set.location, "the preview '" + *file + "' has no name ending in .png; expected a PNG file name");
+    if (*size < 0 || *size > 65536)
+        return error_at(set.location, "'size' is " + std::to_string(*size) + " pixels; expected 1 to 65536, or 0");
+    if (context.color == nullptr)
+        return error_at(set.location, "there is no colour config to make previews with; expected one in $OCIO or --ocio");
+    PictureOptions options{static_cast<int>(*size), *exposure, display->empty() ? context.display : *display, *view};
+    if (Status known = check_view(*context.color, options, set.location); !known) return known.error();
+    return std::unique_ptr<display::DisplayDriver>(
+        std::make_unique<PngDriver>(*file, *layer == "beauty" ? "" : *layer, options, *context.color, set.location));
+}
+
+}  // namespace
+
+void register_png_driver() {
+    display::display_driver_registry().add(
+        {"png",
+         "one layer as a picture, through the colour config's display and view",
+         {{"file", ParameterType::string, "", "the file's name"},
+          {"layer", ParameterType::string, "beauty", "which layer"},
+          {"display", ParameterType::string, "the job's", "display of the colour config"},
+          {"view", ParameterType::string, "the job's", "view of that display"},
+          {"exposure", ParameterType::real, "0", "stops, for light"},
+          {"size", ParameterType::integer, "0", "longest side in pixels; 0 = as rendered"}},
+         make_png});
+}
+
+}  // namespace raylex::experiments

@@ -1,0 +1,75 @@
+// What each AOV of a hit is, as a function of a shading batch and an index: the right-hand sides of geoaovs.cpp's table.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "display/services/rgb.h"
+#include "geoaovs/shading_batch.h"
+
+namespace raylex::geoaovs::values {
+
+using Hits = const ShadingBatch&;
+using At = std::size_t;
+
+inline Rgb triple(const std::vector<float> (&columns)[3], At i) { return {columns[0][i], columns[1][i], columns[2][i]}; }
+inline float dot(const Rgb& a, const Rgb& b) { return a.r * b.r + a.g * b.g + a.b * b.b; }
+inline float length(const Rgb& v) { return std::sqrt(dot(v, v)); }
+
+inline float camera_axis(Hits h, int axis, const Rgb& v) {
+    const float* m = h.world_to_camera[axis];
+    return m[0] * v.r + m[1] * v.g + m[2] * v.b;
+}
+/// The transform is rigid, so normals turn like vectors.
+inline Rgb camera_vector(Hits h, const Rgb& v) { return {camera_axis(h, 0, v), camera_axis(h, 1, v), camera_axis(h, 2, v)}; }
+inline Rgb camera_point(Hits h, const Rgb& v) {
+    return camera_vector(h, v) + Rgb(h.world_to_camera[0][3], h.world_to_camera[1][3], h.world_to_camera[2][3]);
+}
+
+inline constexpr auto position = [](Hits h, At i) { return camera_point(h, triple(h.position, i)); };
+inline constexpr auto world_position = [](Hits h, At i) { return triple(h.position, i); };
+inline constexpr auto object_position = [](Hits h, At i) { return triple(h.object_position, i); };
+
+inline constexpr auto shading_normal = [](Hits h, At i) { return camera_vector(h, triple(h.shading_normal, i)); };
+inline constexpr auto world_shading_normal = [](Hits h, At i) { return triple(h.shading_normal, i); };
+inline constexpr auto geometric_normal = [](Hits h, At i) { return camera_vector(h, triple(h.geometric_normal, i)); };
+inline constexpr auto plain_normal = [](Hits h, At i) { return camera_vector(h, triple(h.plain_normal, i)); };
+inline constexpr auto view = [](Hits h, At i) { return camera_vector(h, triple(h.view, i)); };
+inline constexpr auto world_view = [](Hits h, At i) { return triple(h.view, i); };
+
+inline constexpr auto dpdu = [](Hits h, At i) { return camera_vector(h, triple(h.dpdu, i)); };
+inline constexpr auto dpdv = [](Hits h, At i) { return camera_vector(h, triple(h.dpdv, i)); };
+/// Where the parameterisation collapses (the pole of a sphere) there is no tangent: 0.
+inline constexpr auto tangent = [](Hits h, At i) {
+    const Rgb d = triple(h.dpdu, i);
+    const float l = length(d);
+    return l > 0 ? camera_vector(h, d * (1 / l)) : Rgb();
+};
+inline constexpr auto curvature = [](Hits h, At i) { return h.curvature[i]; };
+
+inline constexpr auto u = [](Hits h, At i) { return h.u[i]; };
+inline constexpr auto v = [](Hits h, At i) { return h.v[i]; };
+inline constexpr auto st = [](Hits h, At i) { return Rgb(h.s[i], h.t[i], 0.0f); };
+
+inline constexpr auto outside_ior = [](Hits h, At i) { return h.outside_ior[i]; };
+/// By the arc tangent, which keeps its digits near 0 where the arc cosine loses half of them.
+inline constexpr auto incidence_angle = [](Hits h, At i) {
+    const Rgb n = triple(h.shading_normal, i), w = triple(h.view, i);
+    const Rgb cross{n.g * w.b - n.b * w.g, n.b * w.r - n.r * w.b, n.r * w.g - n.g * w.r};
+    return std::atan2(length(cross), std::abs(dot(n, w)));
+};
+inline constexpr auto depth_height_facing = [](Hits h, At i) {
+    const Rgb p = triple(h.position, i);
+    return Rgb(camera_axis(h, 2, p) + h.world_to_camera[2][3], p.g,
+               std::abs(dot(triple(h.shading_normal, i), triple(h.view, i))));
+};
+
+inline constexpr auto id = [](Hits h, At i) { return h.object_id[i]; };
+inline constexpr auto id2 = [](Hits h, At i) { return h.part_id[i]; };
+inline constexpr auto raw_id = [](Hits h, At i) { return h.surface_id[i]; };
+
+inline constexpr auto albedo = [](Hits h, At i) { return triple(h.albedo, i); };
+/// A line one pixel wide, half on either side of the edge; the pixel filter smooths it.
+inline constexpr auto wireframe = [](Hits h, At i) { return h.edge_pixels[i] < 0.5f ? 1.0f : 0.0f; };
+
+}  // namespace raylex::geoaovs::values

@@ -1,0 +1,63 @@
+// Regular expressions under construction: texts with enough structure to simplify as they are put together.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lpe/language/event_classes.h"
+
+namespace raylex::lpe {
+
+struct Regex;
+using RegexPtr = std::shared_ptr<const Regex>;
+
+/// A language of words. Null stands for the empty language.
+struct Regex {
+    enum class Kind { epsilon, events, sequence, alternatives, repeat };
+    static constexpr int unbounded = -1;
+
+    Kind kind = Kind::epsilon;
+    ClassSet events;
+    std::vector<RegexPtr> parts;  // of a sequence or of alternatives; the one part of a repetition
+    int min = 1, max = 1;
+    std::string text;             // as it stands in a sequence; equal texts are equal languages
+    bool nullable = false;
+};
+
+/// Builds expressions, simplified, and writes their texts. Gives up (`failed`) as soon as a set of events has no text or an
+/// expression passes the length bound.
+class RegexBuilder {
+  public:
+    /// `write` turns a set of events into one item, or into nothing when it cannot.
+    RegexBuilder(std::function<std::optional<std::string>(const ClassSet&)> write, std::size_t longest)
+        : write_(std::move(write)), longest_(longest) {}
+
+    [[nodiscard]] bool failed() const { return failed_; }
+
+    [[nodiscard]] RegexPtr epsilon();
+    [[nodiscard]] RegexPtr events(ClassSet set);
+    [[nodiscard]] RegexPtr sequence(const RegexPtr& a, const RegexPtr& b);
+    [[nodiscard]] RegexPtr alternatives(const RegexPtr& a, const RegexPtr& b);
+    [[nodiscard]] RegexPtr star(const RegexPtr& a);
+    /// The text of a whole expression.
+    [[nodiscard]] std::string text(const RegexPtr& regex) const;
+
+  private:
+    [[nodiscard]] RegexPtr finish(Regex regex);
+    [[nodiscard]] RegexPtr repeat(const RegexPtr& part, int min, int max);
+    [[nodiscard]] RegexPtr sequence_of(std::vector<RegexPtr> parts);
+    [[nodiscard]] RegexPtr alternatives_of(std::vector<RegexPtr> parts);
+    [[nodiscard]] bool merge(std::vector<RegexPtr>& parts);
+    [[nodiscard]] RegexPtr merged(const RegexPtr& a, const RegexPtr& b);
+    [[nodiscard]] RegexPtr factored(const RegexPtr& a, const RegexPtr& b, bool from_front);
+
+    std::function<std::optional<std::string>(const ClassSet&)> write_;
+    std::size_t longest_;
+    bool failed_ = false;
+};
+
+}  // namespace raylex::lpe

@@ -1,0 +1,213 @@
+#include "lpe/automata/languages.h"
+
+#include <algorithm>
+#include <unordered_map>
+#include <utility>
+
+#include "lpe/failure.h"
+#include "lpe/limits.h"
+#include "lpe/automata/nfa.h"
+#include "lpe/language/parser.h"
+
+namespace raylex::lpe {
+
+namespace {
+
+/// The event sets of all channels, each once.
+class SetTable {
+  public:
+    std::size_t add(EventSet set) {
+        const auto [place, fresh] = index_.emplace(set.key(), sets_.size());
+        if (fresh) {
+            sets_.push_back(std::move(set));
+        }
+        return place->second;
+    }
+    void add_tree(Node& node) {
+        if (node.kind == NodeKind::event) {
+            node.event_set = add(node.events);
+        }
+        for (const NodePtr& child : node.children) {
+            add_tree(*child);
+        }
+    }
+    [[nodiscard]] const std::vector<EventSet>& sets() const { return sets_; }
+    [[nodiscard]] std::vector<EventSet> take() { return std::move(sets_); }
+
+  private:
+    std::vector<EventSet> sets_;
+    std::unordered_map<std::string, std::size_t> index_;
+};
+
+EventSet set_of_cores(const CoreSet& cores) { return {{{cores, {}, Missing::is_empty, Extra::ignored}}, {}}; }
+
+NodePtr any_number_of(EventSet events) {
+    NodePtr repeat = make_node(NodeKind::repeat);
+    repeat->max = Node::unbounded;
+    repeat->children.push_back(make_event(std::move(events)));
+    return repeat;
+}
+
+/// C scatter* (L | O | B), or with at most n scatterings C s* (scatter s*){0,n} (L | O | B), s straight through.
+NodePtr words_tree(WordSets sets) {
+    NodePtr tree = make_node(NodeKind::sequence);
+    tree->children.push_back(make_event(std::move(sets.camera)));
+    if (!sets.max_depth) {
+        tree->children.push_back(any_number_of(std::move(sets.scattering)));
+    } else {
+        NodePtr one = make_node(NodeKind::sequence);
+        one->children.push_back(make_event(std::move(sets.scattering)));
+        one->children.push_back(any_number_of(sets.straight));
+        NodePtr several = make_node(NodeKind::repeat);
+        several->max = *sets.max_depth;
+        several->children.push_back(std::move(one));
+        tree->children.push_back(any_number_of(std::move(sets.straight)));
+        tree->children.push_back(std::move(several));
+    }
+    tree->children.push_back(make_event(std::move(sets.terminal)));
+    return tree;
+}
+
+/// Straight-through events leave no event in renderman words: every state stays where it is.
+void ignore_straight_events(Dfa& dfa, const ClassSet& straight) {
+    const auto loop = static_cast<std::uint16_t>(dfa.columns);
+    for (std::size_t k = 0; k < straight.size(); ++k) {
+        if (straight[k]) {
+            dfa.column_of_class[k] = loop;
+        }
+    }
+    std::vector<std::uint32_t> next;
+    next.reserve(dfa.states() * (dfa.columns + 1));
+    for (std::uint32_t state = 0; state < dfa.states(); ++state) {
+        const auto row = dfa.next.begin() + static_cast<std::ptrdiff_t>(state * dfa.columns);
+        next.insert(next.end(), row, row + static_cast<std::ptrdiff_t>(dfa.columns));
+        next.push_back(state);
+    }
+    dfa.next = std::move(next);
+    ++dfa.columns;
+    // Columns may be unused now; a product would still carry them, minimisation does not.
+}
+
+Dfa build_rest(const ChannelSource& rest, std::span<const ChannelSource> channels, const Languages& languages,
+               std::size_t state_cap) {
+    std::vector<const Dfa*> members;
+    for (const std::size_t k : rest.rest_of) {
+        if (k >= channels.size() || !channels[k].rest_of.empty()) {
+            fail("a rest channel can only be the rest of channels that have an expression");
+        }
+        members.push_back(&languages.channels[k]);
+    }
+    const Dfa covered = joined(members, union_of(), state_cap, languages.classes->count(),
+                               "the channels that '" + rest.name + "' is the rest of");
+    const std::optional<Dfa> remainder = product(*languages.words, covered, difference_of(), state_cap);
+    if (!remainder) {
+        fail("the rest of these channels needs more than " + std::to_string(state_cap) + " states",
+             "make the rest of fewer channels");
+    }
+    return minimized(*remainder);
+}
+
+}  // namespace
+
+Dfa joined(std::span<const Dfa* const> dfas, const Combination& combination, std::size_t state_cap, std::size_t class_count,
+           const std::string& what) {
+    if (dfas.empty()) {
+        return empty_dfa(class_count);
+    }
+    if (dfas.size() == 1) {
+        return *dfas.front();
+    }
+    const Dfa left = joined(dfas.first(dfas.size() / 2), combination, state_cap, class_count, what);
+    const Dfa right = joined(dfas.subspan(dfas.size() / 2), combination, state_cap, class_count, what);
+    const std::optional<Dfa> both = product(left, right, combination, state_cap);
+    if (!both) {
+        fail(what + " together need more than " + std::to_string(state_cap) + " states", "use fewer of them at a time");
+    }
+    return minimized(*both);
+}
+
+Languages build_languages(std::span<const ChannelSource> channels, const LanguageOptions& options) {
+    std::vector<Expression> expressions;
+    expressions.reserve(channels.size());
+    for (const ChannelSource& channel : channels) {
+        expressions.push_back(channel.rest_of.empty() ? parse(channel, options.bar) : Expression{});
+    }
+    return build_languages(channels, expressions, options);
+}
+
+Languages build_languages(std::span<const ChannelSource> channels, std::span<Expression> expressions,
+                          const LanguageOptions& options) {
+    const bool has_rest =
+        std::any_of(channels.begin(), channels.end(), [](const ChannelSource& c) { return !c.rest_of.empty(); });
+    const Words everything;
+    const Words* words = options.words != nullptr ? options.words : has_rest ? &everything : nullptr;
+
+    SetTable table;
+    for (Expression& expression : expressions) {
+        if (expression.root) {
+            table.add_tree(*expression.root);
+        }
+    }
+    const std::size_t straight_set = table.add(set_of_cores(straight_cores()));
+    const std::size_t renderman_set = table.add(set_of_cores(wildcard_cores(Dialect::renderman)));
+    const std::size_t osl_set = table.add(set_of_cores(wildcard_cores(Dialect::osl)));
+    NodePtr words_root;
+    if (words != nullptr) {
+        words_root = words_tree(word_sets(*words, options.skip_reserved_labels, table.sets()));
+        table.add_tree(*words_root);
+    }
+    NodePtr renderer_root;
+    if (options.renderer_words) {
+        renderer_root = words_tree(renderer_word_sets());
+        table.add_tree(*renderer_root);
+    }
+    Languages languages;
+    languages.classes = std::make_unique<EventClasses>(table.take());
+    const EventClasses& classes = *languages.classes;
+    if (words_root) {
+        WorkMeter work;
+        languages.words = build_dfa(*words_root, {&classes, &classes.members(osl_set), &work}, options.state_cap);
+    }
+    Dfa renderer_words;
+    if (renderer_root) {
+        WorkMeter work;
+        renderer_words = build_dfa(*renderer_root, {&classes, &classes.members(osl_set), &work}, options.state_cap);
+    }
+    for (std::size_t k = 0; k < channels.size(); ++k) {
+        languages.channels.push_back(empty_dfa(classes.count()));
+        if (!expressions[k].root) {
+            continue;
+        }
+        const bool renderman = expressions[k].dialect == Dialect::renderman;
+        WorkMeter work;
+        try {
+            Dfa dfa = build_dfa(*expressions[k].root, {&classes, &classes.members(renderman ? renderman_set : osl_set), &work},
+                                options.state_cap);
+            if (renderman) {
+                ignore_straight_events(dfa, classes.members(straight_set));
+            }
+            if (renderer_root) {
+                const std::optional<Dfa> cut = product(dfa, renderer_words, intersection_of(), 4 * options.state_cap);
+                if (!cut) {
+                    fail("the expression needs too large a table", "use smaller repetition counts and fewer labels");
+                }
+                dfa = minimized(*cut);
+            }
+            languages.channels.back() = std::move(dfa);
+        } catch (Failure& failure) {
+            throw Failure{SourceText::whole_error(channels[k], std::move(failure.error))};
+        }
+    }
+    for (std::size_t k = 0; k < channels.size(); ++k) {
+        if (!channels[k].rest_of.empty()) {
+            try {
+                languages.channels[k] = build_rest(channels[k], channels, languages, options.state_cap);
+            } catch (Failure& failure) {
+                throw Failure{SourceText::whole_error(channels[k], std::move(failure.error))};
+            }
+        }
+    }
+    return languages;
+}
+
+}  // namespace raylex::lpe

@@ -1,0 +1,73 @@
+#include "lpe/channels/channel_file.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "lpe/failure.h"
+#include "lpe/limits.h"
+
+namespace raylex::lpe {
+
+namespace {
+
+bool ends_with_any(std::string_view path, std::initializer_list<std::string_view> endings) {
+    return std::any_of(endings.begin(), endings.end(), [&](std::string_view ending) { return path.ends_with(ending); });
+}
+
+[[noreturn]] void fail_in(const std::string& origin, std::string message, std::string hint = {}) {
+    Error error;
+    error.message = std::move(message);
+    error.hint = std::move(hint);
+    error.file = origin;
+    throw Failure{std::move(error)};
+}
+
+ChannelFormat find_format(std::string_view path, std::string_view text) {
+    const std::string origin(path);
+    if (text.starts_with("PXR-USDC") || ends_with_any(path, {".usdc", ".usdz"})) {
+        fail_in(origin, "this is USD in its binary form; expected a .usda text", "'usdcat IN -o OUT.usda' makes one");
+    }
+    if (text.starts_with("\x1f\x8b")) {
+        fail_in(origin, "this file is compressed; expected plain text", "'gunzip' or 'catrib -ascii' makes one");
+    }
+    if (text.starts_with("#usda") || ends_with_any(path, {".usda", ".usd"})) {
+        return ChannelFormat::usda;
+    }
+    if (ends_with_any(path, {".rib"})) {
+        return ChannelFormat::rib;
+    }
+    if (ends_with_any(path, {".ini"})) {
+        return ChannelFormat::ini;
+    }
+    if (text.starts_with("##RenderMan RIB") || text.find("DisplayChannel") != std::string_view::npos) {
+        return ChannelFormat::rib;
+    }
+    if (text.find("/prman/lpe/") != std::string_view::npos) {
+        return ChannelFormat::ini;
+    }
+    fail_in(origin, "cannot tell what kind of channel file this is; expected .toml, .rib, .usda or .ini",
+            "name the kind with --format");
+}
+
+}  // namespace
+
+Result<ChannelFormat> channel_format(std::string_view path, std::string_view text) {
+    return guarded([&] { return find_format(path, text); });
+}
+
+Result<ChannelFile> parse_channel_file(std::string_view text, const std::string& origin, ChannelFormat format) {
+    return guarded([&]() -> ChannelFile {
+        if (text.size() > limits::channel_file_bytes) {
+            fail_in(origin, "the file has " + std::to_string(text.size()) + " bytes; at most " +
+                                std::to_string(limits::channel_file_bytes) + " are read");
+        }
+        switch (format) {
+            case ChannelFormat::rib: return parse_rib(text, origin);
+            case ChannelFormat::usda: return parse_usda(text, origin);
+            case ChannelFormat::ini: break;
+        }
+        return parse_ini(text, origin);
+    });
+}
+
+}  // namespace raylex::lpe

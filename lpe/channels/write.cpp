@@ -1,0 +1,238 @@
+#include <algorithm>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "lpe/channels/channel_file.h"
+#include "lpe/channels/lobe_slots.h"
+#include "lpe/failure.h"
+#include "lpe/language/source_text.h"
+
+namespace raylex::lpe {
+
+namespace {
+
+[[noreturn]] void refuse(const ChannelSource& source, std::string message, std::string hint = {}) {
+    Error error;
+    error.message = std::move(message);
+    error.hint = std::move(hint);
+    throw Failure{SourceText::whole_error(source, std::move(error))};
+}
+
+/// In double quotes, as RIB and USD write strings.
+std::string quoted(std::string_view text) {
+    std::string result = "\"";
+    for (const char c : text) {
+        switch (c) {
+            case '"': result += "\\\""; break;
+            case '\\': result += "\\\\"; break;
+            case '\n': result += "\\n"; break;
+            case '\r': result += "\\r"; break;
+            case '\t': result += "\\t"; break;
+            default: result += c;
+        }
+    }
+    return result + "\"";
+}
+
+std::string commented(const std::string& comment, const std::string& mark) {
+    std::string result;
+    for (std::size_t begin = 0; begin < comment.size();) {
+        const std::size_t end = std::min(comment.find('\n', begin), comment.size());
+        result += mark + (end > begin ? " " : "") + comment.substr(begin, end - begin) + "\n";
+        begin = end + 1;
+    }
+    return result;
+}
+
+/// A line break inside an expression is a blank, and its comments end at it: formats of one line drop both.
+std::string one_line(const ChannelSource& source) {
+    std::string result;
+    bool quote = false;
+    for (std::size_t i = 0; i < source.expression.size(); ++i) {
+        const char c = source.expression[i];
+        quote = quote != (c == '\'' && (i == 0 || source.expression[i - 1] != '\\'));
+        if (c == '#' && !quote && source.dialect == Dialect::renderman) {
+            i = std::min(source.expression.find('\n', i), source.expression.size() - 1);
+            continue;
+        }
+        result += c == '\n' || c == '\r' ? ' ' : c;
+    }
+    while (!result.empty() && result.back() == ' ') {
+        result.pop_back();
+    }
+    if (result.find_first_not_of(" \t") == std::string::npos) {
+        refuse(source, "channel '" + source.name + "' has nothing but blanks and comments; expected an expression",
+               "write a .toml or .usda file");
+    }
+    return result;
+}
+
+void require_renderman(const ChannelSource& source, const char* format) {
+    if (source.dialect != Dialect::renderman) {
+        refuse(source, "channel '" + source.name + "' is in the osl dialect; " + format + " holds renderman expressions",
+               "write a .toml or .usda file");
+    }
+}
+
+/// Letters that RenderMan does not read: raylex's own.
+void note_extensions(const ChannelSource& source, std::set<std::string>& found) {
+    bool quote = false;
+    for (const char c : source.expression) {
+        quote = quote != (c == '\'');
+        if (!quote && std::string_view("VBG&-!?$").find(c) != std::string_view::npos) {
+            found.insert(std::string(1, c));
+        }
+    }
+}
+
+class Writer {
+  public:
+    Writer(const ChannelFile& file, std::vector<std::string>& warnings) : file_(file), warnings_(warnings) {}
+
+    std::string rib() {
+        std::string text = "##RenderMan RIB\nversion 3.04\n";
+        for (const LobeOption& option : file_.lobe_options) {
+            text += "Option \"lpe\" \"string " + option.slot + "\" [" + quoted(option.names) + "]\n";
+        }
+        for (const FileChannel& channel : file_.channels) {
+            require_renderman(channel.source, "RIB");
+            note_extensions(channel.source, extensions_);
+            const bool declared = channel.type.find("color3f") == std::string::npos;
+            text += commented(channel.comment, "#");
+            text += "DisplayChannel " + quoted((declared ? channel.type : "color") + " " + channel.source.name) + " \"string source\" [" +
+                    quoted("color lpe:" + one_line(channel.source)) + "]";
+            for (const std::string& parameter : kept(channel, "\"")) {
+                text += " " + parameter;
+            }
+            text += "\n";
+        }
+        finish("RIB");
+        return text;
+    }
+
+    std::string ini() {
+        std::string text;
+        for (const LobeOption& option : file_.lobe_options) {
+            text += "/prman/lpe/" + option.slot + "  " + option.names + "\n";
+        }
+        const auto add = [&](const ChannelSource& source) {
+            require_renderman(source, "rendermn.ini");
+            note_extensions(source, extensions_);
+            MacroTable probe;
+            if (Status usable = probe.add(source); !usable) {
+                throw Failure{usable.error()};
+            }
+            text += "/prman/lpe/macro/" + source.name + "  " + one_line(source) + "\n";
+        };
+        for (const ChannelSource& macro : file_.macros) {
+            add(macro);
+        }
+        for (const FileChannel& channel : file_.channels) {
+            text += commented(channel.comment, "#");
+            add(channel.source);
+            lost_ += channel.parameters.empty() ? 0U : 1U;
+        }
+        finish("rendermn.ini");
+        return text;
+    }
+
+    std::string usda() {
+        std::string text = "#usda 1.0\n(\n    defaultPrim = \"Render\"\n)\n\ndef Scope \"Render\"\n{\n    def Scope \"Vars\"\n    {\n";
+        bool first = true;
+        for (const FileChannel& channel : file_.channels) {
+            text += first ? "" : "\n";
+            first = false;
+            const std::string prim = prim_name(channel.source.name);
+            text += commented(channel.comment, "        #");
+            text += "        def RenderVar \"" + prim + "\"" + (channel.prim_metadata.empty() ? "" : " " + channel.prim_metadata) +
+                    "\n        {\n";
+            const bool usd_type = channel.type.find(' ') == std::string::npos && channel.type != "color";
+            text += "            uniform token dataType = " + quoted(usd_type ? channel.type : "color3f") + "\n";
+            text += "            uniform string sourceName = " + quoted(channel.source.expression) + "\n";
+            text += "            uniform token sourceType = \"lpe\"\n";
+            const std::vector<std::string> parameters = kept(channel, "");
+            const bool has_name = std::any_of(parameters.begin(), parameters.end(), [](const std::string& each) {
+                return each.find("driver:parameters:aov:name") != std::string::npos;
+            });
+            if (prim != channel.source.name && !has_name) {
+                text += "            token driver:parameters:aov:name = " + quoted(channel.source.name) + "\n";
+            }
+            for (const std::string& parameter : parameters) {
+                text += "            " + parameter + "\n";
+            }
+            text += "        }\n";
+        }
+        text += "    }\n}\n";
+        if (!file_.lobe_options.empty()) {
+            warnings_.emplace_back("USD has no place for lobe slots; they are left out");
+        }
+        finish("USD");
+        return text;
+    }
+
+  private:
+    /// The parameters in this format's own words: RIB's begin with a quote, USD's do not.
+    std::vector<std::string> kept(const FileChannel& channel, std::string_view beginning) {
+        std::vector<std::string> result;
+        for (const std::string& parameter : channel.parameters) {
+            if (parameter.starts_with('"') == !beginning.empty()) {
+                result.push_back(parameter);
+            } else {
+                ++lost_;
+            }
+        }
+        return result;
+    }
+
+    /// Letters, digits and _; no other channel's.
+    std::string prim_name(const std::string& name) {
+        std::string prim;
+        for (const char c : name) {
+            const bool fits = c == '_' || (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+            prim += fits ? c : '_';
+        }
+        if (prim.empty() || (prim.front() >= '0' && prim.front() <= '9')) {
+            prim.insert(0, "_");
+        }
+        const std::string stem = prim;
+        for (int k = 2; !prims_.insert(prim).second; ++k) {
+            prim = stem + "_" + std::to_string(k);
+        }
+        return prim;
+    }
+
+    void finish(const std::string& format) {
+        if (lost_ > 0) {
+            warnings_.push_back(std::to_string(lost_) + " parameters of channels have no place in " + format + "; they are left out");
+        }
+        if (!extensions_.empty()) {
+            std::string list;
+            for (const std::string& each : extensions_) {
+                list += (list.empty() ? "'" : ", '") + each + "'";
+            }
+            warnings_.push_back("the expressions use " + list + ", which raylex reads and RenderMan does not");
+        }
+    }
+
+    const ChannelFile& file_;
+    std::vector<std::string>& warnings_;
+    std::set<std::string> prims_, extensions_;
+    std::size_t lost_ = 0;
+};
+
+}  // namespace
+
+Result<std::string> write_channel_file(const ChannelFile& file, ChannelFormat format, std::vector<std::string>& warnings) {
+    return guarded([&]() -> std::string {
+        Writer writer(file, warnings);
+        switch (format) {
+            case ChannelFormat::rib: return writer.rib();
+            case ChannelFormat::usda: return writer.usda();
+            case ChannelFormat::ini: break;
+        }
+        return writer.ini();
+    });
+}
+
+}  // namespace raylex::lpe

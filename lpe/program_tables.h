@@ -1,0 +1,42 @@
+// The arrays of a compiled program, as it keeps them and as its file holds them (adopt/program_file.h). program_view.h
+// says what they mean.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "lpe/language/class_table.h"
+#include "lpe/program_view.h"
+
+namespace raylex::lpe {
+
+struct ProgramTables {
+    std::vector<std::string> channel_names;
+    std::uint32_t table_count = 0;
+    std::uint32_t class_count = 1;
+    std::vector<State> starts;
+    std::vector<State> next_state{ProgramView::dead};
+    std::vector<std::uint32_t> accept_begin{0, 0};
+    std::vector<std::uint16_t> accept_lists;
+
+    std::array<std::uint32_t, ProgramView::lane_kinds> lane_words{};
+    State first_ended = 0;
+    std::vector<std::uint32_t> lane_image, lane_accept, lane_lists;
+
+    ClassTable classes;                       ///< event -> fine class
+    std::vector<EventClass> column_of_class;  ///< fine class -> column of the tables: the EventClass of the program
+
+    // Made of the above by make_blocks().
+    std::vector<std::uint32_t> block_begin{0, 0};
+    std::vector<std::uint16_t> blocks;
+
+    void make_blocks();
+    /// Valid as long as the arrays stay where they are.
+    [[nodiscard]] ProgramView view() const;
+    /// Bytes of all that following a path touches: everything but names and classes.
+    [[nodiscard]] std::size_t bytes() const;
+};
+
+}  // namespace raylex::lpe

@@ -1,0 +1,170 @@
+#include "lpe/reversal.h"
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <unordered_map>
+#include <utility>
+
+#include "lpe/failure.h"
+
+namespace raylex::lpe {
+
+namespace {
+
+struct VectorHash {
+    std::size_t operator()(const std::vector<std::uint32_t>& values) const {
+        std::uint64_t hash = 0xCBF29CE484222325ULL;
+        for (const std::uint32_t value : values) {
+            hash = (hash ^ value) * 0x100000001B3ULL;
+            hash ^= hash >> 29;
+        }
+        return static_cast<std::size_t>(hash);
+    }
+};
+
+}  // namespace
+
+/// Determinises the reversal of each table: a state is what the end read so far makes of each forward state.
+struct ReversedProgram::Builder {
+    const ProgramView& view;
+    const ReverseOptions& options;
+    ReversedProgram& result;
+    std::map<std::vector<std::uint16_t>, std::uint32_t> list_index{{{}, 0}};
+    std::size_t bytes = 0;
+
+    std::uint32_t list_of(State row) {
+        const std::span<const std::uint16_t> channels = view.accepted(row);
+        const auto [place, fresh] = list_index.emplace(std::vector<std::uint16_t>(channels.begin(), channels.end()),
+                                                       static_cast<std::uint32_t>(list_index.size()));
+        if (fresh) {
+            result.lists_.insert(result.lists_.end(), channels.begin(), channels.end());
+            result.list_begin_.push_back(static_cast<std::uint32_t>(result.lists_.size()));
+        }
+        return place->second;
+    }
+
+    /// The rows of one table: all that can be reached from its start, which stand together.
+    Table rows_of(State start) const {
+        std::vector<bool> seen(view.state_count, false);
+        std::vector<State> queue;
+        const auto visit = [&](State state) {
+            if (state != 0 && !seen[state]) {
+                seen[state] = true;
+                queue.push_back(state);
+            }
+        };
+        visit(start);
+        for (std::size_t i = 0; i < queue.size(); ++i) {
+            for (std::uint32_t event = 0; event < view.class_count; ++event) {
+                visit(view.next(queue[i], static_cast<EventClass>(event)));
+            }
+        }
+        Table table;
+        if (!queue.empty()) {
+            const auto [low, high] = std::minmax_element(queue.begin(), queue.end());
+            table.first_row = *low;
+            table.rows = *high - *low + 2;
+        } else {
+            table.rows = 1;
+        }
+        return table;
+    }
+
+    /// `of_phase`: the outcome of a state is itself, not what it accepts.
+    Table reverse(State start, bool of_phase) {
+        Table table = rows_of(start);
+        const auto row_state = [&table](std::uint32_t row) { return row == 0 ? 0 : table.first_row + row - 1; };
+        std::vector<std::uint32_t> values(table.rows, 0);
+        for (std::uint32_t row = 1; row < table.rows; ++row) {
+            values[row] = of_phase ? row_state(row) : list_of(row_state(row));
+        }
+        std::unordered_map<std::vector<std::uint32_t>, State, VectorHash> number;
+        std::vector<const std::vector<std::uint32_t>*> order;
+        const auto state_of = [&](std::vector<std::uint32_t> ends) {
+            const auto [place, fresh] = number.emplace(std::move(ends), static_cast<State>(order.size()));
+            if (fresh) {
+                bytes += 4 * (std::size_t{table.rows} + view.class_count);
+                if (order.size() >= options.state_cap || bytes > options.byte_cap) {
+                    fail("reversing this program takes more than " + std::to_string(order.size()) + " states or " +
+                             std::to_string(options.byte_cap >> 20) + " MiB",
+                         "join light subpaths with LightWord, which needs no tables");
+                }
+                order.push_back(&place->first);
+            }
+            return place->second;
+        };
+        state_of(std::vector<std::uint32_t>(table.rows, 0));
+        result.starts_.push_back(state_of(std::move(values)));
+        for (std::size_t state = 0; state < order.size(); ++state) {
+            for (std::uint32_t event = 0; event < view.class_count; ++event) {
+                std::vector<std::uint32_t> before(table.rows, 0);
+                for (std::uint32_t row = 1; row < table.rows; ++row) {
+                    const State to = view.next(row_state(row), static_cast<EventClass>(event));
+                    before[row] = to == 0 ? 0 : (*order[state])[to - table.first_row + 1];
+                }
+                table.next.push_back(state_of(std::move(before)));
+            }
+        }
+        for (const std::vector<std::uint32_t>* ends : order) {
+            table.outcome.insert(table.outcome.end(), ends->begin(), ends->end());
+        }
+        return table;
+    }
+
+    void run() {
+        const std::size_t tables = view.table_count - (view.has_lanes() ? 1 : 0);
+        for (std::size_t g = 0; g < tables; ++g) {
+            result.tables_.push_back(reverse(view.starts[g], false));
+        }
+        if (!view.has_lanes()) {
+            return;
+        }
+        if (view.word_count - view.table_count > most_lane_words) {
+            fail("reversing this program takes more than " + std::to_string(most_lane_words) + " words of packed channels",
+                 "join light subpaths with LightWord");
+        }
+        result.phase_ = reverse(view.starts[tables], true);
+        // The empty end maps every code to itself: bit p of code c in the word of code c and plane p.
+        for (std::uint32_t kind = 0; kind < ProgramView::lane_kinds; ++kind) {
+            for (std::uint32_t code = 0; code < (2U << kind); ++code) {
+                for (std::uint32_t plane = 0; plane <= kind; ++plane) {
+                    result.starts_.insert(result.starts_.end(), view.lane_words[kind], (code >> plane & 1U) != 0 ? ~0U : 0U);
+                }
+            }
+        }
+    }
+};
+
+Result<ReversedProgram> ReversedProgram::build(const Program& program, const ReverseOptions& options) {
+    return guarded([&] {
+        ReversedProgram reversed;
+        reversed.program_ = &program;
+        Builder{program.view(), options, reversed}.run();
+        return reversed;
+    });
+}
+
+bool ReversedProgram::prepend(const State* from, EventClass event, State* to) const noexcept {
+    const ProgramView& program = program_->view();
+    State alive = 0;
+    const std::size_t words = tables_.size() + (program.has_lanes() ? 1 : 0);
+    for (std::size_t g = 0; g < words; ++g) {
+        to[g] = table(g).next[std::size_t{from[g]} * program.class_count + event];
+        alive |= to[g];
+    }
+    if (program.has_lanes()) {
+        program.compose_lanes(from + words, program.lane_image + std::size_t{event} * program.image_stride, to + words);
+    }
+    return alive != 0;
+}
+
+std::size_t ReversedProgram::bytes() const noexcept {
+    std::size_t words = phase_.next.size() + phase_.outcome.size() + list_begin_.size();
+    for (const Table& table : tables_) {
+        words += table.next.size() + table.outcome.size();
+    }
+    return 4 * words + 2 * lists_.size();
+}
+
+}  // namespace raylex::lpe

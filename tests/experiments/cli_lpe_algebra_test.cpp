@@ -1,0 +1,113 @@
+// raylex lpe equal, contains, empty, words, difference, ..., explain, graph, and match on a path that does not match.
+#include <catch2/catch.hpp>
+
+#include "support.h"
+
+using namespace raylex::test;
+
+TEST_CASE("lpe equal, contains and empty prove, or print a path that match reads") {
+    const Folder folder;
+    CHECK(run_raylex(folder, "lpe equal 'C.*' 'C.*[LOB]'").code == 0);
+    CHECK(run_raylex(folder, "lpe equal '[C]L' '[C]L'").code == 0);  // no list of CLI11
+    const Outcome differ = run_raylex(folder, "lpe equal 'C[DS]*L' 'osl:C.*'");
+    CHECK(differ.code == 1);
+    const std::string path = differ.out.substr(differ.out.find('\n') + 1);
+    CHECK(run_raylex(folder, "lpe match osl:'C.*' '" + path.substr(0, path.size() - 1) + "'").code == 0);
+    CHECK(run_raylex(folder, "lpe contains 'C.*' 'CDL'").code == 0);
+    CHECK(run_raylex(folder, "lpe contains 'CDL' 'C.*'").code == 1);
+    CHECK(run_raylex(folder, "lpe empty 'CLD'").code == 0);
+    CHECK(run_raylex(folder, "lpe empty 'CL'").out == "'CL' accepts camera, light (C,- L,-)\nC,- L,-\n");
+    const Outcome wrong = run_raylex(folder, "lpe contains 'CL' 'C('");
+    CHECK(wrong.code == 2);
+    CHECK(wrong.err.find("second expression") != std::string::npos);
+    CHECK(run_raylex(folder, "lpe equal 'CL'").code == 2);
+}
+
+TEST_CASE("lpe check can prove disjointness and coverage alone") {
+    const Folder folder;
+    CHECK(run_raylex(folder, "lpe check --what disjoint 'a=CL' 'b=CDL'").code == 0);
+    CHECK(run_raylex(folder, "lpe check --what disjoint 'a=CL' 'b=C.*L'").code == 1);
+    CHECK(run_raylex(folder, "lpe check --what covers 'a=C.*L' 'b=C.*'").code == 0);
+    CHECK(run_raylex(folder, "lpe check --what covers 'a=CL' 'b=CDL'").code == 1);
+    CHECK(run_raylex(folder, "lpe check --what covers --of 'C[D]?L' 'a=CL' 'b=CDL'").code == 0);
+    CHECK(run_raylex(folder, "lpe check --what disjoint --of 'CL' 'a=CL'").code == 2);
+    CHECK(run_raylex(folder, "lpe check --what nothing 'a=CL'").code == 2);
+}
+
+TEST_CASE("lpe words, complement, intersection, union and difference show paths, or that there is none") {
+    const Folder folder;
+    const Outcome words = run_raylex(folder, "lpe words 'C<RD>L'");
+    CHECK(words.code == 0);
+    CHECK(words.out.find("camera, diffuse reflection, light\n    C,- R,D L,-\n") == 0);
+    CHECK(words.out.find("3: 2\n") != std::string::npos);
+    CHECK(run_raylex(folder, "lpe complement 'C.*'").out == "no path\n");
+    CHECK(run_raylex(folder, "lpe complement 'C.*'").code == 1);
+    CHECK(run_raylex(folder, "lpe difference 'C.*' 'CD.*' 'CS.*'").code == 0);
+    CHECK(run_raylex(folder, "lpe difference 'C.*' 'osl:C.*'").code == 1);
+    CHECK(run_raylex(folder, "lpe intersection 'C.*D.*' 'C.*S.*' 'C.{3}' --samples 1").code == 0);
+    CHECK(run_raylex(folder, "lpe union '[C]L' '[CC]'").code == 0);
+    CHECK(run_raylex(folder, "lpe union 'CL' --nothing").code == 2);
+    CHECK(run_raylex(folder, "lpe words 'CL' 'CL'").code == 2);
+    CHECK(run_raylex(folder, "lpe words 'CL' --samples 0").code == 2);
+}
+
+TEST_CASE("lpe explain says what an expression means and ends with 1 when nothing matches") {
+    const Folder folder;
+    const Outcome direct = run_raylex(folder, "lpe explain 'C<RD>[<L.>O]'");
+    CHECK(direct.code == 0);
+    CHECK(direct.out.find("From the camera, one diffuse reflection, ending at a light or at emission.") != std::string::npos);
+    CHECK(direct.out.find("It is the shipped channel 'directDiffuse'.") != std::string::npos);
+    CHECK(direct.out.find("    C,- R,D L,-\n") != std::string::npos);
+    CHECK(run_raylex(folder, "lpe explain 'noclamp;C.*'").out.find("noclamp: ") != std::string::npos);
+    const Outcome never = run_raylex(folder, "lpe explain 'CLD'");
+    CHECK(never.code == 1);
+    CHECK(never.out.find("'D' (column 3)") != std::string::npos);
+    const Outcome wrong = run_raylex(folder, "lpe explain 'C(D'");
+    CHECK(wrong.code == 2);
+    CHECK(wrong.err.find("^") != std::string::npos);
+}
+
+TEST_CASE("lpe match tells where a path fails, under the event, and what was wanted") {
+    const Folder folder;
+    const Outcome no = run_raylex(folder, "lpe match \"C<RD'floor'>L\" 'C,- R,D,flor L,-'");
+    CHECK(no.code == 1);
+    CHECK(no.out == "no match\n"
+                    "the path fits up to event 1: camera\n"
+                    "  C,- R,D,flor L,-\n"
+                    "      ^\n"
+                    "found diffuse reflection off 'flor' at column 5; wanted one diffuse reflection off 'floor'\n"
+                    "that is '<RD'floor'>' (column 2) of the expression\n"
+                    "its label 'flor' is not 'floor'; did you mean 'floor'?\n");
+    const Outcome early = run_raylex(folder, "lpe match --dialect osl 'CD+L' 'C,- R,D'");
+    CHECK(early.code == 1);
+    CHECK(early.out.find("no match\nall 2 events fit, but the path ends too early") == 0);
+    CHECK(early.out.find("wanted one diffuse scattering or a light") != std::string::npos);
+    CHECK(run_raylex(folder, "lpe match 'CLD - C.*' 'C,-'").out == "no match\nthe expression matches no path at all\n");
+}
+
+TEST_CASE("lpe graph writes DOT and SVG") {
+    const Folder folder;
+    const Outcome dot = run_raylex(folder, "lpe graph 'CDS+L'");
+    CHECK(dot.code == 0);
+    CHECK(dot.out.find("digraph") == 0);
+    CHECK(run_raylex(folder, "lpe graph 'a=CDS+L' \"C<RD'x=y'>L\" -o g.svg").code == 0);
+    CHECK(folder.read("g.svg").find("<svg") == 0);
+    CHECK(folder.read("g.svg").find(">a</text>") != std::string::npos);
+    CHECK(run_raylex(folder, "lpe graph 'CDS+L' -o g.dot").code == 0);
+    CHECK(folder.read("g.dot") == dot.out);
+    CHECK(run_raylex(folder, "lpe graph 'CDS+L' -o g.png").code == 2);
+    CHECK(run_raylex(folder, "lpe graph 'C('").code == 2);
+    CHECK(run_raylex(folder, "lpe graph 'C.*D.{9}L' -o h.svg").code == 2);
+    CHECK_FALSE(folder.has("h.svg"));
+    CHECK(run_raylex(folder, "lpe graph 'CL' -o missing/g.svg").code == 2);
+}
+
+TEST_CASE("every lpe subcommand has help") {
+    const Folder folder;
+    for (const char* command : {"explain", "equal", "contains", "empty", "words", "complement", "intersection", "union", "difference", "graph"}) {
+        CAPTURE(command);
+        const Outcome help = run_raylex(folder, std::string("lpe ") + command + " --help");
+        CHECK(help.code == 0);
+        CHECK(help.out.find("Exit codes:") != std::string::npos);
+    }
+}

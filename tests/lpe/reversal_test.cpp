@@ -1,0 +1,168 @@
+// Light subpaths read from the light end, against the same words read forward.
+#include <catch2/catch.hpp>
+
+#include <set>
+#include <string>
+
+#include "lpe/match.h"
+#include "lpe/program.h"
+#include "lpe/reversal.h"
+#include "lpe/shipped.h"
+#include "oracle.h"
+
+using namespace raylex::lpe;
+
+namespace {
+
+std::vector<ChannelSource> shipped(Dialect dialect) {
+    std::vector<ChannelSource> channels;
+    for (const NamedExpression& entry : shipped_partition(dialect)) {
+        channels.push_back({.name = std::string(entry.name), .expression = std::string(entry.expression), .dialect = dialect});
+    }
+    return channels;
+}
+
+void add(std::vector<ChannelSource>& channels, Dialect dialect, const std::string& before, const std::string& after, int count) {
+    for (int k = 0; k < count; ++k) {
+        channels.push_back({.name = {}, .expression = before + "obj" + std::to_string(k) + after, .dialect = dialect});
+    }
+}
+
+/// Any sequence of events; most are words of W.
+std::vector<Event> random_word(oracle::Random& random) {
+    std::vector<Event> word;
+    if (random.below(30) != 0) {
+        word.push_back({EventType::camera, Scatter::none, 0, {}});
+    }
+    for (std::size_t k = random.below(8); k > 0; --k) {
+        Event event;
+        event.type = random.below(3) != 0 ? EventType::reflection : EventType::transmission;
+        event.scatter = static_cast<Scatter>(1 + random.below(event.type == EventType::transmission ? 4 : 3));
+        event.labels = {"obj" + std::to_string(random.below(5)), ""};
+        const std::size_t odd = random.below(40);
+        if (odd < 4) {
+            event = {EventType::volume, Scatter::none, 0, {}};
+        } else if (odd == 4) {
+            event = {EventType::user, Scatter::none, 1, {}};
+        } else if (odd == 5) {
+            event = {EventType::light, Scatter::none, 0, {}};
+        }
+        word.push_back(event);
+    }
+    if (random.below(10) != 0) {
+        const EventType terminals[] = {EventType::light, EventType::background, EventType::emission};
+        word.push_back({terminals[random.below(3)], Scatter::none, 0, {"obj" + std::to_string(random.below(3))}});
+    }
+    return word;
+}
+
+/// Joins every split of random words both ways, in any number of steps, and compares with forward matching.
+void check_joins(const std::vector<ChannelSource>& channels, const CompileOptions& options, bool has_lanes,
+                 std::size_t least_words) {
+    const auto program = Program::compile(channels, options);
+    if (!program) {
+        FAIL(program.error().to_string());
+    }
+    REQUIRE(program->view().has_lanes() == has_lanes);
+    REQUIRE(program->word_count() >= least_words);
+    const auto reversed = ReversedProgram::build(*program);
+    if (!reversed) {
+        FAIL(reversed.error().to_string());
+    }
+    oracle::Random random(77);
+    std::size_t accepted = 0;
+    for (int round = 0; round < 300; ++round) {
+        const std::vector<Event> word = random_word(random);
+        std::vector<EventClass> events;
+        for (const Event& event : word) {
+            events.push_back(program->classify(event));
+        }
+        std::vector<std::vector<State>> camera{{program->starts().begin(), program->starts().end()}};
+        for (const EventClass event : events) {
+            camera.push_back(camera.back());
+            program->advance(camera.back().data(), event, camera.back().data());
+        }
+        std::set<std::size_t> expected;
+        program->for_each_accepted(camera.back().data(), [&](std::uint16_t k) { expected.insert(k); });
+        accepted += expected.size();
+
+        INFO(to_text(word));
+        std::vector<State> light(reversed->starts().begin(), reversed->starts().end()), whole(program->word_count());
+        LightWord replayed;
+        bool alive = true;
+        for (std::size_t split = word.size();; --split) {
+            std::set<std::size_t> found, by_replay;
+            reversed->for_each_accepted(camera[split].data(), light.data(), [&](std::uint16_t k) { found.insert(k); });
+            replayed.join(*program, camera[split].data(), whole.data());
+            program->for_each_accepted(whole.data(), [&](std::uint16_t k) { by_replay.insert(k); });
+            CAPTURE(split);
+            REQUIRE(found == expected);
+            REQUIRE(by_replay == expected);
+            REQUIRE(reversed->accepts_any(camera[split].data(), light.data()) == !expected.empty());
+            REQUIRE((alive || expected.empty()));  // Law 4: only what can never accept is dead
+            if (split == 0) {
+                break;
+            }
+            alive = reversed->prepend(light.data(), events[split - 1], light.data());
+            REQUIRE(replayed.prepend(events[split - 1]));
+        }
+    }
+    CHECK(accepted > 50);
+}
+
+}  // namespace
+
+TEST_CASE("light subpaths joined with camera subpaths match as whole words do", "[reversal]") {
+    for (const Dialect dialect : {Dialect::renderman, Dialect::osl}) {
+        CAPTURE(dialect == Dialect::osl);
+        std::vector<ChannelSource> channels = shipped(dialect);
+        add(channels, dialect, "C<RD'", "'>[DS]*L", 5);
+        add(channels, dialect, "CD*<L.'", "'>", 3);
+        check_joins(channels, {}, false, 1);                                   // one table
+        check_joins(channels, {.state_cap = 12, .group_cap = 20, .any_word = true}, false, 2);  // several tables
+        std::vector<ChannelSource> packed = channels;
+        add(packed, dialect, "C.*<RD'", "'>.*L", 40);
+        check_joins(packed, {}, true, 3);                                      // a table and lanes of one bit
+        std::vector<ChannelSource> wide;
+        add(wide, dialect, "C.*<RD'", "'>.*", 40);
+        add(wide, dialect, "C.*<RG'obj1'>.*<RD'", "'>.*", 40);
+        add(wide, dialect, "C.*<.D'", "'>.*D.[LO]", 40);
+        check_joins(wide, {}, true, 4);                                        // wider lanes
+    }
+}
+
+TEST_CASE("a light subpath that nothing can make anything of is dead", "[reversal][law4]") {
+    const ChannelSource channel{.name = "direct", .expression = "C<RD>[<L.'key'>]"};
+    const auto program = Program::compile({&channel, 1});
+    REQUIRE(program);
+    const auto reversed = ReversedProgram::build(*program);
+    REQUIRE(reversed);
+    std::vector<State> light(reversed->starts().begin(), reversed->starts().end());
+    const auto prepend = [&](const char* event) {
+        return reversed->prepend(light.data(), program->classify(parse_events(event)->front()), light.data());
+    };
+    CHECK(prepend("L,-,key"));
+    CHECK(prepend("R,D"));
+    CHECK_FALSE(prepend("R,D"));
+    CHECK_FALSE(prepend("C,-"));
+    light.assign(reversed->starts().begin(), reversed->starts().end());
+    CHECK_FALSE(prepend("L,-,fill"));
+}
+
+TEST_CASE("a reversal that would be too large is an error, and replay fits all the same", "[reversal]") {
+    const auto program = Program::compile(shipped(Dialect::renderman));
+    REQUIRE(program);
+    const auto refused = ReversedProgram::build(*program, {.state_cap = 3});
+    REQUIRE_FALSE(refused);
+    CHECK(refused.error().hint.find("LightWord") != std::string::npos);
+    CHECK_FALSE(ReversedProgram::build(*program, {.byte_cap = 100}));
+    CHECK(ReversedProgram::build(*program));
+    LightWord word;
+    for (std::size_t k = 0; k < LightWord::capacity; ++k) {
+        CHECK(word.prepend(0));
+    }
+    CHECK_FALSE(word.prepend(0));
+    CHECK(word.size() == LightWord::capacity);
+    word.cut(1);
+    CHECK(word.size() == 1);
+}
