@@ -129,23 +129,23 @@ struct ProgramView {
     std::uint32_t move_lanes(const std::uint32_t* from, const std::uint32_t* images, std::uint32_t mask,
                              std::uint32_t* to) const noexcept {
         const std::uint32_t ones = lane_words[0];
-        std::uint64_t any_pair = 0;
         std::uint32_t any = 0, w = 0;
-        // Two words at a time; all that is read of them is read before any is written.
-        const std::uint64_t mask_pair = mask | std::uint64_t{mask} << 32;
-        for (; w + 2 <= ones; w += 2) {
-            const std::uint64_t stay = load_pair(images + w);
-            const std::uint64_t moved = (stay ^ (load_pair(from + w) & (stay ^ load_pair(images + ones + w)))) & mask_pair;
+        // Four words at a time, then one; all that is read of them is read before any is written.
+        Lanes any_four{};
+        const Lanes mask_four = Lanes{} + mask;
+        for (; w + 4 <= ones; w += 4) {
+            const Lanes stay = load_four(images + w);
+            const Lanes moved = (stay ^ (load_four(from + w) & (stay ^ load_four(images + ones + w)))) & mask_four;
             std::memcpy(to + w, &moved, sizeof moved);
-            any_pair |= moved;
+            any_four |= moved;
         }
-        if (w < ones) {
+        for (; w < ones; ++w) {
             const std::uint32_t stay = images[w];
             const std::uint32_t moved = (stay ^ (from[w] & (stay ^ images[ones + w]))) & mask;
             to[w] = moved;
             any |= moved;
         }
-        any |= static_cast<std::uint32_t>(any_pair) | static_cast<std::uint32_t>(any_pair >> 32);
+        any |= any_four[0] | any_four[1] | any_four[2] | any_four[3];
         if (image_stride == 2 * ones + image_tail) {
             return any;
         }
@@ -190,10 +190,11 @@ struct ProgramView {
         return any != 0;
     }
 
-    static std::uint64_t load_pair(const std::uint32_t* words) noexcept {
-        std::uint64_t pair = 0;
-        std::memcpy(&pair, words, sizeof pair);
-        return pair;
+    using Lanes [[gnu::vector_size(16)]] = std::uint32_t;
+    static Lanes load_four(const std::uint32_t* words) noexcept {
+        Lanes four{};
+        std::memcpy(&four, words, sizeof four);
+        return four;
     }
 
     template <std::uint32_t bits>

@@ -168,6 +168,14 @@ Result<LpeSetup> LpeSetup::build(std::span<const ChannelDefinition> channels, Ch
     return setup;
 }
 
+LpeServices::SplitWay LpeServices::way_to_split(Attribution attribution) {
+    if (attribution == Attribution::picked) return SplitWay::one_by_one;
+#if defined(__x86_64__)
+    if (__builtin_cpu_supports("avx")) return SplitWay::by_plan_avx;
+#endif
+    return SplitWay::by_plan;
+}
+
 LpeServices::LpeServices(const LpeSetup& setup, SampleTable& table, std::uint64_t seed, Attribution attribution)
     : setup_(setup),
       table_(table),
@@ -175,6 +183,7 @@ LpeServices::LpeServices(const LpeSetup& setup, SampleTable& table, std::uint64_
       attribution_(attribution),
       plans_(setup.program_, std::min<std::size_t>(Tracker::capacity, Tracker::state_room /
                                                                           std::max<std::size_t>(setup.program_.word_count(), 1))),
+      split_way_(way_to_split(attribution)),
       apart_(setup.prefixed_),
       shares_(setup.prefixes_.size(), unused) {
     invalid_samples_.reserve(invalid_samples_kept);
@@ -202,27 +211,43 @@ namespace {
 using Quad [[gnu::vector_size(32), gnu::may_alias]] = double;
 using Floats [[gnu::vector_size(16)]] = float;
 using Bits [[gnu::vector_size(16)]] = std::int32_t;
+using Words [[gnu::vector_size(16)]] = std::uint32_t;
 
-/// The fractions of a scattering by part; false where a colour gets nothing or a part gives nothing, and for infinite parts.
+/// A bit for each number that has its sign set.
+inline int sign_bits(Bits bits) {
+#if defined(__SSE2__)
+    return __builtin_ia32_movmskps(reinterpret_cast<Floats>(bits));
+#else
+    int set = 0;
+    for (int i = 0; i < 4; ++i) set |= (bits[i] < 0 ? 1 : 0) << i;
+    return set;
+#endif
+}
+
+/// The fractions of a scattering by part. False where a colour gets nothing or a part gives nothing, and where a part is
+/// negative, infinite or no number.
 template <std::size_t lobes>
 [[gnu::always_inline]] inline bool fill_fractions(const LobePart* parts, Quad* fraction) {
     static_assert(sizeof(LobePart) == sizeof(Floats) && offsetof(LobePart, value) == sizeof(float));
+    constexpr std::uint32_t past_infinity = 0x00800000;  // lifts infinity and NaN, and nothing finite, to the sign bit
     Quad total{1, 0, 0, 0};
+    Bits refused{};
+    int given = 0;
     bool all_give = true;
     for (std::size_t j = 0; j < lobes; ++j) {
         Bits bits;
         std::memcpy(&bits, &parts[j], sizeof bits);
         bits &= Bits{0, -1, -1, -1};  // without the event
-        Floats color;
-        std::memcpy(&color, &bits, sizeof color);
-        const Quad value = __builtin_convertvector(color, Quad);
+        refused |= bits | reinterpret_cast<Bits>(reinterpret_cast<Words>(bits) + past_infinity);
+        const int gives = sign_bits(bits > 0);
+        given |= gives;
+        all_give &= gives != 0;
+        const auto color = reinterpret_cast<Floats>(bits);
+        const Quad value{color[0], color[1], color[2], color[3]};  // one instruction; __builtin_convertvector makes five
         fraction[j] = value;
         total += value;
-        all_give &= parts[j].value.max() > 0;
     }
-    constexpr double most = std::numeric_limits<double>::max();
-    const double least = std::min(total[1], std::min(total[2], total[3])), sum = total[1] + total[2] + total[3];
-    if (!(all_give & (least > 0) & (sum <= most))) return false;
+    if (!(all_give & (given == 0b1110) & (sign_bits(refused) == 0))) return false;
     const Quad scale = 1 / total;
     for (std::size_t j = 0; j < lobes; ++j) fraction[j] *= scale;
     return true;
@@ -235,6 +260,7 @@ template <std::size_t lobes>
         return reinterpret_cast<const Quad*>(reinterpret_cast<const std::byte*>(first) + offset);
     };
     const SplitPlans::Row *const first_end = row + count, *const end = row + rows;
+#pragma GCC unroll 2
     for (Quad* to = result; row != first_end; ++row, ++to)
         *to = *at(shares, row->from[0]) * *at(factors, row->factor[0]) + *at(shares, row->from[1]) * *at(factors, row->factor[1]);
     for (; row != end; ++row)
@@ -248,15 +274,13 @@ template <std::size_t lobes>
 /// so that there may be fewer branches than a plan makes.
 template <std::size_t lobes>
 [[gnu::always_inline]] inline bool LpeServices::split_by_plan(Tracker& tracker, const LobePart* parts) {
-    std::array<lpe::EventClass, lobes> events;
-    for (std::size_t j = 0; j < lobes; ++j) events[j] = parts[j].event;
+    std::uint64_t events = 0;
+    for (std::size_t j = 0; j < lobes; ++j) events = SplitPlans::add_event(events, parts[j].event);
     if (!plans_.knows(tracker.set_)) tracker.set_ = plans_.set_of(tracker.state_.data(), tracker.count_);
-    const SplitPlans::Plan& plan = plans_.plan(tracker.set_, events);
+    const SplitPlans::Plan& plan = plans_.plan(tracker.set_, events, lobes);
     if (!plan.fits) return false;
     if (!tracker.whole_ || plan.splits) {
-        Quad factor[SplitPlans::first_lobe + lobes];
-        factor[0] = Quad{0, 1, 1, 1};
-        factor[1] = Quad{0, 0, 0, 0};
+        Quad* const factor = reinterpret_cast<Quad*>(factors_.data());
         if (plan.splits && !fill_fractions<lobes>(parts, &factor[SplitPlans::first_lobe])) return false;
         const auto* from = reinterpret_cast<const Quad*>(tracker.shares());
         if (tracker.whole_) from = factor;
@@ -276,42 +300,33 @@ template <std::size_t lobes>
     return true;
 }
 
-bool LpeServices::split_by_plan(Tracker& tracker, std::span<const LobePart> parts) {
+[[gnu::always_inline]] inline void LpeServices::split_several(Tracker& tracker, std::span<const LobePart> parts) {
     static_assert(SplitPlans::most_lobes == 4);
-    if (parts.size() == 2) return split_by_plan<2>(tracker, parts.data());
-    if (parts.size() == 3) return split_by_plan<3>(tracker, parts.data());
-    return parts.size() == 4 && split_by_plan<4>(tracker, parts.data());
+    if (parts.size() == 2 ? split_by_plan<2>(tracker, parts.data())
+        : parts.size() == 3 ? split_by_plan<3>(tracker, parts.data())
+                            : parts.size() == 4 && split_by_plan<4>(tracker, parts.data()))
+        return;
+    split_one_by_one(tracker, parts);
+}
+
+void LpeServices::split(Tracker& tracker, std::span<const LobePart> parts) {
+    split_several(tracker, parts);
 }
 
 #if defined(__x86_64__)
-namespace {
-const bool has_avx = __builtin_cpu_supports("avx") != 0;
-}  // namespace
-
-[[gnu::target("avx")]] bool LpeServices::split_by_plan_avx(Tracker& tracker, std::span<const LobePart> parts) {
-    if (parts.size() == 2) return split_by_plan<2>(tracker, parts.data());
-    if (parts.size() == 3) return split_by_plan<3>(tracker, parts.data());
-    return parts.size() == 4 && split_by_plan<4>(tracker, parts.data());
+[[gnu::target("avx")]] void LpeServices::split_avx(Tracker& tracker, std::span<const LobePart> parts) {
+    split_several(tracker, parts);
 }
+#else
+void LpeServices::split_avx(Tracker& tracker, std::span<const LobePart> parts) { split(tracker, parts); }
 #endif
 
-void LpeServices::split(Tracker& tracker, std::span<const LobePart> parts) {
+/// Branch by branch, merging as they come.
+void LpeServices::split_one_by_one(Tracker& tracker, std::span<const LobePart> parts) {
     if (parts.empty()) {
         tracker.count_ = 0;
         return;
     }
-    if (attribution_ == Attribution::exact) {
-#if defined(__x86_64__)
-        if (has_avx ? split_by_plan_avx(tracker, parts) : split_by_plan(tracker, parts)) return;
-#else
-        if (split_by_plan(tracker, parts)) return;
-#endif
-    }
-    split_one_by_one(tracker, parts);
-}
-
-/// Branch by branch, merging as they come.
-void LpeServices::split_one_by_one(Tracker& tracker, std::span<const LobePart> parts) {
     ++tracker.moves_;
     Fractions fractions(parts);
     std::uint64_t random_state = 0;

@@ -214,11 +214,14 @@ class LpeServices {
     [[nodiscard]] std::uint8_t wanted_reach(const Tracker& tracker) const {
         return tracker.held_out_ ? LpeSetup::reaches_holdouts : LpeSetup::reaches_ordinary;
     }
+    /// All give the same bits, but for picked lobes, which are labelled one by one.
+    enum class SplitWay : std::uint8_t { one_by_one, by_plan, by_plan_avx };
+    static SplitWay way_to_split(Attribution attribution);
     void split(Tracker& tracker, std::span<const LobePart> parts);
     template <std::size_t lobes>
     bool split_by_plan(Tracker& tracker, const LobePart* parts);
-    bool split_by_plan(Tracker& tracker, std::span<const LobePart> parts);
-    bool split_by_plan_avx(Tracker& tracker, std::span<const LobePart> parts);
+    void split_several(Tracker& tracker, std::span<const LobePart> parts);
+    void split_avx(Tracker& tracker, std::span<const LobePart> parts);
     void split_one_by_one(Tracker& tracker, std::span<const LobePart> parts);
     void reject(const Rgb& value, const Tracker& tracker);
     static void collapse(BranchList& branches, std::size_t target, std::uint64_t& random_state);
@@ -232,6 +235,9 @@ class LpeServices {
     std::array<std::uint64_t, 2> contributions_{};
     std::vector<InvalidSample> invalid_samples_;
     SplitPlans plans_;
+    SplitWay split_way_;
+    /// Of the plans' rows: 1, 0, and room for the lobes' fractions of the move at hand.
+    std::array<SplitPlans::Share, SplitPlans::first_lobe + SplitPlans::most_lobes> factors_{{{0, 1, 1, 1}, {0, 0, 0, 0}}};
     bool apart_;                              // prefixes or holdouts: contributions take the long way
     static constexpr RgbD unused{-1.0};
     std::vector<RgbD> shares_;                // [program channel] of one contribution, for own_value() channels

@@ -71,8 +71,12 @@ inline void LpeServices::move(Tracker& tracker, std::span<const LobePart> parts)
     if (tracker.count_ == 0) return;
     if (parts.size() == 1)
         move(tracker, parts[0].event);
-    else
+    else if (split_way_ == SplitWay::by_plan_avx)
+        split_avx(tracker, parts);
+    else if (split_way_ == SplitWay::by_plan)
         split(tracker, parts);
+    else
+        split_one_by_one(tracker, parts);
 }
 
 /// Also true of NaN.

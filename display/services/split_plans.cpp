@@ -6,7 +6,7 @@
 namespace raylex::display {
 namespace {
 
-constexpr std::size_t first_slots = 1024;
+constexpr std::size_t first_room = 1024;
 // With most_plans, all that is kept: 10 MiB of states, rows and plans at the most. A path tracer needs far less.
 constexpr std::size_t most_words = 1 << 20, most_rows = 1 << 19;
 
@@ -28,7 +28,13 @@ struct SplitPlans::Draft {
 };
 
 SplitPlans::SplitPlans(const lpe::Program& program, std::size_t capacity, std::size_t most_plans)
-    : program_(program.view()), capacity_(capacity), most_plans_(most_plans), words_(fixed_copy, lpe::Program::dead), slots_(first_slots) {}
+    : program_(program.view()),
+      capacity_(capacity),
+      most_plans_(most_plans),
+      set_of_state_(program_.word_count == 1 ? program_.state_count : 0, unknown_set),
+      words_(fixed_copy, lpe::Program::dead),
+      plans_(first_room),
+      plan_mask_(first_room - 1) {}
 
 void SplitPlans::forget() {
     first_set_ += static_cast<std::uint32_t>(sets_.size());
@@ -36,11 +42,12 @@ void SplitPlans::forget() {
     set_index_.clear();
     words_.assign(fixed_copy, lpe::Program::dead);
     rows_.clear();
-    plans_.clear();
-    slots_.assign(first_slots, Slot{});
+    plans_.assign(first_room, Plan{});
+    plan_mask_ = first_room - 1;
+    plan_count_ = 0;
 }
 
-std::uint32_t SplitPlans::set_of(const lpe::State* states, std::size_t count) {
+std::uint32_t SplitPlans::find_set(const lpe::State* states, std::size_t count) {
     const std::size_t words = count * program_.word_count;
     const std::uint64_t hash = hash_of(states, words);
     const auto [begin, end] = set_index_.equal_range(hash);
@@ -57,24 +64,26 @@ std::uint32_t SplitPlans::set_of(const lpe::State* states, std::size_t count) {
     return set;
 }
 
-void SplitPlans::insert(const Slot& slot) {
-    const auto hashed = (slot.events ^ (std::uint64_t{slot.set} << 40 | slot.set)) * 0x9E3779B97F4A7C15ull >> 32;
-    std::size_t at = hashed & (slots_.size() - 1);
-    while (slots_[at].set != unknown_set) at = (at + 1) & (slots_.size() - 1);
-    slots_[at] = slot;
+SplitPlans::Plan& SplitPlans::insert(const Plan& plan) {
+    std::size_t at = slot_of(plan.before, plan.events);
+    while (plans_[at].before != unknown_set) at = (at + 1) & plan_mask_;
+    return plans_[at] = plan;
 }
 
-const SplitPlans::Plan& SplitPlans::make(std::uint32_t set, std::span<const lpe::EventClass> events, std::uint64_t key) {
-    if (plans_.size() >= most_plans_ || words_.size() >= most_words || rows_.size() >= most_rows) {
+const SplitPlans::Plan& SplitPlans::make(std::uint32_t set, std::uint64_t key, std::size_t lobes) {
+    std::array<lpe::EventClass, most_lobes> events{};
+    for (std::size_t j = 0; j < lobes; ++j) events[j] = static_cast<lpe::EventClass>(key >> 16 * (lobes - 1 - j));
+    if (plan_count_ >= most_plans_ || words_.size() >= most_words || rows_.size() >= most_rows) {
         const Set kept = sets_[set - first_set_];
         const auto begin = words_.begin() + kept.first_word;
         const std::vector<lpe::State> states(begin, begin + static_cast<std::ptrdiff_t>(kept.count * program_.word_count));
         forget();
         set = set_of(states.data(), kept.count);
     }
-    const std::size_t words = program_.word_count, lobes = events.size();
+    const std::size_t words = program_.word_count;
     constexpr std::uint8_t whole = 0, nothing = 1;
     const Set before = sets_[set - first_set_];
+    static_assert(255 >= most_lobes * 48);  // rows of a plan: at most one for each branch and lobe
     Draft draft;
     Plan plan;
     std::vector<lpe::State> next(lobes * words);
@@ -119,19 +128,21 @@ const SplitPlans::Plan& SplitPlans::make(std::uint32_t set, std::span<const lpe:
         for (std::size_t to = 0; to < draft.terms.size(); ++to) add_row(to, 0);
         for (std::size_t to = 0; to < draft.terms.size(); ++to)
             for (std::size_t i = 2; i < draft.terms[to].size(); i += 2) add_row(to, i);
-        plan.rows = static_cast<std::uint32_t>(rows_.size()) - plan.first_row;
+        plan.rows = static_cast<std::uint8_t>(rows_.size() - plan.first_row);
         plan.set = set_of(draft.words.data(), plan.count);
         plan.first_word = sets_[plan.set - first_set_].first_word;
     }
-    if (2 * (plans_.size() + 1) > slots_.size()) {
-        std::vector<Slot> old(2 * slots_.size());
-        std::swap(old, slots_);
-        for (const Slot& slot : old)
-            if (slot.set != unknown_set) insert(slot);
+    plan.events = key;
+    plan.before = set;
+    plan.lobes = static_cast<std::uint8_t>(lobes);
+    if (2 * ++plan_count_ > plans_.size()) {
+        std::vector<Plan> old(2 * plans_.size());
+        std::swap(old, plans_);
+        plan_mask_ = plans_.size() - 1;
+        for (const Plan& known : old)
+            if (known.before != unknown_set) insert(known);
     }
-    insert({key, set, static_cast<std::uint32_t>(lobes << 28 | plans_.size())});
-    plans_.push_back(plan);
-    return plans_.back();
+    return insert(plan);
 }
 
 }  // namespace raylex::display

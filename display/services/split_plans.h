@@ -35,14 +35,19 @@ class SplitPlans {
     struct Row {
         std::uint16_t from[2], factor[2], to;
     };
-    struct Plan {
-        std::uint32_t set = unknown_set;    ///< the states afterwards
-        std::uint32_t first_row = 0, rows = 0;
-        std::uint32_t first_word = 0;       ///< of the states afterwards
-        std::uint8_t count = 0;             ///< branches afterwards
-        bool splits = false;                ///< some branch is shared out among the lobes
-        bool fits = false;                  ///< no more branches than asked for; else nothing but this is known
+    /// An entry of the table of plans, found by what it is a plan for: the states before and the events.
+    struct alignas(32) Plan {
+        std::uint64_t events = 0;             ///< 16 bits a lobe
+        std::uint32_t before = unknown_set;   ///< the states before; unknown_set marks an entry as free
+        std::uint32_t set = unknown_set;      ///< the states afterwards
+        std::uint32_t first_row = 0;
+        std::uint32_t first_word = 0;         ///< of the states afterwards
+        std::uint8_t lobes = 0, rows = 0;
+        std::uint8_t count = 0;               ///< branches afterwards
+        bool splits = false;                  ///< some branch is shared out among the lobes
+        bool fits = false;                    ///< no more branches than asked for; else nothing but this is known
     };
+    static_assert(sizeof(Plan) == 32);
 
     /// Branches of `program` with up to `capacity` of them in one tracker. The program must outlive this.
     SplitPlans(const lpe::Program& program, std::size_t capacity, std::size_t most_plans = 1 << 15);
@@ -52,7 +57,14 @@ class SplitPlans {
     std::uint32_t set_of(const lpe::State* states, std::size_t count);
     [[nodiscard]] bool knows(std::uint32_t set) const { return set >= first_set_; }
     /// What two to most_lobes events do to the branches of a known set. The reference lasts until the next call.
-    const Plan& plan(std::uint32_t set, std::span<const lpe::EventClass> events);
+    const Plan& plan(std::uint32_t set, std::span<const lpe::EventClass> events) {
+        std::uint64_t key = 0;
+        for (const lpe::EventClass event : events) key = add_event(key, event);
+        return plan(set, key, events.size());
+    }
+    /// The same of events added to a key, from 0, one after another.
+    const Plan& plan(std::uint32_t set, std::uint64_t events, std::size_t lobes);
+    static constexpr std::uint64_t add_event(std::uint64_t key, lpe::EventClass event) { return key << 16 | event; }
 
     [[nodiscard]] const Row* rows(const Plan& plan) const { return rows_.data() + plan.first_row; }
     [[nodiscard]] const lpe::State* states(const Plan& plan) const { return words_.data() + plan.first_word; }
@@ -61,25 +73,23 @@ class SplitPlans {
     struct Set {
         std::uint32_t first_word = 0, count = 0;
     };
-    struct Slot {
-        std::uint64_t events = 0;   // 16 bits a lobe
-        std::uint32_t set = unknown_set;
-        std::uint32_t lobes_and_plan = 0;
-    };
     struct Draft;
-    const Plan& make(std::uint32_t set, std::span<const lpe::EventClass> events, std::uint64_t key);
-    void insert(const Slot& slot);
+    std::uint32_t find_set(const lpe::State* states, std::size_t count);
+    const Plan& make(std::uint32_t set, std::uint64_t key, std::size_t lobes);
+    [[nodiscard]] std::size_t slot_of(std::uint32_t set, std::uint64_t events) const;
+    Plan& insert(const Plan& plan);
     void forget();
 
     const lpe::ProgramView& program_;
     std::size_t capacity_ = 0, most_plans_ = 0;
     std::uint32_t first_set_ = 1;                  // sets are numbered on and on, those before this are forgotten
     std::vector<Set> sets_;
+    std::vector<std::uint32_t> set_of_state_;      // [state] of one branch of one word: most paths start so
     std::unordered_multimap<std::uint64_t, std::uint32_t> set_index_;   // hash of states -> set
     std::vector<lpe::State> words_;
     std::vector<Row> rows_;
-    std::vector<Plan> plans_;
-    std::vector<Slot> slots_;                      // open addressing
+    std::vector<Plan> plans_;                      // open addressing; the number of entries is a power of two
+    std::size_t plan_count_ = 0, plan_mask_ = 0;
 };
 
 }  // namespace raylex::display

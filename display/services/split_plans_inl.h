@@ -5,19 +5,24 @@
 
 namespace raylex::display {
 
-inline const SplitPlans::Plan& SplitPlans::plan(std::uint32_t set, std::span<const lpe::EventClass> events) {
-    std::uint64_t key = std::uint64_t{events[0]} << 16 | events[1];
-    for (std::size_t j = 2; j < events.size(); ++j) key = key << 16 | events[j];
-    const auto lobes = static_cast<std::uint32_t>(events.size());
-    // Fibonacci hashing of both numbers.
-    std::size_t at = ((key ^ (std::uint64_t{set} << 40 | set)) * 0x9E3779B97F4A7C15ull >> 32) & (slots_.size() - 1);
-    while (slots_[at].set != unknown_set) {
-        const Slot& slot = slots_[at];
-        if (slot.set == set && slot.events == key && slot.lobes_and_plan >> 28 == lobes)
-            return plans_[slot.lobes_and_plan & 0xFFFFFFFu];
-        at = (at + 1) & (slots_.size() - 1);
+inline std::uint32_t SplitPlans::set_of(const lpe::State* states, std::size_t count) {
+    if (count != 1 || set_of_state_.empty()) return find_set(states, count);
+    std::uint32_t& set = set_of_state_[states[0]];
+    if (!knows(set)) set = find_set(states, 1);
+    return set;
+}
+
+/// Where the search for a plan begins: Fibonacci hashing of both numbers.
+inline std::size_t SplitPlans::slot_of(std::uint32_t set, std::uint64_t events) const {
+    return ((events ^ (std::uint64_t{set} << 40 | set)) * 0x9E3779B97F4A7C15ull >> 32) & plan_mask_;
+}
+
+inline const SplitPlans::Plan& SplitPlans::plan(std::uint32_t set, std::uint64_t events, std::size_t lobes) {
+    for (std::size_t at = slot_of(set, events);; at = (at + 1) & plan_mask_) {
+        const Plan& plan = plans_[at];
+        if (plan.before == set && plan.events == events && plan.lobes == lobes) return plan;
+        if (plan.before == unknown_set) return make(set, events, lobes);
     }
-    return make(set, events, key);
 }
 
 }  // namespace raylex::display
