@@ -28,6 +28,20 @@ Status check_layout(const FrameBufferLayout& layout) {
     return success();
 }
 
+Status check_statistics(std::span<const ChannelDefinition> channels) {
+    for (const ChannelDefinition& layer : channels) {
+        if (takes_samples(layer)) continue;
+        const std::string who = "channel '" + layer.name + "' is a layer of statistics";
+        if (layer.source < 0 || static_cast<std::size_t>(layer.source) >= channels.size())
+            return error_at({}, who + " of no channel; expected the id of one");
+        const ChannelDefinition& source = channels[static_cast<std::size_t>(layer.source)];
+        if (!takes_samples(source) || source.rule != FilterRule::filter || source.type != layer.type)
+            return error_at({}, who + " of '" + source.name +
+                                    "'; expected a channel of the same type that the pixel filter is applied to");
+    }
+    return success();
+}
+
 }  // namespace
 
 FrameBuffer::FrameBuffer(const FrameBufferLayout& layout, std::span<const ChannelDefinition> channels)
@@ -39,10 +53,13 @@ FrameBuffer::FrameBuffer(const FrameBufferLayout& layout, std::span<const Channe
     storage.samples.allocate(pixels);
     storage.weight.allocate(pixels);
     storage.alpha.allocate(pixels);
-    for (const ChannelDefinition& definition : channels) {
-        Channel channel;
+    for (std::size_t index = 0; index < channels.size(); ++index) {
+        const ChannelDefinition& definition = channels[index];
+        const KeptStatistics kept = kept_statistics(channels, index);
+        Channel& channel = storage.channels.emplace_back();
         channel.definition = definition;
         channel.components = component_count(definition.type);
+        if (!takes_samples(definition)) continue;
         const std::size_t values = pixels * static_cast<std::size_t>(channel.components);
         const FilterRule rule = definition.rule;
         const bool kernel = rule == FilterRule::filter, expression = definition.style == ChannelStyle::expression;
@@ -55,12 +72,21 @@ FrameBuffer::FrameBuffer(const FrameBufferLayout& layout, std::span<const Channe
             channel.sum.allocate(values);
         }
         if (!kernel) channel.seen.allocate(pixels);
-        if (kernel && definition.statistics) {
+        if (kept.moments) {
             channel.plain_sum.allocate(values);
             channel.square_sum.allocate(values);
             if (storage.weight_square.empty()) storage.weight_square.allocate(pixels);
         }
-        storage.channels.push_back(std::move(channel));
+        if (kept.halves) {
+            channel.even_sum.allocate(values);
+            channel.odd_sum.allocate(values);
+            if (storage.even_weight.empty()) {
+                storage.even_weight.allocate(pixels);
+                storage.odd_weight.allocate(pixels);
+                storage.even_samples.allocate(pixels);
+                storage.odd_samples.allocate(pixels);
+            }
+        }
     }
     storage.rejected = std::make_unique<std::atomic<std::uint64_t>[]>(channels.size() + 1);
 }
@@ -71,6 +97,7 @@ FrameBuffer& FrameBuffer::operator=(FrameBuffer&&) noexcept = default;
 
 Result<FrameBuffer> FrameBuffer::create(const FrameBufferLayout& layout, std::span<const ChannelDefinition> channels) {
     if (const Status status = check_layout(layout); !status) return status.error();
+    if (const Status status = check_statistics(channels); !status) return status.error();
     try {
         return FrameBuffer(layout, channels);
     } catch (const std::bad_alloc&) {
@@ -132,11 +159,12 @@ void FrameBuffer::accumulate_run(const SampleTable& table, const Run& run) {
     storage.add(storage.weight, pixel, &weight, 1, exponent, none);
     if (weighted_alpha != 0) storage.add(storage.alpha, pixel, &weighted_alpha, 1, exponent, none);
     if (!storage.weight_square.empty()) storage.add(storage.weight_square, pixel, &weight_square, 1, exponent, none);
+    if (!storage.even_weight.empty()) storage.add_half_weights(table, run);
 
     for (std::size_t index = 0; index < storage.channels.size(); ++index) {
         Channel& channel = storage.channels[index];
         const auto id = static_cast<ChannelId>(index);
-        if (!table.touched(id) && !channel.reads_untouched) continue;
+        if ((!table.touched(id) && !channel.reads_untouched) || !takes_samples(channel.definition)) continue;
         if (channel.definition.rule == FilterRule::filter) storage.add_filtered(channel, index, table, run);
         else if (channel.definition.rule == FilterRule::average || channel.definition.rule == FilterRule::sum)
             storage.add_plain(channel, index, table, run);

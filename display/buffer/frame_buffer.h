@@ -22,8 +22,12 @@
 //              counting by its own opacity (mean of the colours) times what the rows in front let through
 //   alpha      1 - (1 - o_1)(1 - o_2)... per colour over the sample's rows, then the mean of the colours
 //
-// Memory: 48 bytes per pixel of an rgb channel, 144 with statistics, taken from the system as zero pages, so what no
-// contribution reaches costs address space only.
+// Layers of statistics (ChannelDefinition::statistic) are resolved from what their source keeps: moments for variance
+// and mse, two more sums for even and odd. Samples of even and of odd index are independent where sample numbers are; with
+// scrambled Sobol' points they balance each other, so the two halves differ by more than the whole is off.
+//
+// Memory: 48 bytes per pixel of an rgb channel, 144 with moments, 96 more with half buffers, taken from the system as zero
+// pages, so what no contribution reaches costs address space only.
 #pragma once
 
 #include <cstdint>
@@ -85,8 +89,8 @@ class FrameBuffer {
     /// Coverage: filtered mean of the samples' opacity.
     [[nodiscard]] std::vector<double> resolve_alpha() const;
     [[nodiscard]] std::vector<double> resolve_alpha(const PixelRegion& region) const;
-    /// Variance of the pixel mean of a kernel-filtered channel with `statistics`; importance mode only; empty when the
-    /// channel keeps none, 0 for pixels with fewer than two samples. With weights w and mean m:
+    /// Variance of the pixel mean (Statistic::mse) of a channel that keeps moments, whether or not it has a layer; empty when
+    /// it keeps none, 0 for pixels with fewer than two samples. With weights w and mean m:
     ///     sum(w^2) sum((v - m)^2) / ((n - 1) sum(w)^2),
     /// which is sample variance / n for unit weights and exact for weights of one size and either sign.
     [[nodiscard]] std::vector<double> resolve_variance_of_mean(ChannelId id) const;

@@ -6,52 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <type_traits>
 
 namespace raylex::display {
 namespace {
-
-/// The nearest long double to `fixed`, at a third of the time that the compiler's own conversion takes: both halves and
-/// the scaling are exact, so only the addition rounds.
-long double as_long_double(Int128 fixed) {
-    const auto high = static_cast<std::int64_t>(fixed >> 64);
-    const auto low = static_cast<std::uint64_t>(fixed);
-    return static_cast<long double>(high) * 0x1p64L + static_cast<long double>(low);
-}
-
-/// What sums of one pixel are divided by, all in quanta. A pixel whose weights cancel is divided by its sample count:
-/// weights have mean 1. The reciprocal costs at most 1.5 units in the last of 64 bits before rounding to 53, so a mean
-/// of equal values is that value.
-struct Divisor {
-    long double reciprocal = 0;
-    std::uint64_t samples = 0;
-    int exponent = 0;
-
-    Divisor(Int128 weight_sum, std::uint64_t sample_count, int quantum_exponent)
-        : reciprocal(weight_sum != 0 ? 1.0L / as_long_double(weight_sum) : 0.0L),
-          samples(sample_count),
-          exponent(quantum_exponent) {}
-    [[nodiscard]] double mean_of(Int128 sum) const {
-        if (sum == 0) return 0;
-        if (reciprocal != 0) return static_cast<double>(as_long_double(sum) * reciprocal);
-        if (samples == 0) return 0;
-        return static_cast<double>(to_long_double(sum, exponent) / static_cast<long double>(samples));
-    }
-};
-
-/// Calls visit(index in the region, index in the image) for each pixel, row by row.
-template <class Visit>
-void for_each_pixel(const PixelRegion& region, int width, Visit visit) {
-    std::size_t at = 0;
-    for (int y = region.y0; y < region.y1; ++y) {
-        std::size_t pixel =
-            static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(region.x0);
-        for (int x = region.x0; x < region.x1; ++x) visit(at++, pixel++);
-    }
-}
-
-std::size_t pixel_count(const PixelRegion& region) {
-    return static_cast<std::size_t>(region.width()) * static_cast<std::size_t>(region.height());
-}
 
 /// Empty when the two channels have the same record, else what differs.
 std::string difference(const ChannelDefinition& a, const ChannelDefinition& b) {
@@ -61,7 +19,8 @@ std::string difference(const ChannelDefinition& a, const ChannelDefinition& b) {
     if (a.expression != b.expression || a.dialect != b.dialect || a.rest_of != b.rest_of) return channel + "expression";
     if (a.rule != b.rule) return channel + "filter rule";
     if (a.space != b.space) return channel + "space";
-    if (a.statistics != b.statistics) return channel + "statistics setting";
+    if (a.statistics != b.statistics || a.statistic != b.statistic || a.source != b.source)
+        return channel + "statistics setting";
     if (a.miss_value != b.miss_value) return channel + "miss value";
     return {};
 }
@@ -98,6 +57,9 @@ std::vector<double> FrameBuffer::resolve(ChannelId id) const {
 std::vector<double> FrameBuffer::resolve(ChannelId id, const PixelRegion& region) const {
     const Storage& storage = *storage_;
     const Channel& channel = storage.channels[static_cast<std::size_t>(id)];
+    if (!takes_samples(channel.definition))
+        return storage.statistic(storage.channels[static_cast<std::size_t>(channel.definition.source)],
+                                 channel.definition.statistic, region);
     const auto components = static_cast<std::size_t>(channel.components);
     const int exponent = storage.layout.quantum_exponent;
     const FilterRule rule = channel.definition.rule;
@@ -137,29 +99,6 @@ std::vector<double> FrameBuffer::resolve_alpha(const PixelRegion& region) const 
     return result;
 }
 
-std::vector<double> FrameBuffer::resolve_variance_of_mean(ChannelId id) const {
-    const Storage& storage = *storage_;
-    const Channel& channel = storage.channels[static_cast<std::size_t>(id)];
-    if (channel.square_sum.empty()) return {};
-    const auto components = static_cast<std::size_t>(channel.components);
-    const int exponent = storage.layout.quantum_exponent;
-    std::vector<double> result(storage.pixel_count() * components);
-    for (std::size_t i = 0; i < result.size(); ++i) {
-        const std::size_t pixel = i / components;
-        const std::uint64_t samples = storage.samples[pixel];
-        if (samples < 2 || storage.weight[pixel] == 0) continue;
-        const auto n = static_cast<long double>(samples);
-        const long double weight = to_long_double(storage.weight[pixel], exponent);
-        const long double mean = to_long_double(channel.sum[i], exponent) / weight;
-        // sum(v^2) is exact to 2^-56, so nothing is lost but what these 64-bit mantissas round off: 2^-63 sum(v^2).
-        const long double about_mean = to_long_double(channel.square_sum[i], Storage::square_exponent) -
-                                       mean * (2 * to_long_double(channel.plain_sum[i], exponent) - n * mean);
-        const long double weight_square = to_long_double(storage.weight_square[pixel], exponent);
-        result[i] = static_cast<double>(std::max(0.0L, about_mean) * weight_square / ((n - 1) * weight * weight));
-    }
-    return result;
-}
-
 Status FrameBuffer::merge(const FrameBuffer& other) {
     Storage& mine = *storage_;
     const Storage& theirs = *other.storage_;
@@ -172,25 +111,22 @@ Status FrameBuffer::merge(const FrameBuffer& other) {
         if (const std::string text = difference(mine.definitions[i], theirs.definitions[i]); !text.empty())
             return error_at({}, "frame buffers with different channels cannot be merged: " + text);
 
-    const auto add_plane = [&](Plane<Int128>& to, const Plane<Int128>& from, std::size_t channel) {
-        for (std::size_t i = 0; i < to.size(); ++i)
-            if (from[i] != 0 && !add_fixed(to[i], from[i])) mine.reject(channel);
+    // Sums add exactly; what a rule picked is merged by the rule.
+    const auto add_plane = [&]<class T>(Plane<T>& to, const Plane<T>& from, std::size_t channel) {
+        for (std::size_t i = 0; i < to.size(); ++i) {
+            if constexpr (std::is_same_v<T, Int128>) {
+                if (from[i] != 0 && !add_fixed(to[i], from[i])) mine.reject(channel);
+            } else if constexpr (std::is_same_v<T, std::uint64_t>) {
+                to[i] += from[i];
+            }
+        }
     };
-    for (std::size_t i = 0; i < mine.samples.size(); ++i) mine.samples[i] += theirs.samples[i];
-    add_plane(mine.weight, theirs.weight, mine.channels.size());
-    add_plane(mine.alpha, theirs.alpha, mine.channels.size());
-    add_plane(mine.weight_square, theirs.weight_square, mine.channels.size());
+    Storage::for_each_plane([&](const char*, auto plane) { add_plane(mine.*plane, theirs.*plane, mine.channels.size()); });
     for (std::size_t i = 0; i < mine.channels.size(); ++i) {
         Channel& to = mine.channels[i];
         const Channel& from = theirs.channels[i];
-        add_plane(to.sum, from.sum, i);
-        add_plane(to.plain_sum, from.plain_sum, i);
-        add_plane(to.square_sum, from.square_sum, i);
-        if (to.picked.empty()) {
-            for (std::size_t p = 0; p < to.seen.size(); ++p) to.seen[p] += from.seen[p];
-        } else {
-            mine.merge_picked(to, from);
-        }
+        if (!to.picked.empty()) mine.merge_picked(to, from);
+        else Channel::for_each_plane([&](const char*, auto plane) { add_plane(to.*plane, from.*plane, i); });
     }
     for (std::size_t i = 0; i <= mine.channels.size(); ++i) mine.rejected[i].fetch_add(theirs.rejected[i].load());
     return success();

@@ -102,6 +102,7 @@ void FrameBuffer::Storage::add_filtered(Channel& channel, std::size_t index, con
     if (components == 3) sum_block<3>(table, run.begin, run.end, values, statistics, sums);
     else sum_block<1>(table, run.begin, run.end, values, statistics, sums);
     const std::size_t at = run.pixel * components;
+    if (!channel.even_sum.empty()) add_halves(channel, index, table, run, values);
     // A sum of nothing is not added, so that its memory page is not needed either.
     if (sums.weighted != std::array<double, 3>{})
         add(channel.sum, at, sums.weighted.data(), channel.components, layout.quantum_exponent, index);

@@ -87,9 +87,24 @@ struct FrameBuffer::Channel {
     Plane<Int128> sum;                // [pixel, component] filter: weighted; average, sum: unweighted
     Plane<Int128> plain_sum;          // [pixel, component] statistics: unweighted
     Plane<Int128> square_sum;         // [pixel, component] statistics: squares, quantum 2^square_exponent
+    Plane<Int128> even_sum, odd_sum;  // [pixel, component] half buffers: weighted, of the samples of that parity
     Plane<double> picked;             // [pixel, component] zmin, zmax, min, max
     Plane<float> depth;               // [pixel] zmin, zmax: of the row picked
     Plane<std::uint64_t> seen;        // [pixel] zmin, zmax: sample index picked + 1; else: rows taken in
+
+    /// The one list of what is kept per channel: calls visit("name", pointer to member) for each plane, empty ones too.
+    /// Whoever saves, loads or merges a record goes by it.
+    template <class Visit>
+    static void for_each_plane(Visit visit) {
+        visit("sum", &Channel::sum);
+        visit("plain_sum", &Channel::plain_sum);
+        visit("square_sum", &Channel::square_sum);
+        visit("even_sum", &Channel::even_sum);
+        visit("odd_sum", &Channel::odd_sum);
+        visit("picked", &Channel::picked);
+        visit("depth", &Channel::depth);
+        visit("seen", &Channel::seen);
+    }
 };
 
 struct FrameBuffer::Storage {
@@ -102,7 +117,22 @@ struct FrameBuffer::Storage {
     Plane<std::uint64_t> samples;       // [pixel]
     Plane<Int128> weight, alpha;        // [pixel] sums of weight, weight x alpha
     Plane<Int128> weight_square;        // [pixel] only when a channel keeps statistics
+    Plane<std::uint64_t> even_samples, odd_samples;   // [pixel] only when a channel keeps half buffers
+    Plane<Int128> even_weight, odd_weight;
     std::unique_ptr<std::atomic<std::uint64_t>[]> rejected;   // [channel], the last entry for weight and alpha
+
+    /// The same list for what all channels share.
+    template <class Visit>
+    static void for_each_plane(Visit visit) {
+        visit("samples", &Storage::samples);
+        visit("weight", &Storage::weight);
+        visit("alpha", &Storage::alpha);
+        visit("weight_square", &Storage::weight_square);
+        visit("even_samples", &Storage::even_samples);
+        visit("odd_samples", &Storage::odd_samples);
+        visit("even_weight", &Storage::even_weight);
+        visit("odd_weight", &Storage::odd_weight);
+    }
 
     void reject(std::size_t channel) { rejected[channel].fetch_add(1, std::memory_order_relaxed); }
     /// sum[at ..] += the terms, all of them or (counted against `channel`) none.
@@ -116,11 +146,74 @@ struct FrameBuffer::Storage {
         for (int c = 0; c < count; ++c) sum[at + static_cast<std::size_t>(c)] = result[c];
     }
     void add_filtered(Channel& channel, std::size_t index, const SampleTable& table, const Run& run);
+    void add_halves(Channel& channel, std::size_t index, const SampleTable& table, const Run& run, const double* values);
+    void add_half_weights(const SampleTable& table, const Run& run);
+    [[nodiscard]] std::vector<double> statistic(const Channel& source, Statistic statistic, const PixelRegion& region) const;
     void add_plain(Channel& channel, std::size_t index, const SampleTable& table, const Run& run);
     void add_picked(Channel& channel, std::size_t index, const SampleTable& table, const Run& run);
     void merge_picked(Channel& to, const Channel& from) const;
     [[nodiscard]] std::size_t pixel_count() const {
         return static_cast<std::size_t>(layout.width) * static_cast<std::size_t>(layout.height);
+    }
+};
+
+/// What a channel keeps beside its value, for itself or for a layer of statistics made of it.
+struct KeptStatistics {
+    bool moments = false;   // plain_sum and square_sum
+    bool halves = false;    // even_sum and odd_sum
+};
+[[nodiscard]] inline KeptStatistics kept_statistics(std::span<const ChannelDefinition> channels, std::size_t index) {
+    KeptStatistics kept;
+    if (channels[index].rule != FilterRule::filter || !takes_samples(channels[index])) return kept;
+    kept.moments = channels[index].statistics;
+    for (const ChannelDefinition& layer : channels) {
+        if (takes_samples(layer) || layer.source != static_cast<ChannelId>(index)) continue;
+        const bool half = layer.statistic == Statistic::even || layer.statistic == Statistic::odd;
+        (half ? kept.halves : kept.moments) = true;
+    }
+    return kept;
+}
+
+/// Calls visit(index in the region, index in the image) for each pixel, row by row.
+template <class Visit>
+void for_each_pixel(const PixelRegion& region, int width, Visit visit) {
+    std::size_t at = 0;
+    for (int y = region.y0; y < region.y1; ++y) {
+        std::size_t pixel =
+            static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(region.x0);
+        for (int x = region.x0; x < region.x1; ++x) visit(at++, pixel++);
+    }
+}
+
+[[nodiscard]] inline std::size_t pixel_count(const PixelRegion& region) {
+    return static_cast<std::size_t>(region.width()) * static_cast<std::size_t>(region.height());
+}
+
+/// The nearest long double to `fixed`, at a third of the time that the compiler's own conversion takes: both halves and
+/// the scaling are exact, so only the addition rounds.
+[[nodiscard]] inline long double as_long_double(Int128 fixed) {
+    const auto high = static_cast<std::int64_t>(fixed >> 64);
+    const auto low = static_cast<std::uint64_t>(fixed);
+    return static_cast<long double>(high) * 0x1p64L + static_cast<long double>(low);
+}
+
+/// What sums of one pixel are divided by, all in quanta. A pixel whose weights cancel is divided by its sample count:
+/// weights have mean 1. The reciprocal costs at most 1.5 units in the last of 64 bits before rounding to 53, so a mean
+/// of equal values is that value.
+struct Divisor {
+    long double reciprocal = 0;
+    std::uint64_t samples = 0;
+    int exponent = 0;
+
+    Divisor(Int128 weight_sum, std::uint64_t sample_count, int quantum_exponent)
+        : reciprocal(weight_sum != 0 ? 1.0L / as_long_double(weight_sum) : 0.0L),
+          samples(sample_count),
+          exponent(quantum_exponent) {}
+    [[nodiscard]] double mean_of(Int128 sum) const {
+        if (sum == 0) return 0;
+        if (reciprocal != 0) return static_cast<double>(as_long_double(sum) * reciprocal);
+        if (samples == 0) return 0;
+        return static_cast<double>(to_long_double(sum, exponent) / static_cast<long double>(samples));
     }
 };
 

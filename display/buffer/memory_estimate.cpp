@@ -12,10 +12,14 @@ namespace raylex::display {
 namespace {
 
 /// As FrameBuffer's constructor lays it out.
-std::uint64_t bytes_per_pixel(const ChannelDefinition& channel) {
+std::uint64_t bytes_per_pixel(std::span<const ChannelDefinition> channels, std::size_t index) {
+    const ChannelDefinition& channel = channels[index];
+    if (!takes_samples(channel)) return 0;
+    const KeptStatistics kept = kept_statistics(channels, index);
     const auto components = static_cast<std::uint64_t>(component_count(channel.type));
     const FilterRule rule = channel.rule;
-    if (rule == FilterRule::filter) return components * sizeof(Int128) * (channel.statistics ? 3 : 1);
+    if (rule == FilterRule::filter)
+        return components * sizeof(Int128) * (1 + (kept.moments ? 2u : 0u) + (kept.halves ? 2u : 0u));
     if (is_extremum(rule)) return components * sizeof(double) + sizeof(std::uint64_t);
     if (is_z_rule(rule)) return components * sizeof(double) + sizeof(std::uint64_t) + sizeof(float);
     return components * sizeof(Int128) + sizeof(std::uint64_t);
@@ -26,12 +30,16 @@ std::uint64_t bytes_per_pixel(const ChannelDefinition& channel) {
 std::vector<MemoryItem> frame_buffer_memory(const FrameBufferLayout& layout,
                                             std::span<const ChannelDefinition> channels) {
     const std::uint64_t pixels = static_cast<std::uint64_t>(layout.width) * static_cast<std::uint64_t>(layout.height);
-    const bool statistics = std::any_of(channels.begin(), channels.end(), [](const ChannelDefinition& channel) {
-        return channel.rule == FilterRule::filter && channel.statistics;
-    });
-    std::vector<MemoryItem> items{
-        {"weights", pixels * (sizeof(std::uint64_t) + sizeof(Int128) * (statistics ? 3u : 2u))}};
-    for (const ChannelDefinition& channel : channels) items.push_back({channel.name, pixels * bytes_per_pixel(channel)});
+    KeptStatistics any;
+    for (std::size_t i = 0; i < channels.size(); ++i) {
+        const KeptStatistics kept = kept_statistics(channels, i);
+        any = {any.moments || kept.moments, any.halves || kept.halves};
+    }
+    const std::uint64_t weights = sizeof(std::uint64_t) + sizeof(Int128) * (any.moments ? 3u : 2u) +
+                                  (any.halves ? 2 * (sizeof(std::uint64_t) + sizeof(Int128)) : 0u);
+    std::vector<MemoryItem> items{{"weights", pixels * weights}};
+    for (std::size_t i = 0; i < channels.size(); ++i)
+        items.push_back({channels[i].name, pixels * bytes_per_pixel(channels, i)});
     return items;
 }
 

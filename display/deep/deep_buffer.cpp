@@ -90,6 +90,9 @@ Status DeepBuffer::check(std::span<const ChannelDefinition> channels, std::span<
         return error_at({}, "deep tolerance " + std::to_string(options.tolerance) + "; expected 1.2e-7 to 1");
     for (const ChannelId id : chosen) {
         const ChannelDefinition& channel = channels[static_cast<std::size_t>(id)];
+        if (!takes_samples(channel))
+            return error_at({}, "channel '" + channel.name + "' cannot be deep: it is a statistic of a whole pixel; expected "
+                                    "light or a filtered channel");
         if (channel.type == ChannelType::integer || channel.rule != FilterRule::filter)
             return error_at({}, "channel '" + channel.name + "' cannot be deep: it is " +
                                     (channel.type == ChannelType::integer ? "an integer" : "no filtered mean") +

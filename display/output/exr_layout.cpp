@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "display/output/exr_layers.h"
+#include "display/services/channel_settings.h"
 
 namespace raylex::display {
 
@@ -20,30 +21,13 @@ Error layout_error(const std::string& message) {
     return error;
 }
 
-const char* rule_name(FilterRule rule) {
-    switch (rule) {
-        case FilterRule::filter:
-            return "filter";
-        case FilterRule::zmin:
-            return "zmin";
-        case FilterRule::zmax:
-            return "zmax";
-        case FilterRule::min:
-            return "min";
-        case FilterRule::max:
-            return "max";
-        case FilterRule::average:
-            return "average";
-        case FilterRule::sum:
-            return "sum";
-    }
-    return "";
-}
-
 std::map<std::string, std::string> channel_attributes(std::span<const ChannelDefinition> channels,
                                                       const ChannelDefinition& channel) {
     std::map<std::string, std::string> attributes{{"rule/" + channel.name, rule_name(channel.rule)}};
     if (!channel.space.empty()) attributes["space/" + channel.name] = channel.space;
+    if (!takes_samples(channel))
+        attributes["statistics/" + channel.name] = std::string(statistic_name(channel.statistic)) + " of " +
+                                                   channels[static_cast<std::size_t>(channel.source)].name;
     if (!channel.rest_of.empty()) {
         std::string text = "rest of ";
         for (std::size_t i = 0; i < channel.rest_of.size(); ++i)

@@ -92,6 +92,8 @@ ExrStorageTable default_exr_storage() {
 
 ChannelKind kind_of(const ChannelDefinition& channel) {
     if (channel.style == ChannelStyle::expression) return ChannelKind::light;
+    // A variance is a colour's square and no colour: halves would lose it where it is small.
+    if (channel.statistic == Statistic::variance || channel.statistic == Statistic::mse) return ChannelKind::value;
     switch (channel.type) {
         case ChannelType::integer:
             return ChannelKind::id;

@@ -18,7 +18,7 @@ namespace raylex::display {
 ///   color     other R G B, such as albedo                   float zip           yes
 ///   normal    unit vectors                                  float zip           yes
 ///   position  points and vectors: P, Pw, st, dPdu           float zip           no: a half has 11 bits
-///   value     single numbers: z, VLen, time, statistics     float zip           no
+///   value     single numbers: z, VLen, time; variances      float zip           no
 ///   id        integers                                      uint zips           no: not a number to round
 ///
 /// Light is float because Law 1 is about the bits in the file: with half layers a split holds to 2^-10 only. Zip packs

@@ -39,7 +39,7 @@ struct ImageDescription {
 ///
 /// Header, beside OpenEXR's own chromaticities, worldToCamera and worldToNDC: `colorInteropID` (part by part; "data" for
 /// what is no colour); `lpe/NAME` the expression and `lpeDialect/NAME`, `rule/NAME` how samples became pixels,
-/// `space/NAME`, `storage/NAME` ("float zip"), each in the channel's own part and all of them in part 0;
+/// `space/NAME`, `statistics/NAME` ("mse of beauty"), `storage/NAME` ("float zip"), each in the channel's own part and all of them in part 0;
 /// `partition/NAME` in part 0 as "beauty = first + second", and `verdict/NAME`, what split_check says of the very bits
 /// in the file: "holds; ..." or "does not hold; ..."; "raylex/incomplete".
 ///

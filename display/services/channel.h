@@ -25,6 +25,13 @@ enum class ChannelType : std::uint8_t { real, rgb, point, normal, vector, intege
 /// zmin and zmax copy the value of the sample nearest to / farthest from the camera.
 enum class FilterRule : std::uint8_t { filter, zmin, zmax, min, max, average, sum };
 
+/// What a layer of statistics says of the samples of another channel, component by component. With n samples v of weight w
+/// and the pixel's value m:
+///   variance   sum((v - m)^2) / (n - 1)
+///   mse        variance of m: variance x sum(w^2) / sum(w)^2, which is variance / n for equal weights
+///   even, odd  the pixel made of the samples with an even (odd) index alone: two images of half the samples each
+enum class Statistic : std::uint8_t { none, variance, mse, even, odd };
+
 /// What GetDisplayChannels shows to patterns, bxdfs and integrators.
 struct DisplayChannel {
     ChannelId id = invalid_channel;
@@ -45,9 +52,18 @@ struct ChannelDefinition {
     FilterRule rule = FilterRule::filter;
     std::string space;                            ///< "camera", "world", "raster", "rendering colour space", ...
     bool statistics = false;                      ///< also keep the per-pixel second moment
+    /// Not none: a layer made of what the frame buffer keeps of channel `source`, which has the rule `filter` and the same
+    /// type. Nothing can be sent to it, and it takes no memory but what it makes its source keep.
+    Statistic statistic = Statistic::none;
+    ChannelId source = invalid_channel;
     float miss_value = 0.0f;                      ///< value of a sample to which nothing was written
     std::string origin;                           ///< for errors: the file or option the expression stands in
     int origin_line = 0, origin_column = 0;       ///< of the expression's first character, 0 = not known
 };
+
+/// Whether samples can be sent to the channel at all.
+[[nodiscard]] inline bool takes_samples(const ChannelDefinition& channel) {
+    return channel.statistic == Statistic::none;
+}
 
 }  // namespace raylex::display

@@ -9,8 +9,12 @@ namespace {
 
 using RowState = SampleTable::RowState;
 
-bool holds_triples(ChannelType type) {
-    return component_count(type) == 3;
+bool holds_triples(const ChannelDefinition& channel) {
+    return takes_samples(channel) && component_count(channel.type) == 3;
+}
+
+bool holds(const ChannelDefinition& channel, ChannelType type) {
+    return takes_samples(channel) && channel.type == type;
 }
 
 }  // namespace
@@ -52,14 +56,14 @@ double* DisplayServices::entry(ChannelId id, int row, RowState state) {
 
 bool DisplayServices::splat(ChannelId id, int row, float value) {
     const bool known = id >= 0 && id < table_.channel_count();
-    if (!accept(id, row, known && table_.channel(id).type == ChannelType::real && std::isfinite(value))) return false;
+    if (!accept(id, row, known && holds(table_.channel(id), ChannelType::real) && std::isfinite(value))) return false;
     *entry(id, row, RowState::splatted) += static_cast<double>(value);
     return true;
 }
 
 bool DisplayServices::splat(ChannelId id, int row, const Rgb& value) {
     const bool known = id >= 0 && id < table_.channel_count();
-    if (!accept(id, row, known && holds_triples(table_.channel(id).type) && is_finite(value))) return false;
+    if (!accept(id, row, known && holds_triples(table_.channel(id)) && is_finite(value))) return false;
     double* values = entry(id, row, RowState::splatted);
     for (int c = 0; c < 3; ++c) values[c] += static_cast<double>(value[c]);
     return true;
@@ -79,14 +83,14 @@ bool DisplayServices::splat_multi(std::span<const ChannelId> ids, int row, const
 
 bool DisplayServices::write(ChannelId id, int row, float value) {
     const bool known = id >= 0 && id < table_.channel_count();
-    if (!accept(id, row, known && table_.channel(id).type == ChannelType::real && std::isfinite(value))) return false;
+    if (!accept(id, row, known && holds(table_.channel(id), ChannelType::real) && std::isfinite(value))) return false;
     *entry(id, row, RowState::written) = static_cast<double>(value);
     return true;
 }
 
 bool DisplayServices::write(ChannelId id, int row, const Rgb& value) {
     const bool known = id >= 0 && id < table_.channel_count();
-    if (!accept(id, row, known && holds_triples(table_.channel(id).type) && is_finite(value))) return false;
+    if (!accept(id, row, known && holds_triples(table_.channel(id)) && is_finite(value))) return false;
     double* values = entry(id, row, RowState::written);
     for (int c = 0; c < 3; ++c) values[c] = static_cast<double>(value[c]);
     return true;
@@ -94,7 +98,7 @@ bool DisplayServices::write(ChannelId id, int row, const Rgb& value) {
 
 bool DisplayServices::write(ChannelId id, int row, std::int32_t value) {
     const bool known = id >= 0 && id < table_.channel_count();
-    if (!accept(id, row, known && table_.channel(id).type == ChannelType::integer)) return false;
+    if (!accept(id, row, known && holds(table_.channel(id), ChannelType::integer))) return false;
     *entry(id, row, RowState::written) = static_cast<double>(value);
     return true;
 }
@@ -136,17 +140,17 @@ bool DisplayServices::write_batch(ChannelId id, std::span<const std::int32_t> ro
 
 bool DisplayServices::write(ChannelId id, std::span<const std::int32_t> rows, std::span<const float> values) {
     const bool known = id >= 0 && id < table_.channel_count();
-    return write_batch(id, rows, values, known && table_.channel(id).type == ChannelType::real);
+    return write_batch(id, rows, values, known && holds(table_.channel(id), ChannelType::real));
 }
 
 bool DisplayServices::write(ChannelId id, std::span<const std::int32_t> rows, std::span<const Rgb> values) {
     const bool known = id >= 0 && id < table_.channel_count();
-    return write_batch(id, rows, values, known && holds_triples(table_.channel(id).type));
+    return write_batch(id, rows, values, known && holds_triples(table_.channel(id)));
 }
 
 bool DisplayServices::write(ChannelId id, std::span<const std::int32_t> rows, std::span<const std::int32_t> values) {
     const bool known = id >= 0 && id < table_.channel_count();
-    return write_batch(id, rows, values, known && table_.channel(id).type == ChannelType::integer);
+    return write_batch(id, rows, values, known && holds(table_.channel(id), ChannelType::integer));
 }
 
 bool DisplayServices::write_distance(int row, float distance, bool is_volume) {

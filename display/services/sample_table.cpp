@@ -6,6 +6,14 @@
 #include <numeric>
 
 namespace raylex::display {
+namespace {
+
+/// Layers of statistics have no values of their own.
+std::size_t values_per_row(const ChannelDefinition& channel) {
+    return takes_samples(channel) ? static_cast<std::size_t>(component_count(channel.type)) : 0;
+}
+
+}  // namespace
 
 SampleTable::SampleTable(std::span<const ChannelDefinition> channels, int max_rows, int max_extra_rows)
     : channels_(channels.begin(), channels.end()),
@@ -14,7 +22,7 @@ SampleTable::SampleTable(std::span<const ChannelDefinition> channels, int max_ro
     std::size_t size = 0;
     for (const ChannelDefinition& channel : channels_) {
         offset_.push_back(size);
-        size += row_capacity_ * static_cast<std::size_t>(component_count(channel.type));
+        size += row_capacity_ * values_per_row(channel);
         fill_.push_back(channel.style == ChannelStyle::name ? static_cast<double>(channel.miss_value) : 0.0);
     }
     values_.resize(size);
@@ -37,8 +45,7 @@ void SampleTable::clear_rows(int count) {
         if (touched_[channel] == 0) continue;
         touched_[channel] = 0;
         double* first = values_.data() + offset_[channel];
-        std::fill(first, first + rows * static_cast<std::size_t>(component_count(channels_[channel].type)),
-                  fill_[channel]);
+        std::fill(first, first + rows * values_per_row(channels_[channel]), fill_[channel]);
         if (channels_[channel].style == ChannelStyle::name)
             std::fill_n(row_states_.begin() + static_cast<std::ptrdiff_t>(channel * row_capacity_), rows,
                         RowState::untouched);

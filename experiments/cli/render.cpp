@@ -1,4 +1,5 @@
 // raylex render: from flags and a job file to a Job; cli/render_run.cpp does the rest.
+#include <algorithm>
 #include <charconv>
 #include <cstdint>
 #include <filesystem>
@@ -23,7 +24,7 @@ struct RenderOptions {
     std::optional<std::uint64_t> spp, seed;
     std::optional<int> threads;
     std::optional<std::int64_t> max_depth;
-    std::vector<std::string> expressions, dialects, aovs, cryptomatte;
+    std::vector<std::string> expressions, dialects, aovs, cryptomatte, rules, statistic_layers;
     std::optional<int> cryptomatte_ranks;
     bool no_beauty = false, light_groups = false;
     OutputOptions outputs;
@@ -46,6 +47,35 @@ Status read_expressions(const CLI::App& command, const RenderOptions& options, J
             auto request = parse_named_expression(options.expressions[next_expression++], dialect, "--lpe");
             if (!request) return request.error();
             job.expressions.push_back(std::move(*request));
+        }
+    }
+    return success();
+}
+
+/// --rule NAME=RULE and --statistics NAME=STATISTIC,...
+Status read_channel_settings(const RenderOptions& options, transport::RenderSettings& settings) {
+    const auto split = [](const std::string& text, const char* option, const char* example) -> Result<std::size_t> {
+        const std::size_t equals = text.find('=');
+        if (equals != std::string::npos && equals > 0 && equals + 1 < text.size()) return equals;
+        return error_at(flag(option), "'" + text + "' says nothing of a channel; expected such as " + example);
+    };
+    for (const std::string& text : options.rules) {
+        auto equals = split(text, "--rule", "Nn=zmin");
+        if (!equals) return equals.error();
+        auto rule = display::parse_rule_request(text.substr(0, *equals), text.substr(*equals + 1), flag("--rule"));
+        if (!rule) return rule.error();
+        settings.rules.push_back(std::move(*rule));
+    }
+    for (const std::string& text : options.statistic_layers) {
+        auto equals = split(text, "--statistics", "beauty=variance,mse");
+        if (!equals) return equals.error();
+        for (std::size_t begin = *equals + 1; begin <= text.size();) {
+            const std::size_t end = std::min(text.find(',', begin), text.size());
+            auto layer = display::parse_statistic_request(text.substr(0, *equals), text.substr(begin, end - begin),
+                                                          flag("--statistics"));
+            if (!layer) return layer.error();
+            settings.statistics.push_back(std::move(*layer));
+            begin = end + 1;
         }
     }
     return success();
@@ -99,6 +129,7 @@ Result<Job> assemble(const CLI::App& command, const RenderOptions& options) {
     if (Status outputs = apply_output_options(options.outputs, job); !outputs) return outputs.error();
     Status expressions = read_expressions(command, options, job);
     if (!expressions) return expressions.error();
+    if (Status settings = read_channel_settings(options, job.settings); !settings) return settings.error();
     for (const std::string& name : options.aovs) job.aovs.push_back({name, flag("--aov " + name)});
     if (!options.cryptomatte.empty()) job.settings.cryptomatte.clear();
     for (const std::string& name : options.cryptomatte)
@@ -175,6 +206,22 @@ void add_options(CLI::App& command, RenderOptions& options) {
         .add_option("--aov", options.aovs,
                     "adds a geometric AOV by its standard name (" + aov_names() + "); may be repeated")
         ->option_text("NAME")
+        ->expected(1)
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    command
+        .add_option("--rule", options.rules,
+                    "how the samples of a channel become its pixels: filter (the pixel filter), zmin, zmax (the nearest, "
+                    "farthest sample), min, max, average or sum; may be repeated")
+        ->option_text("NAME=RULE")
+        ->expected(1)
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    command
+        .add_option("--statistics", options.statistic_layers,
+                    "adds layers NAME_variance (of the samples), NAME_mse (variance of the pixel), NAME_even and NAME_odd "
+                    "(the image from samples of even, odd index) for the beauty or a filtered channel; may be repeated")
+        ->option_text("NAME=STATISTIC,...")
         ->expected(1)
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);

@@ -30,7 +30,8 @@ display::DriverRequest main_image(const Job& job) {
 /// Layers of equal size share a line; the largest come first.
 void print_memory(const std::vector<display::MemoryItem>& items, std::size_t layers, std::uint64_t limit) {
     std::map<std::uint64_t, std::vector<std::string>, std::greater<>> by_size;
-    for (const display::MemoryItem& item : items) by_size[item.bytes].push_back(item.name);
+    for (const display::MemoryItem& item : items)
+        if (item.bytes > 0) by_size[item.bytes].push_back(item.name);  // layers of statistics are in their sources
     std::string line = "memory: " + display::memory_text(display::total_bytes(items)) + " for " +
                        std::to_string(layers) + (layers == 1 ? " layer" : " layers");
     if (limit > 0) line += ", of at most " + display::memory_text(limit);

@@ -41,7 +41,7 @@ class Planner {
             if (!added) return added.error();
         }
         for (Status (Planner::*step)() : {&Planner::declared_partitions, &Planner::automatic_rest, &Planner::shipped,
-                                          &Planner::light_groups, &Planner::aovs}) {
+                                          &Planner::light_groups, &Planner::aovs, &Planner::check_rules}) {
             Status done = (this->*step)();
             if (!done) return done.error();
             if (!plan_.refuted.empty()) break;
@@ -111,7 +111,7 @@ class Planner {
         if (unknown && !(never && *never))
             for (const std::string& each : *unknown) plan_.notes.push_back(who + ": " + each);
         const auto beauty = lpe::is_beauty(source, words_);
-        if (beauty && *beauty) plan_.beauties.push_back(source.name);
+        if (beauty && *beauty && !rule_of(source.name)) plan_.beauties.push_back(source.name);
     }
 
     /// The layer that takes what `channels` leave.
@@ -166,6 +166,12 @@ class Planner {
             if (!proved || !plan_.refuted.empty()) return proved;
         }
         return success();
+    }
+
+    [[nodiscard]] const display::RuleRequest* rule_of(const std::string& name) const {
+        for (const display::RuleRequest& request : job_.settings.rules)
+            if (request.channel == name && request.rule != display::FilterRule::filter) return &request;
+        return nullptr;
     }
 
     Status check_member(const PartitionRequest& request, const std::string& name) const {
@@ -223,7 +229,7 @@ class Planner {
         if (!job_.settings.beauty) return success();
         std::vector<std::string> members;
         for (const ExpressionRequest& request : job_.expressions)
-            if (!prefixed_.contains(request.name) && !in_partition_.contains(request.name))
+            if (!prefixed_.contains(request.name) && !in_partition_.contains(request.name) && !rule_of(request.name))
                 members.push_back(request.name);
         if (members.empty()) return success();
         auto report = lpe::check_disjoint(sources_of(members), words_);
@@ -313,6 +319,21 @@ class Planner {
             }
             Status added = add_channel(std::move(*definition), request.location);
             if (!added) return added;
+        }
+        return success();
+    }
+
+    /// What a rule picks does not add up.
+    Status check_rules() {
+        for (const display::PartitionDeclaration& partition : plan_.partitions) {
+            std::vector<std::string> members = partition.layers;
+            members.push_back(partition.of);
+            for (const std::string& name : members)
+                if (const display::RuleRequest* rule = rule_of(name))
+                    return error_at(rule->location, "channel '" + name + "' has the rule '" +
+                                                        display::rule_name(rule->rule) +
+                                                        "' and cannot be part of partition '" + partition.name +
+                                                        "', whose layers add up under the pixel filter only");
         }
         return success();
     }

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "experiments/job/job_file.h"
@@ -16,6 +17,37 @@ std::optional<lpe::Dialect> read_dialect(TomlTable& table) {
     if (dialect) return *dialect;
     table.source().fail(dialect.error());
     return std::nullopt;
+}
+
+void read_statistics(TomlTable& table, std::string_view key, const std::string& channel, Job& job) {
+    std::vector<std::string> names;
+    std::vector<SourceLocation> places;
+    table.read(key, names, &places);
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        auto request = display::parse_statistic_request(channel, names[i], places[i]);
+        if (request) job.settings.statistics.push_back(std::move(*request));
+        else table.source().fail(request.error());
+    }
+}
+
+void read_rule(TomlTable& table, std::string_view key, const std::string& channel, Job& job) {
+    std::string name;
+    if (!table.read(key, name)) return;
+    auto request = display::parse_rule_request(channel, name, table.location_of(key));
+    if (request) job.settings.rules.push_back(std::move(*request));
+    else table.source().fail(request.error());
+}
+
+/// [channels.statistics] and [channels.rules]: by the names of channels, for those that have no table of their own.
+void read_channel_settings(TomlTable& channels, Job& job) {
+    const auto each = [&](const char* key, void (*read)(TomlTable&, std::string_view, const std::string&, Job&)) {
+        const toml::table* table = channels.take_table(key);
+        if (table == nullptr) return;
+        TomlTable settings(channels.source(), *table, "[channels." + std::string(key) + "]");
+        for (const auto& [name, node] : *table) read(settings, name.str(), std::string(name.str()), job);
+    };
+    each("statistics", read_statistics);
+    each("rules", read_rule);
 }
 
 void read_channels(TomlTable& root, Job& job) {
@@ -40,6 +72,7 @@ void read_channels(TomlTable& root, Job& job) {
                                    "'cryptomatte_ranks' in [channels] is odd; expected an even number, since a layer "
                                    "holds two");
         }
+        read_channel_settings(channels, job);
         channels.read("shipped_partition", job.shipped_partition);
         channels.read("light_groups", job.light_groups);
         usual = read_dialect(channels).value_or(usual);
@@ -56,6 +89,8 @@ void read_channels(TomlTable& root, Job& job) {
         request.location = channel.content_location_of("lpe");
         request.map = channel.string_map_of("lpe");
         request.dialect = read_dialect(channel).value_or(usual);
+        read_statistics(channel, "statistics", request.name, job);
+        read_rule(channel, "rule", request.name, job);
         channel.close();
         job.expressions.push_back(std::move(request));
     }

@@ -30,6 +30,24 @@ TEST_CASE("each layer's bytes are those of its planes", "[memory]") {
     CHECK(total_bytes(items) == 1000 * (56 + 144 + 20 + 48));
 }
 
+TEST_CASE("layers of statistics take what they make their source keep", "[memory][statistics]") {
+    std::vector<ChannelDefinition> channels = three();
+    const std::uint64_t before = total_bytes(frame_buffer_memory({100, 10}, channels));
+    const auto add = [&](ChannelId source, Statistic statistic) {
+        ChannelDefinition layer;
+        layer.name = "layer" + std::to_string(channels.size());
+        layer.source = source;
+        layer.statistic = statistic;
+        channels.push_back(layer);
+        return total_bytes(frame_buffer_memory({100, 10}, channels));
+    };
+    CHECK(add(0, Statistic::mse) == before);                     // beauty keeps moments anyway
+    CHECK(add(2, Statistic::variance) == before + 1000 * 96);
+    const std::uint64_t halves = 1000 * (96 + 2 * (8 + 16));     // two sums of three, and two weights and counts
+    CHECK(add(2, Statistic::even) == before + 1000 * 96 + halves);
+    CHECK(add(2, Statistic::odd) == before + 1000 * 96 + halves);
+}
+
 TEST_CASE("a limit is refused by naming the largest layers first", "[memory][law7]") {
     const auto items = frame_buffer_memory({1024, 1024}, three());
     CHECK(check_memory(items, 0).ok());

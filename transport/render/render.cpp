@@ -12,7 +12,7 @@
 namespace raylex::transport {
 namespace {
 
-/// Beauty first when it is wanted, then the settings' channels; names are unique and AOVs known.
+/// Beauty first when it is wanted, then the settings' channels, then statistics; names are unique and AOVs known.
 Status resolve_channels(const RenderSettings& settings, RenderJob& job) {
     std::set<std::string> names;
     if (settings.beauty) {
@@ -40,7 +40,8 @@ Status resolve_channels(const RenderSettings& settings, RenderJob& job) {
         job.channels.push_back(std::move(channel));
     }
     if (job.channels.empty()) return error_at({}, "nothing to render: no beauty and no channel; expected at least one");
-    return success();
+    if (Status s = display::apply_rules(settings.rules, job.beauty, job.channels); !s) return s;
+    return display::add_statistics(settings.statistics, job.channels);
 }
 
 /// Channels that the integrator cannot fill are refused before a ray is traced.

@@ -15,6 +15,7 @@
 #include "display/buffer/pixel_filter.h"
 #include "display/buffer/sample_sink.h"
 #include "display/services/channel.h"
+#include "display/services/channel_settings.h"
 #include "display/services/lpe_services.h"
 #include "geoaovs/cryptomatte.h"
 #include "lpe/channels/lobe_slots.h"
@@ -48,6 +49,8 @@ struct RenderSettings {
     lpe::LobeSlots lobe_slots;                      ///< which numbers (D2, S4) lobes get by their names
     /// LPE channels, rest layers and geometric AOVs by name. `rest_of` counts in this list.
     std::vector<display::ChannelDefinition> channels;
+    std::vector<display::RuleRequest> rules;            ///< other rules for some of them, by name
+    std::vector<display::StatisticRequest> statistics;  ///< layers of statistics, after all channels
     /// Called once before memory is taken; an Error ends the render. It may add to `sinks`, which get every finished
     /// batch beside the frame buffer; they must outlive the render.
     std::function<Status(const RenderPlan&, std::vector<display::SampleSink*>& sinks)> before_rendering;

@@ -1,0 +1,89 @@
+// Half buffers and moments: how samples enter them, and the layers of statistics made of them.
+#include "display/buffer/frame_buffer_storage.h"
+
+#include <algorithm>
+#include <array>
+
+namespace raylex::display {
+namespace {
+
+[[nodiscard]] bool is_odd(const SampleTable& table, int row) {
+    return table.camera_row(row).sample % 2 != 0;
+}
+
+}  // namespace
+
+void FrameBuffer::Storage::add_half_weights(const SampleTable& table, const Run& run) {
+    std::array<double, 2> sum{};
+    std::array<std::uint64_t, 2> count{};
+    for (int row = run.begin; row < run.end; ++row) {
+        const std::size_t half = is_odd(table, row) ? 1 : 0;
+        sum[half] += static_cast<double>(table.camera_row(row).filter_weight);
+        ++count[half];
+    }
+    even_samples[run.pixel] += count[0];
+    odd_samples[run.pixel] += count[1];
+    if (sum[0] != 0) add(even_weight, run.pixel, sum.data(), 1, layout.quantum_exponent, channels.size());
+    if (sum[1] != 0) add(odd_weight, run.pixel, &sum[1], 1, layout.quantum_exponent, channels.size());
+}
+
+/// `values` as add_filtered took them: component-interleaved from the run's first row on. Both halves are summed by
+/// themselves, so that neither holds what rounding leaves of the other.
+void FrameBuffer::Storage::add_halves(Channel& channel, std::size_t index, const SampleTable& table, const Run& run,
+                                      const double* values) {
+    const auto components = static_cast<std::size_t>(channel.components);
+    std::array<std::array<double, 3>, 2> sum{};
+    for (int row = run.begin; row < run.end; ++row, values += components) {
+        std::array<double, 3>& half = sum[is_odd(table, row) ? 1 : 0];
+        const double w = static_cast<double>(table.camera_row(row).filter_weight);
+        for (std::size_t c = 0; c < components; ++c) half[c] += w * values[c];
+    }
+    const std::size_t at = run.pixel * components;
+    if (sum[0] != std::array<double, 3>{})
+        add(channel.even_sum, at, sum[0].data(), channel.components, layout.quantum_exponent, index);
+    if (sum[1] != std::array<double, 3>{})
+        add(channel.odd_sum, at, sum[1].data(), channel.components, layout.quantum_exponent, index);
+}
+
+std::vector<double> FrameBuffer::Storage::statistic(const Channel& source, Statistic statistic,
+                                                    const PixelRegion& region) const {
+    const auto components = static_cast<std::size_t>(source.components);
+    const int exponent = layout.quantum_exponent;
+    std::vector<double> result(display::pixel_count(region) * components);
+    if (statistic == Statistic::even || statistic == Statistic::odd) {
+        const bool odd = statistic == Statistic::odd;
+        const Plane<Int128>&sums = odd ? source.odd_sum : source.even_sum, &weights = odd ? odd_weight : even_weight;
+        const Plane<std::uint64_t>& counts = odd ? odd_samples : even_samples;
+        for_each_pixel(region, layout.width, [&](std::size_t at, std::size_t pixel) {
+            const Divisor divisor(weights[pixel], counts[pixel], exponent);
+            for (std::size_t c = 0; c < components; ++c)
+                result[at * components + c] = divisor.mean_of(sums[pixel * components + c]);
+        });
+        return result;
+    }
+    for_each_pixel(region, layout.width, [&](std::size_t at, std::size_t pixel) {
+        if (samples[pixel] < 2 || weight[pixel] == 0) return;
+        const auto n = static_cast<long double>(samples[pixel]);
+        const long double weight_sum = to_long_double(weight[pixel], exponent);
+        const long double weight_squares = to_long_double(weight_square[pixel], exponent);
+        const long double scale =
+            statistic == Statistic::mse ? weight_squares / ((n - 1) * weight_sum * weight_sum) : 1 / (n - 1);
+        for (std::size_t c = 0; c < components; ++c) {
+            const std::size_t i = pixel * components + c;
+            const long double mean = to_long_double(source.sum[i], exponent) / weight_sum;
+            // sum(v^2) is exact to 2^-56, so nothing is lost but what these 64-bit mantissas round off: 2^-63 sum(v^2).
+            const long double about_mean = to_long_double(source.square_sum[i], square_exponent) -
+                                           mean * (2 * to_long_double(source.plain_sum[i], exponent) - n * mean);
+            result[at * components + c] = static_cast<double>(std::max(0.0L, about_mean) * scale);
+        }
+    });
+    return result;
+}
+
+std::vector<double> FrameBuffer::resolve_variance_of_mean(ChannelId id) const {
+    const Channel& channel = storage_->channels[static_cast<std::size_t>(id)];
+    if (channel.square_sum.empty()) return {};
+    return storage_->statistic(channel, Statistic::mse, {0, 0, storage_->layout.width, storage_->layout.height});
+}
+
+}  // namespace raylex::display

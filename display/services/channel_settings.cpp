@@ -1,0 +1,146 @@
+#include "display/services/channel_settings.h"
+
+#include <algorithm>
+#include <array>
+#include <set>
+#include <span>
+
+namespace raylex::display {
+namespace {
+
+constexpr std::array rules{FilterRule::filter, FilterRule::zmin, FilterRule::zmax,   FilterRule::min,
+                           FilterRule::max,    FilterRule::sum,  FilterRule::average};
+constexpr std::array statistics{Statistic::variance, Statistic::mse, Statistic::even, Statistic::odd};
+
+/// The value whose name is `text`.
+template <class Value, std::size_t count>
+Result<Value> named(const char* kind, const std::string& text, const std::array<Value, count>& values,
+                    const char* (*name_of)(Value), const SourceLocation& where) {
+    std::vector<std::string> known;
+    std::string list;
+    for (const Value value : values) {
+        if (text == name_of(value)) return value;
+        known.emplace_back(name_of(value));
+        list += (list.empty() ? "" : ", ") + known.back();
+    }
+    const std::string near = nearest_name(text, known);
+    return error_at(where, "unknown " + std::string(kind) + " '" + text + "'; expected one of: " + list,
+                    near.empty() ? std::string() : "did you mean '" + near + "'?");
+}
+
+Result<std::size_t> index_of(const std::string& name, std::span<const ChannelDefinition> channels,
+                             const SourceLocation& where) {
+    std::vector<std::string> known;
+    std::string list;
+    for (std::size_t i = 0; i < channels.size(); ++i) {
+        if (!takes_samples(channels[i])) continue;
+        if (channels[i].name == name) return i;
+        known.push_back(channels[i].name);
+        list += (list.empty() ? "" : ", ") + known.back();
+    }
+    const std::string near = nearest_name(name, known);
+    return error_at(where, "there is no channel '" + name + "'; expected one of: " + list,
+                    near.empty() ? std::string() : "did you mean '" + near + "'?");
+}
+
+}  // namespace
+
+const char* rule_name(FilterRule rule) {
+    switch (rule) {
+        case FilterRule::filter:
+            return "filter";
+        case FilterRule::zmin:
+            return "zmin";
+        case FilterRule::zmax:
+            return "zmax";
+        case FilterRule::min:
+            return "min";
+        case FilterRule::max:
+            return "max";
+        case FilterRule::average:
+            return "average";
+        case FilterRule::sum:
+            return "sum";
+    }
+    return "";
+}
+
+const char* statistic_name(Statistic statistic) {
+    switch (statistic) {
+        case Statistic::none:
+            return "none";
+        case Statistic::variance:
+            return "variance";
+        case Statistic::mse:
+            return "mse";
+        case Statistic::even:
+            return "even";
+        case Statistic::odd:
+            return "odd";
+    }
+    return "";
+}
+
+Result<RuleRequest> parse_rule_request(const std::string& channel, const std::string& rule, const SourceLocation& where) {
+    const auto parsed = named("rule", rule, rules, rule_name, where);
+    if (!parsed) return parsed.error();
+    return RuleRequest{channel, *parsed, where};
+}
+
+Result<StatisticRequest> parse_statistic_request(const std::string& channel, const std::string& statistic,
+                                                 const SourceLocation& where) {
+    const auto parsed = named("statistic", statistic, statistics, statistic_name, where);
+    if (!parsed) return parsed.error();
+    return StatisticRequest{channel, *parsed, where};
+}
+
+Status apply_rules(const std::vector<RuleRequest>& requests, ChannelId beauty, std::vector<ChannelDefinition>& channels) {
+    std::set<std::size_t> done;
+    for (const RuleRequest& request : requests) {
+        const auto index = index_of(request.channel, channels, request.location);
+        if (!index) return index.error();
+        ChannelDefinition& channel = channels[*index];
+        if (static_cast<ChannelId>(*index) == beauty)
+            return error_at(request.location, "the beauty is made by the pixel filter alone; expected a rule for another "
+                                              "channel, such as one with the expression 'C.*'");
+        if (!done.insert(*index).second)
+            return error_at(request.location,
+                            "channel '" + request.channel + "' is given a rule twice; expected one rule for each channel");
+        const bool mixes = request.rule == FilterRule::filter || request.rule == FilterRule::average;
+        if (channel.type == ChannelType::integer && mixes)
+            return error_at(request.location, "channel '" + request.channel + "' holds integers, whose average means "
+                                                                              "nothing; expected zmin, zmax, min, max or sum");
+        channel.rule = request.rule;
+    }
+    return success();
+}
+
+Status add_statistics(const std::vector<StatisticRequest>& requests, std::vector<ChannelDefinition>& channels) {
+    for (const StatisticRequest& request : requests) {
+        const auto index = index_of(request.channel, channels, request.location);
+        if (!index) return index.error();
+        const ChannelDefinition& source = channels[*index];
+        const std::string name = request.channel + "_" + statistic_name(request.statistic);
+        if (source.rule != FilterRule::filter)
+            return error_at(request.location, "channel '" + request.channel + "' has the rule '" + rule_name(source.rule) +
+                                                  "' and no statistics; expected a channel that the pixel filter makes");
+        const auto taken = std::find_if(channels.begin(), channels.end(),
+                                        [&](const ChannelDefinition& each) { return each.name == name; });
+        if (taken != channels.end())
+            return error_at(request.location, takes_samples(*taken)
+                                                  ? "the layer of statistics '" + name + "' has the name of another "
+                                                        "channel; expected that channel to have another name"
+                                                  : "the layer of statistics '" + name + "' is asked for twice; expected "
+                                                        "each once");
+        ChannelDefinition layer;
+        layer.name = name;
+        layer.type = source.type;
+        layer.space = source.space;
+        layer.statistic = request.statistic;
+        layer.source = static_cast<ChannelId>(*index);
+        channels.push_back(std::move(layer));
+    }
+    return success();
+}
+
+}  // namespace raylex::display

@@ -1,0 +1,42 @@
+// What a user may set for a channel by its name: the rule that makes samples pixels, and layers of statistics.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "display/services/channel.h"
+#include "display/services/parameters.h"
+
+namespace raylex::display {
+
+/// "filter", "zmin", "zmax", "min", "max", "average", "sum".
+[[nodiscard]] const char* rule_name(FilterRule rule);
+/// "variance", "mse", "even", "odd"; "none".
+[[nodiscard]] const char* statistic_name(Statistic statistic);
+
+/// A channel by name and what is asked of it.
+struct RuleRequest {
+    std::string channel;
+    FilterRule rule = FilterRule::filter;
+    SourceLocation location;
+};
+struct StatisticRequest {
+    std::string channel;   ///< "beauty" or any other that the pixel filter is applied to
+    Statistic statistic = Statistic::none;
+    SourceLocation location;
+};
+
+/// By the names above. Errors at `where` list what there is and the near miss.
+Result<RuleRequest> parse_rule_request(const std::string& channel, const std::string& rule, const SourceLocation& where);
+Result<StatisticRequest> parse_statistic_request(const std::string& channel, const std::string& statistic,
+                                                 const SourceLocation& where);
+
+/// Gives channels other rules. Errors: no such channel (with the near miss), the beauty, an average of integers, one channel
+/// twice.
+Status apply_rules(const std::vector<RuleRequest>& requests, ChannelId beauty, std::vector<ChannelDefinition>& channels);
+
+/// Adds a layer NAME_STATISTIC for each request at the end of `channels`. Errors: no such channel (with the near miss), one
+/// that is no filtered mean, a layer asked for twice or whose name is taken.
+Status add_statistics(const std::vector<StatisticRequest>& requests, std::vector<ChannelDefinition>& channels);
+
+}  // namespace raylex::display
