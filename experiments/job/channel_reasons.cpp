@@ -223,7 +223,12 @@ std::string lack_of(lpe::Event event, const SceneWords& scene) {
     };
     if (terminal) {
         if (has(scene.alphabet.terminals, event)) return {};
-        if (event.type == lpe::EventType::emission) return "emission (O), and nothing in this scene glows";
+        if (event.type == lpe::EventType::emission) {
+            const bool glows = std::any_of(scene.alphabet.terminals.begin(), scene.alphabet.terminals.end(),
+                                           [](const lpe::Event& e) { return e.type == lpe::EventType::emission; });
+            return glows ? "emission (O) with the label '" + event.labels[0] + "', and what glows in this scene has none"
+                         : "emission (O), and nothing in this scene glows";
+        }
         const bool infinite = event.type == lpe::EventType::background;
         if (infinite ? !scene.alphabet.has_background : !scene.alphabet.has_lights)
             return infinite ? "an infinite light (B), and this scene has none"
@@ -233,7 +238,16 @@ std::string lack_of(lpe::Event event, const SceneWords& scene) {
                (name.empty() ? std::string("without a group") : "of the group '" + name + "'") +
                ", and this scene has none" + did_you_mean(name, known[group]);
     }
-    if (event.type == lpe::EventType::volume) return "a medium that scatters (V), and this scene has none";
+    if (event.type == lpe::EventType::volume) {
+        if (has(scene.alphabet.scattering, event)) return {};
+        std::set<std::string> media;
+        for (const lpe::Event& each : scene.alphabet.scattering)
+            if (each.type == lpe::EventType::volume) media.insert(each.labels[0]);
+        if (media.empty()) return "a medium that scatters (V), and this scene has none";
+        if (media.contains(event.labels[0])) return "a lobe of the medium '" + event.labels[0] + "', and media have none";
+        return "a medium that scatters (V) labelled '" + event.labels[0] + "', and this scene has none" +
+               did_you_mean(event.labels[0], media);
+    }
     const bool user = event.type == lpe::EventType::user;
     const std::vector<lpe::Event>& events = user ? scene.user : scene.alphabet.scattering;
     if (has(events, event)) return {};

@@ -40,6 +40,7 @@ const ReferenceScene scenes[] = {
     {"furnace-sphere", true, true, 0.71992, 0.0007},
     {"furnace-box", true, true, 1.99587, 0.058},
     {"cornell-grey", true, true, 0.23711, 0.0043},
+    {"cornell-fog", true, true, 0.08003, 0.0190},
     {"cornell-color", true, false, 0.23075, 0.0056, 0.03},
     {"mis-plates", true, true, 0.59076, 0.17},
     {"displaced-sphere-1m", false, true, 0.55752, 0.0094},

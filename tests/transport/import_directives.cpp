@@ -4,6 +4,7 @@
 #include <zlib.h>
 
 #include "tests/transport/import_support.h"
+#include "transport/media/medium.h"
 
 using namespace import_test;
 using namespace raylex::transport;
@@ -256,4 +257,78 @@ TEST_CASE("the scenes that ship with the project are read without a warning", "[
         CHECK_FALSE(scene->shapes.empty());
         CHECK(scene->lights.size() + scene->area_lights.size() > 0);
     }
+}
+
+TEST_CASE("media stand on the sides that MediumInterface names, and around the camera", "[import]") {
+    const SceneDescription scene = scene_of(R"(
+        MakeNamedMedium "a" "string type" "homogeneous" "rgb sigma_s" [2 3 4]
+        MakeNamedMedium "b" "string type" "homogeneous" "string preset" "Skin1"
+        MediumInterface "a" "b"
+        Camera "perspective"
+        WorldBegin
+        Shape "sphere"
+        AttributeBegin
+          MediumInterface "" "a"
+          Shape "sphere"
+        AttributeEnd
+        MediumInterface "b"
+        ObjectBegin "o"
+          Shape "sphere"
+        ObjectEnd)");
+    CHECK(scene.media.size() == 2);
+    CHECK(scene.media[1].name == "b");
+    CHECK(scene.media[1].type == "homogeneous");
+    CHECK(scene.media[1].parameters.find("type") == nullptr);
+    CHECK(scene.camera_medium == 1);
+    REQUIRE(scene.shapes.size() == 2);
+    CHECK(scene.shapes[0].inside_medium == 0);
+    CHECK(scene.shapes[0].outside_medium == 1);
+    CHECK(scene.shapes[1].inside_medium == -1);
+    CHECK(scene.shapes[1].outside_medium == 0);
+    CHECK(scene.objects[0].shapes[0].inside_medium == 1);
+    CHECK(scene.objects[0].shapes[0].outside_medium == 1);
+
+    std::vector<raylex::Error> warnings;
+    auto media = MediumTable::build(scene, warnings);
+    REQUIRE(media.ok());
+    CHECK(warnings.empty());
+    CHECK(media->any());
+    CHECK((*media)[0].sigma_s == raylex::Rgb(2, 3, 4));
+    CHECK((*media)[0].sigma_a == raylex::Rgb(1));
+    CHECK((*media)[1].sigma_s == raylex::Rgb(0.74f, 0.88f, 1.01f));
+    CHECK((*media)[1].sigma_a == raylex::Rgb(0.032f, 0.17f, 0.48f));
+}
+
+TEST_CASE("media that cannot be are refused where they are written", "[import][law7]") {
+    struct Slip {
+        const char *text, *message, *hint;
+    };
+    const Slip slips[] = {
+        {"\"string type\" \"nanovdb\"", "unknown medium 'nanovdb'; expected one of: homogeneous", ""},
+        {"\"string type\" \"homogenous\"", "unknown medium 'homogenous'", "'homogeneous'"},
+        {"\"string type\" \"homogeneous\" \"float g\" 1", "'g' is 1", ""},
+        {"\"string type\" \"homogeneous\" \"rgb sigma_s\" [1 -1 1]", "sigma_s", ""},
+        {"\"string type\" \"homogeneous\" \"float scale\" -1", "expected 0 or more", ""},
+        {"\"string type\" \"homogeneous\" \"string preset\" \"Skin\"", "under the name 'Skin'", "'Skin1'"},
+    };
+    for (const Slip& slip : slips) {
+        CAPTURE(slip.text);
+        const std::string make = std::string("MakeNamedMedium \"fog\" ") + slip.text + "\n";
+        std::vector<raylex::Error> warnings;
+        const SceneDescription used = scene_of(make + "MediumInterface \"fog\" \"\"\nCamera \"perspective\"\nWorldBegin\nShape \"sphere\"");
+        auto media = MediumTable::build(used, warnings);
+        REQUIRE_FALSE(media.ok());
+        CHECK(contains(media.error().message, slip.message));
+        CHECK(contains(media.error().hint, slip.hint));
+        CHECK(media.error().file == "test.pbrt");
+        CHECK(media.error().line == 1);
+        const SceneDescription unused = scene_of(make + "Camera \"perspective\"\nWorldBegin\nShape \"sphere\"");
+        CHECK(MediumTable::build(unused, warnings).ok());
+    }
+    std::vector<raylex::Error> warnings;
+    const SceneDescription odd = scene_of("MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"float sigma\" 1\n"
+                                          "MediumInterface \"fog\"\nCamera \"perspective\"\nWorldBegin\nShape \"sphere\"");
+    REQUIRE(MediumTable::build(odd, warnings).ok());
+    REQUIRE(warnings.size() == 1);
+    CHECK(contains(warnings[0].message, "'sigma' means nothing to medium 'fog'"));
 }

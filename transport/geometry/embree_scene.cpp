@@ -217,6 +217,8 @@ Status EmbreeScene::add_shape(const SceneShape& shape, const SceneDescription& s
     g.flip_normal = shape.flip_normal;
     g.material = std::max(shape.material, 0);
     g.area_light = instanced ? -1 : shape.area_light;
+    g.inside_medium = shape.inside_medium;
+    g.outside_medium = shape.outside_medium;
     g.label = label_index(shape.label);
     g.holdout = shape.holdout;
     has_holdouts_ = has_holdouts_ || shape.holdout;

@@ -39,6 +39,7 @@ struct ShapeGeometry {
     bool flip_normal = false;
     int material = 0;
     int area_light = -1;                    ///< index into SceneDescription::area_lights; -1 also for instanced shapes
+    int inside_medium = -1, outside_medium = -1;  ///< indices into MediumTable; -1 = none
     TextureId alpha = -1;                   ///< opacity; -1 = opaque everywhere
     bool interface = false;                 ///< no surface at all: rays pass, but an area light on it shines
     bool hidden = false;                    ///< alpha is 0 everywhere: no ray ever stops here
@@ -47,6 +48,12 @@ struct ShapeGeometry {
     std::uint32_t first_light = Hit::none;  ///< set by the light table: the light of primitive 0
 
     [[nodiscard]] BilinearPatch patch(std::uint32_t primitive) const;
+    /// The medium into which a ray leaves the surface, whose outside `normal` points to, out of `current`. A surface with
+    /// the same medium on both sides is no border: rays stay in whatever they came through (pbrt's rule).
+    [[nodiscard]] std::int32_t medium_towards(const Vec3& normal, const Vec3& direction, std::int32_t current) const {
+        if (inside_medium == outside_medium) return current;
+        return dot(normal, direction) > 0 ? outside_medium : inside_medium;
+    }
 };
 
 struct ShapeInstance {

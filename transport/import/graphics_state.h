@@ -23,6 +23,7 @@ struct GraphicsState {
     bool reverse_orientation = false;
     std::size_t material = 0;  ///< index into the builder's material references
     int area_light = -1;
+    int inside_medium = -1, outside_medium = -1;  ///< indices into the scene's media
     ColorSpace color_space = ColorSpace::srgb;
     std::map<std::string, std::vector<DefaultParameter>> defaults;  ///< by Attribute's target
 };

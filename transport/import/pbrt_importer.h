@@ -1,7 +1,6 @@
 // Reads pbrt-v4 scene files as they are.
 //
-// Every directive is understood. Accelerator, TransformTimes and Option have nothing to say here; MakeNamedMedium alone
-// is harmless, a MediumInterface that names a medium is an error. Motion (transformations that differ between shutter
+// Every directive is understood. Accelerator, TransformTimes and Option have nothing to say here. Motion (transformations that differ between shutter
 // opening and closing), displacement, curves and subdivision surfaces are errors. Relative file names are looked up in
 // the folder of the top-level scene, as pbrt does, then beside the file that holds them; all files may be
 // gzip-compressed. Quadrilaterals of a plymesh stay bilinear patches as in pbrt. Area lights inside ObjectBegin stay
@@ -16,8 +15,7 @@
 namespace raylex::transport {
 
 /// Parses `path` with everything it includes and loads its meshes. Errors name file, line, column and what was
-/// expected; what would make the image wrong (media, for now) is an error, an unknown harmless directive or parameter a
-/// warning.
+/// expected; what would make the image wrong is an error, an unknown harmless directive or parameter a warning.
 Result<SceneDescription> import_pbrt(const std::string& path);
 /// The same for text in memory; relative file names are looked up beside `virtual_path`.
 Result<SceneDescription> import_pbrt_text(const std::string& text, const std::string& virtual_path);

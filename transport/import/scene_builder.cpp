@@ -104,8 +104,7 @@ Status SceneBuilder::apply(Directive& directive, const SearchPath& search) {
         case DirectiveId::medium_interface:
             return medium_interface(directive);
         case DirectiveId::make_named_medium:
-            named_media_.emplace(directive.strings[0], directive.location);
-            return success();
+            return named_medium(directive, search);
         case DirectiveId::camera:
             return camera(directive);
         case DirectiveId::film:
@@ -203,21 +202,24 @@ Status SceneBuilder::color_space(const Directive& directive) {
                     near.empty() ? "" : "did you mean '" + near + "'?");
 }
 
-// Fog that is left out is a wrong picture, so it is an error; pbrt's vacuum, the empty name, changes nothing.
-Status SceneBuilder::medium_interface(const Directive& directive) const {
+/// The empty name is pbrt's vacuum.
+Status SceneBuilder::medium_interface(const Directive& directive) {
+    std::array<int, 2> sides{-1, -1};
     for (std::size_t i = 0; i < 2; ++i) {
         const std::string& name = directive.strings[i];
         if (name.empty()) continue;
-        if (named_media_.count(name) == 0) {
+        const auto found = named_media_.find(name);
+        if (found == named_media_.end()) {
             std::vector<std::string> known;
-            for (const auto& [medium, where] : named_media_) known.push_back(medium);
+            for (const auto& [medium, index] : named_media_) known.push_back(medium);
             const std::string near = nearest_name(name, known);
             return error_at(directive.string_locations[i], "no medium is called '" + name + "'",
                             near.empty() ? "" : "did you mean '" + near + "'?");
         }
-        return error_at(directive.location, "participating media are not supported yet: medium '" + name +
-                                                "' would change the image; expected MediumInterface \"\" \"\" or none");
+        sides[i] = found->second;
     }
+    state_.inside_medium = sides[0];
+    state_.outside_medium = sides[1];
     return success();
 }
 
@@ -284,6 +286,7 @@ Status SceneBuilder::camera(Directive& directive) {
     scene_.camera.type = directive.strings[0];
     scene_.camera.parameters = std::move(directive.parameters);
     scene_.camera.location = directive.location;
+    scene_.camera_medium = state_.outside_medium;
     return success();
 }
 
@@ -293,7 +296,9 @@ void convert_colors(ParameterSet& set, ColorSpace to, ColorSpace from, bool ligh
     for (Parameter& parameter : set.parameters) {
         const std::string_view name = parameter.name;
         const std::string_view last = name.substr(name.rfind('.') + 1);
-        if (parameter.type != ParameterType::rgb || last == "eta" || last == "k") continue;
+        if (parameter.type != ParameterType::rgb || last == "eta" || last == "k" || last == "sigma_a" ||
+            last == "sigma_s")
+            continue;
         // Colours outside the target space: a reflectance stays within [0, 1] and a light stays positive.
         const double top = *std::max_element(parameter.numbers.begin(), parameter.numbers.end());
         for (std::size_t i = 0; i + 3 <= parameter.numbers.size(); i += 3) {

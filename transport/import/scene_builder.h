@@ -50,7 +50,7 @@ class SceneBuilder {
     Status end_block(Block block, const Directive& directive);
     Status world_begin(const Directive& directive);
     Status color_space(const Directive& directive);
-    Status medium_interface(const Directive& directive) const;
+    Status medium_interface(const Directive& directive);
     Status option(const Directive& directive);
     Status attribute(Directive& directive);
     Status settings(Directive& directive, const SearchPath& search);
@@ -65,6 +65,7 @@ class SceneBuilder {
     Status world_entity(Directive& directive, const SearchPath& search);
     Status material(Directive& directive, const SearchPath& search);
     Status named_material(Directive& directive, const SearchPath& search);
+    Status named_medium(Directive& directive, const SearchPath& search);
     Status texture(Directive& directive, const SearchPath& search);
     Status light(Directive& directive, const SearchPath& search);
     Status area_light(Directive& directive, const SearchPath& search);
@@ -89,13 +90,13 @@ class SceneBuilder {
     std::vector<MaterialReference> material_references_;
     std::vector<InstanceReference> instance_references_;  // parallel to scene_.instances
     std::map<std::string, int> named_materials_;
-    std::map<std::string, SourceLocation> named_media_;
+    std::map<std::string, int> named_media_;
     int active_object_ = -1;
     bool in_world_ = false;
 };
 
 /// rgb parameters of `set` from one colour space to another: lights keep their colour, all else keeps white white.
-/// Indices of refraction and absorption coefficients (eta, k) are no colours and stay.
+/// Indices of refraction and coefficients (eta, k, sigma_a, sigma_s) are no colours and stay.
 void convert_colors(ParameterSet& set, ColorSpace to, ColorSpace from, bool light);
 
 }  // namespace raylex::transport

@@ -18,6 +18,22 @@ std::string material_type(const std::string& written) {
     return written.empty() || written == "none" ? "interface" : written;
 }
 
+/// Takes "string type" out of a MakeNamed... directive's parameters.
+Result<std::string> take_type(Directive& directive, const std::string& kind, const std::string& example) {
+    std::vector<Parameter>& parameters = directive.parameters.parameters;
+    const auto type =
+        std::find_if(parameters.begin(), parameters.end(), [](const Parameter& p) { return p.name == "type"; });
+    if (type == parameters.end())
+        return error_at(directive.location, "named " + kind + " '" + directive.strings[0] +
+                                                "' has no type; expected \"string type\" \"" + example +
+                                                "\" or the like");
+    if (type->type != ParameterType::string || type->strings.size() != 1)
+        return error_at(type->location, "'type' of a named " + kind + "; expected one \"string type\"");
+    std::string written = type->strings.front();
+    parameters.erase(type);
+    return written;
+}
+
 }  // namespace
 
 Status SceneBuilder::world_entity(Directive& directive, const SearchPath& search) {
@@ -108,26 +124,36 @@ Status SceneBuilder::material(Directive& directive, const SearchPath& search) {
 
 Status SceneBuilder::named_material(Directive& directive, const SearchPath& search) {
     const std::string name = directive.strings[0];
-    std::vector<Parameter>& parameters = directive.parameters.parameters;
-    const auto type =
-        std::find_if(parameters.begin(), parameters.end(), [](const Parameter& p) { return p.name == "type"; });
-    if (type == parameters.end())
-        return error_at(directive.location,
-                        "named material '" + name + "' has no type; expected \"string type\" \"diffuse\" or the like");
-    if (type->type != ParameterType::string || type->strings.size() != 1)
-        return error_at(type->location, "'type' of a named material; expected one \"string type\"");
+    const Result<std::string> written = take_type(directive, "material", "diffuse");
+    if (!written) return written.error();
     if (const auto earlier = named_materials_.find(name); earlier != named_materials_.end()) {
         const SourceLocation& where = scene_.materials[static_cast<std::size_t>(earlier->second)].location;
         return error_at(directive.string_locations[0], "material '" + name + "' is defined twice; the first is at " +
                                                            where.file + ":" + std::to_string(where.line));
     }
-    const std::string written = type->strings.front();
-    parameters.erase(type);
-    Result<SceneEntity> entity = make_entity(directive, material_type(written), "material", false, search);
+    Result<SceneEntity> entity = make_entity(directive, material_type(*written), "material", false, search);
     if (!entity) return entity.error();
     entity->name = name;
     named_materials_[name] = static_cast<int>(scene_.materials.size());
     scene_.materials.push_back(std::move(*entity));
+    return success();
+}
+
+Status SceneBuilder::named_medium(Directive& directive, const SearchPath& search) {
+    const std::string name = directive.strings[0];
+    if (const auto earlier = named_media_.find(name); earlier != named_media_.end()) {
+        const SourceLocation& where = scene_.media[static_cast<std::size_t>(earlier->second)].location;
+        return error_at(directive.string_locations[0], "medium '" + name + "' is defined twice; the first is at " +
+                                                           where.file + ":" + std::to_string(where.line));
+    }
+    const Result<std::string> type = take_type(directive, "medium", "homogeneous");
+    if (!type) return type.error();
+    // Its colours are those of a light, "Le"; coefficients are none.
+    Result<SceneEntity> entity = make_entity(directive, *type, "medium", true, search);
+    if (!entity) return entity.error();
+    entity->name = name;
+    named_media_[name] = static_cast<int>(scene_.media.size());
+    scene_.media.push_back(std::move(*entity));
     return success();
 }
 
@@ -202,6 +228,8 @@ Status SceneBuilder::shape(Directive& directive, const SearchPath& search) {
     for (SceneShape& shape : *shapes) {
         shape.material = static_cast<int>(state_.material);  // a reference until finish()
         shape.area_light = active_object_ >= 0 ? -1 : state_.area_light;
+        shape.inside_medium = state_.inside_medium;
+        shape.outside_medium = state_.outside_medium;
         auto& target =
             active_object_ >= 0 ? scene_.objects[static_cast<std::size_t>(active_object_)].shapes : scene_.shapes;
         target.push_back(std::move(shape));

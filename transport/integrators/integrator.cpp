@@ -23,6 +23,20 @@ lpe::Event straight_event(const std::string& object_label) {
     return event;
 }
 
+lpe::Event phase_event(const std::string& medium_name) {
+    lpe::Event event;
+    event.type = lpe::EventType::volume;
+    event.labels = {medium_name, ""};
+    return event;
+}
+
+lpe::Event emission_event() {
+    lpe::Event event;
+    event.type = lpe::EventType::emission;
+    event.labels = {""};
+    return event;
+}
+
 lpe::Event terminal_event(bool infinite, const std::string& light_group) {
     lpe::Event event;
     event.type = infinite ? lpe::EventType::background : lpe::EventType::light;
@@ -51,6 +65,8 @@ EventTable::EventTable(const display::LpeSetup& setup, const SceneView& scene, c
             wants_user_[i] = wants_user_[i] || setup.follows(user_.back());
         }
     }
+    for (const std::string& medium : scene.media->names()) phase_.push_back(setup.classify(phase_event(medium)));
+    emission_ = setup.classify(emission_event());
     user_terminal_ = setup.classify(terminal_event(false, ""));
     for (const Light& light : scene.lights->lights())
         terminal_.push_back(setup.classify(

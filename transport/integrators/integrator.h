@@ -39,6 +39,7 @@
 #include "transport/geometry/embree_scene.h"
 #include "transport/lights/light_table.h"
 #include "transport/materials/material.h"
+#include "transport/media/medium.h"
 #include "transport/samplers/pixel_sampler.h"
 
 namespace raylex::transport {
@@ -52,6 +53,7 @@ struct SceneView {
     const TextureTable* textures = nullptr;
     const MaterialTable* materials = nullptr;
     const LightTable* lights = nullptr;
+    const MediumTable* media = nullptr;
 };
 
 /// What surfaces say of themselves, as RenderMan's default options number it (lpe:user2 "...Albedo", lpe:user6 "Normal"):
@@ -74,6 +76,10 @@ class EventTable {
     [[nodiscard]] lpe::EventClass straight(std::int32_t label) const {
         return straight_[static_cast<std::size_t>(label)];
     }
+    /// A scattering inside a medium.
+    [[nodiscard]] lpe::EventClass phase(std::int32_t medium) const { return phase_[static_cast<std::size_t>(medium)]; }
+    /// The terminal O of light that a medium emits.
+    [[nodiscard]] lpe::EventClass emission() const { return emission_; }
     /// The terminal: L, or B for infinite lights, with the light's group.
     [[nodiscard]] lpe::EventClass terminal(std::uint32_t light) const { return terminal_[light]; }
     /// What a surface of this label says of itself, and the L without a group that ends such a word.
@@ -90,8 +96,8 @@ class EventTable {
     [[nodiscard]] bool any() const { return any_; }
 
   private:
-    std::vector<lpe::EventClass> scatter_, straight_, terminal_, user_;
-    lpe::EventClass user_terminal_ = 0;
+    std::vector<lpe::EventClass> scatter_, straight_, phase_, terminal_, user_;
+    lpe::EventClass emission_ = 0, user_terminal_ = 0;
     std::array<bool, user_lobes.size()> wants_user_{};
     std::size_t lobe_count_ = 0;
     bool any_ = false;
@@ -100,6 +106,8 @@ class EventTable {
 /// The events behind EventTable, also what scene_alphabet() lists.
 lpe::Event scattering_event(const std::string& object_label, const LobeKind& lobe, const lpe::LobeSlots& slots);
 lpe::Event straight_event(const std::string& object_label);
+lpe::Event phase_event(const std::string& medium_name);
+lpe::Event emission_event();
 lpe::Event terminal_event(bool infinite, const std::string& light_group);
 lpe::Event user_event(const std::string& object_label, UserLobe lobe, const lpe::LobeSlots& slots);
 

@@ -19,12 +19,35 @@ struct PathState {
     bool certain = true;        ///< the last direction could not have been light-sampled (camera, delta lobes)
 };
 
+// Sampler dimensions of vertex k start at first_free_dimension + k * stride.
+enum VertexDimension : std::uint32_t {
+    choice_dimension,
+    light_dimension,
+    scatter_dimension,
+    lobe_dimension,
+    roulette_dimension,
+    key_dimension,
+    stride
+};
+inline constexpr std::uint32_t cutout_dimensions = 1u << 24;  // one per ray, far above every vertex's
+inline constexpr std::uint32_t flight_dimensions = 1u << 25;  // one per ray through a medium
+
+inline std::uint32_t dimension(const PathState& path, VertexDimension which) {
+    return first_free_dimension + path.depth * stride + which;
+}
+
 /// A light sample on its way to be tested for occlusion.
 struct PendingLight {
     std::uint32_t row = 0, light = 0;
     std::int32_t label = 0;
     Rgb value;  ///< what arrives at the camera if nothing is in between
     LobeList lobes;
+};
+
+/// Beside a PendingLight, in scenes with media.
+struct PendingLightMedia {
+    std::int32_t along = -1;       ///< the medium in which the shadow ray begins; -1: none
+    std::int32_t scattered = -1;   ///< the medium whose particles are lit; -1: a surface is, by PendingLight's lobes
 };
 
 /// Surface hits of the current vertex, compact: entry j of every array is one path.
@@ -56,8 +79,26 @@ struct VertexBatch {
     }
 };
 
+/// Collisions with the particles of a medium at the current vertex: entry j of every array is one path.
+struct CollisionBatch {
+    std::vector<std::uint32_t> rows;
+    std::vector<Vec3> positions, forward;  ///< forward: unit, the way the path came along
+    std::size_t count = 0;
+
+    void reserve(std::size_t n) {
+        rows.resize(n);
+        positions.resize(n);
+        forward.resize(n);
+    }
+    void add(std::uint32_t row, const Vec3& position, const Vec3& direction) {
+        rows[count] = row;
+        positions[count] = position;
+        forward[count++] = direction;
+    }
+};
+
 struct PathThread final : IntegratorThread {
-    PathThread(std::size_t capacity, std::size_t length_slots) {
+    PathThread(std::size_t capacity, std::size_t length_slots, bool with_media) {
         paths.resize(capacity);
         trackers.resize(capacity);
         samplers.resize(capacity);
@@ -69,6 +110,10 @@ struct PathThread final : IntegratorThread {
         shadow_rays.resize(capacity);
         blocked.resize(capacity);
         counters.path_lengths.assign(length_slots, 0);
+        if (!with_media) return;
+        media.resize(capacity);
+        light_media.resize(capacity);
+        collisions.reserve(capacity);
     }
 
     // By row.
@@ -87,6 +132,10 @@ struct PathThread final : IntegratorThread {
     std::vector<std::uint8_t> blocked;
     std::size_t pending_count = 0;
     geoaovs::ShadingBatch first_hits;
+    // In scenes with media only.
+    std::vector<std::int32_t> media;              // by row: what the path's next ray flies through; -1: nothing
+    std::vector<PendingLightMedia> light_media;   // beside pending
+    CollisionBatch collisions;
 
     void finish(std::uint32_t row) {
         const std::size_t last = counters.path_lengths.size() - 1;
@@ -125,13 +174,31 @@ class PathIntegrator final : public Integrator {
     void report_surfaces(PathThread& thread, ThreadServices& services) const;
     /// The infinite lights that light sampling leaves to scattering, from which the vertex hides them.
     void report_hidden_environments(PathThread& thread, ThreadServices& services, std::size_t j) const;
+    // path_lights.cpp
     void sample_lights(PathThread& thread, ThreadServices& services) const;
     /// What an emitter with a cutout keeps at the sampled point: as much as scattering finds there on average.
     [[nodiscard]] float emitter_opacity(const LightSample& sample, const Vec3& from) const;
     void add_lights(PathThread& thread, ThreadServices& services) const;
-    /// What the cutouts along an otherwise free shadow ray let through; moves `tracker` past them.
-    float straight_transmittance(Ray ray, display::Tracker& tracker, ThreadServices& services,
-                                 IntegratorCounters& counters) const;
+    /// What the cutouts along a shadow ray let through of `visible`, 0 behind an opaque surface; moves `tracker` past them.
+    /// `through` takes what the media on the way let pass, `medium` being the first; opaque surfaces are no borders to it.
+    float straight_transmittance(Ray ray, float visible, std::int32_t medium, display::Tracker& tracker,
+                                 ThreadServices& services, IntegratorCounters& counters, Rgb& through) const;
+    // path_media.cpp; these run only in scenes with media
+    /// As trace(): paths that collide with particles on their way go to the collisions instead.
+    void trace_in_media(PathThread& thread, ThreadServices& services) const;
+    /// Takes a path through `medium` to a hit or miss at `distance`; false if it ends or collides before.
+    bool fly(PathThread& thread, ThreadServices& services, std::uint32_t row, const Ray& ray, std::int32_t medium,
+             float distance) const;
+    /// Whether what `medium` scatters could count at all (Law 4).
+    [[nodiscard]] bool worth_colliding(const PathState& path, const display::Tracker& tracker, std::int32_t medium,
+                                       const display::LpeServices& lpe) const;
+    /// Appends light samples for the collisions to those of the surfaces.
+    void sample_lights_in_media(PathThread& thread, ThreadServices& services) const;
+    void scatter_in_media(PathThread& thread, ThreadServices& services) const;
+    // path.cpp
+    /// After a scattering: counts throughputs that are no numbers, plays roulette with the number at
+    /// `roulette`, and asks whether anything is left to find. False: the path is finished.
+    bool goes_on(PathThread& thread, ThreadServices& services, std::uint32_t row, std::uint32_t roulette) const;
     void scatter(PathThread& thread, ThreadServices& services) const;
     void move(display::Tracker& tracker, display::LpeServices& lpe, std::int32_t label, const LobeList& lobes) const;
     /// An emitter found by scattering, whose light-sampling density is `light_pdf`.
@@ -149,7 +216,16 @@ class PathIntegrator final : public Integrator {
 
     PathParameters parameters_;
     IntegratorContext context_;
-    bool can_sample_lights_ = false, reports_surfaces_ = false;
+    bool can_sample_lights_ = false, reports_surfaces_ = false, in_media_ = false, emitters_can_be_hit_ = false;
 };
+
+inline void PathIntegrator::move(display::Tracker& tracker, display::LpeServices& lpe, std::int32_t label,
+                          const LobeList& lobes) const {
+    if (!context_.events->any()) return;
+    std::array<display::LobePart, max_lobes> parts;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(lobes.count); ++i)
+        parts[i] = {context_.events->scatter(label, lobes.entry[i].lobe), lobes.entry[i].value};
+    lpe.move(tracker, {parts.data(), static_cast<std::size_t>(lobes.count)});
+}
 
 }  // namespace raylex::transport

@@ -26,6 +26,9 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
     auto lights = LightTable::build(description, *scene->geometry_, scene->warnings);
     if (!lights) return lights.error();
     scene->lights_ = *std::move(lights);
+    auto media = MediumTable::build(description, scene->warnings);
+    if (!media) return media.error();
+    scene->media_ = *std::move(media);
 
     scene->surface_names_ = SurfaceNames(description);
     scene->camera = description.camera;
@@ -52,6 +55,10 @@ Result<SceneAlphabet> scene_alphabet(const SceneDescription& scene, const lpe::L
     if (!textures) return textures.error();
     auto materials = MaterialTable::build(scene, *textures);
     if (!materials) return materials.error();
+
+    std::vector<Error> unused;  // warnings are the render's business
+    auto media = MediumTable::build(scene, unused);
+    if (!media) return media.error();
 
     std::set<std::string> labels, groups;
     std::set<std::pair<std::string, LobeId>> scattering;
@@ -89,6 +96,13 @@ Result<SceneAlphabet> scene_alphabet(const SceneDescription& scene, const lpe::L
         groups.insert(group);
         alphabet.terminals.push_back(terminal_event(infinite, group));
     }
+    bool glows = false;
+    for (std::size_t i = 0; i < media->size(); ++i) {
+        const Medium& medium = (*media)[static_cast<std::int32_t>(i)];
+        if (medium.scatters) alphabet.scattering.push_back(phase_event(media->names()[i]));
+        glows = glows || medium.emits;
+    }
+    if (glows) alphabet.terminals.push_back(emission_event());
     for (const auto& [label, lobe] : scattering)
         alphabet.scattering.push_back(scattering_event(label, lobe_kinds()[lobe], slots));
     for (const std::string& label : straight) alphabet.scattering.push_back(straight_event(label));

@@ -22,7 +22,7 @@ class BuiltScene {
     static Result<std::shared_ptr<const BuiltScene>> build(const SceneDescription& description,
                                                            const BuildOptions& options = {});
 
-    [[nodiscard]] SceneView view() const { return {geometry_.get(), &textures_, &materials_, &lights_}; }
+    [[nodiscard]] SceneView view() const { return {geometry_.get(), &textures_, &materials_, &lights_, &media_}; }
     [[nodiscard]] const std::string& isa() const { return geometry_->isa(); }
     [[nodiscard]] const SurfaceNames& surface_names() const { return surface_names_; }
     /// The scene's own camera, film, filter, sampler and integrator, which settings may override.
@@ -37,6 +37,7 @@ class BuiltScene {
     TextureTable textures_;
     MaterialTable materials_;
     LightTable lights_;
+    MediumTable media_;
     std::unique_ptr<EmbreeScene> geometry_;
     SurfaceNames surface_names_;
 };

@@ -165,7 +165,7 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
     }
     job.threads =
         settings.threads > 0 ? settings.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-    job.has_alpha = scene.view().geometry->has_alpha();
+    job.has_extra_rows = scene.view().geometry->has_alpha() || scene.view().media->any();
 
     const EventTable events(*job.lpe, scene.view(), settings.lobe_slots);
     const geoaovs::GeometricAovs aovs(job.channels);

@@ -26,7 +26,7 @@ void morton_pixel(int m, int& x, int& y) {
 RenderWorker::RenderWorker(const RenderJob& job, display::FrameBuffer& frame_buffer)
     : job_(job),
       frame_buffer_(frame_buffer),
-      table_(job.channels, RenderLoop::batch_capacity, job.has_alpha ? 4 * RenderLoop::batch_capacity : 0),
+      table_(job.channels, RenderLoop::batch_capacity, job.has_extra_rows ? 4 * RenderLoop::batch_capacity : 0),
       display_(table_),
       lpe_(*job.lpe, table_, job.seed, job.attribution),
       state_(job.integrator->make_thread_state()),

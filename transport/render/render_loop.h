@@ -39,7 +39,7 @@ struct RenderJob {
     std::vector<geoaovs::Cryptomatte> cryptomatte;
     std::vector<display::SampleSink*> sinks;
     Integrator* integrator = nullptr;
-    bool has_alpha = false;
+    bool has_extra_rows = false;  ///< camera rays may pass cutouts or media
 };
 
 /// Tiles whose pixels are being added: two threads may hold different blocks of one tile, and the frame buffer wants one

@@ -53,6 +53,7 @@ struct SceneShape {
     bool flip_normal = false;                   ///< ReverseOrientation xor a transform that swaps handedness
     int material = -1;                          ///< index into materials
     int area_light = -1;                        ///< index into area_lights
+    int inside_medium = -1, outside_medium = -1;  ///< indices into media, -1 = none; alike: the surface is no border
     float alpha = 1;                            ///< constant opacity
     std::string alpha_texture;                  ///< name of a float texture; overrides alpha
     std::string label;                          ///< LPE object label; as imported: the named material's name
@@ -102,9 +103,11 @@ struct SceneDescription {
     std::string file;
     SceneEntity camera, film, filter, sampler, integrator;     ///< type empty: not given, defaults apply
     Transform camera_to_world;
+    int camera_medium = -1;                                    ///< index into media; -1 = none
     ColorContext color;
     std::vector<SceneEntity> materials;                        ///< [0] is the default diffuse material
     std::vector<SceneTexture> textures;
+    std::vector<SceneEntity> media;                            ///< by MakeNamedMedium
     std::vector<SceneShape> shapes;
     std::vector<SceneObject> objects;
     std::vector<SceneInstance> instances;

@@ -1,0 +1,155 @@
+// The path integrator's light samples: drawing them, and what cutouts and media on their way let through.
+#include <algorithm>
+
+#include "transport/integrators/path_state.h"
+#include "transport/math/sampling.h"
+
+namespace raylex::transport {
+
+float PathIntegrator::emitter_opacity(const LightSample& sample, const Vec3& from) const {
+    const Light& light = context_.scene.lights->lights()[sample.light];
+    if (!light.is_area() || light.hidden) return 1;
+    const ShapeGeometry& shape = context_.scene.geometry->shapes()[light.shape];
+    if (shape.alpha < 0 || shape.interface) return 1;
+    Ray ray[1];
+    ray[0].origin = from;
+    ray[0].direction = sample.target - from;
+    const Hit hit[1] = {{1, sample.uv.x, sample.uv.y, light.shape, light.primitive, Hit::none}};
+    SurfacePoint point[1];
+    SurfaceSource source[1];
+    context_.scene.geometry->surfaces(ray, hit, point, source);
+    return std::clamp(context_.scene.textures->real(shape.alpha, {point[0].u, point[0].v, point[0].position}), 0.0f,
+                      1.0f);
+}
+
+void PathIntegrator::sample_lights(PathThread& thread, ThreadServices& services) const {
+    thread.pending_count = 0;
+    if (!can_sample_lights_) return;
+    const VertexBatch& v = thread.vertices;
+    const LightTable& lights = *context_.scene.lights;
+    const bool cutouts = context_.scene.geometry->has_alpha();
+    const bool own_choice = lights.needs_choice_number(choice());
+    const bool with_emitters = services.lpe.wants_emitter_samples();
+    for (std::size_t j = 0; j < v.count; ++j) {
+        const std::uint32_t row = v.rows[j];
+        const PathState& path = thread.paths[row];
+        if (!v.bsdfs[j].has_density() || path.depth >= parameters_.max_depth) continue;
+        const PixelSampler& sampler = thread.samplers[row];
+        const float u_choice = own_choice ? sampler.get_1d(dimension(path, choice_dimension)) : 0.0f;
+        LightSample sample;
+        if (!lights.sample(choice(), *context_.scene.geometry, v.points[j].position, u_choice,
+                           sampler.get_2d(dimension(path, light_dimension)), sample))
+            continue;
+        if (parameters_.strategy == PathStrategy::scattering && !sample.delta) continue;
+        if (cutouts) sample.radiance *= emitter_opacity(sample, v.points[j].position);
+        const BsdfEvaluation f = v.bsdfs[j].evaluate(v.points[j].wo, sample.wi);
+        if (f.value.is_black()) continue;
+        float weight = 1;
+        if (!sample.delta && parameters_.strategy == PathStrategy::mis) weight = power_heuristic(sample.pdf, f.pdf);
+        const Rgb value = path.beta * f.value * sample.radiance * (weight / sample.pdf);
+        display::EmitterSample emitter;
+        if (with_emitters)
+            emitter = {lights.emitted(sample, v.points[j].position),
+                       path.beta * f.value * sample.radiance * (1 / sample.pdf), 1, false};
+        if (value.is_black() && emitter.unweighted.is_black()) continue;
+        if (in_media_)
+            thread.light_media[thread.pending_count] = {
+                context_.scene.geometry->shapes()[v.hits[j].shape].medium_towards(v.points[j].geometric_normal,
+                                                                                  sample.wi, thread.media[row]),
+                -1};
+        if (!cutouts && !services.lpe.takes_all(thread.trackers[row])) {
+            // Only channels matter: a light whose group no channel can still accept is not worth a ray (Law 4), nor is
+            // one whose shadows nobody sees.
+            const lpe::EventClass terminal = context_.events->terminal(sample.light);
+            display::Tracker ahead = thread.trackers[row];
+            move(ahead, services.lpe, v.sources[j].label, f.lobes);
+            if (!services.lpe.live_after(ahead, terminal)) continue;
+            services.lpe.move(ahead, terminal);
+            if (with_emitters && !in_media_ && !services.lpe.needs_visibility(ahead)) {
+                services.lpe.contribute(value, display::Technique::light_sampling, ahead, emitter);
+                continue;
+            }
+        }
+        if (with_emitters) thread.emitters[thread.pending_count] = emitter;
+        PendingLight& pending = thread.pending[thread.pending_count];
+        pending = {row, sample.light, v.sources[j].label, value, f.lobes};
+        thread.shadow_rays[thread.pending_count++] =
+            shadow_ray(v.points[j].position, v.points[j].geometric_normal, v.sources[j].offset, sample);
+    }
+    thread.counters.shadow_rays += thread.pending_count;
+}
+
+float PathIntegrator::straight_transmittance(Ray ray, float visible, std::int32_t medium, display::Tracker& tracker,
+                                             ThreadServices& services, IntegratorCounters& counters,
+                                             Rgb& through) const {
+    const EmbreeScene& geometry = *context_.scene.geometry;
+    const bool finite_end = ray.t_max < infinity;
+    const bool to_the_end = in_media_ && services.lpe.wants_emitter_samples();  // `through` counts without shadows too
+    const Vec3 end = ray.origin + ray.direction;
+    for (;;) {
+        Hit hit;
+        if (geometry.has_alpha()) {
+            geometry.intersect_alpha(ray, hit);
+            ++counters.shadow_rays;
+        }
+        if (medium >= 0) {
+            const float whole = finite_end ? length(ray.direction) : infinity;
+            const float distance = !hit.valid() ? whole : finite_end ? hit.t * whole : hit.t;
+            through *= transmittance((*context_.scene.media)[medium], distance);
+        }
+        if (!hit.valid()) return visible;
+        const Hit hits[1] = {hit};
+        const Ray rays[1] = {ray};
+        SurfacePoint point[1];
+        SurfaceSource source[1];
+        geometry.surfaces(rays, hits, point, source);
+        const ShapeGeometry& shape = geometry.shapes()[hit.shape];
+        visible *= 1 - std::clamp(context_.scene.textures->real(shape.alpha, {point[0].u, point[0].v, point[0].position}),
+                                  0.0f, 1.0f);
+        if (visible > 0) services.lpe.move(tracker, context_.events->straight(source[0].label));
+        else if (!to_the_end) return 0;
+        if (shape.interface) medium = shape.medium_towards(point[0].geometric_normal, ray.direction, medium);
+        ray.origin = leave_surface(point[0].position, point[0].geometric_normal, source[0].offset, ray.direction);
+        if (finite_end) {
+            const Vec3 rest = end - ray.origin;
+            if (!(dot(rest, ray.direction) > 0)) return visible;
+            ray.direction = rest;
+        }
+    }
+}
+
+void PathIntegrator::add_lights(PathThread& thread, ThreadServices& services) const {
+    if (thread.pending_count == 0) return;
+    const EmbreeScene& geometry = *context_.scene.geometry;
+    geometry.occluded({thread.shadow_rays.data(), thread.pending_count}, {thread.blocked.data(), thread.pending_count});
+    const bool with_emitters = services.lpe.wants_emitter_samples();
+    const bool straight = geometry.has_alpha() || in_media_;
+    for (std::size_t i = 0; i < thread.pending_count; ++i) {
+        if (thread.blocked[i] && !with_emitters) continue;
+        const PendingLight& pending = thread.pending[i];
+        const PendingLightMedia media = in_media_ ? thread.light_media[i] : PendingLightMedia();
+        display::Tracker tracker = thread.trackers[pending.row];
+        if (media.scattered >= 0) services.lpe.move(tracker, context_.events->phase(media.scattered));
+        else move(tracker, services.lpe, pending.label, pending.lobes);
+        Rgb value = pending.value, through(1);
+        float visible = thread.blocked[i] ? 0.0f : 1.0f;
+        if (straight && (!thread.blocked[i] || in_media_)) {
+            visible = straight_transmittance(thread.shadow_rays[i], visible, media.along, tracker, services,
+                                             thread.counters, through);
+            if (!(visible > 0) && !with_emitters) continue;
+            value *= visible;
+            if (in_media_) value *= through;
+        }
+        services.lpe.move(tracker, context_.events->terminal(pending.light));
+        if (!with_emitters) {
+            services.lpe.contribute(value, display::Technique::light_sampling, tracker);
+            continue;
+        }
+        display::EmitterSample emitter = thread.emitters[i];
+        emitter.visibility = visible;
+        if (in_media_) emitter.unweighted *= through;
+        services.lpe.contribute(visible > 0 ? value : Rgb(), display::Technique::light_sampling, tracker, emitter);
+    }
+}
+
+}  // namespace raylex::transport

@@ -1,0 +1,120 @@
+#include "transport/media/medium.h"
+
+#include <algorithm>
+
+#include "transport/geometry/ray.h"
+
+namespace raylex::transport {
+namespace {
+
+/// One colour's share of a choice among all, in proportion to `weights`; equal shares of a black one.
+Rgb shares(const Rgb& weights) {
+    const float sum = weights.r + weights.g + weights.b;
+    return sum > 0 && std::isfinite(sum) ? weights * (1 / sum) : Rgb(1 / 3.0f);
+}
+
+int pick(const Rgb& share, float u) {
+    if (u < share.r) return 0;
+    if (u < share.r + share.g) return 1;
+    return share.b > 0 ? 2 : share.g > 0 ? 1 : 0;
+}
+
+/// exp(-(sigma - least) distance): what is left when all colours are scaled by exp(least distance), which cancels in
+/// every ratio and keeps them from vanishing together.
+float relative_transmittance(float sigma, float least, float distance) {
+    return sigma > least ? std::exp(-(sigma - least) * distance) : 1.0f;
+}
+
+}  // namespace
+
+Rgb transmittance(const Medium& medium, float distance) {
+    const auto through = [&](float sigma) { return sigma > 0 ? std::exp(-sigma * distance) : 1.0f; };
+    if (medium.grey) return Rgb(through(medium.sigma_t.r));
+    return {through(medium.sigma_t.r), through(medium.sigma_t.g), through(medium.sigma_t.b)};
+}
+
+Rgb emission_along(const Medium& medium, float distance) {
+    Rgb result;
+    for (int c = 0; c < 3; ++c)
+        if (medium.emission[c] > 0)  // what emits absorbs: sigma_t is above 0
+            result[c] = medium.emission[c] * (-std::expm1(-medium.sigma_t[c] * distance) / medium.sigma_t[c]);
+    return result;
+}
+
+Flight sample_flight(const Medium& medium, const Rgb& throughput, float end, const Vec2& u) {
+    Flight flight;
+    const float depth = -std::log1p(-u.y);  // optical
+    if (medium.grey) {
+        const float sigma = medium.sigma_t.r;
+        flight.distance = sigma > 0 ? depth / sigma : infinity;
+        flight.collided = flight.distance < end;
+        flight.weight = flight.collided ? medium.sigma_s / sigma : Rgb(1);
+        return flight;
+    }
+    const Rgb share = shares(throughput);
+    const float chosen = medium.sigma_t[pick(share, u.x)];
+    flight.distance = chosen > 0 ? depth / chosen : infinity;
+    flight.collided = flight.distance < end;
+    const float distance = flight.collided ? flight.distance : end;
+    float least = infinity;
+    for (int c = 0; c < 3; ++c)
+        if (share[c] > 0) least = std::min(least, medium.sigma_t[c]);
+    Rgb left;
+    float density = 0;
+    for (int c = 0; c < 3; ++c) {
+        if (!(share[c] > 0)) continue;  // the throughput is black there, and stays so
+        left[c] = relative_transmittance(medium.sigma_t[c], least, distance);
+        density += share[c] * left[c] * (flight.collided ? medium.sigma_t[c] : 1.0f);
+    }
+    flight.weight = left / density;
+    if (flight.collided) flight.weight *= medium.sigma_s;
+    return flight;
+}
+
+float sample_absorption(const Medium& medium, float end, const Vec2& u) {
+    Rgb lost = Rgb(1) - transmittance(medium, end);
+    const int c = pick(shares(lost), u.x);
+    return std::min(-std::log1p(-u.y * lost[c]) / medium.sigma_t[c], end);
+}
+
+Result<MediumTable> MediumTable::build(const SceneDescription& scene, std::vector<Error>& warnings) {
+    MediumTable table;
+    std::vector<std::uint8_t> used(scene.media.size(), 0);
+    const auto use = [&](int index, const SourceLocation& where) -> Status {
+        if (index < 0) return success();
+        if (static_cast<std::size_t>(index) >= used.size()) return error_at(where, "the medium is not defined");
+        used[static_cast<std::size_t>(index)] = 1;
+        return success();
+    };
+    const auto use_all = [&](const std::vector<SceneShape>& shapes) -> Status {
+        for (const SceneShape& shape : shapes)
+            for (const int index : {shape.inside_medium, shape.outside_medium})
+                if (Status s = use(index, shape.location); !s) return s;
+        return success();
+    };
+    if (Status s = use(scene.camera_medium, scene.camera.location); !s) return s.error();
+    if (Status s = use_all(scene.shapes); !s) return s.error();
+    for (const SceneObject& object : scene.objects)
+        if (Status s = use_all(object.shapes); !s) return s.error();
+
+    table.camera_ = scene.camera_medium;
+    for (std::size_t i = 0; i < scene.media.size(); ++i) {
+        const SceneEntity& entity = scene.media[i];
+        table.names_.push_back(entity.name);
+        table.media_.emplace_back();
+        if (!used[i]) continue;
+        auto entry = medium_registry().require(entity.type, entity.location);
+        if (!entry) return entry.error();
+        auto medium = (*entry)->factory(entity, scene.color);
+        if (!medium) return medium.error();
+        for (const Parameter* p : entity.parameters.unused())
+            warnings.push_back(error_at(p->location, "parameter '" + p->name + "' means nothing to medium '" +
+                                                         entity.name + "' (" + entity.type + ")"));
+        table.media_.back() = *medium;
+        table.any_ = true;
+        table.any_emits_ = table.any_emits_ || medium->emits;
+    }
+    return table;
+}
+
+}  // namespace raylex::transport

@@ -1,0 +1,82 @@
+// Participating media: plain values and the three things that paths ask of them.
+//
+// All media are homogeneous, so transmittance and emission along a segment have closed forms; chance decides only how far
+// a path flies. Where colours have different extinction, one colour picked in proportion to the path's throughput draws
+// the distance, and the weight divides by the mean density over all colours (the balance heuristic over the three
+// strategies): every colour is unbiased, none is weighed by more than its share of the throughput.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "display/services/registry.h"
+#include "display/services/rgb.h"
+#include "lpe/result.h"
+#include "transport/scene/scene_description.h"
+
+namespace raylex::transport {
+
+/// Coefficients per unit of world length, in the rendering space.
+struct Medium {
+    Rgb sigma_a, sigma_s, sigma_t;
+    Rgb emission;           ///< radiance added per unit length: sigma_a Le
+    float g = 0;            ///< Henyey-Greenstein asymmetry
+    bool grey = true;       ///< sigma_t is the same in all colours
+    bool scatters = false;  ///< sigma_s is not black
+    bool emits = false;
+};
+
+/// exp(-sigma_t distance). Colours without extinction pass whole, over an infinite distance too.
+Rgb transmittance(const Medium& medium, float distance);
+
+/// Radiance that the medium's own glow sends along a segment to its beginning.
+Rgb emission_along(const Medium& medium, float distance);
+
+/// How far a path flies.
+struct Flight {
+    float distance = 0;     ///< of the collision
+    bool collided = false;  ///< false: the segment's end was reached
+    Rgb weight;             ///< transmittance (and sigma_s for a collision) over the chance of what happened
+};
+
+/// Samples a collision in front of `end` (infinity allowed). `throughput` decides the odds of the colours; it must not be
+/// black. u in [0, 1)^2.
+Flight sample_flight(const Medium& medium, const Rgb& throughput, float end, const Vec2& u);
+
+/// Where a medium that only absorbs takes light away on a segment of length `end`: a distance whose density is the mean
+/// over the colours of what they lose there. For deep images.
+float sample_absorption(const Medium& medium, float end, const Vec2& u);
+
+using MediumFactory = std::function<Result<Medium>(const SceneEntity&, const ColorContext&)>;
+/// homogeneous.
+Registry<MediumFactory>& medium_registry();
+
+/// The media that a scene's shapes and camera refer to, under their index in SceneDescription::media. Immutable.
+class MediumTable {
+  public:
+    /// Media that nothing refers to are left as vacuum and not checked: pbrt scenes keep them around.
+    static Result<MediumTable> build(const SceneDescription& scene, std::vector<Error>& warnings);
+
+    /// Whether anything refers to a medium: without, paths go on as if there were no such thing.
+    [[nodiscard]] bool any() const { return any_; }
+    /// Whether a ray that hits nothing can meet light all the same.
+    [[nodiscard]] bool any_emits() const { return any_emits_; }
+    [[nodiscard]] const Medium& operator[](std::int32_t index) const { return media_[static_cast<std::size_t>(index)]; }
+    [[nodiscard]] std::size_t size() const { return media_.size(); }
+    /// What events call the medium: its name in the scene.
+    [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
+    /// The medium that the camera stands in; -1: none.
+    [[nodiscard]] std::int32_t camera() const { return camera_; }
+
+  private:
+    std::vector<Medium> media_;
+    std::vector<std::string> names_;
+    std::int32_t camera_ = -1;
+    bool any_ = false, any_emits_ = false;
+};
+
+}  // namespace raylex::transport

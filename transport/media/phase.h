@@ -1,0 +1,46 @@
+// The Henyey-Greenstein phase function, stable for every asymmetry.
+//
+// Everything is written in h = 1 - cos(theta), theta being the angle to the axis that light is thrown towards: the way it
+// came for g > 0, the way back for g < 0. Near g = 1 the cosine itself has lost all its digits, and near g = 0 the common
+// inversion divides by g; these forms keep a relative error of some ulps from g = 0 to g = 1 - 2^-24.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "transport/math/vec.h"
+
+namespace raylex::transport {
+
+struct PhaseSample {
+    Vec3 wi;
+    float pdf = 0;  ///< per steradian; the phase function itself has the same value
+};
+
+namespace phase_detail {
+
+/// (1 - g^2) / (4 pi (1 + g^2 - 2 g cos)^(3/2)), for g >= 0.
+inline float value(float g, float h) {
+    const float d = (1 - g) * (1 - g) + 2 * g * h;
+    return (0.25f * inv_pi) * ((1 - g) * (1 + g)) / (d * std::sqrt(d));
+}
+
+}  // namespace phase_detail
+
+/// Value and density, per steradian, of scattering light that travels along `forward` into `wi`; both unit. -1 < g < 1.
+inline float phase_pdf(float g, const Vec3& forward, const Vec3& wi) {
+    const Vec3 axis = g < 0 ? -forward : forward;
+    return phase_detail::value(std::abs(g), std::min(0.5f * length_squared(wi - axis), 2.0f));
+}
+
+/// Draws wi in proportion to the phase function, so that its weight is 1. u in [0, 1)^2.
+inline PhaseSample sample_phase(float g, const Vec3& forward, const Vec2& u) {
+    const float a = std::abs(g);
+    const float denominator = (1 - a) + 2 * a * (1 - u.x);
+    const float h = std::clamp(2 * (1 - a) * (1 - a) * u.x * (1 + a - a * u.x) / (denominator * denominator), 0.0f, 2.0f);
+    const float sine = std::sqrt(h * (2 - h)), phi = 2 * pi * u.y;
+    const Frame frame = Frame::from_normal(g < 0 ? -forward : forward);
+    return {normalize(frame.to_world({sine * std::cos(phi), sine * std::sin(phi), 1 - h})), phase_detail::value(a, h)};
+}
+
+}  // namespace raylex::transport
