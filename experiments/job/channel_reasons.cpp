@@ -80,6 +80,8 @@ std::array<std::set<std::string>, 3> known_labels(const SceneWords& scene) {
     std::array<std::set<std::string>, 3> known;
     known[object].insert(scene.alphabet.object_labels.begin(), scene.alphabet.object_labels.end());
     known[group].insert(scene.alphabet.light_groups.begin(), scene.alphabet.light_groups.end());
+    for (const lpe::Event& event : scene.alphabet.scattering)
+        if (event.type == lpe::EventType::volume) known[object].insert(event.labels[0]);  // media go by their names
     for (const auto* events : {&scene.alphabet.scattering, &scene.user})
         for (const lpe::Event& event : *events)
             if (event.labels.size() > 1) known[lobe].insert(event.labels[1]);

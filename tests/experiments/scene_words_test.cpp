@@ -107,6 +107,33 @@ TEST_CASE("what makes a channel black is said, with a near miss where there is o
     check("C<RD'flor'>DDDD<L.'key'>", "5 scattering events");
 }
 
+TEST_CASE("a scene's words have V events and O only where media scatter and glow") {
+    std::string text = scene_text;
+    text.replace(text.find("LookAt"), 0,
+                 "MakeNamedMedium \"haze\" \"string type\" \"homogeneous\" \"rgb Le\" [1 1 1]\nMediumInterface \"haze\"\n");
+    const SceneWords scene = words_of({}, text);
+    for (const char* expression : {"CVL", "C<V.'haze'>L", "CV<RD'floor'>O", "CO", "C<V.'h*'>O"}) {
+        CAPTURE(expression);
+        CHECK(never(expression, scene).empty());
+    }
+    const auto check = [&](const std::string& expression, const std::string& part) {
+        CAPTURE(expression, never(expression, scene));
+        CHECK(mentions(never(expression, scene), part));
+    };
+    check("C<V.'hase'>L", "a medium that scatters (V) labelled 'hase', and this scene has none; did you mean 'haze'?");
+    check("C<O.'key'>", "emission (O) with the label 'key', and what glows in this scene has none");
+    text.replace(text.find("\"rgb Le\" [1 1 1]"), 16, "\"rgb sigma_s\" [0 0 0]");
+    const SceneWords dark = words_of({}, text);
+    CHECK(mentions(never("CVL", dark), "a medium that scatters (V), and this scene has none"));
+    CHECK(mentions(never("CO", dark), "nothing in this scene glows"));
+    // The shipped partition's `volume` is live where something scatters.
+    for (const auto& [words, live] : {std::pair(&scene, true), std::pair(&dark, false)}) {
+        const auto word = lpe::find_word({"volume", "CV.*"}, words->words);
+        REQUIRE(word.ok());
+        CHECK(word->has_value() == live);
+    }
+}
+
 TEST_CASE("labels that nothing has are named even where the channel matches without them") {
     const SceneWords scene = words_of();
     const auto notes = [&](const std::string& expression) {

@@ -3,9 +3,11 @@
 
 #include <array>
 #include <map>
+#include <memory>
 #include <mutex>
 
 #include "display/buffer/sample_sink.h"
+#include "display/deep/deep_buffer.h"
 
 using namespace render_test;
 using raylex::Rgb;
@@ -357,6 +359,50 @@ TEST_CASE("camera rays say where in a medium they end: WriteDistance at collisio
     }
 }
 
+TEST_CASE("deep images hold a medium as spans whose transmittance is Beer and Lambert's at every depth", "[render][media]") {
+    // Half scattering: collisions stop rays. Absorbing only: extra samples take their share. Both must composite alike.
+    for (const char* medium : {"\"rgb sigma_a\" [0.5 0.5 0.5] \"rgb sigma_s\" [0.5 0.5 0.5]",
+                               "\"rgb sigma_a\" [1 1 1] \"rgb sigma_s\" [0 0 0]"}) {
+        std::unique_ptr<display::DeepBuffer> deep;
+        transport::RenderSettings settings;
+        settings.samples_per_pixel = 1024;
+        settings.before_rendering = [&](const transport::RenderPlan& plan, std::vector<display::SampleSink*>& sinks) {
+            display::DeepOptions options;
+            options.tolerance = 0.25;
+            deep = std::make_unique<display::DeepBuffer>(plan.width, plan.height, plan.channels,
+                                                         std::vector<display::ChannelId>{plan.beauty}, options);
+            sinks.push_back(deep.get());
+            return raylex::success();
+        };
+        const auto output = render_of(scene_of(ball(medium)), settings);
+        const std::vector<double> beauty = output.frame_buffer.resolve(output.beauty),
+                                  alpha = output.frame_buffer.resolve_alpha();
+        int spans = 0;
+        double worst = 0;
+        for (int p = 0; p < 64; ++p) {
+            double through = 1, color = 0;
+            for (const display::DeepSample& sample : deep->resolve(p % 8, p / 8)) {
+                color += through * double(sample.values[0]);
+                through *= 1 - double(sample.alpha);
+                if (sample.z >= display::deep_background) continue;
+                CHECK(sample.z_back <= 1);
+                if (sample.z_back > sample.z) ++spans;
+                // A span ends at a collision, so that one ray of 1024 is always counted there. Near the camera too few
+                // have collided for a normal distribution.
+                if (sample.z_back < 0.05f) continue;
+                const double expected = std::exp(-double(sample.z_back));
+                const double off = std::max(std::abs(through - expected) - 1.0 / 1024, 0.0);
+                worst = std::max(worst, off / std::sqrt(expected * (1 - expected) / 1024));
+            }
+            CHECK(1 - through == Approx(alpha[std::size_t(p)]).epsilon(1e-5));
+            CHECK(color == Approx(beauty[std::size_t(3 * p)]).epsilon(1e-5));
+        }
+        CAPTURE(medium, spans, worst);
+        CHECK(spans > 64 * 8);
+        CHECK(worst <= 5.5);  // of about 1300 binomial numbers: beyond it by chance once in 20,000 runs
+    }
+}
+
 TEST_CASE("a scene's alphabet has the media that are in use, and glow", "[render][media]") {
     auto alphabet = transport::scene_alphabet(scene_of(foggy_room()));
     REQUIRE(alphabet.ok());
@@ -372,4 +418,31 @@ TEST_CASE("a scene's alphabet has the media that are in use, and glow", "[render
     REQUIRE(alphabet.ok());
     CHECK_FALSE(has(alphabet->scattering, transport::phase_event("haze")));
     CHECK_FALSE(has(alphabet->terminals, transport::emission_event()));
+}
+
+namespace {
+
+class BlindIntegrator final : public transport::Integrator {
+  public:
+    raylex::Status prepare(const transport::IntegratorContext&) override { return raylex::success(); }
+    [[nodiscard]] std::unique_ptr<transport::IntegratorThread> make_thread_state() const override {
+        return std::make_unique<transport::IntegratorThread>();
+    }
+    void integrate(const transport::CameraBatch&, transport::IntegratorThread&, transport::ThreadServices&) const override {}
+};
+
+}  // namespace
+
+TEST_CASE("an integrator that does not know media is refused on scenes that have some", "[render][media][law7]") {
+    transport::integrator_registry().add(
+        {"test-blind", "black", {}, [](const transport::SceneEntity&, std::optional<std::int64_t>) {
+             return raylex::Result<std::unique_ptr<transport::Integrator>>(std::make_unique<BlindIntegrator>());
+         }});
+    transport::RenderSettings settings;
+    settings.samples_per_pixel = 1;
+    settings.integrator.emplace().type = "test-blind";
+    CHECK(transport::render(scene_of(room), settings).ok());
+    auto refused = transport::render(scene_of(foggy_room()), settings);
+    REQUIRE_FALSE(refused.ok());
+    CHECK(refused.error().message.find("participating media") != std::string::npos);
 }

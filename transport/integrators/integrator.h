@@ -154,6 +154,7 @@ struct IntegratorTraits {
     bool holdouts = false;         ///< holds out paths whose first hit is a holdout
     bool user_events = false;      ///< reports UserLobe events
     std::optional<std::int64_t> max_depth;  ///< scattering events of a path at most
+    bool media = false;            ///< takes paths through participating media
 };
 
 class Integrator {

@@ -62,6 +62,9 @@ Status check_traits(const ChosenIntegrator& chosen, const SceneView& scene, cons
     if (scene.geometry->has_holdouts() && !traits.holdouts)
         return error_at({}, "the scene has holdouts, which integrator '" + chosen.name + "' does not know",
                         "leave them out, or choose another integrator");
+    if (scene.media->any() && !traits.media)
+        return error_at({}, "the scene has participating media, which integrator '" + chosen.name + "' does not know",
+                        "leave them out, or choose another integrator, such as path");
     return success();
 }
 
