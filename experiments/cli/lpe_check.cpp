@@ -114,9 +114,40 @@ int run_declared(const std::vector<lpe::ChannelSource>& sources, const std::vect
     return code;
 }
 
+/// Takes out of an artist's list the channels that are the whole, however they are written, and returns the first of them:
+/// the beauty beside its parts is no part. None of several channels, or of one alone, may be left over.
+Result<std::optional<lpe::ChannelSource>> take_beauty(std::vector<lpe::ChannelSource>& sources, const lpe::Words& words) {
+    std::optional<lpe::ChannelSource> beauty;
+    lpe::Words without_media = words;
+    without_media.volume = false;
+    std::vector<lpe::ChannelSource> parts;
+    std::string note;
+    for (const lpe::ChannelSource& source : sources) {
+        auto is_whole = lpe::is_beauty(source, words);
+        const bool everywhere = is_whole && *is_whole;
+        if (is_whole && !everywhere) is_whole = lpe::is_beauty(source, without_media);
+        if (!is_whole) return is_whole.error();
+        if (!*is_whole) {
+            parts.push_back(source);
+            continue;
+        }
+        if (!beauty) beauty = source;
+        note += (note.empty() ? "'" : "; '") + source.name + "' is the beauty" +
+                (everywhere ? "" : " where no path scatters in a medium");
+    }
+    if (parts.empty() || !beauty) return std::optional<lpe::ChannelSource>{};
+    print_note(note + ": the others are held against it");
+    sources = std::move(parts);
+    return beauty;
+}
+
 int run_proof(const CheckOptions& options, std::vector<lpe::ChannelSource>& sources) {
     std::optional<lpe::ChannelSource> of;
-    if (!options.of.empty()) {
+    if (options.of.empty() && options.what == "partition" && !options.channels.files.empty()) {
+        auto found = take_beauty(sources, options.words);
+        if (!found) return report_error(found.error());
+        of = std::move(*found);
+    } else if (!options.of.empty()) {
         auto found = channel_or_expression(options.of, options.channels, options.dialect.value(), "--of");
         if (!found) return report_error(found.error());
         of = std::move(*found);
@@ -183,8 +214,8 @@ void add_check(CLI::App& lpe, CommandContext& context) {
                      "path is in at least one")
         ->option_text("partition|disjoint|covers")
         ->check(CLI::IsMember({"partition", "disjoint", "covers"}));
-    check->add_option("--of", options->of, "what is split, an expression or the name of a channel of --channels; default: every path a scene can "
-                     "produce")
+    check->add_option("--of", options->of, "what is split, an expression or the name of a channel of --channels; default: the channel of a "
+                     "file that denotes the beauty, else every path a scene can produce")
         ->option_text("BEAUTY");
     check
         ->add_option("--rest", options->rest,

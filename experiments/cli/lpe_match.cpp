@@ -16,6 +16,7 @@ namespace {
 struct MatchOptions {
     DialectOption dialect;
     std::string expression, events;
+    std::vector<std::string> event_arguments;
 };
 
 struct VectorOptions {
@@ -65,7 +66,8 @@ void print_reason(const lpe::WhyNot& why, const lpe::PlacedEvents& path, const M
     if (!why.hint.empty()) print_line(why.hint);
 }
 
-int run_match(const MatchOptions& options) {
+int run_match(MatchOptions& options) {
+    for (const std::string& argument : options.event_arguments) options.events += (options.events.empty() ? "" : " ") + argument;
     auto path = lpe::parse_placed_events(options.events);
     if (!path) return report_error(about_argument(path.error(), "events", options.events));
     const lpe::ChannelSource source = bare_expression(options.expression, options.dialect.value(), "", "expression");
@@ -101,8 +103,9 @@ void add_match(CLI::App& lpe, CommandContext& context) {
         lpe.add_subcommand("match", "Says whether an expression accepts a path: prints 'match' or 'no match'.");
     match->add_option("EXPR", options->expression, "the expression")->required()->option_text("(required)");
     match
-        ->add_option("EVENTS", options->events,
-                     "the path: events type,scatter[,label...] between blanks, '-' for no scatter")
+        ->add_option("EVENTS", options->event_arguments,
+                     "the path, in one argument or several: events type,scatter[,label...] between blanks, '-' for no "
+                     "scatter")
         ->required()
         ->option_text("(required)");
     add_dialect_option(*match, options->dialect);

@@ -93,7 +93,7 @@ class Writer {
     std::string rib() {
         std::string text = "##RenderMan RIB\nversion 3.04\n";
         for (const LobeOption& option : file_.lobe_options) {
-            text += "Option \"lpe\" \"string " + option.slot + "\" [" + quoted(option.names) + "]\n";
+            text += "Option \"lpe\" " + quoted("string " + option.slot) + " [" + quoted(option.names) + "]\n";
         }
         for (const FileChannel& channel : file_.channels) {
             require_renderman(channel.source, "RIB");
@@ -114,6 +114,10 @@ class Writer {
     std::string ini() {
         std::string text;
         for (const LobeOption& option : file_.lobe_options) {
+            if ((option.slot + option.names).find_first_of("\r\n") != std::string::npos)
+                throw Failure{Error{"the option lpe:" + option.slot +
+                                        " holds a line end; expected none: rendermn.ini has one option a line",
+                                    option.origin, option.line, option.column, {}, {}}};
             text += "/prman/lpe/" + option.slot + "  " + option.names + "\n";
         }
         const auto add = [&](const ChannelSource& source) {

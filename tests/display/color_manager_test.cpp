@@ -9,6 +9,7 @@
 
 #include "display/output/primaries.h"
 #include "files.h"
+#include "tests/support/paths.h"
 
 using raylex::display::Chromaticities;
 using raylex::display::ColorManager;
@@ -39,7 +40,7 @@ ColorManager shipped() {
     return std::move(*manager);
 }
 
-const char* const shipped_path = RAYLEX_SOURCE_DIR "/display/ocio/raylex.ocio";
+const std::string shipped_path = raylex::test::source_dir() + "/display/ocio/raylex.ocio";
 
 std::vector<unsigned char> show(const ColorManager& manager, const std::vector<float>& rgb,
                                 const Chromaticities& primaries, const std::string& view) {
@@ -53,7 +54,7 @@ std::vector<unsigned char> show(const ColorManager& manager, const std::vector<f
 TEST_CASE("the shipped config is valid and is found without any environment", "[display][ocio]") {
     const WithoutOcio environment;
     namespace ocio = OCIO_NAMESPACE;
-    REQUIRE_NOTHROW(ocio::Config::CreateFromFile(shipped_path)->validate());
+    REQUIRE_NOTHROW(ocio::Config::CreateFromFile(shipped_path.c_str())->validate());
     const ColorManager manager = shipped();
     CHECK(manager.default_display() == "sRGB - Display");
     CHECK(manager.default_view("") == "ACES 1.0 - SDR Video");
@@ -68,7 +69,7 @@ TEST_CASE("the shipped config is valid and is found without any environment", "[
 TEST_CASE("the shipped config gives the figures of OpenColorIO's ACES transforms", "[display][ocio]") {
     // Reference: computed once with OpenColorIO 2.1.2 from its builtin transforms. Five digits are given.
     namespace ocio = OCIO_NAMESPACE;
-    const auto config = ocio::Config::CreateFromFile(shipped_path);
+    const auto config = ocio::Config::CreateFromFile(shipped_path.c_str());
     const auto grey = [&config](const char* source, const char* view, float value) {
         const auto transform = ocio::DisplayViewTransform::Create();
         transform->setSrc(source);
@@ -91,7 +92,7 @@ TEST_CASE("the shipped config gives the figures of OpenColorIO's ACES transforms
 }
 
 TEST_CASE("file rules of the shipped config tell 8-bit from float images", "[display][ocio]") {
-    const auto config = OCIO_NAMESPACE::Config::CreateFromFile(shipped_path);
+    const auto config = OCIO_NAMESPACE::Config::CreateFromFile(shipped_path.c_str());
     const auto space = [&config](const char* file) { return std::string(config->getColorSpaceFromFilepath(file)); };
     CHECK(space("wood.png") == "srgb_texture");
     CHECK(space("dir.exr/WOOD.JPEG") == "srgb_texture");

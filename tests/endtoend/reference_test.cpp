@@ -16,6 +16,7 @@
 #include "display/output/exr_reader.h"
 #include "endtoend/analytic.h"
 #include "support/skip.h"
+#include "tests/support/paths.h"
 
 using namespace raylex;
 using namespace raylex::test;
@@ -53,7 +54,7 @@ const ReferenceScene scenes[] = {
 
 fs::path reference_folder() {
     if (const char* given = std::getenv("RAYLEX_REFERENCES")) return given;
-    return fs::path(RAYLEX_SOURCE_DIR) / ".." / "shared" / "data" / "scenes";
+    return fs::path(raylex::test::source_dir()) / ".." / "shared" / "data" / "scenes";
 }
 
 transport::SceneDescription load(const fs::path& file) {
@@ -118,7 +119,7 @@ double normal_quantile(double p) {
 TEST_CASE("Shipped scenes have the mean luminance of pbrt-v4's references", "[reference][statistical]") {
     for (const ReferenceScene& each : scenes) {
         if (!each.shipped || each.mean_luminance == 0) continue;
-        const auto scene = load(fs::path(RAYLEX_SOURCE_DIR) / "experiments" / "scenes" / each.name / "scene.pbrt");
+        const auto scene = load(fs::path(raylex::test::source_dir()) / "experiments" / "scenes" / each.name / "scene.pbrt");
         transport::RenderSettings settings;
         settings.samples_per_pixel = 16;
         const auto output = render_or_fail(scene, settings);

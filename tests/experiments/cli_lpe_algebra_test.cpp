@@ -34,6 +34,23 @@ TEST_CASE("lpe check can prove disjointness and coverage alone") {
     CHECK(run_raylex(folder, "lpe check --what nothing 'a=CL'").code == 2);
 }
 
+TEST_CASE("lpe check holds the parts against the channel that is the beauty, whatever its name") {
+    const Folder folder;
+    folder.write("list.rib",
+                 "DisplayChannel \"color Ci\" \"string source\" \"color lpe:C[DS]*[<L.>O]\"\n"
+                 "DisplayChannel \"color diffuse\" \"string source\" \"color lpe:CD[DS]*[<L.>O]\"\n"
+                 "DisplayChannel \"color specular\" \"string source\" \"color lpe:CS[DS]*[<L.>O]\"\n"
+                 "DisplayChannel \"color visible\" \"string source\" \"color lpe:C[<L.>O]\"\n");
+    const Outcome holds = run_raylex(folder, "lpe check --channels list.rib");
+    CHECK(holds.code == 0);
+    CHECK(holds.err.find("'Ci' is the beauty where no path scatters in a medium") != std::string::npos);
+    const Outcome misses = run_raylex(folder, "lpe check --channels list.rib --of 'C.*'");
+    CHECK(misses.code == 1);
+    folder.write("alone.rib", "DisplayChannel \"color Ci\" \"string source\" \"color lpe:C.*\"\n");
+    CHECK(run_raylex(folder, "lpe check --channels alone.rib").code == 0);  // one channel alone is a partition of it
+    CHECK(run_raylex(folder, "lpe check 'all=C.*' 'a=CL'").out.find("both count") != std::string::npos);  // given one by one
+}
+
 TEST_CASE("lpe words, complement, intersection, union and difference show paths, or that there is none") {
     const Folder folder;
     const Outcome words = run_raylex(folder, "lpe words 'C<RD>L'");
@@ -69,6 +86,7 @@ TEST_CASE("lpe explain says what an expression means and ends with 1 when nothin
 
 TEST_CASE("lpe match tells where a path fails, under the event, and what was wanted") {
     const Folder folder;
+    CHECK(run_raylex(folder, "lpe match C.*L C,- R,D,floor L,-").code == 0);  // the path in several arguments
     const Outcome no = run_raylex(folder, "lpe match \"C<RD'floor'>L\" 'C,- R,D,flor L,-'");
     CHECK(no.code == 1);
     CHECK(no.out == "no match\n"

@@ -3,12 +3,13 @@
 
 #include "experiments/job/job_file.h"
 #include "support.h"
+#include "tests/support/paths.h"
 
 using namespace raylex::test;
 
 namespace {
 
-const std::string script = std::string(RAYLEX_SOURCE_DIR) + "/experiments/quickstart.sh";
+const std::string script = raylex::test::source_dir() + "/experiments/quickstart.sh";
 
 }  // namespace
 
@@ -27,7 +28,7 @@ TEST_CASE("the quickstart's jobs read, and their scenes are there") {
     for (const std::string name : {"cornell-color", "still-life"}) {
         CAPTURE(name);
         auto job =
-            raylex::experiments::read_job(std::string(RAYLEX_SOURCE_DIR) + "/experiments/quickstart/" + name + ".toml");
+            raylex::experiments::read_job(raylex::test::source_dir() + "/experiments/quickstart/" + name + ".toml");
         REQUIRE(job);
         CHECK(job->shipped_partition);
         CHECK(job->light_groups);
@@ -42,7 +43,7 @@ TEST_CASE("the quickstart's jobs render, at a thousandth of their budget") {
     for (const std::string name : {"cornell-color", "still-life"}) {
         CAPTURE(name);
         Outcome outcome =
-            run_raylex(folder, "render '" + std::string(RAYLEX_SOURCE_DIR) + "/experiments/quickstart/" + name +
+            run_raylex(folder, "render '" + raylex::test::source_dir() + "/experiments/quickstart/" + name +
                                    ".toml' -o out.exr --preview p.png --stats s.json --resolution 24x16 --spp 4");
         CAPTURE(outcome.err);
         REQUIRE(outcome.code == 0);

@@ -1,4 +1,5 @@
 #include "support.h"
+#include "tests/support/paths.h"
 
 #include <sys/wait.h>
 #include <unistd.h>
@@ -64,7 +65,7 @@ std::vector<std::string> Folder::names() const {
 
 Outcome run_shell(const Folder& folder, const std::string& line) {
     const std::string script = sibling(folder, ".sh"), out = sibling(folder, ".out"), err = sibling(folder, ".err");
-    std::ofstream(script) << "cd '" << folder.path() << "' || exit 99\nRAYLEX='" << RAYLEX_BINARY_DIR << "/raylex'\n"
+    std::ofstream(script) << "cd '" << folder.path() << "' || exit 99\nRAYLEX='" << raylex::test::binary_dir() << "/raylex'\n"
                           << line << "\n";
     const int status = std::system(("bash '" + script + "' >'" + out + "' 2>'" + err + "' </dev/null").c_str());
     Outcome outcome;

@@ -13,6 +13,7 @@
 #include "lpe/match.h"
 #include "lpe/program.h"
 #include "oracle.h"
+#include "tests/support/paths.h"
 
 using namespace raylex::lpe;
 
@@ -151,7 +152,7 @@ TEST_CASE("damaged and hostile files are refused or harmless", "[adopt][file][la
 }
 
 TEST_CASE("programs are saved and loaded by name", "[adopt][file]") {
-    const std::string path = RAYLEX_BINARY_DIR "/adopt_test.lpeprogram";
+    const std::string path = raylex::test::binary_dir() + "/adopt_test.lpeprogram";
     const auto program = Program::compile(channel_set(true));
     REQUIRE(save(*program, path));
     const auto loaded = load(path);

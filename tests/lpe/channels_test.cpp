@@ -123,6 +123,22 @@ TEST_CASE("RIB channels are read with what stands around them", "[channels]") {
     CHECK(file.lobe_options[1].names == "Coat");
 }
 
+TEST_CASE("whatever a RIB option's name holds is written so that it is read again", "[channels]") {
+    const ChannelFile file = read("Option \"lpe\" \"string \\\\odd\\\"\" [\"a\\nb\"]\n", ChannelFormat::rib);
+    REQUIRE(file.lobe_options.size() == 1);
+    CHECK(file.lobe_options[0].slot == "\\odd\"");
+    std::vector<std::string> warnings;
+    const auto written = write_channel_file(file, ChannelFormat::rib, warnings);
+    REQUIRE(written.ok());
+    const ChannelFile again = read(*written, ChannelFormat::rib);
+    REQUIRE(again.lobe_options.size() == 1);
+    CHECK(again.lobe_options[0].slot == file.lobe_options[0].slot);
+    CHECK(again.lobe_options[0].names == file.lobe_options[0].names);
+    const auto ini = write_channel_file(file, ChannelFormat::ini, warnings);
+    REQUIRE_FALSE(ini.ok());  // an option there is one line
+    CHECK(ini.error().message.find("holds a line end") != std::string::npos);
+}
+
 TEST_CASE("USD render variables are read wherever they are nested", "[channels]") {
     const ChannelFile file = read(usda_text, ChannelFormat::usda);
     REQUIRE(file.channels.size() == 3);

@@ -9,13 +9,14 @@
 #include "lpe/program.h"
 #include "lpe/shipped.h"
 #include "oracle.h"
+#include "tests/support/paths.h"
 
 using namespace raylex::lpe;
 
 namespace {
 
 std::vector<ChannelSource> read_set(const std::string& name) {
-    std::ifstream file(RAYLEX_SOURCE_DIR "/lpe/bench/data/" + name);
+    std::ifstream file(raylex::test::source_dir() + "/lpe/bench/data/" + name);
     std::vector<ChannelSource> channels;
     for (std::string line; std::getline(file, line);) {
         if (!line.empty()) {

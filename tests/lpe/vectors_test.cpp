@@ -1,11 +1,12 @@
 #include <catch2/catch.hpp>
 
 #include "lpe/vectors.h"
+#include "tests/support/paths.h"
 
 using namespace raylex::lpe;
 
 TEST_CASE("the osl dialect agrees with Open Shading Language on every conformance vector", "[vectors]") {
-    const auto report = run_vectors(RAYLEX_SOURCE_DIR "/tests/lpe/data/lpe_vectors_osl.tsv", Dialect::osl);
+    const auto report = run_vectors(raylex::test::source_dir() + "/tests/lpe/data/lpe_vectors_osl.tsv", Dialect::osl);
     REQUIRE(report);
     for (const VectorRow& row : report->disagree) {
         UNSCOPED_INFO(row.line << ": " << row.expression << " on " << row.events << ": expected " << row.expected << ", found "

@@ -4,6 +4,7 @@
 #include <zlib.h>
 
 #include "tests/transport/import_support.h"
+#include "tests/support/paths.h"
 #include "transport/media/medium.h"
 
 using namespace import_test;
@@ -251,7 +252,7 @@ TEST_CASE("the scenes that ship with the project are read without a warning", "[
     for (const char* name : {"cornell-color", "cornell-grey", "furnace-box", "furnace-sphere", "mis-plates",
                              "point-plane", "sky-image", "still-life"}) {
         INFO(name);
-        const auto scene = import_pbrt(std::string(RAYLEX_SOURCE_DIR) + "/experiments/scenes/" + name + "/scene.pbrt");
+        const auto scene = import_pbrt(raylex::test::source_dir() + "/experiments/scenes/" + name + "/scene.pbrt");
         if (!scene) FAIL(scene.error().to_string());
         CHECK(scene->warnings.empty());
         CHECK_FALSE(scene->shapes.empty());

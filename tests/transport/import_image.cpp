@@ -8,6 +8,7 @@
 
 #include "tests/transport/import_support.h"
 #include "transport/import/image.h"
+#include "tests/support/paths.h"
 
 using namespace import_test;
 using raylex::transport::Image;
@@ -15,7 +16,7 @@ using raylex::transport::read_image;
 
 namespace {
 
-const std::string data_folder = std::string(RAYLEX_SOURCE_DIR) + "/tests/transport/data/";
+const std::string data_folder = raylex::test::source_dir() + "/tests/transport/data/";
 
 Image read(const std::string& path, const std::string& encoding = {}) {
     auto image = read_image(path, encoding);
@@ -199,7 +200,7 @@ TEST_CASE("an image cut short anywhere is an error that names the file", "[image
     };
     check_truncation(folder, "a.jpg", slurp(data_folder + "halves.jpg"), 7);
     check_truncation(folder, "a.exr", slurp(data_folder + "rgb_half.exr"), 5);
-    const std::string whole = slurp(std::string(RAYLEX_SOURCE_DIR) + "/experiments/scenes/still-life/leaf.png");
+    const std::string whole = slurp(raylex::test::source_dir() + "/experiments/scenes/still-life/leaf.png");
     // The last 12 bytes are the empty end chunk: without it all pixels are there.
     check_truncation(folder, "a.png", whole.substr(0, whole.size() - 12), 3);
 }

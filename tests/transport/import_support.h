@@ -6,6 +6,7 @@
 #include <string>
 
 #include "transport/import/pbrt_importer.h"
+#include "tests/support/paths.h"
 
 namespace import_test {
 
@@ -14,7 +15,7 @@ namespace fs = std::filesystem;
 /// A folder of its own for every test; removed at its end.
 class ScratchFolder {
   public:
-    explicit ScratchFolder(const std::string& name) : path_(fs::path(RAYLEX_BINARY_DIR) / "import_scratch" / name) {
+    explicit ScratchFolder(const std::string& name) : path_(fs::path(raylex::test::binary_dir()) / "import_scratch" / name) {
         fs::remove_all(path_);
         fs::create_directories(path_);
     }
