@@ -141,7 +141,7 @@ if [ -z "$filter" ]; then
         run_programs adopters adopters
     fi
     say "A project outside, on an installed raylex"
-    for wanted in "lpe;services" "lpe;services;display;geoaovs;transport"; do
+    for wanted in "lpe;services" "lpe;services;display;geoaovs;transport;plugin"; do
         preset=release
         [ "$wanted" = "lpe;services" ] && preset=adopters
         prefix="$results/prefix-$preset" build="$results/outside-$preset" log="$results/outside-$preset.log"
@@ -153,7 +153,7 @@ if [ -z "$filter" ]; then
             cmake --build "$build"; } >"$log" 2>&1; then
             for program in "$build"/outside_*; do
                 if [ -x "$program" ] && [ -f "$program" ]; then
-                    if "$program"; then passed=$((passed + 1)); else fail "outside project: $(basename "$program")"; fi
+                    if (cd "$build" && "$program"); then passed=$((passed + 1)); else fail "outside project: $(basename "$program")"; fi
                 fi
             done
         else

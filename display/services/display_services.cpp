@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <string>
 #include <type_traits>
 
 namespace raylex::display {
@@ -9,35 +11,71 @@ namespace {
 
 using RowState = SampleTable::RowState;
 
-bool holds_triples(const ChannelDefinition& channel) {
-    return takes_samples(channel) && component_count(channel.type) == 3;
-}
-
-bool holds(const ChannelDefinition& channel, ChannelType type) {
-    return takes_samples(channel) && channel.type == type;
+const char* type_name(ChannelType type) {
+    switch (type) {
+        case ChannelType::real: return "float";
+        case ChannelType::rgb: return "rgb";
+        case ChannelType::point: return "point";
+        case ChannelType::normal: return "normal";
+        case ChannelType::vector: return "vector";
+        case ChannelType::integer: return "integer";
+    }
+    return "";
 }
 
 }  // namespace
+
+std::uint64_t RefusalCounts::total() const { return std::accumulate(by.begin(), by.end(), std::uint64_t{0}); }
+
+void RefusalCounts::add(const RefusalCounts& other) {
+    for (std::size_t i = 0; i < by.size(); ++i) by[i] += other.by[i];
+}
+
+std::vector<std::string> refusal_warnings(std::span<const ChannelDefinition> channels,
+                                          std::span<const RefusalCounts> refusals) {
+    std::vector<std::string> warnings;
+    for (std::size_t i = 0; i < refusals.size(); ++i) {
+        if (refusals[i].total() == 0) continue;
+        const bool channel = i < channels.size();
+        const std::string reasons[] = {
+            "to ids that are no channel", "to rows that are none of the batch",
+            channel ? "of another type than the channel's " + std::string(type_name(channels[i].type)) : std::string(),
+            "with values that are not finite or out of range", "for which the table had no row left"};
+        std::string list;
+        for (std::size_t k = 0; k < refusals[i].by.size(); ++k)
+            if (const std::uint64_t count = refusals[i].by[k]; count > 0)
+                list += (list.empty() ? "" : ", ") + std::to_string(count) + " " + reasons[k];
+        const std::uint64_t total = refusals[i].total();
+        warnings.push_back((channel ? "channel '" + channels[i].name + "'" : std::string("the display services")) +
+                           " refused " + std::to_string(total) + (total == 1 ? " call: " : " calls: ") + list);
+    }
+    return warnings;
+}
 
 DisplayServices::DisplayServices(SampleTable& table) : table_(table) {
     for (int i = 0; i < table.channel_count(); ++i) {
         const ChannelDefinition& definition = table.channel(i);
         channels_.push_back({i, definition.style, definition.type, definition.name});
     }
-    refused_.assign(channels_.size() + 1, 0);
+    refusals_.resize(channels_.size() + 1);
 }
 
-bool DisplayServices::accept(ChannelId id, int row, bool fits) {
-    const bool known = id >= 0 && id < table_.channel_count();
-    if (known && fits && row >= 0 && row < table_.row_count()) return true;
-    ++refused_[known ? static_cast<std::size_t>(id) : channels_.size()];
+bool DisplayServices::refuse(ChannelId id, Refusal reason, std::uint64_t count) {
+    const std::size_t of = known(id) ? static_cast<std::size_t>(id) : channels_.size();
+    refusals_[of].by[static_cast<std::size_t>(reason)] += count;
     return false;
 }
 
-bool DisplayServices::accept_row(int row, bool fits) {
-    if (fits && row >= 0 && row < table_.row_count()) return true;
-    ++refused_[channels_.size()];
-    return false;
+bool DisplayServices::accept(ChannelId id, int row, bool right_type, bool good_value) {
+    if (right_type && good_value && row >= 0 && row < table_.row_count()) [[likely]] return true;
+    if (!known(id)) return refuse(id, Refusal::unknown_channel);
+    if (!right_type) return refuse(id, Refusal::wrong_type);
+    return refuse(id, good_value ? Refusal::unknown_row : Refusal::bad_value);
+}
+
+bool DisplayServices::accept_row(int row, bool good_value) {
+    if (good_value && row >= 0 && row < table_.row_count()) [[likely]] return true;
+    return refuse(invalid_channel, good_value ? Refusal::unknown_row : Refusal::bad_value);
 }
 
 /// Where the values of an accepted (id, row) stand, ready to be added to (splatted) or replaced (written).
@@ -55,15 +93,13 @@ double* DisplayServices::entry(ChannelId id, int row, RowState state) {
 }
 
 bool DisplayServices::splat(ChannelId id, int row, float value) {
-    const bool known = id >= 0 && id < table_.channel_count();
-    if (!accept(id, row, known && holds(table_.channel(id), ChannelType::real) && std::isfinite(value))) return false;
+    if (!accept(id, row, takes(id, ChannelType::real), std::isfinite(value))) return false;
     *entry(id, row, RowState::splatted) += static_cast<double>(value);
     return true;
 }
 
 bool DisplayServices::splat(ChannelId id, int row, const Rgb& value) {
-    const bool known = id >= 0 && id < table_.channel_count();
-    if (!accept(id, row, known && holds_triples(table_.channel(id)) && is_finite(value))) return false;
+    if (!accept(id, row, takes_triples(id), is_finite(value))) return false;
     double* values = entry(id, row, RowState::splatted);
     for (int c = 0; c < 3; ++c) values[c] += static_cast<double>(value[c]);
     return true;
@@ -82,23 +118,20 @@ bool DisplayServices::splat_multi(std::span<const ChannelId> ids, int row, const
 }
 
 bool DisplayServices::write(ChannelId id, int row, float value) {
-    const bool known = id >= 0 && id < table_.channel_count();
-    if (!accept(id, row, known && holds(table_.channel(id), ChannelType::real) && std::isfinite(value))) return false;
+    if (!accept(id, row, takes(id, ChannelType::real), std::isfinite(value))) return false;
     *entry(id, row, RowState::written) = static_cast<double>(value);
     return true;
 }
 
 bool DisplayServices::write(ChannelId id, int row, const Rgb& value) {
-    const bool known = id >= 0 && id < table_.channel_count();
-    if (!accept(id, row, known && holds_triples(table_.channel(id)) && is_finite(value))) return false;
+    if (!accept(id, row, takes_triples(id), is_finite(value))) return false;
     double* values = entry(id, row, RowState::written);
     for (int c = 0; c < 3; ++c) values[c] = static_cast<double>(value[c]);
     return true;
 }
 
 bool DisplayServices::write(ChannelId id, int row, std::int32_t value) {
-    const bool known = id >= 0 && id < table_.channel_count();
-    if (!accept(id, row, known && holds(table_.channel(id), ChannelType::integer))) return false;
+    if (!accept(id, row, takes(id, ChannelType::integer), true)) return false;
     *entry(id, row, RowState::written) = static_cast<double>(value);
     return true;
 }
@@ -106,27 +139,23 @@ bool DisplayServices::write(ChannelId id, int row, std::int32_t value) {
 /// The checks of the channel once, those of rows and values for each.
 template <class Value>
 bool DisplayServices::write_batch(ChannelId id, std::span<const std::int32_t> rows, std::span<const Value> values,
-                                  bool fits) {
+                                  bool right_type) {
     const std::size_t count = std::min(rows.size(), values.size());
-    if (!fits) {
-        const bool known = id >= 0 && id < table_.channel_count();
-        refused_[known ? static_cast<std::size_t>(id) : channels_.size()] += count;
-        return false;
-    }
+    if (!right_type) return refuse(id, known(id) ? Refusal::wrong_type : Refusal::unknown_channel, count);
     if (count == 0) return true;
     double* const to = table_.values(id);
     const auto row_count = static_cast<std::uint32_t>(table_.row_count());
     const bool plain = table_.channel(id).style != ChannelStyle::expression;
     table_.touch(id);
-    std::uint64_t refused = 0;
+    std::uint64_t bad_rows = 0, bad_values = 0;
     for (std::size_t i = 0; i < count; ++i) {
         const auto row = static_cast<std::size_t>(static_cast<std::uint32_t>(rows[i]));
         const Value& value = values[i];
-        bool good = row < row_count;
-        if constexpr (std::is_same_v<Value, Rgb>) good = good && is_finite(value);
-        else if constexpr (std::is_same_v<Value, float>) good = good && std::isfinite(value);
-        if (!good) {
-            ++refused;
+        bool good = true;
+        if constexpr (std::is_same_v<Value, Rgb>) good = is_finite(value);
+        else if constexpr (std::is_same_v<Value, float>) good = std::isfinite(value);
+        if (!good || row >= row_count) {
+            ++(good ? bad_rows : bad_values);
             continue;
         }
         if constexpr (std::is_same_v<Value, Rgb>)
@@ -134,23 +163,21 @@ bool DisplayServices::write_batch(ChannelId id, std::span<const std::int32_t> ro
         else to[row] = static_cast<double>(value);
         if (plain) table_.set_row_state(id, static_cast<int>(row), RowState::written);
     }
-    refused_[static_cast<std::size_t>(id)] += refused;
-    return refused == 0;
+    refuse(id, Refusal::unknown_row, bad_rows);
+    refuse(id, Refusal::bad_value, bad_values);
+    return bad_rows + bad_values == 0;
 }
 
 bool DisplayServices::write(ChannelId id, std::span<const std::int32_t> rows, std::span<const float> values) {
-    const bool known = id >= 0 && id < table_.channel_count();
-    return write_batch(id, rows, values, known && holds(table_.channel(id), ChannelType::real));
+    return write_batch(id, rows, values, takes(id, ChannelType::real));
 }
 
 bool DisplayServices::write(ChannelId id, std::span<const std::int32_t> rows, std::span<const Rgb> values) {
-    const bool known = id >= 0 && id < table_.channel_count();
-    return write_batch(id, rows, values, known && holds_triples(table_.channel(id)));
+    return write_batch(id, rows, values, takes_triples(id));
 }
 
 bool DisplayServices::write(ChannelId id, std::span<const std::int32_t> rows, std::span<const std::int32_t> values) {
-    const bool known = id >= 0 && id < table_.channel_count();
-    return write_batch(id, rows, values, known && holds(table_.channel(id), ChannelType::integer));
+    return write_batch(id, rows, values, takes(id, ChannelType::integer));
 }
 
 bool DisplayServices::write_distance(int row, float distance, bool is_volume) {
@@ -182,7 +209,7 @@ int DisplayServices::add_sample(int row, const ExtraSample& sample) {
     if (!accept_row(row, !std::isnan(sample.depth) && is_finite(sample.opacity) && sample.surface >= 0)) return -1;
     const int added = table_.add_row(row);
     if (added < 0) {
-        ++refused_.back();
+        refuse(invalid_channel, Refusal::no_room);
         return -1;
     }
     const auto index = static_cast<std::size_t>(added);

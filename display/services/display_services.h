@@ -2,8 +2,10 @@
 // their public description). One object per thread, bound to that thread's SampleTable.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "display/services/channel.h"
@@ -20,11 +22,36 @@ struct ExtraSample {
     std::int32_t surface = 0;  ///< see write_surface
 };
 
+/// Why a call was refused.
+enum class Refusal : std::uint8_t {
+    unknown_channel,  ///< the id is no channel of this render
+    unknown_row,      ///< the row is none of this batch
+    wrong_type,       ///< the channel holds another type
+    bad_value,        ///< not finite (Law 6), or a negative surface number
+    no_room           ///< add_sample: the table holds no more rows
+};
+inline constexpr int refusal_kinds = 5;
+
+/// Refused calls by reason.
+struct RefusalCounts {
+    std::array<std::uint64_t, refusal_kinds> by{};
+
+    [[nodiscard]] std::uint64_t of(Refusal reason) const { return by[static_cast<std::size_t>(reason)]; }
+    [[nodiscard]] std::uint64_t total() const;
+    void add(const RefusalCounts& other);
+    bool operator==(const RefusalCounts&) const = default;
+};
+
+/// One sentence per channel that refused calls, with how many and why; calls that name no channel come last. `refusals`
+/// has an entry per channel and one more.
+std::vector<std::string> refusal_warnings(std::span<const ChannelDefinition> channels,
+                                          std::span<const RefusalCounts> refusals);
+
 /// `row` is the index of the camera ray in the current integrator call, or a row that add_sample returned.
 ///
 /// Invalid ids, invalid rows, values of the wrong type and values that are not finite (Law 6) are refused: the call
-/// returns false and nothing is written. Refusals are counted per channel (`refused()`), so that the caller can warn once
-/// per channel and never once per call.
+/// returns false and nothing is written. Refusals are counted per channel (`refusals()`), so that the engine warns once
+/// per channel when the render is over, and never once per call.
 class DisplayServices {
   public:
     explicit DisplayServices(SampleTable& table);
@@ -49,7 +76,11 @@ class DisplayServices {
     /// Overwrites the sample's depth: `distance` along the camera ray in world units; `is_volume` for the scattering or
     /// absorption point inside a medium. Drives z rules and deep output.
     bool write_distance(int row, float distance, bool is_volume = false);
+    /// The sample's opacity, from 0 (nothing there) to 1 (opaque) per colour: what alpha and deep alpha are made of. It
+    /// belongs to the sample, not to a channel. A float stands for three equal colours.
+    bool write_opacity(int row, float opacity) { return write_opacity(row, Rgb(opacity)); }
     bool write_opacity(int row, const Rgb& opacity);
+    bool splat_opacity(int row, float opacity) { return splat_opacity(row, Rgb(opacity)); }
     bool splat_opacity(int row, const Rgb& opacity);
     /// Says what the sample's opacity belongs to: a number from 1 in the renderer's own count of surfaces, 0 for nothing
     /// that has a name. Cryptomatte and the like look up there.
@@ -64,18 +95,28 @@ class DisplayServices {
     /// Drops everything sent in this integrator call (a Metropolis integrator's start-up).
     void discard_iteration();
 
-    /// Calls refused so far, per channel; the last entry counts calls with ids that are no channel at all.
-    [[nodiscard]] std::span<const std::uint64_t> refused() const { return refused_; }
+    /// Calls refused so far, per channel; the last entry counts calls with ids that are no channel, and those that name
+    /// no channel (distance, opacity, add_sample).
+    [[nodiscard]] std::span<const RefusalCounts> refusals() const { return refusals_; }
 
   private:
-    bool accept(ChannelId id, int row, bool fits);
-    bool accept_row(int row, bool fits);
+    [[nodiscard]] bool known(ChannelId id) const { return id >= 0 && id < table_.channel_count(); }
+    [[nodiscard]] bool takes(ChannelId id, ChannelType type) const {
+        return known(id) && takes_samples(table_.channel(id)) && table_.channel(id).type == type;
+    }
+    [[nodiscard]] bool takes_triples(ChannelId id) const {
+        return known(id) && takes_samples(table_.channel(id)) && component_count(table_.channel(id).type) == 3;
+    }
+    bool refuse(ChannelId id, Refusal reason, std::uint64_t count = 1);
+    bool accept(ChannelId id, int row, bool right_type, bool good_value);
+    bool accept_row(int row, bool good_value);
     double* entry(ChannelId id, int row, SampleTable::RowState state);
     template <class Value>
-    bool write_batch(ChannelId id, std::span<const std::int32_t> rows, std::span<const Value> values, bool fits);
+    bool write_batch(ChannelId id, std::span<const std::int32_t> rows, std::span<const Value> values,
+                     bool right_type);
     SampleTable& table_;
     std::vector<DisplayChannel> channels_;
-    std::vector<std::uint64_t> refused_;
+    std::vector<RefusalCounts> refusals_;
 };
 
 }  // namespace raylex::display

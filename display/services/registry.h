@@ -51,6 +51,7 @@ class Registry {
         return result;
     }
     [[nodiscard]] const std::vector<Entry>& entries() const { return entries_; }
+    [[nodiscard]] const std::string& kind() const { return kind_; }
 
   private:
     std::string kind_;

@@ -33,6 +33,7 @@ CLI::Option* add_dialect_option(CLI::App& command, DialectOption& dialect);
 /// --scene: the paths that proofs are relative to.
 struct SceneOption {
     std::string path;
+    std::vector<std::string> plugins;  ///< --plugin, for scenes that need them
     /// What the scene can produce; nothing when no scene is given, and every path counts.
     [[nodiscard]] Result<std::optional<SceneWords>> load() const;
 };

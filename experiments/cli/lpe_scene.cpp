@@ -1,18 +1,21 @@
 // --scene: proofs relative to what one scene can produce.
 #include "experiments/cli/console.h"
 #include "experiments/cli/lpe_commands.h"
+#include "experiments/cli/plugin_options.h"
 #include "experiments/job/channel_reasons.h"
 
 namespace raylex::experiments {
 
 Result<std::optional<SceneWords>> SceneOption::load() const {
     if (path.empty()) return std::optional<SceneWords>();
+    if (Status loaded = load_plugins(plugins); !loaded) return loaded.error();
     auto words = read_scene_words(path);
     if (!words) return words.error();
     return std::optional(std::move(*words));
 }
 
 CLI::Option* add_scene_option(CLI::App& command, SceneOption& scene) {
+    add_plugin_option(command, scene.plugins);
     return command
         .add_option("--scene", scene.path,
                     "only paths that this scene can produce count: its labels, lobes, lights, media and depth, as the job "

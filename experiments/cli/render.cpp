@@ -11,6 +11,7 @@
 #include "experiments/cli/commands.h"
 #include "experiments/cli/console.h"
 #include "experiments/cli/output_options.h"
+#include "experiments/cli/plugin_options.h"
 #include "experiments/cli/render_run.h"
 #include "experiments/job/job_file.h"
 #include "geoaovs/geoaovs.h"
@@ -24,7 +25,7 @@ struct RenderOptions {
     std::optional<std::uint64_t> spp, seed;
     std::optional<int> threads;
     std::optional<std::int64_t> max_depth;
-    std::vector<std::string> expressions, dialects, aovs, cryptomatte, rules, statistic_layers;
+    std::vector<std::string> expressions, dialects, aovs, cryptomatte, rules, statistic_layers, plugins;
     std::optional<int> cryptomatte_ranks;
     bool no_beauty = false, light_groups = false;
     OutputOptions outputs;
@@ -103,6 +104,7 @@ Result<Job> base_job(const std::string& input) {
 Result<Job> assemble(const CLI::App& command, const RenderOptions& options) {
     auto base = base_job(options.input);
     if (!base) return base;
+    if (Status loaded = load_plugins(options.plugins); !loaded) return loaded.error();
     Job job = std::move(*base);
     const auto set = [](const std::string& from, std::string& to) {
         if (!from.empty()) to = from;
@@ -252,6 +254,7 @@ void add_options(CLI::App& command, RenderOptions& options) {
                     "instruction set: sse2, sse4.2, avx, avx2 or avx512; default: the best there is")
         ->option_text("NAME");
     add_output_options(command, options.outputs);
+    add_plugin_option(command, options.plugins);
     command.add_option("--stats", options.statistics, "also writes times, ray counts and the like as JSON")
         ->option_text("OUT.json");
 }

@@ -39,6 +39,12 @@ struct PartitionRequest {
     SourceLocation location;
 };
 
+/// A plugin that the job file names.
+struct PluginRequest {
+    std::string file;
+    SourceLocation location;
+};
+
 struct Job {
     std::string scene_file;
     std::string job_file, job_text;  ///< the TOML this came from; empty for a bare scene
@@ -51,6 +57,7 @@ struct Job {
     transport::RenderSettings settings;  ///< `channels` is filled by plan_channels()
     std::vector<ExpressionRequest> expressions;
     std::vector<AovRequest> aovs;
+    std::vector<PluginRequest> plugins;          ///< loaded by read_job()
     std::vector<PartitionRequest> partitions;
     lpe::MacroTable macros;                      ///< names that the job's expressions may use
     std::vector<lpe::LobeOption> lobe_options;   ///< as given; settings.lobe_slots holds what they make

@@ -12,6 +12,7 @@
 
 #include "experiments/job/channel_tables.h"
 #include "experiments/job/toml_table.h"
+#include "transport/plugins/plugin_loader.h"
 
 namespace raylex::experiments {
 namespace {
@@ -46,6 +47,14 @@ void read_files(TomlTable& root, const std::string& job_path, Job& job) {
         color.read("texture_rules", job.texture_rules);
         color.close();
     }
+}
+
+void read_plugins(TomlTable& root, const std::string& job_path, Job& job) {
+    std::vector<std::string> files;
+    std::vector<SourceLocation> locations;
+    if (!root.read("plugins", files, &locations)) return;
+    for (std::size_t i = 0; i < files.size(); ++i)
+        job.plugins.push_back({beside_job(job_path, files[i]), locations[i]});
 }
 
 void read_resolution(TomlTable& render, Job& job) {
@@ -156,6 +165,7 @@ Result<Job> parse_job(const std::string& text, const std::string& path) {
         return *source.error();
     }
     TomlTable root(source, table, "the job");
+    read_plugins(root, path, job);
     read_files(root, path, job);
     read_render(root, job);
     read_entity(root, "integrator", job.settings.integrator);
@@ -180,7 +190,11 @@ Result<Job> read_job(const std::string& path) {
     std::ifstream file(path, std::ios::binary);
     if (!file) return error_at({path, 0, 0}, "cannot read the job file: " + std::string(std::strerror(errno)));
     const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-    return parse_job(text, path);
+    auto job = parse_job(text, path);
+    if (!job) return job;
+    for (const PluginRequest& plugin : job->plugins)
+        if (Status loaded = transport::load_plugin(plugin.file, plugin.location); !loaded) return loaded.error();
+    return job;
 }
 
 }  // namespace raylex::experiments

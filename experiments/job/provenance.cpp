@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "experiments/revision.h"
+#include "transport/plugins/plugin_loader.h"
 
 namespace raylex::experiments {
 
@@ -81,6 +82,10 @@ std::map<std::string, std::string> header_attributes(const Job& job, const trans
         {"raylex/filter", output.filter},
         {"raylex/color_config", color_config},
     };
+    for (const transport::LoadedPlugin& plugin : transport::loaded_plugins()) {
+        std::string& list = attributes["raylex/plugins"];
+        list += (list.empty() ? "" : "\n") + plugin.path;
+    }
     if (!job.job_text.empty()) attributes["raylex/job"] = job.job_text;
     if (!job.rendering_space.empty()) attributes["raylex/rendering_space"] = job.rendering_space;
     return attributes;

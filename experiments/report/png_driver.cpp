@@ -94,6 +94,7 @@ Result<std::unique_ptr<display::DisplayDriver>> make_png(const ParameterSet& set
 }  // namespace
 
 void register_png_driver() {
+    if (display::display_driver_registry().find("png") != nullptr) return;  // a plugin's, perhaps
     display::display_driver_registry().add(
         {"png",
          "one layer as a picture, through the colour config's display and view",

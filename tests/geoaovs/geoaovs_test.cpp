@@ -142,7 +142,7 @@ TEST_CASE("every AOV has its value in its space", "[geoaovs]") {
         // Sums and products of floats of size 5 that are no powers of two: a few ulps.
         for (std::size_t c = 0; c < n; ++c) CHECK(values[c] == Approx(wanted[c]).margin(1e-6));
     }
-    CHECK(std::all_of(services.refused().begin(), services.refused().end(), [](auto n) { return n == 0; }));
+    CHECK(std::all_of(services.refusals().begin(), services.refusals().end(), [](auto& n) { return n.total() == 0; }));
 }
 
 TEST_CASE("a pixel that misses is infinitely far and 0 otherwise", "[geoaovs]") {

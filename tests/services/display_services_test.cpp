@@ -76,8 +76,29 @@ TEST_CASE("bad ids, rows and types are refused, counted per channel and change n
     CHECK_FALSE(f.services.write_distance(4, 1.0f));
     CHECK_FALSE(f.services.write_opacity(-1, Rgb(1)));
     const std::vector<std::uint64_t> expected{3, 2, 2, 0, 4};
-    CHECK(std::vector<std::uint64_t>(f.services.refused().begin(), f.services.refused().end()) == expected);
+    for (std::size_t i = 0; i < expected.size(); ++i) CHECK(f.services.refusals()[i].total() == expected[i]);
     for (ChannelId id = 0; id < 4; ++id) CHECK_FALSE(f.table.touched(id));
+}
+
+TEST_CASE("there is one warning per channel that refused calls, with how many and why", "[display_services][law7]") {
+    Fixture f;
+    CHECK(refusal_warnings(f.channels, f.services.refusals()).empty());
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    for (int i = 0; i < 3; ++i) f.services.splat(color, 0, 1.0f);
+    f.services.splat(color, 0, Rgb(nan));
+    f.services.write(color, 7, Rgb(1));
+    f.services.write(depth, 0, nan);
+    f.services.splat(invalid_channel, 0, 1.0f);
+    f.services.splat(99, 0, 1.0f);
+    RefusalCounts sum;
+    for (const RefusalCounts& each : f.services.refusals()) sum.add(each);
+    CHECK(sum.by == std::array<std::uint64_t, refusal_kinds>{2, 1, 3, 2, 0});
+    CHECK(sum.of(Refusal::wrong_type) == 3);
+    CHECK(refusal_warnings(f.channels, f.services.refusals()) ==
+          std::vector<std::string>{"channel 'color' refused 5 calls: 1 to rows that are none of the batch, 3 of another "
+                                   "type than the channel's rgb, 1 with values that are not finite or out of range",
+                                   "channel 'depth' refused 1 call: 1 with values that are not finite or out of range",
+                                   "the display services refused 2 calls: 2 to ids that are no channel"});
 }
 
 TEST_CASE("a batch of values is written as one by one: good ones land, bad ones are counted", "[display_services][law7]") {
@@ -89,7 +110,7 @@ TEST_CASE("a batch of values is written as one by one: good ones land, bad ones 
     CHECK(f.values(depth, 0) == std::vector<double>{1});
     CHECK(f.values(depth, 2) == std::vector<double>{2});
     CHECK_FALSE(f.table.written(depth, 3));
-    CHECK(f.services.refused()[depth] == 3);
+    CHECK(f.services.refusals()[depth].total() == 3);
     const std::vector<Rgb> colors{Rgb(1, 2, 3), Rgb(4, 5, 6)};
     CHECK(f.services.write(color, std::span(rows).first(2), std::span<const Rgb>(colors)));
     CHECK(f.values(color, 2) == std::vector<double>{4, 5, 6});
@@ -98,9 +119,9 @@ TEST_CASE("a batch of values is written as one by one: good ones land, bad ones 
     CHECK(f.services.write(index, std::span(rows).first(2), std::span<const std::int32_t>(ids)));
     CHECK(f.values(index, 0) == std::vector<double>{7});
     CHECK_FALSE(f.services.write(color, rows, std::span<const float>(reals)));
-    CHECK(f.services.refused()[color] == 5);
+    CHECK(f.services.refusals()[color].total() == 5);
     CHECK_FALSE(f.services.write(77, rows, std::span<const float>(reals)));
-    CHECK(f.services.refused().back() == 5);
+    CHECK(f.services.refusals().back().total() == 5);
 }
 
 TEST_CASE("values that are not finite are refused and counted", "[display_services][law6]") {
@@ -111,10 +132,10 @@ TEST_CASE("values that are not finite are refused and counted", "[display_servic
     CHECK_FALSE(f.services.write(depth, 0, inf));
     CHECK_FALSE(f.services.write_distance(0, nan));
     CHECK(f.services.add_sample(0, {nan, RgbD(1), false}) == -1);
-    CHECK(f.services.refused()[color] == 1);
-    CHECK(f.services.refused()[light] == 1);
-    CHECK(f.services.refused()[depth] == 1);
-    CHECK(f.services.refused()[4] == 2);
+    CHECK(f.services.refusals()[color].total() == 1);
+    CHECK(f.services.refusals()[light].total() == 1);
+    CHECK(f.services.refusals()[depth].total() == 1);
+    CHECK(f.services.refusals()[4].total() == 2);
 }
 
 TEST_CASE("splat_multi serves the good ids and reports the bad one", "[display_services]") {
@@ -123,7 +144,7 @@ TEST_CASE("splat_multi serves the good ids and reports the bad one", "[display_s
     CHECK_FALSE(f.services.splat_multi(ids, 2, Rgb(1, 2, 3)));
     CHECK(f.values(color, 2) == std::vector<double>{1, 2, 3});
     CHECK(f.values(light, 2) == std::vector<double>{1, 2, 3});
-    CHECK(f.services.refused()[4] == 2);
+    CHECK(f.services.refusals()[4].total() == 2);
     const std::array<ChannelId, 2> good{color, light};
     CHECK(f.services.splat_multi(good, 2, Rgb(1, 1, 1)));
 }
@@ -155,7 +176,7 @@ TEST_CASE("added samples keep their camera ray, depth and opacity until the tabl
     // Room for 8 camera rays and 2 more; 4 rays leave room for 6.
     for (int i = 0; i < 4; ++i) CHECK(f.services.add_sample(0, {}) == 6 + i);
     CHECK(f.services.add_sample(0, {}) == -1);
-    CHECK(f.services.refused()[4] == 1);
+    CHECK(f.services.refusals()[4].total() == 1);
     f.table.begin(test::pixel_rows(0, 0, 4, 4));
     CHECK(f.table.row_count() == 4);
     CHECK_FALSE(f.services.splat(color, second, Rgb(1)));  // gone with its batch
@@ -165,6 +186,12 @@ TEST_CASE("opacity is written or added, and a new batch starts clear", "[display
     Fixture f;
     CHECK(f.services.write_opacity(0, Rgb(0.5f)));
     CHECK(f.services.splat_opacity(0, Rgb(0.25f)));
+    CHECK(f.table.opacity[0] == RgbD(0.75));
+    CHECK(f.services.write_opacity(0, 0.25f));  // a float stands for three equal colours
+    CHECK(f.services.splat_opacity(0, 0.5f));
+    CHECK(f.table.opacity[0] == RgbD(0.75));
+    CHECK_FALSE(f.services.write_opacity(0, std::numeric_limits<float>::infinity()));
+    CHECK_FALSE(f.services.splat_opacity(9, 0.5f));
     CHECK(f.table.opacity[0] == RgbD(0.75));
     CHECK(f.services.write_distance(0, 2.0f, true));
     CHECK(f.services.write(depth, 0, 2.0f));

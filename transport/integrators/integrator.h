@@ -162,7 +162,9 @@ class Integrator {
     virtual ~Integrator() = default;
     [[nodiscard]] virtual IntegratorTraits traits() const { return {}; }
     virtual Status prepare(const IntegratorContext& context) = 0;
-    [[nodiscard]] virtual std::unique_ptr<IntegratorThread> make_thread_state() const = 0;
+    [[nodiscard]] virtual std::unique_ptr<IntegratorThread> make_thread_state() const {
+        return std::make_unique<IntegratorThread>();
+    }
     [[nodiscard]] virtual bool synchronous() const { return false; }
     virtual void begin_iteration(std::uint64_t /*iteration*/) {}
     virtual void integrate(const CameraBatch& batch, IntegratorThread& thread, ThreadServices& services) const = 0;

@@ -31,7 +31,7 @@ void PathIntegrator::integrate(const CameraBatch& batch, IntegratorThread& state
         VertexBatch& v = thread.vertices;
         if (v.count == 0 && (!in_media_ || thread.collisions.count == 0)) continue;
         context_.scene.materials->shade(*context_.scene.textures, {v.points.data(), v.count},
-                                        {v.bsdfs.data(), v.count});
+                                        {v.bsdfs.data(), v.count}, &services.display);
         write_aovs(thread, services);
         if (reports_surfaces_) report_surfaces(thread, services);
         sample_lights(thread, services);
@@ -189,6 +189,7 @@ void PathIntegrator::resolve(PathThread& thread, ThreadServices& services) const
             continue;
         }
         v.points[j].random_key = thread.samplers[row].key(dimension(path, key_dimension));
+        v.points[j].row = path.depth == 0 ? static_cast<std::int32_t>(row) : -1;
         v.keep(j, kept++);
     }
     v.count = kept;

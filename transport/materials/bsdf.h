@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "display/services/rgb.h"
@@ -22,8 +23,11 @@ struct LobeKind {
     const char* name = "";            ///< lobe label slot, and what lobe slots number it by: "diffuse", "conductor", "coat", ...
 };
 
-/// All lobes that any registered material can give, in LobeId order.
+/// All lobes that any registered material can give, in LobeId order: those of the in-tree materials, then plugins'.
 std::span<const LobeKind> lobe_kinds();
+/// A row for a plugin's lobe, before any scene is built; the same row again gives the same id. Nothing when all 256 are
+/// taken. `lobe.name` must outlive every use.
+std::optional<LobeId> add_lobe(const LobeKind& lobe);
 
 inline constexpr int max_lobes = 4;
 
@@ -66,6 +70,7 @@ struct SurfacePoint {
     float u = 0, v = 0;
     std::int32_t material = 0;
     std::uint32_t random_key = 0;                       ///< counter-based key for stochastic closures and `mix`
+    std::int32_t row = -1;                              ///< of the sample table where a camera ray hit first; else -1
 };
 
 }  // namespace raylex::transport

@@ -1,14 +1,21 @@
 #include "transport/materials/closure.h"
 
+#include <algorithm>
+#include <limits>
+#include <string_view>
 #include <type_traits>
+#include <vector>
 
 namespace raylex::transport {
 
 static_assert(sizeof(Bsdf) <= 256 && std::is_trivially_copyable_v<Bsdf>, "closures are copied in batches");
 
-std::span<const LobeKind> lobe_kinds() { return lobes::kinds; }
-
 namespace {
+
+std::vector<LobeKind>& all_lobes() {
+    static std::vector<LobeKind> kinds(lobes::kinds.begin(), lobes::kinds.end());
+    return kinds;
+}
 
 BsdfEvaluation one_lobe(LobeId lobe, const Rgb& value, float pdf) {
     BsdfEvaluation result;
@@ -111,6 +118,19 @@ float ideal_pdf(const IdealClosure& closure, const Vec3& wo, const Vec3& wi) {
 
 }  // namespace
 
+std::span<const LobeKind> lobe_kinds() { return all_lobes(); }
+
+std::optional<LobeId> add_lobe(const LobeKind& lobe) {
+    std::vector<LobeKind>& kinds = all_lobes();
+    const auto known = std::find_if(kinds.begin(), kinds.end(), [&](const LobeKind& each) {
+        return each.type == lobe.type && each.scatter == lobe.scatter && std::string_view(each.name) == lobe.name;
+    });
+    if (known != kinds.end()) return static_cast<LobeId>(known - kinds.begin());
+    if (kinds.size() > std::numeric_limits<LobeId>::max()) return std::nullopt;
+    kinds.push_back(lobe);
+    return static_cast<LobeId>(kinds.size() - 1);
+}
+
 BsdfEvaluation Bsdf::evaluate_other(const Vec3& wo_world, const Vec3& wi_world) const {
     if (!has_density_) return {};
     const Vec3 wo = frame_.to_local(wo_world), wi = frame_.to_local(wi_world);
@@ -128,6 +148,7 @@ BsdfEvaluation Bsdf::evaluate_other(const Vec3& wo_world, const Vec3& wi_world) 
         case Kind::additive: return evaluate_additive(additive_, wo, wi);
         case Kind::ideal:
             return one_lobe(lobes::diffuse, LambertClosure{ideal_.diffuse}.value(wo, wi), ideal_pdf(ideal_, wo, wi));
+        case Kind::custom: return custom_.calls->evaluate(custom_.data.data(), wo, wi);
         case Kind::black: case Kind::pass_through: case Kind::lambert: case Kind::thin_dielectric: break;
     }
     return {};
@@ -143,6 +164,7 @@ float Bsdf::pdf_other(const Vec3& wo_world, const Vec3& wi_world) const {
         case Kind::coated_conductor: return coated_conductor_.pdf(wo, wi);
         case Kind::additive: return evaluate_additive(additive_, wo, wi).pdf;
         case Kind::ideal: return ideal_pdf(ideal_, wo, wi);
+        case Kind::custom: return custom_.calls->pdf(custom_.data.data(), wo, wi);
         case Kind::black: case Kind::pass_through: case Kind::lambert: case Kind::thin_dielectric: break;
     }
     return 0;
@@ -165,6 +187,11 @@ BsdfSample Bsdf::sample_other(const Vec3& wo_world, float u_lobe, const Vec2& u)
         case Kind::coated_conductor: return sample_layered(frame_, coated_conductor_, wo, u_lobe, u, key_);
         case Kind::additive: return sample_additive(frame_, additive_, wo, u_lobe, u);
         case Kind::ideal: return sample_ideal(frame_, ideal_, wo, u_lobe, u);
+        case Kind::custom: {
+            BsdfSample result = custom_.calls->sample(custom_.data.data(), wo, u_lobe, u);
+            result.wi = frame_.to_world(result.wi);
+            return result;
+        }
         case Kind::black: case Kind::pass_through: case Kind::lambert: break;
     }
     return {};
@@ -180,6 +207,7 @@ Rgb Bsdf::albedo(const Vec3& wo) const {
         case Kind::coated_conductor: return coated_conductor_.albedo(cos_o);
         case Kind::additive: return additive_.diffuse.reflectance + additive_.specular.albedo(cos_o);
         case Kind::ideal: return ideal_.diffuse + ideal_.mirror + ideal_.sheet;
+        case Kind::custom: return custom_.calls->albedo(custom_.data.data(), cos_o);
         case Kind::black: case Kind::pass_through: break;
     }
     return {};

@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "transport/materials/bsdf.h"
+#include "transport/materials/custom_closure.h"
 #include "transport/materials/ideal.h"
 #include "transport/materials/layered.h"
 #include "transport/materials/lobes.h"
@@ -23,7 +24,8 @@ class Bsdf {
     enum class Kind : std::uint8_t {
         black,                 ///< absorbs everything
         pass_through,          ///< no surface at all (pbrt's "interface"): the path goes on straight
-        lambert, conductor, dielectric, thin_dielectric, coated_diffuse, coated_conductor, additive, ideal
+        lambert, conductor, dielectric, thin_dielectric, coated_diffuse, coated_conductor, additive, ideal,
+        custom                 ///< a plugin's own
     };
 
     Bsdf() : lambert_{} {}
@@ -95,6 +97,13 @@ class Bsdf {
         std::construct_at(&ideal_, ideal);
         set_kind(Kind::ideal, !ideal.diffuse.is_black());
     }
+    /// A plugin's closure; custom_closure.h says what it is.
+    template <ScatteringClosure Closure>
+    void set_custom(const Frame& frame, const Closure& closure) {
+        frame_ = frame;
+        std::construct_at(&custom_, closure);
+        set_kind(Kind::custom, closure.has_density());
+    }
 
   private:
     void set_kind(Kind kind, bool has_density) {
@@ -118,6 +127,7 @@ class Bsdf {
         LayeredClosure<ConductorClosure> coated_conductor_;
         AdditiveClosure additive_;
         IdealClosure ideal_;
+        CustomClosure custom_;
     };
 };
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "transport/materials/material_inputs.h"
+#include "transport/materials/pattern.h"
 
 namespace raylex::transport {
 
@@ -69,7 +70,9 @@ struct Buckets {
 
 }  // namespace
 
-void MaterialTable::shade(const TextureTable& textures, std::span<const SurfacePoint> points, std::span<Bsdf> closures) const {
+void MaterialTable::shade(const TextureTable& textures, std::span<const SurfacePoint> points, std::span<Bsdf> closures,
+                          display::DisplayServices* display) const {
+    const ShadingScope scope(display);
     thread_local Buckets buckets;
     buckets.fit(materials_.size(), points.size());
     for (std::size_t i = points.size(); i-- > 0;) {              // backwards, so that lists come out ascending

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "display/services/display_services.h"
 #include "display/services/registry.h"
 #include "transport/materials/bsdf.h"
 #include "transport/materials/closure.h"
@@ -55,7 +56,9 @@ class MaterialTable {
     static Result<MaterialTable> build(const SceneDescription& scene, TextureTable& textures);
 
     /// Turns hits into closures; sorts by material internally, so any order is fine. `points.size() == closures.size()`.
-    void shade(const TextureTable& textures, std::span<const SurfacePoint> points, std::span<Bsdf> closures) const;
+    /// Materials and patterns may write to `display`, to the rows of points that have one (pattern.h).
+    void shade(const TextureTable& textures, std::span<const SurfacePoint> points, std::span<Bsdf> closures,
+               display::DisplayServices* display = nullptr) const;
     [[nodiscard]] const Material* material(std::size_t index) const { return materials_[index].get(); }
     [[nodiscard]] std::size_t size() const { return materials_.size(); }
     /// The last material so far that is called `name`, or an Error at `where` with the near miss.

@@ -11,7 +11,7 @@
 
 namespace raylex::transport {
 
-inline TexturePoint texture_point(const SurfacePoint& p) { return {p.u, p.v, p.position}; }
+inline TexturePoint texture_point(const SurfacePoint& p) { return {p.u, p.v, p.position, p.row}; }
 
 inline Rgb clamp_to_unit(const Rgb& c) {
     return {std::clamp(c.r, 0.0f, 1.0f), std::clamp(c.g, 0.0f, 1.0f), std::clamp(c.b, 0.0f, 1.0f)};

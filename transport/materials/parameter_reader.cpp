@@ -1,14 +1,34 @@
 #include "transport/materials/parameter_reader.h"
 
+#include <array>
+#include <charconv>
+#include <cmath>
+
 namespace raylex::transport {
+
+/// The parameter's own place when it is known, else the set's.
+const SourceLocation& ParameterReader::place_of(std::string_view name) const {
+    const Parameter* parameter = set_.find(name);
+    return parameter != nullptr ? where(*parameter) : set_.location;
+}
 
 int ParameterReader::integer(std::string_view name, int fallback, int least, int most) {
     const std::int64_t value = take(set_.integer_or(name, fallback), static_cast<std::int64_t>(fallback));
     if (value >= least && value <= most) return static_cast<int>(value);
-    const Parameter* parameter = set_.find(name);
-    fail(error_at(parameter != nullptr ? where(*parameter) : set_.location,
-                  "parameter '" + std::string(name) + "' is " + std::to_string(value) + "; expected " +
-                      std::to_string(least) + " to " + std::to_string(most)));
+    fail(error_at(place_of(name), "parameter '" + std::string(name) + "' is " + std::to_string(value) + "; expected " +
+                                      std::to_string(least) + " to " + std::to_string(most)));
+    return fallback;
+}
+
+float ParameterReader::real(std::string_view name, float fallback, float least, float most) {
+    const float value = real(name, fallback);
+    if (value >= least && value <= most) return value;
+    const auto shown = [](float number) {
+        std::array<char, 32> text{};
+        return std::string(text.data(), std::to_chars(text.data(), text.data() + text.size(), number).ptr);
+    };
+    fail(error_at(place_of(name), "parameter '" + std::string(name) + "' is " + shown(value) + "; expected " +
+                                      (std::isinf(most) ? shown(least) + " or more" : shown(least) + " to " + shown(most))));
     return fallback;
 }
 
@@ -19,8 +39,7 @@ std::size_t ParameterReader::choice(std::string_view name, const std::vector<std
     std::string list;
     for (const std::string& each : known) list += (list.empty() ? "" : ", ") + each;
     const std::string near = nearest_name(found, known);
-    const Parameter* parameter = set_.find(name);
-    fail(error_at(parameter != nullptr ? where(*parameter) : set_.location,
+    fail(error_at(place_of(name),
                   "parameter '" + std::string(name) + "' is '" + found + "'; expected one of: " + list,
                   near.empty() ? std::string() : "did you mean '" + near + "'?"));
     return fallback;

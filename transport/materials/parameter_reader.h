@@ -32,6 +32,7 @@ class ParameterReader {
         return static_cast<float>(take(set_.real_or(name, static_cast<double>(fallback)), static_cast<double>(fallback)));
     }
     /// Between `least` and `most`, or an Error that names the range.
+    float real(std::string_view name, float fallback, float least, float most);
     int integer(std::string_view name, int fallback, int least, int most);
     bool boolean(std::string_view name, bool fallback) { return take(set_.boolean_or(name, fallback), fallback); }
     std::string string(std::string_view name, std::string_view fallback) {
@@ -46,6 +47,7 @@ class ParameterReader {
     }
 
   private:
+    [[nodiscard]] const SourceLocation& place_of(std::string_view name) const;
     const ParameterSet& set_;
     std::optional<Error> error_;
 };

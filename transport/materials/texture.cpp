@@ -10,6 +10,7 @@
 
 #include "transport/materials/image_sampler.h"
 #include "transport/materials/parameter_reader.h"
+#include "transport/materials/pattern.h"
 #include "transport/materials/texture_mapping.h"
 
 namespace raylex::transport {
@@ -48,13 +49,13 @@ struct ImageStage {
 
 /// One compiled texture: a node of the graph, its children by index.
 struct Node {
-    enum class Kind : std::uint8_t { constant, scale, mix, checkerboard, solid_checkerboard, image };
+    enum class Kind : std::uint8_t { constant, scale, mix, checkerboard, solid_checkerboard, image, pattern };
     Kind kind = Kind::constant;
     Rgb value;                          ///< constant (a float texture's in all three)
     TextureId a = 0, b = 0;             ///< scale: a; mix, checkerboards: a and b
     TextureId amount = 0;               ///< scale, mix: a float texture
     std::int32_t mapping = 0;           ///< checkerboard, image
-    std::int32_t stage = 0;             ///< image
+    std::int32_t stage = 0;             ///< image: its stage; pattern: which
 };
 
 bool odd(float x) {
@@ -64,8 +65,9 @@ bool odd(float x) {
 
 }  // namespace
 
-struct TextureTable::Storage {
+struct TextureTable::Storage final : TextureLookup {
     std::vector<Node> nodes;
+    std::vector<std::unique_ptr<Pattern>> patterns;
     std::vector<TextureMapping> mappings;
     std::vector<ImageStage> stages;
     std::deque<Image> images;                                   // addresses stay
@@ -84,6 +86,8 @@ struct TextureTable::Storage {
     Result<TextureId> compile(std::size_t index, SpectrumRole role);
     Result<Node> compile_node(const SceneTexture& source, SpectrumRole role, std::size_t visible);
     Result<Node> compile_image(const SceneTexture& source, SpectrumRole role);
+    Result<Node> compile_pattern(const SceneTexture& source, const PatternFactory& factory, SpectrumRole role,
+                                 std::size_t visible);
     Result<const Image*> load_image(const std::string& name, const std::string& encoding, bool by_file_rules,
                                     const SourceLocation& where);
 
@@ -91,6 +95,8 @@ struct TextureTable::Storage {
         nodes.push_back(node);
         return static_cast<TextureId>(nodes.size() - 1);
     }
+    [[nodiscard]] Rgb rgb(TextureId id, const TexturePoint& at) const override { return evaluate<Rgb>(id, at); }
+    [[nodiscard]] float real(TextureId id, const TexturePoint& at) const override { return evaluate<float>(id, at); }
     [[nodiscard]] const Node& node(TextureId id) const { return nodes[static_cast<std::size_t>(id)]; }
 
     /// T is Rgb or float. Graphs are trees of a few nodes without cycles: textures see only those before them.
@@ -122,6 +128,11 @@ struct TextureTable::Storage {
                 const ImageStage& stage = stages[static_cast<std::size_t>(n.stage)];
                 if constexpr (std::is_same_v<T, Rgb>) return stage.rgb({st.x, 1 - st.y});
                 else return stage.real({st.x, 1 - st.y});
+            }
+            case Node::Kind::pattern: {
+                const Pattern& pattern = *patterns[static_cast<std::size_t>(n.stage)];
+                if constexpr (std::is_same_v<T, Rgb>) return pattern.rgb({*this, at});
+                else return pattern.real({*this, at});
             }
         }
         return T{};
@@ -207,7 +218,26 @@ Result<Node> TextureTable::Storage::compile_image(const SceneTexture& source, Sp
     return node;
 }
 
+Result<Node> TextureTable::Storage::compile_pattern(const SceneTexture& source, const PatternFactory& factory,
+                                                    SpectrumRole role, std::size_t visible) {
+    PatternReader reader(source, [&](std::string_view name, const Rgb& fallback, bool spectrum) {
+        return spectrum ? rgb_input(source.parameters, name, fallback, role, visible)
+                        : real_input(source.parameters, name, fallback.r, visible);
+    });
+    Result<std::unique_ptr<Pattern>> made = factory(reader);
+    if (!made) return std::move(made).error();
+    if (reader.error()) return *reader.error();
+    patterns.push_back(*std::move(made));
+    Node node;
+    node.kind = Node::Kind::pattern;
+    node.stage = static_cast<std::int32_t>(patterns.size() - 1);
+    return node;
+}
+
 Result<Node> TextureTable::Storage::compile_node(const SceneTexture& source, SpectrumRole role, std::size_t visible) {
+    const auto known = pattern_registry().require(source.type, source.location);
+    if (!known) return known.error();
+    if ((*known)->factory) return compile_pattern(source, (*known)->factory, role, visible);
     ParameterReader reader(source.parameters);
     const auto child = [&](std::string_view name, float fallback) {
         return source.spectrum ? reader.take(rgb_input(source.parameters, name, Rgb(fallback), role, visible), 0)
@@ -239,14 +269,8 @@ Result<Node> TextureTable::Storage::compile_node(const SceneTexture& source, Spe
         else mapping = read_mapping(reader, source.to_world);
         mappings.push_back(mapping);
         node.mapping = static_cast<std::int32_t>(mappings.size() - 1);
-    } else if (source.type == "imagemap") {
-        return compile_image(source, role);
     } else {
-        const std::vector<std::string> known{"constant", "scale", "mix", "checkerboard", "imagemap"};
-        const std::string near = nearest_name(source.type, known);
-        return error_at(source.location, "unknown texture type '" + source.type +
-                                             "'; expected one of: constant, scale, mix, checkerboard, imagemap",
-                        near.empty() ? std::string() : "did you mean '" + near + "'?");
+        return compile_image(source, role);
     }
     if (reader.error()) return *reader.error();
     return node;

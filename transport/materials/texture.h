@@ -27,6 +27,7 @@ using TextureId = std::int32_t;
 struct TexturePoint {
     float u = 0, v = 0;
     Vec3 position;          ///< world
+    std::int32_t row = -1;  ///< of the sample table where the camera sees this point directly; else -1
 };
 
 class TextureTable {

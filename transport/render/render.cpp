@@ -215,6 +215,8 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
     statistics.render_seconds = watch.wall();
     loop.collect(statistics);
     statistics.invalid_samples += frame_buffer->rejected_count();
+    for (std::string& refused : display::refusal_warnings(job.channels, statistics.refusals))
+        warnings.push_back(error_at({}, std::move(refused)));
 
     RenderOutput output{.frame_buffer = *std::move(frame_buffer),
                         .cryptomatte = std::move(job.cryptomatte),

@@ -16,6 +16,7 @@
 #include "display/buffer/sample_sink.h"
 #include "display/services/channel.h"
 #include "display/services/channel_settings.h"
+#include "display/services/display_services.h"
 #include "display/services/lpe_services.h"
 #include "geoaovs/cryptomatte.h"
 #include "lpe/channels/lobe_slots.h"
@@ -83,6 +84,7 @@ struct RenderStatistics {
     std::uint64_t invalid_samples = 0;
     std::vector<display::InvalidSample> invalid_log;
     std::uint64_t refused_services_calls = 0;
+    std::vector<display::RefusalCounts> refusals;           ///< per channel; the last are of calls that name none
 };
 
 struct RenderOutput {

@@ -233,7 +233,12 @@ void RenderLoop::collect(RenderStatistics& statistics) const {
         statistics.invalid_samples += worker->lpe().invalid_count();
         statistics.invalid_log.insert(statistics.invalid_log.end(), worker->lpe().invalid_samples().begin(),
                                       worker->lpe().invalid_samples().end());
-        for (const std::uint64_t refused : worker->display().refused()) statistics.refused_services_calls += refused;
+        const std::span<const display::RefusalCounts> refusals = worker->display().refusals();
+        statistics.refusals.resize(refusals.size());
+        for (std::size_t i = 0; i < refusals.size(); ++i) {
+            statistics.refusals[i].add(refusals[i]);
+            statistics.refused_services_calls += refusals[i].total();
+        }
     }
     std::sort(statistics.invalid_log.begin(), statistics.invalid_log.end(), [](const auto& a, const auto& b) {
         return std::tie(a.sample, a.pixel_y, a.pixel_x) < std::tie(b.sample, b.pixel_y, b.pixel_x);

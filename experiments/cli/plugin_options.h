@@ -1,0 +1,18 @@
+// --plugin, for every command that reads scenes.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <CLI/App.hpp>
+
+#include "lpe/result.h"
+
+namespace raylex::experiments {
+
+void add_plugin_option(CLI::App& command, std::vector<std::string>& files);
+
+/// Loads what --plugin named, in order.
+Status load_plugins(const std::vector<std::string>& files);
+
+}  // namespace raylex::experiments

@@ -1,0 +1,107 @@
+// raylex plugins: what plugins bring, and what is in the tree; --plugin for the commands that read scenes.
+#include <memory>
+#include <utility>
+
+#include "experiments/cli/command_line.h"
+#include "experiments/cli/commands.h"
+#include "experiments/cli/console.h"
+#include "experiments/cli/plugin_options.h"
+#include "experiments/report/png_driver.h"
+#include "transport/materials/pattern.h"
+#include "transport/plugins/plugin_loader.h"
+#include "transport/samplers/sampler.h"
+
+namespace raylex::experiments {
+namespace {
+
+using transport::PluginEntry;
+
+const char* type_name(ParameterType type) {
+    switch (type) {
+        case ParameterType::boolean: return "bool";
+        case ParameterType::integer: return "integer";
+        case ParameterType::real: return "float";
+        case ParameterType::string: return "string";
+        case ParameterType::rgb: return "rgb";
+        case ParameterType::blackbody: return "blackbody";
+        case ParameterType::spectrum: return "spectrum";
+        case ParameterType::point2: return "point2";
+        case ParameterType::vector2: return "vector2";
+        case ParameterType::point3: return "point3";
+        case ParameterType::vector3: return "vector3";
+        case ParameterType::normal: return "normal";
+        case ParameterType::texture: return "texture";
+    }
+    return "";
+}
+
+void print_entry(const PluginEntry& entry) {
+    print_line("  " + entry.kind + " " + entry.name + (entry.shadows ? " (instead of the in-tree one)" : "") + ": " +
+               entry.help);
+    for (const ParameterDescription& each : entry.parameters)
+        print_line("      " + std::string(type_name(each.type)) + " " + each.name +
+                   (each.fallback.empty() ? "" : " = " + each.fallback) + ": " + each.help);
+}
+
+template <class Factory>
+void print_registry(const Registry<Factory>& registry) {
+    for (const auto& entry : registry.entries())
+        print_entry({registry.kind(), entry.name, entry.help, entry.parameters, false});
+}
+
+void print_in_tree() {
+    register_png_driver();
+    print_line("in the program:");
+    print_registry(transport::integrator_registry());
+    print_registry(transport::sampler_registry());
+    print_registry(transport::material_registry());
+    print_registry(transport::pattern_registry());
+    print_registry(transport::light_registry());
+    print_registry(transport::area_light_registry());
+    print_registry(display::pixel_filter_registry());
+    print_registry(display::sample_filter_registry());
+    print_registry(display::display_driver_registry());
+}
+
+int list_plugins(const std::vector<std::string>& files) {
+    if (files.empty()) print_in_tree();
+    for (const std::string& file : files) {
+        if (Status loaded = transport::load_plugin(file, {}); !loaded) return report_error(loaded.error());
+        for (const transport::LoadedPlugin& plugin : transport::loaded_plugins()) {
+            if (plugin.file != file) continue;
+            print_line(file + ":");
+            for (const PluginEntry& entry : plugin.entries) print_entry(entry);
+        }
+    }
+    return exit_holds;
+}
+
+}  // namespace
+
+void add_plugin_option(CLI::App& command, std::vector<std::string>& files) {
+    command
+        .add_option("--plugin", files,
+                    "loads a plugin: a shared library that brings integrators, materials, filters, drivers and the like, "
+                    "which are then used by name; 'raylex plugins FILE.so' lists them; may be repeated")
+        ->option_text("FILE.so")
+        ->expected(1)
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
+Status load_plugins(const std::vector<std::string>& files) {
+    for (const std::string& file : files)
+        if (Status loaded = transport::load_plugin(file, {"--plugin", 0, 0}); !loaded) return loaded;
+    return success();
+}
+
+void add_plugins_command(CLI::App& app, CommandContext& context) {
+    CLI::App* command = app.add_subcommand(
+        "plugins", "Lists what plugins bring, with every parameter; without one, what the program has itself.");
+    auto files = std::make_shared<std::vector<std::string>>();
+    command->add_option("FILE.so", *files, "plugins to load")->option_text("...");
+    command->footer("A plugin that does not fit this program is refused with what differs; the exit code is 2.");
+    command->callback([files, &context] { context.exit_code = list_plugins(*files); });
+}
+
+}  // namespace raylex::experiments

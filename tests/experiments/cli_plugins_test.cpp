@@ -1,0 +1,160 @@
+// --plugin and `raylex plugins`: what is loaded, what is refused and why. What the example plugins do to an image is checked
+// out of tree, by tests/outside/check_plugins.cpp.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <string>
+
+#include "support.h"
+#include "transport/plugins/plugin_file.h"
+
+namespace raylex::test {
+namespace {
+
+using transport::PluginStamp;
+
+std::string plugin_path(const std::string& name) {
+    return std::string(RAYLEX_BINARY_DIR) + "/tests/lib" + name + ".so";
+}
+std::string quoted(const std::string& path) { return "'" + path + "'"; }
+
+std::string file_text(const std::string& path) {
+    const Folder folder;
+    return run_shell(folder, "cat " + quoted(path)).out;
+}
+
+/// A copy of the plugin in which one byte of its stamp, `offset` from the stamp's start, is another.
+std::string with_other_stamp(const Folder& folder, const std::string& name, std::size_t offset) {
+    std::string bytes = file_text(plugin_path(name));
+    const std::size_t stamp = bytes.find(std::string(PluginStamp::magic_text) + '\0');
+    REQUIRE(stamp != std::string::npos);
+    bytes[stamp + offset] = static_cast<char>(bytes[stamp + offset] + 1);
+    return folder.write("other_" + std::to_string(offset) + ".so", bytes);
+}
+
+}  // namespace
+
+TEST_CASE("`raylex plugins` lists what a plugin registers, with every parameter", "[cli][plugins]") {
+    const Folder folder;
+    const Outcome listed = run_raylex(folder, "plugins " + quoted(plugin_path("ambient_occlusion")) + " " +
+                                                  quoted(plugin_path("stripes_pattern")));
+    CHECK(listed.code == 0);
+    CHECK_THAT(listed.out, Catch::Contains("integrator ambientocclusion: the share of the sky that a point sees"));
+    CHECK_THAT(listed.out, Catch::Contains("float maxdistance = infinite: how far"));
+    CHECK_THAT(listed.out, Catch::Contains("texture stripes: two textures by turns along u"));
+    CHECK_THAT(listed.out, Catch::Contains("integer count = 8:"));
+    const Outcome in_tree = run_raylex(folder, "plugins");
+    CHECK(in_tree.code == 0);
+    for (const char* name : {"integrator path:", "material diffuse:", "texture imagemap:", "sample filter clamp:", "display driver png:"})
+        CHECK_THAT(in_tree.out, Catch::Contains(name));
+    CHECK(in_tree.out.find("ambientocclusion") == std::string::npos);
+}
+
+TEST_CASE("a plugin's integrator renders a scene that asks for it by name", "[cli][plugins]") {
+    const Folder folder;
+    folder.write("scene.pbrt", "Integrator \"ambientocclusion\" \"float maxdistance\" 3\n" + small_scene());
+    const std::string with = "render scene.pbrt -o out.exr --plugin " + quoted(plugin_path("ambient_occlusion"));
+    const Outcome rendered = run_raylex(folder, with + " --stats out.json");
+    INFO(rendered.err);
+    CHECK(rendered.code == 0);
+    CHECK(rendered.err.find("not available") == std::string::npos);
+    CHECK_THAT(folder.read("out.json"), Catch::Contains("\"raylex/plugins\"") && Catch::Contains("libambient_occlusion.so"));
+    const Outcome fallback = run_raylex(folder, "render scene.pbrt -o out.exr");
+    CHECK_THAT(fallback.err, Catch::Contains("'ambientocclusion' is not available"));
+    // Loaded twice, by flag and by flag, is loaded once.
+    CHECK(run_raylex(folder, with + " --plugin " + quoted(plugin_path("ambient_occlusion"))).code == 0);
+    folder.write("job.toml", "plugins = [\"" + plugin_path("ambient_occlusion") + "\"]\n[scene]\nfile = \"scene.pbrt\"\n");
+    CHECK(run_raylex(folder, "render job.toml -o out.exr").code == 0);
+    CHECK(run_raylex(folder, "lpe check --scene job.toml all='C.*'").code == 0);
+}
+
+TEST_CASE("a job's plugin that is not there is an error with file, line and column", "[cli][plugins][law7]") {
+    const Folder folder;
+    folder.write("scene.pbrt", small_scene());
+    folder.write("job.toml", "# plugins\nplugins = [\n  \"missing.so\"]\n[scene]\nfile = \"scene.pbrt\"\n");
+    const Outcome outcome = run_raylex(folder, "render job.toml -o out.exr");
+    CHECK(outcome.code == 2);
+    CHECK_THAT(outcome.err, Catch::Contains("job.toml:3:3: cannot read plugin") && Catch::Contains("missing.so': No such file"));
+    CHECK_FALSE(folder.has("out.exr"));
+}
+
+TEST_CASE("what is no plugin is refused before it is opened", "[cli][plugins][law7]") {
+    const Folder folder;
+    folder.write("text.so", "#!/bin/sh\ntouch ran\n");
+    folder.write("empty.so", "");
+    const auto says = [&](const std::string& file, const std::string& message) {
+        const Outcome outcome = run_raylex(folder, "plugins " + file);
+        CHECK(outcome.code == 2);
+        CHECK_THAT(outcome.err, Catch::Contains(message));
+    };
+    says(".", "is a directory");
+    says("missing.so", "No such file");
+    says("text.so", "is no shared library");
+    says("empty.so", "is no shared library");
+    // The program itself holds no stamp section.
+    says(quoted(std::string(RAYLEX_BINARY_DIR) + "/raylex"), "no raylex plugin");
+}
+
+TEST_CASE("a plugin whose stamp differs in anything is refused with what differs", "[cli][plugins][law7]") {
+    const Folder folder;
+    const auto says = [&](std::size_t offset, const std::string& message) {
+        const Outcome outcome = run_raylex(folder, "plugins " + quoted(with_other_stamp(folder, "stripes_pattern", offset)));
+        CHECK(outcome.code == 2);
+        CHECK_THAT(outcome.err, Catch::Contains(message));
+    };
+    says(0, "a stamp of another form");
+    says(offsetof(PluginStamp, version), "was built for raylex 1.");
+    says(offsetof(PluginStamp, compiler), "was built by h++");
+    says(offsetof(PluginStamp, library), "was built with mibstdc++");
+    says(offsetof(PluginStamp, interface), "other headers");
+    says(offsetof(PluginStamp, layout), "std::string has 33 bytes in it and 32 here");
+}
+
+TEST_CASE("a plugin cut off anywhere is refused", "[plugins][law7]") {
+    const Folder folder;
+    const std::string bytes = file_text(plugin_path("stripes_pattern"));
+    REQUIRE(transport::read_plugin_stamp(plugin_path("stripes_pattern"), {}));
+    // Debug builds are large: about 64 cuts, and every one through the first header.
+    for (std::size_t size = 0; size < bytes.size(); size += size < 64 ? 7 : bytes.size() / 64) {
+        INFO(size);
+        const auto stamp = transport::read_plugin_stamp(folder.write("cut.so", bytes.substr(0, size)), {});
+        CHECK_FALSE(stamp);
+    }
+}
+
+TEST_CASE("a plugin that fails while it registers leaves nothing behind and is named", "[cli][plugins][law7]") {
+    const Folder folder;
+    folder.write("scene.pbrt", small_scene());
+    const auto says = [&](const std::string& name, const std::string& message) {
+        const Outcome outcome =
+            run_raylex(folder, "render scene.pbrt -o out.exr --plugin " + quoted(plugin_path("misbehaving_" + name)));
+        CHECK(outcome.code == 2);
+        CHECK_THAT(outcome.err, Catch::Contains("--plugin: plugin '") && Catch::Contains(message));
+        CHECK_FALSE(folder.has("out.exr"));
+    };
+    says("1", "it threw while registering: no licence for this machine");
+    says("2", "it threw something that is no std::exception");
+    says("3", "it needs a graphics card");
+    says("4", "it registers the display driver 'halfway' twice");
+    says("5", "undefined symbol: raylex_not_defined_anywhere");
+}
+
+TEST_CASE("a plugin may take the place of an in-tree object, but not of another plugin's", "[cli][plugins]") {
+    const Folder folder;
+    const std::string shadowing = quoted(plugin_path("misbehaving_6"));
+    const Outcome listed = run_raylex(folder, "plugins " + shadowing);
+    CHECK(listed.code == 0);
+    CHECK_THAT(listed.out, Catch::Contains("display driver exr (instead of the in-tree one)"));
+    folder.write("copy.so", file_text(plugin_path("misbehaving_6")));
+    const Outcome twice = run_raylex(folder, "plugins " + shadowing + " copy.so");
+    CHECK(twice.code == 2);
+    CHECK_THAT(twice.err, Catch::Contains("another plugin has registered the display driver 'halfway' already"));
+}
+
+TEST_CASE("the README's integrator is the file that is compiled and run", "[plugins][readme]") {
+    const std::string root(RAYLEX_SOURCE_DIR);
+    const std::string source = file_text(root + "/tests/outside/plugins/ambient_occlusion.cpp");
+    REQUIRE(source.find("RAYLEX_PLUGIN(host)") != std::string::npos);
+    CHECK(file_text(root + "/README.md").find("```cpp\n" + source + "```\n") != std::string::npos);
+}
+
+}  // namespace raylex::test

@@ -1,0 +1,168 @@
+// Runs the installed program with the plugins of this project and looks at what each one did.
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include "display/output/exr_reader.h"
+
+namespace {
+
+using namespace raylex;
+
+int failures = 0;
+
+void check(bool holds, const std::string& what) {
+    std::printf("%s %s\n", holds ? "holds:" : "FAILS:", what.c_str());
+    if (!holds) ++failures;
+}
+
+void write(const std::string& file, const std::string& text) { std::ofstream(file, std::ios::binary) << text; }
+
+std::string read(const std::string& file) {
+    std::ifstream stream(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+std::string plugin(const std::string& name) { return "--plugin '" OUTSIDE_PLUGINS "/lib" + name + ".so' "; }
+
+/// Exit code; what the program said on its error stream is left in err.txt.
+int run(const std::string& arguments) {
+    const int status = std::system(("'" OUTSIDE_RAYLEX "' " + arguments + " >out.txt 2>err.txt").c_str());
+    return status < 0 ? -1 : status >> 8;
+}
+
+/// The R plane of a layer; empty when the render failed.
+std::vector<float> render(const std::string& arguments, const std::string& layer = "") {
+    if (run("render " + arguments + " -o out.exr") != 0) return check(false, arguments + ": " + read("err.txt")), std::vector<float>();
+    const auto image = display::read_exr("out.exr");
+    if (!image || image->layer(layer) == nullptr) return check(false, "layer '" + layer + "' of " + arguments), std::vector<float>();
+    return image->layer(layer)->triple()[0]->values;
+}
+
+/// A wall that fills the image, x and y from -1 to 1, seen from straight above; what stands behind WorldBegin is `world`.
+void write_scene(const std::string& integrator, const std::string& world) {
+    write("scene.pbrt", "LookAt 0 0 4  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" 20\n"
+                        "Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 16\n"
+                        "PixelFilter \"box\"\nSampler \"zsobol\" \"integer pixelsamples\" 16\n" + integrator +
+                            "WorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\n" + world);
+}
+const std::string wall =
+    "Shape \"bilinearmesh\" \"point3 P\" [-1 -1 0  1 -1 0  -1 1 0  1 1 0] \"point2 uv\" [0 0 1 0 0 1 1 1]\n";
+
+std::size_t pixel(int x, int y) { return static_cast<std::size_t>(16 * y + x); }
+
+void check_integrator() {
+    write_scene("Integrator \"ambientocclusion\" \"float maxdistance\" 1\n", wall);
+    const std::vector<float> open = render(plugin("ambient_occlusion") + "scene.pbrt");
+    check(open.size() == 256 && open[pixel(8, 8)] == 1, "ambientocclusion: a lone wall sees the whole sky");
+    // Something 2 away from the wall: out of reach, then within.
+    const std::string lid = wall + "Translate 0 0 2 Shape \"disk\" \"float radius\" 500 \"float innerradius\" 1.5\n";
+    write_scene("Integrator \"ambientocclusion\" \"float maxdistance\" 1\n", lid);
+    const std::vector<float> far = render(plugin("ambient_occlusion") + "scene.pbrt");
+    write_scene("Integrator \"ambientocclusion\" \"float maxdistance\" 1000\n", lid);
+    const std::vector<float> near = render(plugin("ambient_occlusion") + "scene.pbrt --spp 1024 --lpe diffuse='C<RD>L'");
+    // The hole of radius 1.5 at height 2: sin^2 of its half angle, 0.36, is what a point below its centre sees. The standard
+    // error of 1024 random samples is 0.015; the sampler is better.
+    check(far.size() == 256 && far[pixel(8, 8)] == 1, "ambientocclusion: maxdistance bounds what hides the sky");
+    check(near.size() == 256 && std::abs(near[pixel(8, 8)] - 0.36f) < 0.02f, "ambientocclusion: a lid with a hole leaves 0.36");
+    const std::vector<float> layer = render(plugin("ambient_occlusion") + "scene.pbrt --spp 16 --lpe diffuse='C<RD>L'", "diffuse");
+    const std::vector<float> beauty = render(plugin("ambient_occlusion") + "scene.pbrt --spp 16");
+    check(!layer.empty() && layer == beauty, "ambientocclusion: light path expressions work without a word about them");
+    write_scene("Integrator \"ambientocclusion\" \"float maxdistance\" -3\n", wall);
+    check(run("render " + plugin("ambient_occlusion") + "scene.pbrt -o out.exr") == 2 &&
+              read("err.txt").find("scene.pbrt:6:") != std::string::npos &&
+              read("err.txt").find("'maxdistance' is -3; expected") != std::string::npos,
+          "a parameter out of range is an error with file and line: " + read("err.txt"));
+}
+
+void check_pattern() {
+    const auto textured = [](const std::string& texture) {
+        write_scene("", "Texture \"t\" \"spectrum\" " + texture + "\nMaterial \"diffuse\" \"texture reflectance\" \"t\"\n" + wall);
+    };
+    textured("\"constant\" \"rgb value\" [.25 .25 .25]");
+    const std::vector<float> quarter = render("scene.pbrt --max-depth 1");
+    textured("\"stripes\" \"rgb tex1\" [.25 .25 .25] \"rgb tex2\" [.25 .25 .25]");
+    check(render(plugin("stripes_pattern") + "scene.pbrt --max-depth 1") == quarter, "stripes of one colour are that colour, bit by bit");
+    // Two stripes over the wall: it is 2 wide at distance 4, the image 1.41 wide there.
+    textured("\"stripes\" \"integer count\" 1 \"rgb tex1\" [.25 .25 .25] \"rgb tex2\" [.75 .75 .75]");
+    const std::vector<float> two = render(plugin("stripes_pattern") + "scene.pbrt --max-depth 1");
+    check(two.size() == 256 && two[pixel(2, 8)] == quarter[pixel(2, 8)] && std::abs(two[pixel(13, 8)] - 0.75f) < 1e-5f,
+          "stripes: 0.25 on the left, 0.75 on the right under a sky of 1");
+    textured("\"stripes\" \"integer count\" 0");
+    check(run("render " + plugin("stripes_pattern") + "scene.pbrt -o out.exr") == 2 &&
+              read("err.txt").find("scene.pbrt:8:") != std::string::npos &&
+              read("err.txt").find("'count' is 0; expected 1 to 10000") != std::string::npos,
+          "stripes: a count out of range is an error with file and line: " + read("err.txt"));
+    check(run("render scene.pbrt -o out.exr") == 2 && read("err.txt").find("unknown texture 'stripes'") != std::string::npos,
+          "without the plugin the type is not known");
+}
+
+void check_material() {
+    write_scene("", "MakeNamedMaterial \"moon\" \"string type\" \"minnaert\" \"rgb reflectance\" [.5 .5 .5] \"float k\" 1\n"
+                    "NamedMaterial \"moon\"\n" + wall);
+    const std::string with = plugin("minnaert_material") + "scene.pbrt --max-depth 1 ";
+    const std::vector<float> seen = render(with);
+    // Under a sky of 1 a surface has its albedo for radiance, 0.5 cos; the centre is seen at less than 1 degree (cos above
+    // 0.9998), and its samples have no variance.
+    check(seen.size() == 256 && std::abs(seen[pixel(8, 8)] - 0.5f) < 2e-4f, "minnaert: its albedo under a white sky");
+    check(render(with + "--lpe moon=\"C<RD'moon','minnaert'>L\"", "moon") == seen, "minnaert: light path expressions know its lobe");
+    write_scene("", "LightSource \"point\" \"point3 from\" [0 0 3]\nMaterial \"minnaert\" \"float k\" 2\n" + wall);
+    const std::vector<float> lit = render(plugin("minnaert_material") + "scene.pbrt --partition shipped");
+    check(lit.size() == 256 && run("verify out.exr") == 0, "minnaert: splits sum to beauty with light samples: " + read("err.txt"));
+    write_scene("", "Material \"minnaert\" \"float k\" -1\n" + wall);
+    check(run("render " + plugin("minnaert_material") + "scene.pbrt -o out.exr") == 2 &&
+              read("err.txt").find("scene.pbrt:8:") != std::string::npos &&
+              read("err.txt").find("'k' is -1; expected 0 to 100") != std::string::npos,
+          "minnaert: k out of range is an error with file and line: " + read("err.txt"));
+}
+
+void check_filter_and_driver() {
+    write_scene("", "Material \"diffuse\"\n" + wall);
+    write("job.toml", "plugins = ['" OUTSIDE_PLUGINS "/libexposure_filter.so']\n[scene]\nfile = \"scene.pbrt\"\n"
+                      "[channels]\nshipped_partition = true\n[sample_filter]\ntype = \"exposure\"\nstops = 1.0\n");
+    const std::vector<float> plain = render("scene.pbrt");
+    std::vector<float> doubled = plain;
+    for (float& value : doubled) value *= 2;
+    const std::vector<float> exposed = render(plugin("pfm_driver") + "job.toml --driver pfm:file=out.pfm");
+    check(!plain.empty() && exposed == doubled, "exposure: one stop doubles every pixel, bit by bit");
+    check(run("verify out.exr") == 0, "exposure: splits still sum to beauty");
+    const std::string pfm = read("out.pfm"), header = "PF\n16 16\n-1.0\n";
+    bool same = pfm.size() == header.size() + 256 * 12 && pfm.starts_with(header) && exposed.size() == 256;
+    for (int y = 0; same && y < 16; ++y)
+        for (int x = 0; x < 16; ++x) {
+            float value;
+            std::copy_n(pfm.data() + header.size() + 12 * pixel(x, 15 - y), sizeof value, reinterpret_cast<char*>(&value));
+            same = same && value == exposed[pixel(x, y)];
+        }
+    check(same, "pfm: the file holds the pixels of the OpenEXR file");
+    check(run("render " + plugin("pfm_driver") + "scene.pbrt -o out.exr --driver pfm:fil=out.pfm") == 2 &&
+              read("err.txt").find("did you mean 'file'?") != std::string::npos,
+          "pfm: an unknown parameter is refused with the near miss");
+    std::string job = read("job.toml");
+    write("job.toml", job.replace(job.find("stops = 1.0"), 11, "stops = 99"));
+    check(run("render job.toml -o out.exr") == 2 && read("err.txt").find("job.toml:8:") != std::string::npos &&
+              read("err.txt").find("'stops' is 99; expected -20 to 20") != std::string::npos,
+          "exposure: stops out of range are an error with file and line: " + read("err.txt"));
+}
+
+void check_listing() {
+    const bool listed = run("plugins '" OUTSIDE_PLUGINS "/libminnaert_material.so'") == 0;
+    check(listed && read("out.txt").find("material minnaert: the moon's surface") != std::string::npos &&
+              read("out.txt").find("float k = 0.5:") != std::string::npos,
+          "`raylex plugins` lists what a plugin registered, with its parameters");
+}
+
+}  // namespace
+
+int main() {
+    check_integrator();
+    check_pattern();
+    check_material();
+    check_filter_and_driver();
+    check_listing();
+    return failures == 0 ? 0 : 1;
+}

@@ -1,0 +1,20 @@
+# cmake -DSOURCE=... -DVERSION=... -DOUTPUT=... -P interface.cmake: writes a header with raylex's version and the SHA-256 of every
+# header that plugins may include. C++ has no stable binary interface: the headers are the interface, and a plugin fits a
+# program when both were compiled from the same ones. The file is rewritten only when it changes.
+file(GLOB_RECURSE headers RELATIVE ${SOURCE} ${SOURCE}/lpe/*.h ${SOURCE}/display/*.h ${SOURCE}/geoaovs/*.h ${SOURCE}/transport/*.h)
+list(SORT headers)
+set(all "")
+foreach(header ${headers})
+  file(SHA256 ${SOURCE}/${header} digest)
+  string(APPEND all "${header} ${digest}\n")
+endforeach()
+string(SHA256 interface "${all}")
+set(text "// Written by the build: what plugins and programs must agree on.\n#pragma once\n\n")
+string(APPEND text "#define RAYLEX_PLUGIN_VERSION \"${VERSION}\"\n#define RAYLEX_PLUGIN_INTERFACE \"${interface}\"\n")
+set(old "")
+if(EXISTS ${OUTPUT})
+  file(READ ${OUTPUT} old)
+endif()
+if(NOT old STREQUAL text)
+  file(WRITE ${OUTPUT} "${text}")
+endif()

@@ -1,0 +1,32 @@
+// What a plugin includes. A plugin is one shared library that brings integrators, patterns, materials, lights, filters or
+// display drivers; `raylex render --plugin libNAME.so` loads it, and its objects are then used by name like in-tree ones.
+//
+//     #include "transport/plugins/plugin.h"
+//     ... classes ...
+//     RAYLEX_PLUGIN(host) {
+//         host.add_integrator({"name", "one line of help", {{"samples", ParameterType::integer, "16", "..."}}, factory});
+//     }
+//
+//     find_package(raylex REQUIRED COMPONENTS plugin)
+//     raylex_add_plugin(name name.cpp)
+//
+// An exception out of the body, or host.refuse(), refuses the plugin; the program then ends with a message. Plugins are
+// never unloaded. tests/outside/plugins has an example of each kind.
+#pragma once
+
+#include "transport/geometry/embree_scene.h"
+#include "transport/integrators/first_hits.h"
+#include "transport/materials/material_inputs.h"
+#include "transport/math/sampling.h"
+#include "transport/plugins/plugin_host.h"
+#include "transport/plugins/plugin_stamp.h"
+
+/// The entry point, once per plugin; its body registers with the PluginHost& called `host`.
+#define RAYLEX_PLUGIN(host)                                                                                       \
+    extern "C" {                                                                                                  \
+    extern const ::raylex::transport::PluginStamp raylex_plugin_stamp;                                            \
+    __attribute__((section("raylex_plugin"), used, visibility("default")))                                        \
+    constinit const ::raylex::transport::PluginStamp raylex_plugin_stamp = ::raylex::transport::make_plugin_stamp(); \
+    __attribute__((visibility("default"))) void raylex_register_plugin(::raylex::transport::PluginHost& host);    \
+    }                                                                                                             \
+    void raylex_register_plugin([[maybe_unused]] ::raylex::transport::PluginHost& host)

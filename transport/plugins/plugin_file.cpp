@@ -1,0 +1,120 @@
+#include "transport/plugins/plugin_file.h"
+
+#include <elf.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <span>
+#include <system_error>
+#include <type_traits>
+
+namespace raylex::transport {
+namespace {
+
+#if defined(__x86_64__)
+constexpr Elf64_Half this_machine = EM_X86_64;
+#elif defined(__aarch64__)
+constexpr Elf64_Half this_machine = EM_AARCH64;
+#else
+#error "which e_machine is this?"
+#endif
+
+static_assert(std::is_trivially_copyable_v<PluginStamp>);
+
+/// A record at a place in the file, when all of it is there.
+template <class Record>
+std::optional<Record> record_at(std::span<const char> bytes, std::uint64_t offset) {
+    if (offset > bytes.size() || bytes.size() - offset < sizeof(Record)) return std::nullopt;
+    Record record;
+    std::memcpy(&record, bytes.data() + offset, sizeof(Record));
+    return record;
+}
+
+/// The contents of the section of that name; empty when there is none.
+std::span<const char> section_of(std::span<const char> bytes, const Elf64_Ehdr& header, std::string_view name) {
+    const auto section = [&](std::uint64_t index) {
+        return record_at<Elf64_Shdr>(bytes, header.e_shoff + index * sizeof(Elf64_Shdr));
+    };
+    const auto contents = [&](const Elf64_Shdr& s) -> std::span<const char> {
+        if (s.sh_type == SHT_NOBITS || s.sh_offset > bytes.size() || bytes.size() - s.sh_offset < s.sh_size) return {};
+        return bytes.subspan(s.sh_offset, s.sh_size);
+    };
+    if (header.e_shentsize != sizeof(Elf64_Shdr)) return {};
+    const auto names_section = section(header.e_shstrndx);
+    if (!names_section) return {};
+    const std::span<const char> names = contents(*names_section);
+    for (std::uint64_t i = 0; i < header.e_shnum; ++i) {
+        const auto each = section(i);
+        if (!each || each->sh_name >= names.size()) continue;
+        const std::string_view rest(names.data() + each->sh_name, names.size() - each->sh_name);
+        if (rest.substr(0, rest.find('\0')) == name) return contents(*each);
+    }
+    return {};
+}
+
+/// Text of a field, which may lack its end in a damaged file.
+template <std::size_t Size>
+std::string text_of(const std::array<char, Size>& field) {
+    return {field.data(), static_cast<std::size_t>(std::find(field.begin(), field.end(), '\0') - field.begin())};
+}
+
+}  // namespace
+
+Result<PluginStamp> read_plugin_stamp(const std::string& file, const SourceLocation& where) {
+    std::error_code failed;
+    if (std::filesystem::is_directory(file, failed))
+        return error_at(where, "plugin '" + file + "' is a directory; expected a shared library");
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream) return error_at(where, "cannot read plugin '" + file + "': " + std::strerror(errno));
+    const std::string content{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+    const std::span<const char> bytes(content);
+    const auto header = record_at<Elf64_Ehdr>(bytes, 0);
+    if (!header || std::memcmp(header->e_ident, ELFMAG, SELFMAG) != 0 || header->e_ident[EI_CLASS] != ELFCLASS64 ||
+        header->e_ident[EI_DATA] != ELFDATA2LSB || header->e_type != ET_DYN)
+        return error_at(where, "plugin '" + file + "' is no shared library; expected what raylex_add_plugin() builds");
+    if (header->e_machine != this_machine)
+        return error_at(where, "plugin '" + file + "' was built for another kind of machine; expected one for this");
+    const std::span<const char> section = section_of(bytes, *header, PluginStamp::section);
+    if (section.empty())
+        return error_at(where, "'" + file + "' is a shared library but no raylex plugin; expected one with "
+                               "RAYLEX_PLUGIN(host) { ... }");
+    std::array<char, 24> magic{}, version{};
+    if (section.size() >= magic.size() + version.size()) {
+        std::copy_n(section.begin(), magic.size(), magic.begin());
+        std::copy_n(section.begin() + magic.size(), version.size(), version.begin());
+    }
+    const auto stamp = record_at<PluginStamp>(section, 0);
+    if (section.size() != sizeof(PluginStamp) || !stamp || text_of(magic) != PluginStamp::magic_text)
+        return error_at(where, "plugin '" + file + "' carries a stamp of another form" +
+                                   (text_of(version).empty() ? "" : ", of raylex " + text_of(version)) +
+                                   "; expected one built for this raylex, " RAYLEX_PLUGIN_VERSION);
+    return *stamp;
+}
+
+Status check_plugin_stamp(const PluginStamp& stamp, const std::string& file, const SourceLocation& where) {
+    const PluginStamp own = make_plugin_stamp();
+    const auto refuse = [&](const std::string& difference) {
+        return error_at(where, "plugin '" + file + "' does not fit this program: " + difference,
+                        "build it again with this raylex: find_package(raylex) and the same compiler");
+    };
+    if (stamp.version != own.version)
+        return refuse("it was built for raylex " + text_of(stamp.version) + ", this is " + text_of(own.version));
+    if (stamp.compiler != own.compiler)
+        return refuse("it was built by " + text_of(stamp.compiler) + ", this by " + text_of(own.compiler));
+    if (stamp.library != own.library)
+        return refuse("it was built with " + text_of(stamp.library) + ", this with " + text_of(own.library));
+    if (stamp.interface != own.interface)
+        return refuse("it was built with other headers of raylex " + text_of(own.version) + " than this");
+    for (std::size_t i = 0; i < own.layout.size(); ++i)
+        if (stamp.layout[i] != own.layout[i])
+            return refuse(std::string(plugin_layout_names[i]) + " has " + std::to_string(stamp.layout[i]) +
+                          " bytes in it and " + std::to_string(own.layout[i]) + " here: compiler options differ");
+    return success();
+}
+
+}  // namespace raylex::transport

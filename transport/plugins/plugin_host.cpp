@@ -1,0 +1,51 @@
+#include "transport/plugins/plugin_host.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace raylex::transport {
+
+PluginHost::PluginHost(std::vector<PluginEntry> taken) : taken_(std::move(taken)) {}
+
+template <class Factory>
+void PluginHost::add(Registry<Factory>& registry, typename Registry<Factory>::Entry entry) {
+    const auto same = [&](const PluginEntry& other) { return other.kind == registry.kind() && other.name == entry.name; };
+    const std::string what = registry.kind() + " '" + entry.name + "'";
+    if (entry.name.empty() || !entry.factory) return refuse("its " + what + " has no name or no factory");
+    if (std::any_of(taken_.begin(), taken_.end(), same)) return refuse("another plugin has registered the " + what + " already");
+    if (std::any_of(entries_.begin(), entries_.end(), same)) return refuse("it registers the " + what + " twice");
+    entries_.push_back({registry.kind(), entry.name, entry.help, entry.parameters, registry.find(entry.name) != nullptr});
+    undo_.emplace_back([&registry, before = registry] { registry = before; });
+    registry.add(std::move(entry));
+}
+
+void PluginHost::add_integrator(Registry<IntegratorFactory>::Entry entry) { add(integrator_registry(), std::move(entry)); }
+void PluginHost::add_material(Registry<MaterialFactory>::Entry entry) { add(material_registry(), std::move(entry)); }
+void PluginHost::add_pattern(Registry<PatternFactory>::Entry entry) { add(pattern_registry(), std::move(entry)); }
+void PluginHost::add_light(Registry<LightFactory>::Entry entry) { add(light_registry(), std::move(entry)); }
+void PluginHost::add_pixel_filter(Registry<display::PixelFilterFactory>::Entry entry) {
+    add(display::pixel_filter_registry(), std::move(entry));
+}
+void PluginHost::add_sample_filter(Registry<display::SampleFilterFactory>::Entry entry) {
+    add(display::sample_filter_registry(), std::move(entry));
+}
+void PluginHost::add_display_driver(Registry<display::DisplayDriverFactory>::Entry entry) {
+    add(display::display_driver_registry(), std::move(entry));
+}
+
+LobeId PluginHost::add_lobe(const LobeKind& lobe) {
+    if (const std::optional<LobeId> id = transport::add_lobe(lobe)) return *id;
+    refuse("there is no room for its lobe '" + std::string(lobe.name) + "': a program knows at most 256 lobes");
+    return 0;
+}
+
+void PluginHost::refuse(std::string reason) {
+    if (!refusal_) refusal_ = std::move(reason);
+}
+
+void PluginHost::take_back() {
+    for (; !undo_.empty(); undo_.pop_back()) undo_.back()();
+    entries_.clear();
+}
+
+}  // namespace raylex::transport
