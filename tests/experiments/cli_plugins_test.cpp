@@ -124,27 +124,28 @@ TEST_CASE("a plugin cut off anywhere is refused", "[plugins][law7]") {
 TEST_CASE("a plugin that fails while it registers leaves nothing behind and is named", "[cli][plugins][law7]") {
     const Folder folder;
     folder.write("scene.pbrt", small_scene());
-    const auto says = [&](const std::string& name, const std::string& message) {
-        const Outcome outcome =
-            run_raylex(folder, "render scene.pbrt -o out.exr --plugin " + quoted(plugin_path("misbehaving_" + name)));
+    const auto says = [&](const std::string& kind, const std::string& name, const std::string& message) {
+        const Outcome outcome = run_shell(folder, "MISBEHAVIOUR=" + kind + " \"$RAYLEX\" render scene.pbrt -o out.exr --plugin " +
+                                                      quoted(plugin_path(name)));
         CHECK(outcome.code == 2);
         CHECK_THAT(outcome.err, Catch::Contains("--plugin: plugin '") && Catch::Contains(message));
         CHECK_FALSE(folder.has("out.exr"));
     };
-    says("1", "it threw while registering: no licence for this machine");
-    says("2", "it threw something that is no std::exception");
-    says("3", "it needs a graphics card");
-    says("4", "it registers the display driver 'halfway' twice");
-    says("5", "undefined symbol: raylex_not_defined_anywhere");
+    says("exception", "misbehaving", "it threw while registering: no licence for this machine");
+    says("number", "misbehaving", "it threw something that is no std::exception");
+    says("refusal", "misbehaving", "it needs a graphics card");
+    says("twice", "misbehaving", "it registers the display driver 'halfway' twice");
+    says("nothing", "misbehaving", "registered nothing");
+    says("", "unbound", "undefined symbol: raylex_not_defined_anywhere");
 }
 
 TEST_CASE("a plugin may take the place of an in-tree object, but not of another plugin's", "[cli][plugins]") {
     const Folder folder;
-    const std::string shadowing = quoted(plugin_path("misbehaving_6"));
-    const Outcome listed = run_raylex(folder, "plugins " + shadowing);
+    const std::string shadowing = quoted(plugin_path("misbehaving"));
+    const Outcome listed = run_shell(folder, "MISBEHAVIOUR=shadow \"$RAYLEX\" plugins " + shadowing);
     CHECK(listed.code == 0);
     CHECK_THAT(listed.out, Catch::Contains("display driver exr (instead of the in-tree one)"));
-    folder.write("copy.so", file_text(plugin_path("misbehaving_6")));
+    folder.write("copy.so", file_text(plugin_path("misbehaving")));
     const Outcome twice = run_raylex(folder, "plugins " + shadowing + " copy.so");
     CHECK(twice.code == 2);
     CHECK_THAT(twice.err, Catch::Contains("another plugin has registered the display driver 'halfway' already"));
