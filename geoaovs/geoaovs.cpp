@@ -247,7 +247,7 @@ Result<ChannelDefinition> channel_definition(std::string_view name) {
 
 GeometricAovs::GeometricAovs(std::span<const ChannelDefinition> channels) {
     for (std::size_t i = 0; i < channels.size(); ++i) {
-        if (channels[i].style != ChannelStyle::name) continue;
+        if (channels[i].style != ChannelStyle::name || !takes_samples(channels[i])) continue;
         for (std::size_t row = 0; row < aovs.size(); ++row) {
             const Aov& aov = aovs[row];
             if (channels[i].name != aov.name || channels[i].type != aov.type) continue;

@@ -28,13 +28,18 @@ Status check_layout(const FrameBufferLayout& layout) {
     return success();
 }
 
-Status check_statistics(std::span<const ChannelDefinition> channels) {
+Status check_outputs(std::span<const ChannelDefinition> channels) {
     for (const ChannelDefinition& layer : channels) {
-        if (takes_samples(layer)) continue;
-        const std::string who = "channel '" + layer.name + "' is a layer of statistics";
+        if (takes_samples(layer) && keeps_pixels(layer)) continue;
+        const bool output = keeps_pixels(layer);
+        const std::string who =
+            "channel '" + layer.name + "' is " + (output ? "a further output" : "a layer of statistics");
         if (layer.source < 0 || static_cast<std::size_t>(layer.source) >= channels.size())
             return error_at({}, who + " of no channel; expected the id of one");
         const ChannelDefinition& source = channels[static_cast<std::size_t>(layer.source)];
+        if (output && takes_samples(source) && source.type == layer.type) continue;
+        if (output)
+            return error_at({}, who + " of '" + source.name + "'; expected a channel of the same type that takes samples");
         if (!takes_samples(source) || source.rule != FilterRule::filter || source.type != layer.type)
             return error_at({}, who + " of '" + source.name +
                                     "'; expected a channel of the same type that the pixel filter is applied to");
@@ -59,10 +64,12 @@ FrameBuffer::FrameBuffer(const FrameBufferLayout& layout, std::span<const Channe
         Channel& channel = storage.channels.emplace_back();
         channel.definition = definition;
         channel.components = component_count(definition.type);
-        if (!takes_samples(definition)) continue;
+        channel.samples_of = takes_samples(definition) ? static_cast<ChannelId>(index) : definition.source;
+        if (!keeps_pixels(definition)) continue;
         const std::size_t values = pixels * static_cast<std::size_t>(channel.components);
         const FilterRule rule = definition.rule;
-        const bool kernel = rule == FilterRule::filter, expression = definition.style == ChannelStyle::expression;
+        const bool kernel = rule == FilterRule::filter,
+                   expression = channels[static_cast<std::size_t>(channel.samples_of)].style == ChannelStyle::expression;
         const float fill = expression ? 0.0f : definition.miss_value;
         channel.reads_untouched = kernel ? fill != 0 && std::isfinite(fill) : expression && rule != FilterRule::sum;
         if (is_z_rule(rule) || is_extremum(rule)) {
@@ -97,7 +104,7 @@ FrameBuffer& FrameBuffer::operator=(FrameBuffer&&) noexcept = default;
 
 Result<FrameBuffer> FrameBuffer::create(const FrameBufferLayout& layout, std::span<const ChannelDefinition> channels) {
     if (const Status status = check_layout(layout); !status) return status.error();
-    if (const Status status = check_statistics(channels); !status) return status.error();
+    if (const Status status = check_outputs(channels); !status) return status.error();
     try {
         return FrameBuffer(layout, channels);
     } catch (const std::bad_alloc&) {
@@ -163,12 +170,12 @@ void FrameBuffer::accumulate_run(const SampleTable& table, const Run& run) {
 
     for (std::size_t index = 0; index < storage.channels.size(); ++index) {
         Channel& channel = storage.channels[index];
-        const auto id = static_cast<ChannelId>(index);
-        if ((!table.touched(id) && !channel.reads_untouched) || !takes_samples(channel.definition)) continue;
-        if (channel.definition.rule == FilterRule::filter) storage.add_filtered(channel, index, table, run);
+        const auto from = static_cast<std::size_t>(channel.samples_of);
+        if ((!table.touched(channel.samples_of) && !channel.reads_untouched) || !keeps_pixels(channel.definition)) continue;
+        if (channel.definition.rule == FilterRule::filter) storage.add_filtered(channel, from, table, run);
         else if (channel.definition.rule == FilterRule::average || channel.definition.rule == FilterRule::sum)
-            storage.add_plain(channel, index, table, run);
-        else storage.add_picked(channel, index, table, run);
+            storage.add_plain(channel, from, table, run);
+        else storage.add_picked(channel, from, table, run);
     }
 }
 

@@ -57,7 +57,7 @@ std::vector<double> FrameBuffer::resolve(ChannelId id) const {
 std::vector<double> FrameBuffer::resolve(ChannelId id, const PixelRegion& region) const {
     const Storage& storage = *storage_;
     const Channel& channel = storage.channels[static_cast<std::size_t>(id)];
-    if (!takes_samples(channel.definition))
+    if (!keeps_pixels(channel.definition))
         return storage.statistic(storage.channels[static_cast<std::size_t>(channel.definition.source)],
                                  channel.definition.statistic, region);
     const auto components = static_cast<std::size_t>(channel.components);

@@ -82,6 +82,7 @@ struct FrameBuffer::Run {
 /// The record of one channel. Planes that its rule does not need stay empty.
 struct FrameBuffer::Channel {
     ChannelDefinition definition;
+    ChannelId samples_of = invalid_channel;  // whose samples it takes in: its own, or its source's
     int components = 1;
     bool reads_untouched = false;     // whether a batch in which nothing was sent to it still changes it
     Plane<Int128> sum;                // [pixel, component] filter: weighted; average, sum: unweighted
@@ -167,7 +168,7 @@ struct KeptStatistics {
     if (channels[index].rule != FilterRule::filter || !takes_samples(channels[index])) return kept;
     kept.moments = channels[index].statistics;
     for (const ChannelDefinition& layer : channels) {
-        if (takes_samples(layer) || layer.source != static_cast<ChannelId>(index)) continue;
+        if (keeps_pixels(layer) || layer.source != static_cast<ChannelId>(index)) continue;
         const bool half = layer.statistic == Statistic::even || layer.statistic == Statistic::odd;
         (half ? kept.halves : kept.moments) = true;
     }

@@ -14,7 +14,7 @@ namespace {
 /// As FrameBuffer's constructor lays it out.
 std::uint64_t bytes_per_pixel(std::span<const ChannelDefinition> channels, std::size_t index) {
     const ChannelDefinition& channel = channels[index];
-    if (!takes_samples(channel)) return 0;
+    if (!keeps_pixels(channel)) return 0;
     const KeptStatistics kept = kept_statistics(channels, index);
     const auto components = static_cast<std::uint64_t>(component_count(channel.type));
     const FilterRule rule = channel.rule;

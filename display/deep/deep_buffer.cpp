@@ -91,7 +91,7 @@ Status DeepBuffer::check(std::span<const ChannelDefinition> channels, std::span<
     for (const ChannelId id : chosen) {
         const ChannelDefinition& channel = channels[static_cast<std::size_t>(id)];
         if (!takes_samples(channel))
-            return error_at({}, "channel '" + channel.name + "' cannot be deep: it is a statistic of a whole pixel; expected "
+            return error_at({}, "channel '" + channel.name + "' cannot be deep: it is made of another channel's samples; expected "
                                     "light or a filtered channel");
         if (channel.type == ChannelType::integer || channel.rule != FilterRule::filter)
             return error_at({}, "channel '" + channel.name + "' cannot be deep: it is " +

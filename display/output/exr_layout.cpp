@@ -25,7 +25,9 @@ std::map<std::string, std::string> channel_attributes(std::span<const ChannelDef
                                                       const ChannelDefinition& channel) {
     std::map<std::string, std::string> attributes{{"rule/" + channel.name, rule_name(channel.rule)}};
     if (!channel.space.empty()) attributes["space/" + channel.name] = channel.space;
-    if (!takes_samples(channel))
+    if (keeps_pixels(channel) && !takes_samples(channel))
+        attributes["source/" + channel.name] = channels[static_cast<std::size_t>(channel.source)].name;
+    if (!keeps_pixels(channel))
         attributes["statistics/" + channel.name] = std::string(statistic_name(channel.statistic)) + " of " +
                                                    channels[static_cast<std::size_t>(channel.source)].name;
     if (!channel.rest_of.empty()) {

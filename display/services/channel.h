@@ -52,17 +52,22 @@ struct ChannelDefinition {
     FilterRule rule = FilterRule::filter;
     std::string space;                            ///< "camera", "world", "raster", "rendering colour space", ...
     bool statistics = false;                      ///< also keep the per-pixel second moment
-    /// Not none: a layer made of what the frame buffer keeps of channel `source`, which has the rule `filter` and the same
-    /// type. Nothing can be sent to it, and it takes no memory but what it makes its source keep.
-    Statistic statistic = Statistic::none;
+    /// Not invalid: a further output of channel `source`, which has samples and the same type. Nothing can be sent to it: what
+    /// is sent to its source reaches every output. With a statistic it is made of what the frame buffer keeps of its source,
+    /// whose rule is then `filter`; without one the source's samples become pixels once more, by this layer's own rule.
     ChannelId source = invalid_channel;
+    Statistic statistic = Statistic::none;
     float miss_value = 0.0f;                      ///< value of a sample to which nothing was written
     std::string origin;                           ///< for errors: the file or option the expression stands in
     int origin_line = 0, origin_column = 0;       ///< of the expression's first character, 0 = not known
 };
 
-/// Whether samples can be sent to the channel at all.
+/// Whether samples can be sent to the channel: whether it is no mere output of another.
 [[nodiscard]] inline bool takes_samples(const ChannelDefinition& channel) {
+    return channel.source == invalid_channel;
+}
+/// Whether samples become pixels by the channel's own rule: whether it is no layer of statistics.
+[[nodiscard]] inline bool keeps_pixels(const ChannelDefinition& channel) {
     return channel.statistic == Statistic::none;
 }
 

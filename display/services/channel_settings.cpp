@@ -94,6 +94,18 @@ Result<StatisticRequest> parse_statistic_request(const std::string& channel, con
     return StatisticRequest{channel, *parsed, where};
 }
 
+namespace {
+
+Status check_rule(const ChannelDefinition& channel, FilterRule rule, const SourceLocation& where) {
+    const bool mixes = rule == FilterRule::filter || rule == FilterRule::average;
+    if (channel.type == ChannelType::integer && mixes)
+        return error_at(where, "channel '" + channel.name + "' holds integers, whose average means nothing; expected zmin, "
+                               "zmax, min, max or sum");
+    return success();
+}
+
+}  // namespace
+
 Status apply_rules(const std::vector<RuleRequest>& requests, ChannelId beauty, std::vector<ChannelDefinition>& channels) {
     std::set<std::size_t> done;
     for (const RuleRequest& request : requests) {
@@ -106,11 +118,29 @@ Status apply_rules(const std::vector<RuleRequest>& requests, ChannelId beauty, s
         if (!done.insert(*index).second)
             return error_at(request.location,
                             "channel '" + request.channel + "' is given a rule twice; expected one rule for each channel");
-        const bool mixes = request.rule == FilterRule::filter || request.rule == FilterRule::average;
-        if (channel.type == ChannelType::integer && mixes)
-            return error_at(request.location, "channel '" + request.channel + "' holds integers, whose average means "
-                                                                              "nothing; expected zmin, zmax, min, max or sum");
+        if (Status fits = check_rule(channel, request.rule, request.location); !fits) return fits;
         channel.rule = request.rule;
+    }
+    return success();
+}
+
+Status add_layers(const std::vector<LayerRequest>& requests, std::vector<ChannelDefinition>& channels) {
+    for (const LayerRequest& request : requests) {
+        const auto index = index_of(request.channel, channels, request.location);
+        if (!index) return index.error();
+        const ChannelDefinition& source = channels[*index];
+        if (Status fits = check_rule(source, request.rule, request.location); !fits) return fits;
+        for (const ChannelDefinition& each : channels)
+            if (each.name == request.name)
+                return error_at(request.location, "the layer name '" + request.name + "' is taken; expected every name once");
+        ChannelDefinition layer;
+        layer.name = request.name;
+        layer.type = source.type;
+        layer.rule = request.rule;
+        layer.space = source.space;
+        layer.miss_value = source.miss_value;
+        layer.source = static_cast<ChannelId>(*index);
+        channels.push_back(std::move(layer));
     }
     return success();
 }

@@ -38,7 +38,8 @@ std::vector<std::string> refusal_warnings(std::span<const ChannelDefinition> cha
         if (refusals[i].total() == 0) continue;
         const bool channel = i < channels.size();
         const std::string reasons[] = {
-            "to ids that are no channel", "to rows that are none of the batch",
+            channel ? "to a layer that is made of another channel's samples" : "to ids that are no channel",
+            "to rows that are none of the batch",
             channel ? "of another type than the channel's " + std::string(type_name(channels[i].type)) : std::string(),
             "with values that are not finite or out of range", "for which the table had no row left"};
         std::string list;
@@ -55,20 +56,20 @@ std::vector<std::string> refusal_warnings(std::span<const ChannelDefinition> cha
 DisplayServices::DisplayServices(SampleTable& table) : table_(table) {
     for (int i = 0; i < table.channel_count(); ++i) {
         const ChannelDefinition& definition = table.channel(i);
-        channels_.push_back({i, definition.style, definition.type, definition.name});
+        if (takes_samples(definition)) channels_.push_back({i, definition.style, definition.type, definition.name});
     }
-    refusals_.resize(channels_.size() + 1);
+    refusals_.resize(static_cast<std::size_t>(table.channel_count()) + 1);
 }
 
 bool DisplayServices::refuse(ChannelId id, Refusal reason, std::uint64_t count) {
-    const std::size_t of = known(id) ? static_cast<std::size_t>(id) : channels_.size();
+    const std::size_t of = known(id) ? static_cast<std::size_t>(id) : refusals_.size() - 1;
     refusals_[of].by[static_cast<std::size_t>(reason)] += count;
     return false;
 }
 
 bool DisplayServices::accept(ChannelId id, int row, bool right_type, bool good_value) {
     if (right_type && good_value && row >= 0 && row < table_.row_count()) [[likely]] return true;
-    if (!known(id)) return refuse(id, Refusal::unknown_channel);
+    if (!known(id) || !takes_samples(table_.channel(id))) return refuse(id, Refusal::unknown_channel);
     if (!right_type) return refuse(id, Refusal::wrong_type);
     return refuse(id, good_value ? Refusal::unknown_row : Refusal::bad_value);
 }
@@ -141,7 +142,8 @@ template <class Value>
 bool DisplayServices::write_batch(ChannelId id, std::span<const std::int32_t> rows, std::span<const Value> values,
                                   bool right_type) {
     const std::size_t count = std::min(rows.size(), values.size());
-    if (!right_type) return refuse(id, known(id) ? Refusal::wrong_type : Refusal::unknown_channel, count);
+    if (!right_type) return refuse(id, known(id) && takes_samples(table_.channel(id)) ? Refusal::wrong_type : Refusal::unknown_channel,
+                                   count);
     if (count == 0) return true;
     double* const to = table_.values(id);
     const auto row_count = static_cast<std::uint32_t>(table_.row_count());

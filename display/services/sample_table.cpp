@@ -8,7 +8,7 @@
 namespace raylex::display {
 namespace {
 
-/// Layers of statistics have no values of their own.
+/// What is made of another channel has no values of its own.
 std::size_t values_per_row(const ChannelDefinition& channel) {
     return takes_samples(channel) ? static_cast<std::size_t>(component_count(channel.type)) : 0;
 }

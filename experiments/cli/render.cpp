@@ -25,7 +25,7 @@ struct RenderOptions {
     std::optional<std::uint64_t> spp, seed;
     std::optional<int> threads;
     std::optional<std::int64_t> max_depth;
-    std::vector<std::string> expressions, dialects, aovs, cryptomatte, rules, statistic_layers, plugins;
+    std::vector<std::string> expressions, dialects, aovs, cryptomatte, rules, layers, statistic_layers, plugins;
     std::optional<int> cryptomatte_ranks;
     bool no_beauty = false, light_groups = false;
     OutputOptions outputs;
@@ -53,7 +53,7 @@ Status read_expressions(const CLI::App& command, const RenderOptions& options, J
     return success();
 }
 
-/// --rule NAME=RULE and --statistics NAME=STATISTIC,...
+/// --rule NAME=RULE, --layer NAME=CHANNEL:RULE and --statistics NAME=STATISTIC,...
 Status read_channel_settings(const RenderOptions& options, transport::RenderSettings& settings) {
     const auto split = [](const std::string& text, const char* option, const char* example) -> Result<std::size_t> {
         const std::size_t equals = text.find('=');
@@ -66,6 +66,17 @@ Status read_channel_settings(const RenderOptions& options, transport::RenderSett
         auto rule = display::parse_rule_request(text.substr(0, *equals), text.substr(*equals + 1), flag("--rule"));
         if (!rule) return rule.error();
         settings.rules.push_back(std::move(*rule));
+    }
+    for (const std::string& text : options.layers) {
+        auto equals = split(text, "--layer", "nearest=z:zmin");
+        if (!equals) return equals.error();
+        const std::size_t colon = text.rfind(':');
+        if (colon == std::string::npos || colon < *equals)
+            return error_at(flag("--layer"), "'" + text + "' names no rule; expected NAME=CHANNEL:RULE, such as nearest=z:zmin");
+        auto layer = read_layer_request(text.substr(0, *equals), text.substr(*equals + 1, colon - *equals - 1),
+                                        text.substr(colon + 1), flag("--layer"));
+        if (!layer) return layer.error();
+        settings.layers.push_back(std::move(*layer));
     }
     for (const std::string& text : options.statistic_layers) {
         auto equals = split(text, "--statistics", "beauty=variance,mse");
@@ -216,6 +227,14 @@ void add_options(CLI::App& command, RenderOptions& options) {
                     "how the samples of a channel become its pixels: filter (the pixel filter), zmin, zmax (the nearest, "
                     "farthest sample), min, max, average or sum; may be repeated")
         ->option_text("NAME=RULE")
+        ->expected(1)
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    command
+        .add_option("--layer", options.layers,
+                    "adds a layer with the samples of a channel, or of the beauty, made pixels by another rule (as --rule has "
+                    "them); may be repeated")
+        ->option_text("NAME=CHANNEL:RULE")
         ->expected(1)
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);

@@ -50,7 +50,22 @@ void read_channel_settings(TomlTable& channels, Job& job) {
     each("rules", read_rule);
 }
 
+/// [[layer]]: a channel's samples once more, by another rule.
+void read_layers(TomlTable& root, Job& job) {
+    for (const toml::table* table : root.take_tables("layer")) {
+        TomlTable reader(root.source(), *table, "a [[layer]] table");
+        std::string name, channel, rule;
+        const bool whole = reader.require("name", name) & reader.require("channel", channel) & reader.require("rule", rule);
+        reader.close();
+        if (!whole) continue;
+        auto layer = read_layer_request(name, channel, rule, reader.location());
+        if (layer) job.settings.layers.push_back(std::move(*layer));
+        else root.source().fail(layer.error());
+    }
+}
+
 void read_channels(TomlTable& root, Job& job) {
+    read_layers(root, job);
     lpe::Dialect usual = lpe::Dialect::renderman;
     if (const toml::table* table = root.take_table("channels")) {
         TomlTable channels(root.source(), *table, "[channels]");

@@ -39,6 +39,14 @@ Status add_cryptomatte(const std::string& name, const SourceLocation& where, tra
     return success();
 }
 
+Result<display::LayerRequest> read_layer_request(const std::string& name, const std::string& channel,
+                                                 const std::string& rule, const SourceLocation& where) {
+    if (Status fits = check_layer_name(name, where); !fits) return fits.error();
+    auto parsed = display::parse_rule_request(channel, rule, where);
+    if (!parsed) return parsed.error();
+    return display::LayerRequest{name, channel, parsed->rule, where};
+}
+
 Status check_layer_name(const std::string& name, const SourceLocation& where) {
     if (name.empty()) return error_at(where, "a channel name is empty; expected a name such as caustics");
     if (name.size() > 128)

@@ -73,6 +73,11 @@ Result<std::array<int, 2>> parse_resolution(const std::string& text, const Sourc
 /// Adds a kind of cryptomatte by name; an unknown one, or one that is there already, is an Error at `where`.
 Status add_cryptomatte(const std::string& name, const SourceLocation& where, transport::RenderSettings& settings);
 
+/// A further output of a channel, as --layer and [[layer]] ask for it. Errors at `where`: a name that cannot be a layer's, no
+/// such rule.
+Result<display::LayerRequest> read_layer_request(const std::string& name, const std::string& channel,
+                                                 const std::string& rule, const SourceLocation& where);
+
 /// Names that can be a layer: letters, digits and _ - . : in any order, beginning with a letter or _; at most 128
 /// bytes. The names of the beauty (beauty, rgba, R, G, B, A, Y) are taken, and those of cryptomattes (CryptoObject...).
 Status check_layer_name(const std::string& name, const SourceLocation& where);

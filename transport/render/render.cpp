@@ -41,6 +41,7 @@ Status resolve_channels(const RenderSettings& settings, RenderJob& job) {
     }
     if (job.channels.empty()) return error_at({}, "nothing to render: no beauty and no channel; expected at least one");
     if (Status s = display::apply_rules(settings.rules, job.beauty, job.channels); !s) return s;
+    if (Status s = display::add_layers(settings.layers, job.channels); !s) return s;
     return display::add_statistics(settings.statistics, job.channels);
 }
 

@@ -51,6 +51,7 @@ struct RenderSettings {
     /// LPE channels, rest layers and geometric AOVs by name. `rest_of` counts in this list.
     std::vector<display::ChannelDefinition> channels;
     std::vector<display::RuleRequest> rules;            ///< other rules for some of them, by name
+    std::vector<display::LayerRequest> layers;          ///< further outputs of them, by other rules
     std::vector<display::StatisticRequest> statistics;  ///< layers of statistics, after all channels
     /// Called once before memory is taken; an Error ends the render. It may add to `sinks`, which get every finished
     /// batch beside the frame buffer; they must outlive the render.
