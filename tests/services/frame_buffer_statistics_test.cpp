@@ -157,8 +157,8 @@ TEST_CASE("nothing can be sent to a layer of statistics", "[frame_buffer][statis
     CHECK_FALSE(services.splat(even_id, 0, Rgb(1.0f)));
     const std::vector<std::int32_t> rows{0, 1};
     CHECK_FALSE(services.write(odd_id, rows, std::vector<Rgb>(2)));
-    CHECK(services.refused()[variance_id] == 1);
-    CHECK(services.refused()[odd_id] == 2);
+    CHECK(services.refusals()[variance_id].total() == 1);
+    CHECK(services.refusals()[odd_id].total() == 2);
 }
 
 TEST_CASE("rules and statistics by name, or errors that say what there is", "[statistics][law7]") {

@@ -24,9 +24,9 @@
 /// The entry point, once per plugin; its body registers with the PluginHost& called `host`.
 #define RAYLEX_PLUGIN(host)                                                                                       \
     extern "C" {                                                                                                  \
-    extern const ::raylex::transport::PluginStamp raylex_plugin_stamp;                                            \
-    __attribute__((section("raylex_plugin"), used, visibility("default")))                                        \
-    constinit const ::raylex::transport::PluginStamp raylex_plugin_stamp = ::raylex::transport::make_plugin_stamp(); \
+    extern __attribute__((section("raylex_plugin"), visibility("default")))                                       \
+    const ::raylex::transport::PluginStamp raylex_plugin_stamp;                                                   \
+    __attribute__((used)) constinit const ::raylex::transport::PluginStamp raylex_plugin_stamp = ::raylex::transport::make_plugin_stamp(); \
     __attribute__((visibility("default"))) void raylex_register_plugin(::raylex::transport::PluginHost& host);    \
     }                                                                                                             \
     void raylex_register_plugin([[maybe_unused]] ::raylex::transport::PluginHost& host)
