@@ -8,6 +8,7 @@
 #include "experiments/cli/plugin_options.h"
 #include "experiments/report/png_driver.h"
 #include "transport/materials/pattern.h"
+#include "transport/media/medium.h"
 #include "transport/plugins/plugin_loader.h"
 #include "transport/samplers/sampler.h"
 
@@ -56,6 +57,7 @@ void print_in_tree() {
     print_registry(transport::sampler_registry());
     print_registry(transport::material_registry());
     print_registry(transport::pattern_registry());
+    print_registry(transport::medium_registry());
     print_registry(transport::light_registry());
     print_registry(transport::area_light_registry());
     print_registry(display::pixel_filter_registry());

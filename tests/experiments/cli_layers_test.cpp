@@ -10,12 +10,12 @@ TEST_CASE("a channel feeds several layers, by flag and by job alike", "[cli][lay
     const Folder folder;
     folder.write("scene.pbrt", small_scene());
     const Outcome flags = run_raylex(
-        folder, "render scene.pbrt -o a.exr --aov z --layer z_far=z:zmax --layer peak=beauty:max --lpe d='C<RD>L'");
+        folder, "render scene.pbrt -o a.exr --aov VLen --layer far=VLen:zmax --layer peak=beauty:max --lpe d='C<RD>L'");
     INFO(flags.err);
     REQUIRE(flags.code == 0);
-    folder.write("job.toml", "[scene]\nfile = \"scene.pbrt\"\n[channels]\naovs = [\"z\"]\n"
+    folder.write("job.toml", "[scene]\nfile = \"scene.pbrt\"\n[channels]\naovs = [\"VLen\"]\n"
                              "[[channel]]\nname = \"d\"\nlpe = \"C<RD>L\"\n"
-                             "[[layer]]\nname = \"z_far\"\nchannel = \"z\"\nrule = \"zmax\"\n"
+                             "[[layer]]\nname = \"far\"\nchannel = \"VLen\"\nrule = \"zmax\"\n"
                              "[[layer]]\nname = \"peak\"\nchannel = \"beauty\"\nrule = \"max\"\n");
     REQUIRE(run_raylex(folder, "render job.toml -o b.exr").code == 0);
     const auto a = display::read_exr(folder.path("a.exr")), b = display::read_exr(folder.path("b.exr"));
@@ -25,8 +25,8 @@ TEST_CASE("a channel feeds several layers, by flag and by job alike", "[cli][lay
         REQUIRE(image.layer(layer) != nullptr);
         return image.layer(layer)->triple()[0]->values;
     };
-    for (const char* layer : {"", "z", "z_far", "peak", "d"}) CHECK(plane(*a, layer) == plane(*b, layer));
-    const auto near = plane(*a, "z"), far = plane(*a, "z_far"), mean = plane(*a, ""), peak = plane(*a, "peak");
+    for (const char* layer : {"", "VLen", "far", "peak", "d"}) CHECK(plane(*a, layer) == plane(*b, layer));
+    const auto near = plane(*a, "VLen"), far = plane(*a, "far"), mean = plane(*a, ""), peak = plane(*a, "peak");
     bool differs = false;
     for (std::size_t i = 0; i < near.size(); ++i) {
         CHECK(near[i] <= far[i]);
@@ -34,8 +34,8 @@ TEST_CASE("a channel feeds several layers, by flag and by job alike", "[cli][lay
         differs = differs || near[i] < far[i];
     }
     CHECK(differs);
-    CHECK(a->attributes.at("source/z_far") == "z");
-    CHECK(a->attributes.at("rule/z_far") == "zmax");
+    CHECK(a->attributes.at("source/far") == "VLen");
+    CHECK(a->attributes.at("rule/far") == "zmax");
     // Asking for layers changes nothing else (Law 2).
     REQUIRE(run_raylex(folder, "render scene.pbrt -o c.exr").code == 0);
     CHECK(plane(*display::read_exr(folder.path("c.exr")), "") == mean);

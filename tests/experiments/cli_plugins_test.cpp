@@ -51,7 +51,10 @@ TEST_CASE("`raylex plugins` lists what a plugin registers, with every parameter"
 
 TEST_CASE("a plugin's integrator renders a scene that asks for it by name", "[cli][plugins]") {
     const Folder folder;
-    folder.write("scene.pbrt", "Integrator \"ambientocclusion\" \"float maxdistance\" 3\n" + small_scene());
+    std::string scene = small_scene();
+    const std::string path = "Integrator \"path\" \"integer maxdepth\" 3";
+    REQUIRE(scene.find(path) != std::string::npos);
+    folder.write("scene.pbrt", scene.replace(scene.find(path), path.size(), "Integrator \"ambientocclusion\" \"float maxdistance\" 3"));
     const std::string with = "render scene.pbrt -o out.exr --plugin " + quoted(plugin_path("ambient_occlusion"));
     const Outcome rendered = run_raylex(folder, with + " --stats out.json");
     INFO(rendered.err);
@@ -73,7 +76,7 @@ TEST_CASE("a job's plugin that is not there is an error with file, line and colu
     folder.write("job.toml", "# plugins\nplugins = [\n  \"missing.so\"]\n[scene]\nfile = \"scene.pbrt\"\n");
     const Outcome outcome = run_raylex(folder, "render job.toml -o out.exr");
     CHECK(outcome.code == 2);
-    CHECK_THAT(outcome.err, Catch::Contains("job.toml:3:3: cannot read plugin") && Catch::Contains("missing.so': No such file"));
+    CHECK_THAT(outcome.err, Catch::Contains("job.toml:3:4: cannot read plugin") && Catch::Contains("missing.so': No such file"));
     CHECK_FALSE(folder.has("out.exr"));
 }
 

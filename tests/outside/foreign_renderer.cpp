@@ -98,11 +98,13 @@ std::size_t nearest(const Ray& ray, float& t) {
     return found;
 }
 
-/// Density of the cone that the lamp fills as seen from a point, per steradian; the cosine of its half angle.
-float lamp_density(Vector from, float& cosine) {
+/// Density of the cone that the lamp fills as seen from a point, per steradian; 1 less the cosine of its half angle, in a
+/// form that is exact for lamps far away too.
+float lamp_density(Vector from, float& width_of_cone) {
     const Vector to = scene[lamp].center - from;
-    cosine = std::sqrt(1 - scene[lamp].radius * scene[lamp].radius / dot(to, to));
-    return 1 / (2 * pi * (1 - cosine));
+    const float sine2 = scene[lamp].radius * scene[lamp].radius / dot(to, to);
+    width_of_cone = sine2 / (1 + std::sqrt(1 - sine2));
+    return 1 / (2 * pi * width_of_cone);
 }
 float power_heuristic(float p, float q) { return p * p / (p * p + q * q); }
 
@@ -163,7 +165,7 @@ struct Tracer {
                 ray = {point, reflected(wo, n)};
             } else {
                 const float lamp_pdf = lamp_density(point, cone);
-                const float aim = 1 - random.next() * (1 - cone), turn = 2 * pi * random.next();
+                const float aim = 1 - random.next() * cone, turn = 2 * pi * random.next();
                 const Ray to_lamp{point, around(normalized(scene[lamp].center - point), aim, turn)};
                 const Scattered lit = scattering(o, n, wo, to_lamp.direction);
                 if (lit.density > 0 && nearest(to_lamp, t) == lamp) {
@@ -227,7 +229,10 @@ int main() {
         channels.push_back(light_channel(group, "C.*<L.'" + group + "'>"));
     }
     const auto normals = static_cast<display::ChannelId>(channels.size());
-    channels.push_back({.name = "Nn", .type = display::ChannelType::normal, .space = "camera"});
+    display::ChannelDefinition& normal = channels.emplace_back();
+    normal.name = "Nn";
+    normal.type = display::ChannelType::normal;
+    normal.space = "camera";
 
     const auto setup = display::LpeSetup::build(channels, 0);
     if (!setup) return fail(setup.error());

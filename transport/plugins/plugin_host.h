@@ -14,6 +14,7 @@
 #include "transport/lights/light_table.h"
 #include "transport/materials/material.h"
 #include "transport/materials/pattern.h"
+#include "transport/media/medium.h"
 
 namespace raylex::transport {
 
@@ -36,6 +37,7 @@ class PluginHost {
     void add_integrator(Registry<IntegratorFactory>::Entry entry);
     void add_material(Registry<MaterialFactory>::Entry entry);
     void add_pattern(Registry<PatternFactory>::Entry entry);
+    void add_medium(Registry<MediumFactory>::Entry entry);
     void add_light(Registry<LightFactory>::Entry entry);
     void add_pixel_filter(Registry<display::PixelFilterFactory>::Entry entry);
     void add_sample_filter(Registry<display::SampleFilterFactory>::Entry entry);
