@@ -217,7 +217,8 @@ void add_options(CLI::App& command, RenderOptions& options) {
     command.add_flag("--no-beauty", options.no_beauty, "renders only what the layers need");
     command
         .add_option("--aov", options.aovs,
-                    "adds a geometric AOV by its standard name (" + aov_names() + "); may be repeated")
+                    "adds a geometric AOV by its standard name (" + aov_names() +
+                        "), or the channel that a tee texture of the scene writes to; may be repeated")
         ->option_text("NAME")
         ->expected(1)
         ->allow_extra_args(false)

@@ -309,7 +309,7 @@ class Planner {
 
     Status aovs() {
         for (const AovRequest& request : job_.aovs) {
-            auto definition = geoaovs::channel_definition(request.name);
+            auto definition = transport::named_channel(request.name, alphabet_.pattern_channels);
             if (!definition) {
                 Error error = definition.error();
                 error.file = request.location.file;

@@ -160,7 +160,7 @@ void PathIntegrator::record_first_hit(PathThread& thread, ThreadServices& servic
 
 bool PathIntegrator::worth_shading(const PathState& path, const display::Tracker& tracker,
                                    const display::LpeServices& lpe) const {
-    if (path.depth == 0 && context_.aovs->inputs() != 0) return true;
+    if (path.depth == 0 && (context_.aovs->inputs() != 0 || context_.pattern_channels)) return true;
     if (reports_surfaces_ && lpe.channels_follow(tracker)) return true;
     return path.depth < parameters_.max_depth && lpe.live(tracker);
 }

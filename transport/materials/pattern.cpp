@@ -1,5 +1,7 @@
 #include "transport/materials/pattern.h"
 
+#include "transport/materials/tee.h"
+
 namespace raylex::transport {
 namespace {
 
@@ -35,6 +37,7 @@ Registry<PatternFactory>& pattern_registry() {
                 {"invert", boolean, "false", "1 minus the values"},
                 u_scale},
                {}});
+        r.add(tee_entry());
         return r;
     }();
     return registry;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "transport/materials/tee.h"
 #include "transport/render/clock.h"
 
 namespace raylex::transport {
@@ -11,6 +12,9 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
                                                             const BuildOptions& options) {
     const Stopwatch watch;
     std::shared_ptr<BuiltScene> scene(new BuiltScene());
+    auto patterns = tee_channels(description);
+    if (!patterns) return patterns.error();
+    scene->pattern_channels_ = *std::move(patterns);
     auto textures = TextureTable::build(description);
     if (!textures) return textures.error();
     scene->textures_ = std::move(*textures);
@@ -87,6 +91,9 @@ Result<SceneAlphabet> scene_alphabet(const SceneDescription& scene, const lpe::L
     }
 
     SceneAlphabet alphabet;
+    auto patterns = tee_channels(scene);
+    if (!patterns) return patterns.error();
+    alphabet.pattern_channels = *std::move(patterns);
     std::set<std::pair<bool, std::string>> terminals;
     for (std::size_t i = 0; i < scene.area_lights.size(); ++i)
         if (used_area_lights[i]) terminals.insert({false, scene.area_lights[i].group});

@@ -24,6 +24,8 @@ class BuiltScene {
 
     [[nodiscard]] SceneView view() const { return {geometry_.get(), &textures_, &materials_, &lights_, &media_}; }
     [[nodiscard]] const std::string& isa() const { return geometry_->isa(); }
+    /// Channels that patterns write to.
+    [[nodiscard]] std::span<const display::ChannelDefinition> pattern_channels() const { return pattern_channels_; }
     [[nodiscard]] const SurfaceNames& surface_names() const { return surface_names_; }
     /// The scene's own camera, film, filter, sampler and integrator, which settings may override.
     SceneEntity camera, film, filter, sampler, integrator;
@@ -40,6 +42,7 @@ class BuiltScene {
     MediumTable media_;
     std::unique_ptr<EmbreeScene> geometry_;
     SurfaceNames surface_names_;
+    std::vector<display::ChannelDefinition> pattern_channels_;
 };
 
 /// As render(description, ...), on a scene built before: bit for bit the same image.

@@ -13,7 +13,8 @@ namespace raylex::transport {
 namespace {
 
 /// Beauty first when it is wanted, then the settings' channels, then statistics; names are unique and AOVs known.
-Status resolve_channels(const RenderSettings& settings, RenderJob& job) {
+Status resolve_channels(const RenderSettings& settings, std::span<const display::ChannelDefinition> patterns,
+                        RenderJob& job) {
     std::set<std::string> names;
     if (settings.beauty) {
         display::ChannelDefinition beauty;
@@ -31,7 +32,7 @@ Status resolve_channels(const RenderSettings& settings, RenderJob& job) {
         if (!names.insert(channel.name).second)
             return error_at({}, "the channel name '" + channel.name + "' is used twice; expected every name once");
         if (channel.style == display::ChannelStyle::name) {
-            auto known = geoaovs::channel_definition(channel.name);
+            auto known = named_channel(channel.name, patterns);
             if (!known) return known.error();
             known->statistics = channel.statistics;
             channel = *std::move(known);
@@ -131,7 +132,29 @@ Status resolve_sampler(const SceneEntity& entity, const RenderSettings& settings
     return success();
 }
 
+bool asks_for(std::span<const display::ChannelDefinition> channels, std::span<const display::ChannelDefinition> patterns) {
+    return std::any_of(channels.begin(), channels.end(), [&](const display::ChannelDefinition& channel) {
+        return channel.style == display::ChannelStyle::name &&
+               std::any_of(patterns.begin(), patterns.end(), [&](const auto& each) { return each.name == channel.name; });
+    });
+}
+
 }  // namespace
+
+Result<display::ChannelDefinition> named_channel(const std::string& name,
+                                                 std::span<const display::ChannelDefinition> patterns) {
+    std::vector<std::string> names;
+    for (const display::ChannelDefinition& pattern : patterns) {
+        if (pattern.name == name) return pattern;
+        names.push_back(pattern.name);
+    }
+    auto standard = geoaovs::channel_definition(name);
+    if (standard) return standard;
+    Error error = standard.error();
+    if (const std::string near = nearest_name(name, names); !near.empty())
+        error.hint = "did you mean '" + near + "', which a tee texture of the scene writes to?";
+    return error;
+}
 
 Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& settings,
                             const std::function<void(const RenderProgress&)>& progress, const std::atomic<bool>* stop) {
@@ -151,7 +174,7 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
                                    warnings);
         !s)
         return s.error();
-    if (Status s = resolve_channels(settings, job); !s) return s.error();
+    if (Status s = resolve_channels(settings, scene.pattern_channels(), job); !s) return s.error();
     auto chosen = choose_integrator(settings.integrator ? *settings.integrator : scene.integrator, settings.max_depth);
     if (!chosen) return chosen.error();
     warnings.insert(warnings.end(), chosen->warnings.begin(), chosen->warnings.end());
@@ -183,6 +206,7 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
     context.pixel_size = job.camera->pixel_size();
     context.beauty = job.beauty >= 0;
     context.batch_capacity = RenderLoop::batch_capacity;
+    context.pattern_channels = asks_for(job.channels, scene.pattern_channels());
     if (Status s = job.integrator->prepare(context); !s) return s.error();
 
     display::FrameBufferLayout layout;

@@ -114,7 +114,11 @@ struct SceneAlphabet {
     bool has_lights = false, has_background = false, has_straight = false;
     std::vector<lpe::Event> scattering;     ///< one per distinct event of the scene
     std::vector<lpe::Event> terminals;
+    std::vector<display::ChannelDefinition> pattern_channels;   ///< that tee textures write to; AOVs by these names
 };
+/// The definition of an AOV by its name: one of `patterns`, else a geometric AOV, else an Error with the near miss.
+Result<display::ChannelDefinition> named_channel(const std::string& name,
+                                                 std::span<const display::ChannelDefinition> patterns);
 Result<SceneAlphabet> scene_alphabet(const SceneDescription& scene, const lpe::LobeSlots& slots = {});
 
 }  // namespace raylex::transport
