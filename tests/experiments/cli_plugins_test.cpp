@@ -51,7 +51,8 @@ TEST_CASE("`raylex plugins` lists what a plugin registers, with every parameter"
     CHECK(contains(listed.out, "integer count = 8:"));
     const Outcome in_tree = run_raylex(folder, "plugins");
     CHECK(in_tree.code == 0);
-    for (const char* name : {"integrator path:", "material diffuse:", "texture imagemap:", "sample filter clamp:", "display driver png:"})
+    for (const char* name :
+         {"integrator path:", "material diffuse:", "texture imagemap:", "sample filter clamp:", "display driver png:"})
         CHECK(contains(in_tree.out, name));
     CHECK(in_tree.out.find("ambientocclusion") == std::string::npos);
 }
@@ -61,7 +62,8 @@ TEST_CASE("a plugin's integrator renders a scene that asks for it by name", "[cl
     std::string scene = small_scene();
     const std::string path = "Integrator \"path\" \"integer maxdepth\" 3";
     REQUIRE(scene.find(path) != std::string::npos);
-    folder.write("scene.pbrt", scene.replace(scene.find(path), path.size(), "Integrator \"ambientocclusion\" \"float maxdistance\" 3"));
+    const std::string occlusion = "Integrator \"ambientocclusion\" \"float maxdistance\" 3";
+    folder.write("scene.pbrt", scene.replace(scene.find(path), path.size(), occlusion));
     const std::string with = "render scene.pbrt -o out.exr --plugin " + quoted(plugin_path("ambient_occlusion"));
     const Outcome rendered = run_raylex(folder, with + " --stats out.json");
     INFO(rendered.err);

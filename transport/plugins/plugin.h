@@ -26,7 +26,8 @@
     extern "C" {                                                                                                  \
     extern __attribute__((section("raylex_plugin"), visibility("default")))                                       \
     const ::raylex::transport::PluginStamp raylex_plugin_stamp;                                                   \
-    __attribute__((used)) constinit const ::raylex::transport::PluginStamp raylex_plugin_stamp = ::raylex::transport::make_plugin_stamp(); \
+    __attribute__((used)) constinit const ::raylex::transport::PluginStamp raylex_plugin_stamp =                  \
+        ::raylex::transport::make_plugin_stamp();                                                                 \
     __attribute__((visibility("default"))) void raylex_register_plugin(::raylex::transport::PluginHost& host);    \
     }                                                                                                             \
     void raylex_register_plugin([[maybe_unused]] ::raylex::transport::PluginHost& host)
