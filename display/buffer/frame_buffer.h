@@ -33,6 +33,8 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "display/services/channel.h"
@@ -74,6 +76,16 @@ class FrameBuffer {
     /// Adds the record of another buffer of the same layout and channels: exact, in any order (Law 3). The samples of the
     /// two must be disjoint and whole blocks. On error this buffer is unchanged.
     Status merge(const FrameBuffer& other);
+
+    /// The whole record as bytes, appended to `bytes`: layout, channels, every plane. What from_record() takes; shards,
+    /// checkpoints and experiment cells are this. Not while samples are being added.
+    void append_record(std::string& bytes) const;
+    /// The frame buffer that append_record() was called on: the same bits in every respect. An Error when the bytes are no
+    /// record of this version or end too early; damage within is for the file around them to find (checkpoint/).
+    static Result<FrameBuffer> from_record(std::string_view bytes);
+
+    /// What of layout and channels is not the same, or empty: merge() takes equals only.
+    [[nodiscard]] std::string difference_from(const FrameBuffer& other) const;
 
     [[nodiscard]] const FrameBufferLayout& layout() const;
     [[nodiscard]] std::span<const ChannelDefinition> channels() const;

@@ -99,17 +99,23 @@ std::vector<double> FrameBuffer::resolve_alpha(const PixelRegion& region) const 
     return result;
 }
 
-Status FrameBuffer::merge(const FrameBuffer& other) {
-    Storage& mine = *storage_;
+std::string FrameBuffer::difference_from(const FrameBuffer& other) const {
+    const Storage& mine = *storage_;
     const Storage& theirs = *other.storage_;
-    if (!(mine.layout == theirs.layout))
-        return error_at({}, "frame buffers of different size, block size or quantum cannot be merged");
+    if (!(mine.layout == theirs.layout)) return "different size, block size or quantum";
     if (mine.channels.size() != theirs.channels.size())
-        return error_at({}, "frame buffers with " + std::to_string(mine.channels.size()) + " and " +
-                                std::to_string(theirs.channels.size()) + " channels cannot be merged");
+        return std::to_string(mine.channels.size()) + " and " + std::to_string(theirs.channels.size()) + " channels";
     for (std::size_t i = 0; i < mine.channels.size(); ++i)
         if (const std::string text = difference(mine.definitions[i], theirs.definitions[i]); !text.empty())
-            return error_at({}, "frame buffers with different channels cannot be merged: " + text);
+            return "different channels: " + text;
+    return {};
+}
+
+Status FrameBuffer::merge(const FrameBuffer& other) {
+    if (const std::string text = difference_from(other); !text.empty())
+        return error_at({}, "frame buffers that do not match cannot be merged: " + text);
+    Storage& mine = *storage_;
+    const Storage& theirs = *other.storage_;
 
     // Sums add exactly; what a rule picked is merged by the rule.
     const auto add_plane = [&]<class T>(Plane<T>& to, const Plane<T>& from, std::size_t channel) {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "display/buffer/frame_buffer_storage.h"
+#include "display/buffer/record_bytes.h"
 #include "display/services/parameters.h"
 
 namespace raylex::display {
@@ -137,6 +138,46 @@ void RankedCoverage::restore(std::size_t pixel, const Record& record) {
     restored.remainder = record.remainder;
     for (const Entry& entry : record.entries) add_to(restored, entry.id, entry.weight);
     pixels_[pixel] = std::move(restored);
+}
+
+void RankedCoverage::append_record(std::string& bytes) const {
+    RecordWriter writer(bytes);
+    writer.number(width_);
+    writer.number(height_);
+    for (const Pixel& pixel : pixels_) {
+        writer.number(pixel.weight);
+        writer.number(pixel.remainder);
+        writer.number(pixel.count);
+        for (std::uint32_t i = 0; i < pixel.count; ++i) {
+            writer.number(pixel.entries[i].id);
+            writer.number(pixel.entries[i].weight);
+        }
+    }
+}
+
+Status RankedCoverage::restore_record(std::string_view bytes) {
+    RecordReader reader(bytes);
+    bool fits = reader.number<int>() == width_;
+    fits = reader.number<int>() == height_ && fits;
+    if (!fits) return error_at({}, "this is no record of coverage of " + std::to_string(width_) + " x " +
+                                       std::to_string(height_) + " pixels");
+    std::vector<Entry> entries;
+    for (std::size_t i = 0; i < pixels_.size() && reader.ok(); ++i) {
+        Record record;
+        record.weight = reader.number<std::uint64_t>();
+        record.remainder = reader.number<std::uint64_t>();
+        const auto count = reader.number<std::uint32_t>();
+        if (count > ids_per_pixel) reader.fail();
+        entries.clear();
+        for (std::uint32_t k = 0; k < count && reader.ok(); ++k) {
+            const auto id = reader.number<std::uint32_t>();
+            entries.push_back({id, reader.number<std::uint64_t>()});
+        }
+        record.entries = entries;
+        restore(i, record);
+    }
+    if (!reader.at_end()) return error_at({}, "the record of coverage ends too early, or goes on too long");
+    return success();
 }
 
 std::size_t RankedCoverage::memory_bytes() const {

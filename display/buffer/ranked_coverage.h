@@ -19,6 +19,8 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "display/buffer/sample_sink.h"
@@ -34,7 +36,7 @@ class RankedCoverage final : public SampleSink {
         std::uint32_t id = 0;       ///< never 0
         std::uint64_t weight = 0;   ///< in units of 2^-32
     };
-    /// A pixel's whole record, for checkpoints: what restore() takes.
+    /// A pixel's whole record: what restore() takes.
     struct Record {
         std::uint64_t weight = 0;               ///< of all samples
         std::uint64_t remainder = 0;            ///< of what has opacity and neither id nor place
@@ -61,6 +63,9 @@ class RankedCoverage final : public SampleSink {
     [[nodiscard]] int height() const { return height_; }
     [[nodiscard]] Record record(std::size_t pixel) const;
     void restore(std::size_t pixel, const Record& record);
+    /// All pixels as bytes, appended; and back, into a buffer of the same size. On error this buffer may hold part of it.
+    void append_record(std::string& bytes) const;
+    Status restore_record(std::string_view bytes);
     [[nodiscard]] std::size_t memory_bytes() const;
 
     struct Rank {

@@ -8,10 +8,12 @@
 #include <atomic>
 #include <cerrno>
 #include <csignal>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <mutex>
 #include <utility>
+#include <vector>
 
 namespace raylex::display {
 
@@ -64,6 +66,27 @@ Error write_error(const std::string& path, int error_number) {
     return error;
 }
 
+FileFault& file_fault() {
+    static FileFault fault;
+    return fault;
+}
+
+/// Whether a test wants this call to fail; errno says how.
+bool fails(FileCall call, const std::string& path) {
+    if (!file_fault()) return false;
+    const int error_number = file_fault()(call, path);
+    if (error_number != 0) errno = error_number;
+    return error_number != 0;
+}
+
+void sync_folder_of(const std::string& path) {
+    if (fails(FileCall::sync_folder, path)) return;
+    const int folder = open(folder_of(path).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (folder < 0) return;
+    fsync(folder);  // best effort: the data itself is safe already
+    close(folder);
+}
+
 Error kind_error(const std::string& path, mode_t mode) {
     const char* kind = S_ISDIR(mode) ? "a directory" : S_ISCHR(mode) || S_ISBLK(mode) ? "a device" : "a pipe or socket";
     Error error;
@@ -90,6 +113,7 @@ Result<AtomicFile> AtomicFile::create(const std::string& path) {
     static std::atomic<unsigned> counter{0};
     for (int attempt = 0; attempt < 100; ++attempt) {
         file.temporary_ = file.target_ + "." + std::to_string(getpid()) + "-" + std::to_string(counter++) + ".partial";
+        if (fails(FileCall::open, file.target_)) break;
         file.descriptor_ = open(file.temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         if (file.descriptor_ >= 0) return file;
         if (errno != EEXIST) break;
@@ -129,7 +153,7 @@ bool AtomicFile::flush() {
     const char* bytes = buffer_.data();
     std::size_t left = buffer_.size();
     while (left != 0 && error_number_ == 0) {
-        const ssize_t written = ::write(descriptor_, bytes, left);
+        const ssize_t written = fails(FileCall::write, target_) ? -1 : ::write(descriptor_, bytes, left);
         if (written >= 0) {
             bytes += written;
             left -= static_cast<std::size_t>(written);
@@ -163,26 +187,56 @@ Error AtomicFile::failure() const {
 Status AtomicFile::commit() {
     if (descriptor_ < 0) return write_error(target_, EBADF);
     // Some file systems cannot sync (EINVAL); that is no reason to lose the image.
-    if (flush() && fsync(descriptor_) != 0 && errno != EINVAL) error_number_ = errno;
-    if (error_number_ == 0 && close(std::exchange(descriptor_, -1)) != 0) {
-        error_number_ = errno;
-        unlink(temporary_.c_str());
+    if (flush() && (fails(FileCall::sync, target_) || fsync(descriptor_) != 0) && errno != EINVAL) error_number_ = errno;
+    if (error_number_ == 0) {
+        const bool fault = fails(FileCall::close, target_);
+        const int fault_number = errno;
+        if (close(std::exchange(descriptor_, -1)) != 0 || fault) {
+            error_number_ = fault ? fault_number : errno;
+            unlink(temporary_.c_str());
+        }
     }
     if (error_number_ != 0) {
         discard();
         return failure();
     }
-    if (rename(temporary_.c_str(), target_.c_str()) != 0) {
+    if (fails(FileCall::rename, target_) || rename(temporary_.c_str(), target_.c_str()) != 0) {
         error_number_ = errno;
         unlink(temporary_.c_str());
         return failure();
     }
-    const int folder = open(folder_of(target_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (folder >= 0) {
-        fsync(folder);  // best effort: the data itself is safe already
-        close(folder);
-    }
+    sync_folder_of(target_);
     return success();
+}
+
+Status remove_file(const std::string& path) {
+    if ((fails(FileCall::remove, path) || unlink(path.c_str()) != 0) && errno != ENOENT) {
+        Error error;
+        error.file = path;
+        error.message = "cannot remove the file: " + std::string(std::strerror(errno));
+        return error;
+    }
+    sync_folder_of(path);
+    return success();
+}
+
+void remove_abandoned(const std::string& path) {
+    const std::string prefix = std::filesystem::path(path).filename().string() + ".";
+    std::error_code failed;
+    std::vector<std::filesystem::path> abandoned;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_of(path), failed)) {
+        const std::string name = entry.path().filename().string();
+        int process = 0, number = 0, end = 0;
+        if (!name.starts_with(prefix)) continue;
+        const char* rest = name.c_str() + prefix.size();
+        if (std::sscanf(rest, "%d-%d.partial%n", &process, &number, &end) != 2 || end == 0 || rest[end] != '\0') continue;
+        if (process > 0 && kill(process, 0) != 0 && errno == ESRCH) abandoned.push_back(entry.path());
+    }
+    for (const auto& each : abandoned) std::filesystem::remove(each, failed);
+}
+
+void set_file_fault(FileFault fault) {
+    file_fault() = std::move(fault);
 }
 
 Status check_writable(const std::string& path) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "lpe/result.h"
@@ -45,10 +46,25 @@ class AtomicFile {
     int error_number_ = 0;
 };
 
+/// Removes a file and syncs its folder; a file that is not there is no error.
+Status remove_file(const std::string& path);
+
+/// Removes the temporary files of `path` that processes of this machine left behind when they were killed. Call it only
+/// where no other machine writes the same file.
+void remove_abandoned(const std::string& path);
+
 /// Whether a file could be made at `path` now: makes a temporary one and removes it. Ask before a long render.
 Status check_writable(const std::string& path);
 
 /// Text in one go.
 Status write_text_file(const std::string& path, const std::string& text);
+
+/// The system calls that make or remove a file.
+enum class FileCall { open, write, sync, close, rename, sync_folder, remove };
+
+/// A seam for tests of recovery: asked before each such call, on the file that it is about; a number that is not 0 is the
+/// errno with which the call fails instead of being made. Set it, and reset it with nullptr, while no file is being written.
+using FileFault = std::function<int(FileCall call, const std::string& path)>;
+void set_file_fault(FileFault fault);
 
 }  // namespace raylex::display

@@ -31,9 +31,13 @@ std::string Progress::describe(const transport::RenderProgress& progress, int wi
     text += numbers.data();
     text += duration_text(progress.seconds);
     // Half a second of rendering says too little about the rest.
-    if (done < 1 && done > 0 && progress.seconds > 0.5)
-        text += ", about " + duration_text(progress.seconds * (1 - done) / done) + " left";
-    return text;
+    const bool predicts = done < 1 && done > 0 && progress.seconds > 0.5;
+    const std::string left = predicts ? "about " + duration_text(progress.seconds * (1 - done) / done) : std::string();
+    if (progress.adaptive == nullptr) return predicts ? text + ", " + left + " left" : text;
+    const display::AdaptiveProgress& adaptive = *progress.adaptive;
+    if (adaptive.channel.empty()) return text + ", error not known yet";
+    text += ", " + adaptive.channel + " " + number_text(100 * adaptive.error, 2) + " %";
+    return predicts ? text + "; " + number_text(100 * adaptive.target, 2) + " % in " + left : text;
 }
 
 void Progress::update(const transport::RenderProgress& progress) {

@@ -14,6 +14,7 @@
 #include "experiments/cli/plugin_options.h"
 #include "experiments/cli/render_run.h"
 #include "experiments/job/job_file.h"
+#include "experiments/job/sampling_requests.h"
 #include "geoaovs/geoaovs.h"
 
 namespace raylex::experiments {
@@ -21,13 +22,13 @@ namespace {
 
 struct RenderOptions {
     std::string input, output, statistics, resolution, integrator, sampler, filter, partition;
-    std::string ocio, rendering_space, isa;
+    std::string ocio, rendering_space, isa, until_error, checkpoint;
     std::optional<std::uint64_t> spp, seed;
     std::optional<int> threads;
     std::optional<std::int64_t> max_depth;
     std::vector<std::string> expressions, dialects, aovs, cryptomatte, rules, layers, statistic_layers, plugins;
     std::optional<int> cryptomatte_ranks;
-    bool no_beauty = false, light_groups = false;
+    bool no_beauty = false, light_groups = false, resume = false;
     OutputOptions outputs;
 };
 
@@ -93,6 +94,25 @@ Status read_channel_settings(const RenderOptions& options, transport::RenderSett
     return success();
 }
 
+Status read_sampling(const RenderOptions& options, Job& job) {
+    if (!options.until_error.empty()) {
+        auto error = parse_tolerance(options.until_error, flag("--until-error"));
+        if (!error) return error.error();
+        if (!job.settings.adaptive) job.settings.adaptive.emplace();
+        job.settings.adaptive->error = *error;
+        job.settings.adaptive->location = flag("--until-error");
+    }
+    if (options.spp && job.settings.adaptive) apply_sample_limit(*options.spp, *job.settings.adaptive);
+    if (!options.checkpoint.empty()) {
+        auto seconds = parse_interval(options.checkpoint, flag("--checkpoint"));
+        if (!seconds) return seconds.error();
+        job.checkpoint_seconds = *seconds;
+    }
+    job.resume = options.resume;
+    if (job.resume && job.checkpoint_seconds == 0) job.checkpoint_seconds = 60;
+    return success();
+}
+
 void override_entity(const std::string& name, const char* option, std::optional<transport::SceneEntity>& entity) {
     // The same type as in the job keeps the job's parameters.
     if (name.empty() || (entity && entity->type == name)) return;
@@ -140,6 +160,7 @@ Result<Job> assemble(const CLI::App& command, const RenderOptions& options) {
     override_entity(options.sampler, "--sampler", job.settings.sampler);
     override_entity(options.filter, "--filter", job.settings.filter);
     if (Status outputs = apply_output_options(options.outputs, job); !outputs) return outputs.error();
+    if (Status sampling = read_sampling(options, job); !sampling) return sampling.error();
     Status expressions = read_expressions(command, options, job);
     if (!expressions) return expressions.error();
     if (Status settings = read_channel_settings(options, job.settings); !settings) return settings.error();
@@ -182,6 +203,19 @@ void add_options(CLI::App& command, RenderOptions& options) {
     command.add_option("--spp", options.spp, "samples per pixel; default: as the scene says")
         ->option_text("N")
         ->check(CLI::Range(1, 2147483647));
+    command
+        .add_option("--until-error", options.until_error,
+                    "samples each pixel until its standard error is at most E of its value, such as 1%; --spp is then the "
+                    "most that a pixel may have, default 65536; [adaptive] in a job says more")
+        ->option_text("E");
+    command
+        .add_option("--checkpoint", options.checkpoint,
+                    "saves the render to OUT.exr.checkpoint every so often, such as 60s, 5m or 1h, and at Ctrl-C; the file is "
+                    "removed once the image is written")
+        ->option_text("TIME");
+    command.add_flag("--resume", options.resume,
+                     "goes on from OUT.exr.checkpoint to the same bits as if nothing had happened, saving every 60s or as "
+                     "--checkpoint says");
     command.add_option("--seed", options.seed, "seed of the sampler; default 0")
         ->option_text("N")
         ->check(CLI::Validator(refuse_seed, "", "seed"));

@@ -20,6 +20,7 @@
 #include "experiments/job/color_setup.h"
 #include "experiments/job/parameter_check.h"
 #include "experiments/job/provenance.h"
+#include "experiments/job/sampling_requests.h"
 #include "experiments/job/statistics.h"
 #include "transport/import/pbrt_importer.h"
 
@@ -60,6 +61,9 @@ class RenderRun {
         if (fs::path(job_.output).extension() != ".exr")
             return report_error("the output '" + job_.output +
                                 "' has no name ending in .exr; expected an OpenEXR file name");
+        if (Status recovery = check_recovery(job_); !recovery) return report_error(recovery.error());
+        if (job_.resume)
+            for (const std::string& path : {job_.output, checkpoint_file(job_)}) display::remove_abandoned(path);
         std::vector<std::string> taken{job_.scene_file, job_.job_file};
         for (const std::string& path : requested_files(job_)) {
             for (const std::string& other : taken) {
@@ -123,7 +127,29 @@ class RenderRun {
         return exit_interrupted;
     }
 
+    /// What a checkpoint is of, beyond what the renderer sees: the program, and what colours and lobe numbers come from.
+    void ask_for_checkpoints() {
+        if (job_.checkpoint_seconds == 0) return;
+        transport::CheckpointSettings settings;
+        settings.file = checkpoint_file(job_);
+        settings.seconds = job_.checkpoint_seconds;
+        settings.resume = job_.resume;
+        settings.identity = {{"raylex", raylex_version() + " " + raylex_revision() + ", " + build_description()},
+                             {"colour config", color_.description},
+                             {"texture rules", job_.texture_rules ? "true" : "false"}};
+        for (const lpe::LobeOption& each : job_.lobe_options)
+            settings.identity.emplace_back("lobe slot " + each.slot, each.names);
+        job_.settings.checkpoint = std::move(settings);
+    }
+
+    /// The image is safe under its name, and so are all other files: what would bring it back is not needed any more.
+    void remove_checkpoint() {
+        if (job_.checkpoint_seconds == 0 || !output_->complete) return;
+        if (Status removed = display::remove_file(checkpoint_file(job_)); !removed) warn(removed.error().to_string());
+    }
+
     Step render() {
+        ask_for_checkpoints();
         Progress progress;
         job_.settings.before_rendering = [&](const transport::RenderPlan& plan,
                                              std::vector<display::SampleSink*>& sinks) {
@@ -172,6 +198,7 @@ class RenderRun {
         for (const std::string& warning : outputs_.take_warnings()) warn(warning);
         if (!written && written.error().file == job_.output) return rescue(written.error(), description);
         if (!written) return report_error(written.error());
+        remove_checkpoint();
         phases_["write"] = clock.elapsed();
         return go_on;
     }
@@ -237,6 +264,9 @@ class RenderRun {
                            size_text(failed ? 0.0 : static_cast<double>(bytes));
         if (!output_->complete) line += "; INCOMPLETE: interrupted";
         print_line(line);
+        if (!output_->complete && job_.checkpoint_seconds > 0)
+            print_line(checkpoint_file(job_) + ": --resume goes on from here");
+        print_sampling();
         if (!beauties_.empty())
             print_line("the beauty by another name: " + listed(beauties_) + " (every path of this scene)");
         for (const std::string& path : outputs_.files()) print_line(path);
@@ -248,6 +278,22 @@ class RenderRun {
                    duration_text(cpu) + " CPU, " +
                    number_text(cpu > 0 ? static_cast<double>(statistics.camera_samples) / cpu * 1e-6 : 0) +
                    " M samples per CPU second), write " + seconds("write"));
+    }
+
+    void print_sampling() const {
+        const std::uint64_t samples = output_->statistics.camera_samples;
+        if (output_->resumed_samples > 0)
+            print_line("resumed from a checkpoint with " + std::to_string(output_->resumed_samples) + " of " +
+                       std::to_string(samples) + " samples");
+        if (!output_->adaptive) return;
+        const double pixels = static_cast<double>(output_->width) * static_cast<double>(output_->height);
+        std::string line = "adaptive: " + number_text(static_cast<double>(samples) / pixels, 6) + " samples per pixel in the mean";
+        if (!output_->adaptive->channel.empty())
+            line += ", error of " + output_->adaptive->channel + " " + number_text(100 * output_->adaptive->error) + " %";
+        if (const std::uint64_t missed = output_->unconverged_pixels; missed > 0)
+            line += "; " + std::to_string(missed) + " pixels are above " + number_text(100 * output_->adaptive->target) +
+                    " % with the most samples that they may have";
+        print_line(line);
     }
 
     Job job_;

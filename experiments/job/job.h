@@ -50,6 +50,8 @@ struct Job {
     std::string job_file, job_text;  ///< the TOML this came from; empty for a bare scene
     std::string output, preview, statistics;
     std::string ocio_config, rendering_space, display, view;
+    double checkpoint_seconds = 0;       ///< between checkpoints; 0 = none
+    bool resume = false;                 ///< go on from the checkpoint beside the output
     bool texture_rules = false;          ///< colours of image textures by the colour config's file rules, not pbrt's
     OutputRequests outputs;
     bool shipped_partition = false;      ///< adds the shipped partition's channels

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "experiments/job/channel_tables.h"
+#include "experiments/job/sampling_requests.h"
 #include "experiments/job/toml_table.h"
 #include "transport/plugins/plugin_loader.h"
 
@@ -90,6 +91,7 @@ void read_render(TomlTable& root, Job& job) {
     if (render.read("max_depth", number, 0, any_count)) job.settings.max_depth = number;
     read_resolution(render, job);
     read_memory_limit(render, job.outputs);
+    read_checkpoint(render, job);
     render.read("beauty", job.settings.beauty);
     render.read("isa", job.settings.isa);
     std::string lobes;
@@ -168,6 +170,7 @@ Result<Job> parse_job(const std::string& text, const std::string& path) {
     read_plugins(root, path, job);
     read_files(root, path, job);
     read_render(root, job);
+    read_adaptive(root, job);
     read_entity(root, "integrator", job.settings.integrator);
     read_entity(root, "sampler", job.settings.sampler);
     read_entity(root, "filter", job.settings.filter);

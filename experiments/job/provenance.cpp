@@ -86,6 +86,8 @@ std::map<std::string, std::string> header_attributes(const Job& job, const trans
         std::string& list = attributes["raylex/plugins"];
         list += (list.empty() ? "" : "\n") + plugin.path;
     }
+    if (job.settings.adaptive) attributes["raylex/adaptive"] = describe(*job.settings.adaptive);
+    if (output.resumed_samples > 0) attributes["raylex/resumed_samples"] = std::to_string(output.resumed_samples);
     if (!job.job_text.empty()) attributes["raylex/job"] = job.job_text;
     if (!job.rendering_space.empty()) attributes["raylex/rendering_space"] = job.rendering_space;
     return attributes;

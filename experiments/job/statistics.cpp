@@ -126,6 +126,15 @@ std::string statistics_json(const RunRecord& record) {
     json["samples"] = {{"camera", statistics.camera_samples},
                        {"per_pixel", output.samples_per_pixel},
                        {"per_cpu_second", cpu > 0 ? static_cast<double>(statistics.camera_samples) / cpu : 0.0}};
+    if (output.resumed_samples > 0) json["samples"]["resumed"] = output.resumed_samples;
+    if (output.adaptive)
+        json["adaptive"] = {{"settings", describe(*record.job->settings.adaptive)},
+                            {"channel", output.adaptive->channel},
+                            {"error", output.adaptive->error},
+                            {"unconverged_pixels", output.unconverged_pixels}};
+    if (record.job->settings.checkpoint)
+        json["checkpoints"] = {{"written", statistics.checkpoints},
+                               {"stall_seconds", statistics.checkpoint_stall_seconds}};
     json["rays_per_cpu_second"] = cpu > 0 ? static_cast<double>(rays) / cpu : 0.0;
     json["path_length_histogram"] = statistics.path_length_histogram;
     json["attribution_overflow"] = statistics.attribution_overflow;

@@ -123,6 +123,19 @@ TEST_CASE("a symbolic link stays a link and what it points at is replaced", "[di
     CHECK(read_bytes(folder.file("real.txt")) == "later");
 }
 
+TEST_CASE("what killed processes left is removed, and nothing else", "[display][files]") {
+    const ScratchFolder folder;
+    const std::string path = folder.file("a.exr"), mine = path + "." + std::to_string(getpid()) + "-7.partial";
+    // No process has a number beyond the most that Linux gives, 2^22.
+    for (const std::string& name : {path, path + ".99999999-0.partial", path + ".99999999-12.partial", mine,
+                                    path + ".99999999-0.partial.bak", folder.file("b.exr.99999999-0.partial")})
+        write_bytes(name, "x");
+    raylex::display::remove_abandoned(path);
+    CHECK(folder.file_count() == 4);
+    for (const std::string& name : {path, mine, path + ".99999999-0.partial.bak", folder.file("b.exr.99999999-0.partial")})
+        CHECK(std::filesystem::exists(name));
+}
+
 TEST_CASE("a PNG holds the pixels it was given", "[display][png]") {
     const ScratchFolder folder;
     const std::vector<unsigned char> rgb{255, 0, 0, 0, 255, 0, 0, 0, 255, 1, 2, 3, 40, 50, 60, 255, 255, 255};

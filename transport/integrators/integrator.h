@@ -13,6 +13,7 @@
 //   begin_iteration(i)           single-threaded; photon maps, guiding structures, chains are shared state made here
 //     integrate(batch, ...)      many threads at once; const: shared state is read-only while rays fly
 //   end_iteration(i)             single-threaded: take in what the threads' states gathered
+//   save_state, restore_state    for checkpoints, when traits() says that there is state to save
 //
 // An integrator that is not `synchronous()` gets the whole budget as iteration 0. A synchronous one gets one iteration
 // per block of samples of the whole image, all threads waiting for one another in between.
@@ -29,6 +30,8 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "display/services/display_services.h"
@@ -148,6 +151,13 @@ struct IntegratorThread {
     IntegratorCounters counters;
 };
 
+/// What becomes of an integrator's shared state when a render is interrupted and resumed.
+enum class SavedState : std::uint8_t {
+    unknown,  ///< it does not say: renders with checkpoints are refused
+    none,     ///< nothing lives longer than a batch: samples are functions of their numbers
+    saved     ///< save_state() and restore_state(), between the iterations of a synchronous() integrator
+};
+
 /// What an integrator can answer for. Channels that ask for more are refused before the render.
 struct IntegratorTraits {
     bool emitter_samples = false;  ///< reports emitters with an EmitterSample: prefix nothruput
@@ -156,6 +166,7 @@ struct IntegratorTraits {
     bool user_events = false;      ///< reports UserLobe events
     std::optional<std::int64_t> max_depth;  ///< scattering events of a path at most
     bool media = false;            ///< takes paths through participating media
+    SavedState saved_state = SavedState::unknown;
 };
 
 class Integrator {
@@ -170,6 +181,11 @@ class Integrator {
     virtual void begin_iteration(std::uint64_t /*iteration*/) {}
     virtual void integrate(const CameraBatch& batch, IntegratorThread& thread, ThreadServices& services) const = 0;
     virtual void end_iteration(std::uint64_t /*iteration*/, std::span<IntegratorThread* const> /*threads*/) {}
+
+    /// SavedState::saved only. Appends to `bytes` all that iterations so far left behind in this object, and takes it back
+    /// after prepare(): what follows must be the same bits as if the render had never been interrupted.
+    virtual void save_state(std::string& /*bytes*/) const {}
+    virtual Status restore_state(std::string_view /*bytes*/) { return success(); }
 };
 
 /// `max_depth` overrides the entity's "maxdepth".

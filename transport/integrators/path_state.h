@@ -151,7 +151,8 @@ class PathIntegrator final : public Integrator {
   public:
     explicit PathIntegrator(const PathParameters& parameters) : parameters_(parameters) {}
     [[nodiscard]] IntegratorTraits traits() const override {
-        return {true, parameters_.strategy != PathStrategy::scattering, true, true, parameters_.max_depth, true};
+        return {true, parameters_.strategy != PathStrategy::scattering, true, true, parameters_.max_depth, true,
+                SavedState::none};
     }
     Status prepare(const IntegratorContext& context) override;
     [[nodiscard]] std::unique_ptr<IntegratorThread> make_thread_state() const override;

@@ -5,9 +5,12 @@
 #include <set>
 #include <thread>
 
+#include "display/services/hash64.h"
 #include "transport/render/built_scene.h"
+#include "transport/render/checkpoint.h"
 #include "transport/render/clock.h"
 #include "transport/render/render_loop.h"
+#include "transport/scene/scene_hash.h"
 
 namespace raylex::transport {
 namespace {
@@ -44,6 +47,22 @@ Status resolve_channels(const RenderSettings& settings, std::span<const display:
     if (Status s = display::apply_rules(settings.rules, job.beauty, job.channels); !s) return s;
     if (Status s = display::add_layers(settings.layers, job.channels); !s) return s;
     return display::add_statistics(settings.statistics, job.channels);
+}
+
+/// The metric's channels keep statistics; after resolve_channels.
+Status resolve_adaptive(const RenderSettings& settings, const ChosenIntegrator& chosen, RenderJob& job) {
+    if (!settings.adaptive) return success();
+    const display::AdaptiveSettings& adaptive = *settings.adaptive;
+    if (Status s = display::AdaptiveSampler::check(adaptive, job.channels, job.beauty); !s) return s;
+    if (chosen.integrator->synchronous())
+        return error_at(adaptive.location, "integrator '" + chosen.name + "' samples the whole image at once, so it cannot "
+                                           "sample adaptively",
+                        "leave out --until-error and [adaptive], or choose another integrator, such as path");
+    for (display::ChannelDefinition& channel : job.channels)
+        for (const display::AdaptiveChannel& each : adaptive.channels)
+            if (each.name == channel.name) channel.statistics = true;
+    job.samples_per_pixel = adaptive.max_samples;
+    return success();
 }
 
 /// Channels that the integrator cannot fill are refused before a ray is traced.
@@ -179,6 +198,7 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
     if (!chosen) return chosen.error();
     warnings.insert(warnings.end(), chosen->warnings.begin(), chosen->warnings.end());
     job.integrator = chosen->integrator.get();
+    if (Status s = resolve_adaptive(settings, *chosen, job); !s) return s.error();
     auto lpe = display::LpeSetup::build(job.channels, job.beauty);
     if (!lpe) return lpe.error();
     job.lpe = std::make_unique<display::LpeSetup>(*std::move(lpe));
@@ -224,16 +244,41 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
         for (const geoaovs::MatteKind kind : settings.cryptomatte)
             plan.memory.push_back({geoaovs::matte_layer(kind),
                                    display::RankedCoverage::expected_bytes(film->width, film->height)});
+        if (settings.adaptive)  // an error and a decision a pixel
+            plan.memory.push_back({"adaptive", 9 * static_cast<std::uint64_t>(film->width) *
+                                                   static_cast<std::uint64_t>(film->height)});
+        if (settings.checkpoint) plan.memory.push_back({"checkpoint", display::total_bytes(plan.memory)});
         if (Status s = settings.before_rendering(plan, job.sinks); !s) return s.error();
     }
+    display::RecordIdentity identity;
+    if (settings.checkpoint) identity = render_identity(job, settings, scene.isa());
     auto frame_buffer = display::FrameBuffer::create(layout, job.channels);
     if (!frame_buffer) return frame_buffer.error();
 
     if (Status s = make_cryptomatte(settings, scene, job, warnings); !s) return s.error();
 
+    if (settings.adaptive)
+        job.adaptive = std::make_unique<display::AdaptiveSampler>(*settings.adaptive, job.channels, job.beauty, layout);
+
+    RenderPosition position;
+    if (settings.checkpoint) {
+        if (Status s = check_checkpoint(*settings.checkpoint, job, chosen->name); !s) return s.error();
+        if (settings.checkpoint->resume) {
+            auto restored = restore_checkpoint(*settings.checkpoint, identity, job, *frame_buffer);
+            if (!restored) return restored.error();
+            position = *std::move(restored);
+        }
+    }
+    const std::uint64_t resumed_samples = position.statistics.camera_samples;
     const Stopwatch watch;
     RenderLoop loop(job, *frame_buffer);
+    loop.resume(std::move(position));
+    if (settings.checkpoint) loop.save_to(*settings.checkpoint, std::move(identity));
     if (Status s = loop.run(progress, stop); !s) return s.error();
+    for (Error error : loop.checkpoint_failures()) {
+        error.message = "a checkpoint could not be saved: " + error.message;
+        warnings.push_back(std::move(error));
+    }
     RenderStatistics statistics;
     statistics.build_seconds = scene.build_seconds;
     statistics.build_cpu_seconds = scene.build_cpu_seconds;
@@ -252,6 +297,9 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
                         .height = film->height,
                         .threads = job.threads,
                         .samples_per_pixel = job.samples_per_pixel,
+                        .adaptive = job.adaptive ? std::optional(job.adaptive->progress()) : std::nullopt,
+                        .unconverged_pixels = job.adaptive ? job.adaptive->unconverged() : 0,
+                        .resumed_samples = resumed_samples,
                         .seed = settings.seed,
                         .integrator = chosen->name,
                         .sampler = sampler_name,
@@ -267,7 +315,10 @@ Result<RenderOutput> render(const SceneDescription& scene, const RenderSettings&
                             const std::function<void(const RenderProgress&)>& progress, const std::atomic<bool>* stop) {
     auto built = BuiltScene::build(scene, {settings.isa, settings.threads});
     if (!built) return built.error();
-    return render(**built, settings, progress, stop);
+    if (!settings.checkpoint) return render(**built, settings, progress, stop);
+    RenderSettings identified = settings;
+    identified.checkpoint->identity.emplace_back("scene", hash_text(scene_hash(scene)));
+    return render(**built, identified, progress, stop);
 }
 
 }  // namespace raylex::transport

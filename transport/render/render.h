@@ -10,10 +10,12 @@
 #include <string>
 #include <vector>
 
+#include "display/buffer/adaptive_sampler.h"
 #include "display/buffer/frame_buffer.h"
 #include "display/buffer/memory_estimate.h"
 #include "display/buffer/pixel_filter.h"
 #include "display/buffer/sample_sink.h"
+#include "display/checkpoint/record_file.h"
 #include "display/services/channel.h"
 #include "display/services/channel_settings.h"
 #include "display/services/display_services.h"
@@ -33,6 +35,16 @@ struct RenderPlan {
     display::ChannelId beauty = display::invalid_channel;
     const display::PixelFilter* filter = nullptr;
     std::vector<display::MemoryItem> memory;                ///< of the frame buffer, layer by layer, and cryptomattes
+};
+
+/// Saving the render now and then, so that it can go on after a crash. See render/checkpoint.h for how.
+struct CheckpointSettings {
+    std::string file;                               ///< replaced whole or not at all; the caller removes it in the end
+    double seconds = 60;                            ///< from one to the next; the last is saved when `*stop` ends the render
+    bool resume = false;                            ///< go on from `file`; an Error when it does not fit
+    /// What the render is of beyond what render() sees: another value refuses to resume. The scene, when a description is
+    /// rendered, need not be here.
+    display::RecordIdentity identity;
 };
 
 /// What overrides the scene file. Unset means: as the scene says, else pbrt's default.
@@ -58,6 +70,9 @@ struct RenderSettings {
     std::function<Status(const RenderPlan&, std::vector<display::SampleSink*>& sinks)> before_rendering;
     std::vector<geoaovs::MatteKind> cryptomatte;    ///< which sets of mattes to make; not with negative pixel filters
     int cryptomatte_ranks = geoaovs::Cryptomatte::default_ranks;   ///< even, at most Cryptomatte::most_ranks
+    /// Samples go where the error is above a tolerance, instead of samples_per_pixel everywhere.
+    std::optional<display::AdaptiveSettings> adaptive;
+    std::optional<CheckpointSettings> checkpoint;
 };
 
 /// The image while it is being rendered, for live views.
@@ -72,7 +87,8 @@ class LiveImage {
 
 struct RenderProgress {
     std::uint64_t samples_done = 0, samples_total = 0;      ///< camera samples
-    double seconds = 0;                                     ///< wall, since rendering began
+    double seconds = 0;                                     ///< wall, since rendering began, of interrupted sessions too
+    const display::AdaptiveProgress* adaptive = nullptr;    ///< null unless sampling is adaptive; samples_total is predicted
     const LiveImage* image = nullptr;                       ///< during the call only
 };
 
@@ -86,6 +102,8 @@ struct RenderStatistics {
     std::vector<display::InvalidSample> invalid_log;
     std::uint64_t refused_services_calls = 0;
     std::vector<display::RefusalCounts> refusals;           ///< per channel; the last are of calls that name none
+    std::uint64_t checkpoints = 0;                          ///< written in this session
+    double checkpoint_stall_seconds = 0;                    ///< wall, for which all threads stood still for them
 };
 
 struct RenderOutput {
@@ -95,7 +113,10 @@ struct RenderOutput {
     RenderStatistics statistics;
     bool complete = true;                                   ///< false after an interrupt: fewer samples than asked for
     int width = 0, height = 0, threads = 0;
-    std::uint64_t samples_per_pixel = 0;                    ///< asked for, after the sampler's rounding
+    std::uint64_t samples_per_pixel = 0;                    ///< asked for; the most that a pixel may have when adaptive
+    std::optional<display::AdaptiveProgress> adaptive;      ///< as it stood in the end
+    std::uint64_t unconverged_pixels = 0;                   ///< adaptive: with all the samples they may have, above the tolerance
+    std::uint64_t resumed_samples = 0;                      ///< camera samples that came out of a checkpoint
     std::uint64_t seed = 0;
     std::string integrator, sampler, filter, isa;           ///< what was really used
     Matrix4 world_to_camera, world_to_screen;

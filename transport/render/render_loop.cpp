@@ -4,6 +4,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <exception>
+#include <new>
 #include <thread>
 #include <tuple>
 
@@ -40,6 +41,30 @@ void RenderWorker::render_tile(int x0, int y0, int x1, int y1, std::uint64_t fir
         morton_pixel(m, dx, dy);
         if (x0 + dx < x1 && y0 + dy < y1) add_pixel(x0 + dx, y0 + dy, first, count, adding);
     }
+    flush(adding);
+}
+
+void RenderWorker::render_open_pixels(int x0, int y0, int x1, int y1, std::uint64_t blocks, std::mutex& adding) {
+    const display::AdaptiveSampler& adaptive = *job_.adaptive;
+    struct OpenPixel {
+        int x, y;
+        std::uint64_t first;
+    };
+    std::array<OpenPixel, RenderLoop::tile_size * RenderLoop::tile_size> pixels;
+    std::size_t open = 0;
+    for (int m = 0; m < RenderLoop::tile_size * RenderLoop::tile_size; ++m) {
+        int dx, dy;
+        morton_pixel(m, dx, dy);
+        const int x = x0 + dx, y = y0 + dy;
+        if (x < x1 && y < y1 && adaptive.open(x, y)) pixels[open++] = {x, y, frame_buffer_.sample_count(x, y)};
+    }
+    for (std::uint64_t block = 0; block < blocks; ++block)
+        for (std::size_t i = 0; i < open; ++i) {
+            const std::uint64_t first = pixels[i].first + block * RenderLoop::block_size;
+            if (first >= adaptive.max_samples()) continue;
+            const auto count = std::min<std::uint64_t>(RenderLoop::block_size, adaptive.max_samples() - first);
+            add_pixel(pixels[i].x, pixels[i].y, first, static_cast<int>(count), adding);
+        }
     flush(adding);
 }
 
@@ -105,15 +130,34 @@ RenderLoop::RenderLoop(const RenderJob& job, display::FrameBuffer& frame_buffer)
     tiles_x_ = static_cast<std::uint64_t>((job.film.width + tile_size - 1) / tile_size);
     tiles_ = tiles_x_ * static_cast<std::uint64_t>((job.film.height + tile_size - 1) / tile_size);
     rounds_ = (job.samples_per_pixel + block_size - 1) / block_size;
+    // One iteration per block of the image when threads must meet in between, else one for everything.
+    phases_ = job.integrator->synchronous() ? rounds_ : 1;
     for (int i = 0; i < job.threads; ++i) workers_.push_back(std::make_unique<RenderWorker>(job, frame_buffer));
 }
 
+void RenderLoop::resume(RenderPosition position) {
+    position_ = std::move(position);
+    samples_done_.store(position_.statistics.camera_samples);
+}
+
+void RenderLoop::save_to(const CheckpointSettings& settings, display::RecordIdentity identity) {
+    checkpoint_ = &settings;
+    identity_ = std::move(identity);
+    writer_ = std::make_unique<CheckpointWriter>(settings.file);
+}
+
 void RenderLoop::render_task(RenderWorker& worker, std::uint64_t task) {
-    const std::uint64_t first = task / tiles_ * block_size, tile = task % tiles_;
+    const bool adaptive = job_.adaptive != nullptr;
+    const std::uint64_t tile = adaptive ? open_tiles_[task] : task % tiles_;
     const int x0 = static_cast<int>(tile % tiles_x_) * tile_size, y0 = static_cast<int>(tile / tiles_x_) * tile_size;
+    const int x1 = std::min(x0 + tile_size, job_.film.width), y1 = std::min(y0 + tile_size, job_.film.height);
+    if (adaptive) {
+        worker.render_open_pixels(x0, y0, x1, y1, job_.adaptive->blocks(), locks_.of(tile));
+        return;
+    }
+    const std::uint64_t first = task / tiles_ * block_size;
     const auto count = static_cast<int>(std::min<std::uint64_t>(block_size, job_.samples_per_pixel - first));
-    worker.render_tile(x0, y0, std::min(x0 + tile_size, job_.film.width), std::min(y0 + tile_size, job_.film.height),
-                       first, count, locks_.of(tile));
+    worker.render_tile(x0, y0, x1, y1, first, count, locks_.of(tile));
 }
 
 void RenderLoop::work(RenderWorker& worker, std::uint64_t last) {
@@ -121,7 +165,7 @@ void RenderLoop::work(RenderWorker& worker, std::uint64_t last) {
     const double begin = thread_cpu_seconds();
     try {
         while (!failed_.load(std::memory_order_relaxed)) {
-            if (stop_ && stop_->load(std::memory_order_relaxed)) break;
+            if (stopped() || pause_.load(std::memory_order_relaxed)) break;
             const std::uint64_t task = next_.fetch_add(1, std::memory_order_relaxed);
             if (task >= last) break;
             const std::uint64_t before = worker.samples;
@@ -136,29 +180,34 @@ void RenderLoop::work(RenderWorker& worker, std::uint64_t last) {
     worker.cpu_seconds += thread_cpu_seconds() - begin;
 }
 
-Status RenderLoop::run_tasks(std::uint64_t first, std::uint64_t last, const std::function<void()>& report) {
-    next_.store(first);
+Status RenderLoop::run_tasks(const std::function<void()>& report) {
+    next_.store(position_.task);
+    pause_.store(false);
     std::mutex mutex;
     std::condition_variable done;
     std::size_t running = workers_.size();
     std::vector<std::thread> threads;
     for (auto& worker : workers_)
         threads.emplace_back([&, w = worker.get()] {
-            work(*w, last);
+            work(*w, tasks_);
             const std::lock_guard lock(mutex);
             --running;
             done.notify_one();
         });
     {
+        const auto longest = std::chrono::duration<double>(checkpoint_ ? std::min(0.2, checkpoint_->seconds) : 0.2);
         std::unique_lock lock(mutex);
-        while (!done.wait_for(lock, std::chrono::milliseconds(200), [&] { return running == 0; })) {
+        while (!done.wait_for(lock, longest, [&] { return running == 0; })) {
             lock.unlock();
             report();
+            if (!job_.integrator->synchronous() && checkpoint_due()) pause_.store(true, std::memory_order_relaxed);
             lock.lock();
         }
     }
     for (std::thread& thread : threads) thread.join();
     if (failed_.load()) return error_at({}, "a render thread failed: " + failure_);
+    // Tasks are taken in order, and a task once taken is finished: those before the next are in the frame buffer, no others.
+    position_.task = std::min(next_.load(), tasks_);
     return success();
 }
 
@@ -199,32 +248,113 @@ std::vector<double> RenderLoop::resolve_alpha(const display::PixelRegion& region
     return by_tiles(region, 1, [&](const display::PixelRegion& part) { return frame_buffer_.resolve_alpha(part); });
 }
 
+bool RenderLoop::finished() const {
+    return job_.adaptive ? job_.adaptive->done() : position_.phase >= phases_;
+}
+
+void RenderLoop::begin_phase() {
+    tasks_ = rounds_ * tiles_;
+    if (!job_.adaptive) return;
+    open_tiles_.clear();
+    for (std::uint64_t tile = 0; tile < tiles_; ++tile) {
+        const int x0 = static_cast<int>(tile % tiles_x_) * tile_size, y0 = static_cast<int>(tile / tiles_x_) * tile_size;
+        const int x1 = std::min(x0 + tile_size, job_.film.width), y1 = std::min(y0 + tile_size, job_.film.height);
+        bool open = false;
+        for (int y = y0; y < y1 && !open; ++y)
+            for (int x = x0; x < x1 && !open; ++x) open = job_.adaptive->open(x, y);
+        if (open) open_tiles_.push_back(static_cast<std::uint32_t>(tile));
+    }
+    tasks_ = open_tiles_.size();
+}
+
+Status RenderLoop::run_phase(const std::function<void()>& report) {
+    for (;;) {
+        if (Status s = run_tasks(report); !s) return s;
+        if (position_.task >= tasks_ || stopped()) return success();
+        save_checkpoint();
+    }
+}
+
+void RenderLoop::end_phase() {
+    if (job_.adaptive) job_.adaptive->decide(frame_buffer_);
+    ++position_.phase;
+    position_.task = 0;
+}
+
 Status RenderLoop::run(const std::function<void(const RenderProgress&)>& progress, const std::atomic<bool>* stop) {
     stop_ = stop;
-    const Stopwatch watch;
-    const std::uint64_t total = static_cast<std::uint64_t>(job_.film.width) *
-                                static_cast<std::uint64_t>(job_.film.height) * job_.samples_per_pixel;
+    watch_ = Stopwatch();
+    const std::uint64_t pixels = static_cast<std::uint64_t>(job_.film.width) * static_cast<std::uint64_t>(job_.film.height);
     const auto report = [&] {
-        if (progress) progress({samples_done_.load(std::memory_order_relaxed), total, watch.wall(), this});
+        if (!progress) return;
+        const std::uint64_t done = samples_done_.load(std::memory_order_relaxed);
+        const display::AdaptiveProgress* adaptive = job_.adaptive ? &job_.adaptive->progress() : nullptr;
+        const std::uint64_t total = adaptive ? std::max(adaptive->predicted_samples, done) : pixels * job_.samples_per_pixel;
+        progress({done, total, position_.statistics.render_seconds + watch_.wall(), adaptive, this});
     };
     std::vector<IntegratorThread*> states;
     for (auto& worker : workers_) states.push_back(&worker->state());
-    // One iteration per block of the image when threads must meet in between, else one for everything.
-    const std::uint64_t iterations = job_.integrator->synchronous() ? rounds_ : 1;
-    const std::uint64_t tasks = rounds_ * tiles_ / iterations;
-    for (std::uint64_t i = 0; i < iterations; ++i) {
-        job_.integrator->begin_iteration(i);
-        if (Status s = run_tasks(i * tasks, (i + 1) * tasks, report); !s) return s.error();
-        job_.integrator->end_iteration(i, states);
-        if (stop_ && stop_->load()) break;
+    const bool synchronous = job_.integrator->synchronous();
+    while (!finished()) {
+        begin_phase();
+        if (synchronous) {  // its phases are parts of one numbering of tasks
+            position_.task = position_.phase * tiles_;
+            tasks_ = position_.task + tiles_;
+        }
+        job_.integrator->begin_iteration(position_.phase);
+        if (Status s = run_phase(report); !s) return s;
+        job_.integrator->end_iteration(position_.phase, states);
+        const bool whole = position_.task >= tasks_;
+        if (whole) end_phase();
+        if (stopped()) {
+            // Amid an iteration there is nothing consistent to save: the last checkpoint stays.
+            if (checkpoint_ && (whole || !synchronous) && !finished() && samples_done_.load() > 0) save_checkpoint();
+            break;
+        }
+        if (checkpoint_due() && !finished()) save_checkpoint();
     }
-    complete_ = samples_done_.load() == total;
+    complete_ = finished();
+    if (writer_) writer_->wait();
     report();
     return success();
 }
 
+bool RenderLoop::checkpoint_due() const {
+    return checkpoint_ != nullptr && !writer_->busy() && watch_.wall() - last_checkpoint_ >= checkpoint_->seconds;
+}
+
+void RenderLoop::save_checkpoint() {
+    const double begin = watch_.wall();
+    RenderPosition position{position_.phase, position_.task, {}};
+    collect(position.statistics);
+    position.statistics.render_seconds = position_.statistics.render_seconds + begin;
+    writer_->wait();
+    try {
+        writer_->start(make_checkpoint(identity_, position, job_, frame_buffer_));
+    } catch (const std::bad_alloc&) {  // no reason to give up the render
+        writer_->fail(error_at({}, "not enough memory to copy the record for a checkpoint"));
+    }
+    last_checkpoint_ = watch_.wall();
+    stall_seconds_ += last_checkpoint_ - begin;
+}
+
 void RenderLoop::collect(RenderStatistics& statistics) const {
+    const RenderStatistics& earlier = position_.statistics;
     IntegratorCounters counters;
+    counters.camera_rays = earlier.camera_rays;
+    counters.scattering_rays = earlier.scattering_rays;
+    counters.shadow_rays = earlier.shadow_rays;
+    counters.path_lengths = earlier.path_length_histogram;
+    statistics.render_seconds += earlier.render_seconds;
+    statistics.render_cpu_seconds += earlier.render_cpu_seconds;
+    statistics.camera_samples += earlier.camera_samples;
+    statistics.attribution_overflow += earlier.attribution_overflow;
+    statistics.invalid_samples += earlier.invalid_samples;
+    statistics.refused_services_calls += earlier.refused_services_calls;
+    statistics.refusals = earlier.refusals;
+    statistics.invalid_log = earlier.invalid_log;
+    statistics.checkpoints = writer_ ? writer_->written() : 0;
+    statistics.checkpoint_stall_seconds = stall_seconds_;
     for (const auto& worker : workers_) {
         counters.add(worker->state().counters);
         statistics.camera_samples += worker->samples;

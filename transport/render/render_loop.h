@@ -3,6 +3,10 @@
 // A task is one block of samples (16, aligned) of one tile (16 x 16 pixels). Tasks are numbered block by block, each
 // block over the whole image, and threads take the next number; so an interrupted render has an even image, and which
 // thread took which task cannot be seen in the result: samples are counter-based and the frame buffer adds exactly.
+//
+// A phase is a run of tasks that the threads go through without meeting: the whole render, or one block of the image for an
+// integrator with iterations, or what an adaptive sampler wants before its next decision; there, a task is as many blocks
+// of the pixels of a tile that are open.
 #pragma once
 
 #include <array>
@@ -18,6 +22,8 @@
 #include "display/services/sample_filter.h"
 #include "transport/render/built_scene.h"
 #include "transport/render/camera.h"
+#include "transport/render/checkpoint.h"
+#include "transport/render/clock.h"
 #include "transport/samplers/sampler.h"
 
 namespace raylex::transport {
@@ -38,6 +44,7 @@ struct RenderJob {
     const geoaovs::GeometricAovs* aovs = nullptr;
     std::vector<geoaovs::Cryptomatte> cryptomatte;
     std::vector<display::SampleSink*> sinks;
+    std::unique_ptr<display::AdaptiveSampler> adaptive;   // null: samples_per_pixel everywhere
     Integrator* integrator = nullptr;
     bool has_extra_rows = false;  ///< camera rays may pass cutouts or media
 };
@@ -62,6 +69,9 @@ class RenderWorker {
     /// Renders samples [first, first + count) of the tile with pixels [x0, x1) x [y0, y1). `adding` is held while the
     /// frame buffer takes a batch in.
     void render_tile(int x0, int y0, int x1, int y1, std::uint64_t first, int count, std::mutex& adding);
+    /// Renders the next `blocks` blocks of each open pixel of that tile, up to the adaptive sampler's maximum. No other
+    /// thread may add to these pixels meanwhile.
+    void render_open_pixels(int x0, int y0, int x1, int y1, std::uint64_t blocks, std::mutex& adding);
 
     [[nodiscard]] const display::LpeServices& lpe() const { return lpe_; }
     [[nodiscard]] const display::DisplayServices& display() const { return display_; }
@@ -91,6 +101,10 @@ class RenderLoop : public LiveImage {
     static constexpr int batch_capacity = 256, tile_size = 16, block_size = 16;
 
     RenderLoop(const RenderJob& job, display::FrameBuffer& frame_buffer);
+    /// Before run(): go on from here, with the frame buffer as it was then.
+    void resume(RenderPosition position);
+    /// Before run(): save the render while it goes on.
+    void save_to(const CheckpointSettings& settings, display::RecordIdentity identity);
     /// Returns when the budget is spent, `*stop` was seen, or a thread ran out of memory (an Error).
     Status run(const std::function<void(const RenderProgress&)>& progress, const std::atomic<bool>* stop);
 
@@ -98,26 +112,46 @@ class RenderLoop : public LiveImage {
     [[nodiscard]] std::vector<double> resolve_alpha(const display::PixelRegion& region) const override;
 
     [[nodiscard]] bool complete() const { return complete_; }
+    /// Adds what all threads did, and what earlier sessions did.
     void collect(RenderStatistics& statistics) const;
+    /// After run(): records that could not be written.
+    [[nodiscard]] std::vector<Error> checkpoint_failures() const {
+        return writer_ ? writer_->failures() : std::vector<Error>();
+    }
 
   private:
-    Status run_tasks(std::uint64_t first, std::uint64_t last, const std::function<void()>& report);
+    void begin_phase();
+    Status run_phase(const std::function<void()>& report);
+    void end_phase();
+    [[nodiscard]] bool finished() const;
+    Status run_tasks(const std::function<void()>& report);
     void work(RenderWorker& worker, std::uint64_t last);
     void render_task(RenderWorker& worker, std::uint64_t task);
+    [[nodiscard]] bool stopped() const { return stop_ != nullptr && stop_->load(std::memory_order_relaxed); }
+    [[nodiscard]] bool checkpoint_due() const;
+    void save_checkpoint();
     template <class Read>
     [[nodiscard]] std::vector<double> by_tiles(const display::PixelRegion& region, std::size_t components,
                                                Read read) const;
     const RenderJob& job_;
     std::vector<std::unique_ptr<RenderWorker>> workers_;
-    std::uint64_t tiles_x_ = 0, tiles_ = 0, rounds_ = 0;
+    std::uint64_t tiles_x_ = 0, tiles_ = 0, rounds_ = 0, phases_ = 1;
     display::FrameBuffer& frame_buffer_;
     mutable TileLocks locks_;
+    RenderPosition position_;                 // its statistics are those of earlier sessions
+    std::uint64_t tasks_ = 0;                 // of this phase
+    std::vector<std::uint32_t> open_tiles_;   // of this phase, when sampling is adaptive
     std::atomic<std::uint64_t> next_{0}, samples_done_{0};
     const std::atomic<bool>* stop_ = nullptr;
-    std::atomic<bool> failed_{false};
+    std::atomic<bool> failed_{false}, pause_{false};
     std::mutex failure_mutex_;
     std::string failure_;
     bool complete_ = true;
+    Stopwatch watch_;
+    const CheckpointSettings* checkpoint_ = nullptr;
+    display::RecordIdentity identity_;
+    std::unique_ptr<CheckpointWriter> writer_;
+    double last_checkpoint_ = 0, stall_seconds_ = 0;
 };
 
 }  // namespace raylex::transport

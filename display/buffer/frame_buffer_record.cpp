@@ -1,0 +1,126 @@
+// The record as bytes and back: what checkpoints, shards and experiment cells are made of.
+#include "display/buffer/frame_buffer_storage.h"
+#include "display/buffer/record_bytes.h"
+#include "display/services/parameters.h"
+
+namespace raylex::display {
+namespace {
+
+/// Raise it with every change of what stands in a record, but for planes: those have names.
+constexpr std::uint32_t record_version = 1;
+
+/// A binding that no longer fits says that ChannelDefinition has a member which no record holds yet.
+void write_channel(RecordWriter& writer, const ChannelDefinition& definition) {
+    const auto& [name, style, type, expression, dialect, rest_of, rule, space, statistics, source, statistic, miss_value,
+                 origin, origin_line, origin_column] = definition;
+    writer.text(name);
+    writer.number(style);
+    writer.number(type);
+    writer.text(expression);
+    writer.number(dialect);
+    writer.numbers({rest_of.begin(), rest_of.end()});
+    writer.number(rule);
+    writer.text(space);
+    writer.number(static_cast<std::uint8_t>(statistics));
+    writer.number(source);
+    writer.number(statistic);
+    writer.number(miss_value);
+    // Where it was written (origin...) is for error messages: it is no part of the record.
+    static_cast<void>(origin), static_cast<void>(origin_line), static_cast<void>(origin_column);
+}
+
+template <class Enum>
+Enum read_enum(RecordReader& reader, Enum last) {
+    const auto value = reader.number<Enum>();
+    if (value > last) reader.fail();
+    return reader.ok() ? value : Enum{};
+}
+
+ChannelDefinition read_channel(RecordReader& reader) {
+    ChannelDefinition definition;
+    definition.name = reader.text();
+    definition.style = read_enum(reader, ChannelStyle::expression);
+    definition.type = read_enum(reader, ChannelType::integer);
+    definition.expression = reader.text();
+    definition.dialect = read_enum(reader, lpe::Dialect::osl);
+    const std::vector<std::uint64_t> rest_of = reader.numbers();
+    definition.rest_of.assign(rest_of.begin(), rest_of.end());
+    definition.rule = read_enum(reader, FilterRule::sum);
+    definition.space = reader.text();
+    definition.statistics = reader.number<std::uint8_t>() != 0;
+    definition.source = reader.number<ChannelId>();
+    definition.statistic = read_enum(reader, Statistic::odd);
+    definition.miss_value = reader.number<float>();
+    return definition;
+}
+
+Error record_error(const std::string& found) {
+    return error_at({}, "this is no record of a frame buffer that this raylex reads: " + found);
+}
+
+/// visit(name, plane) for every plane that is there, in the order of the storage's lists.
+template <class Storage, class Visit>
+void visit_planes(Storage& storage, Visit visit) {
+    const auto present = [&](const std::string& name, auto& plane) {
+        if (!plane.empty()) visit(name, plane);
+    };
+    storage.for_each_plane([&](const char* name, auto plane) { present(name, storage.*plane); });
+    for (auto& channel : storage.channels)
+        channel.for_each_plane([&](const char* name, auto plane) {
+            present(channel.definition.name + "/" + name, channel.*plane);
+        });
+}
+
+}  // namespace
+
+void FrameBuffer::append_record(std::string& bytes) const {
+    const Storage& storage = *storage_;
+    // Address space for all of it, so that nothing is copied twice; pages that stay zero are not written.
+    std::size_t most = bytes.size() + 4096 * (storage.channels.size() + 1);
+    visit_planes(storage, [&](const std::string& name, const auto& plane) {
+        most += name.size() + plane.bytes().size() * 513 / 512 + 64;
+    });
+    bytes.reserve(most);
+    RecordWriter writer(bytes);
+    writer.number(record_version);
+    writer.number(storage.layout.width);
+    writer.number(storage.layout.height);
+    writer.number(storage.layout.block_size);
+    writer.number(storage.layout.quantum_exponent);
+    writer.number(static_cast<std::uint64_t>(storage.channels.size()));
+    for (const ChannelDefinition& definition : storage.definitions) write_channel(writer, definition);
+    for (std::size_t i = 0; i <= storage.channels.size(); ++i) writer.number(storage.rejected[i].load());
+    visit_planes(storage, [&](const std::string& name, const auto& plane) {
+        writer.text(name);
+        writer.plane(plane.bytes());
+    });
+}
+
+Result<FrameBuffer> FrameBuffer::from_record(std::string_view bytes) {
+    RecordReader reader(bytes);
+    if (const auto version = reader.number<std::uint32_t>(); version != record_version)
+        return record_error("version " + std::to_string(version) + ", expected " + std::to_string(record_version));
+    FrameBufferLayout layout;
+    layout.width = reader.number<int>();
+    layout.height = reader.number<int>();
+    layout.block_size = reader.number<int>();
+    layout.quantum_exponent = reader.number<int>();
+    constexpr int longest_side = 1 << 20;  // so that no size below overflows
+    if (layout.width > longest_side || layout.height > longest_side) return record_error("its size is out of range");
+    const auto count = reader.number<std::uint64_t>();
+    std::vector<ChannelDefinition> channels;
+    for (std::uint64_t i = 0; i < count && reader.ok(); ++i) channels.push_back(read_channel(reader));
+    if (!reader.ok()) return record_error("it ends or goes wrong among the channels");
+    auto buffer = create(layout, channels);
+    if (!buffer) return buffer.error();
+    Storage& storage = *buffer->storage_;
+    for (std::size_t i = 0; i <= channels.size(); ++i) storage.rejected[i].store(reader.number<std::uint64_t>());
+    visit_planes(storage, [&](const std::string& name, auto& plane) {
+        if (reader.text() != name) reader.fail();
+        reader.plane(plane.bytes());
+    });
+    if (!reader.at_end()) return record_error("its planes are others, end too early or go on too long");
+    return buffer;
+}
+
+}  // namespace raylex::display

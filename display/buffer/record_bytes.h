@@ -1,0 +1,116 @@
+// Numbers, texts and planes as the bytes of a record, in this machine's byte order (little-endian; files say so).
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+namespace raylex::display {
+
+/// Appends to `bytes`.
+class RecordWriter {
+  public:
+    explicit RecordWriter(std::string& bytes) : bytes_(bytes) {}
+
+    template <class Number>
+    void number(Number value) {
+        static_assert(std::is_arithmetic_v<Number> || std::is_enum_v<Number>);
+        append(&value, sizeof value);
+    }
+    void text(std::string_view value) {
+        number(static_cast<std::uint64_t>(value.size()));
+        append(value.data(), value.size());
+    }
+    void numbers(std::span<const std::uint64_t> values) {
+        number(static_cast<std::uint64_t>(values.size()));
+        append(values.data(), values.size_bytes());
+    }
+    /// A plane without its pages of zeros: size, then (index, bytes) of every page that has something in it.
+    void plane(std::span<const char> values) {
+        number(static_cast<std::uint64_t>(values.size()));
+        for (std::size_t at = 0; at < values.size(); at += page_size) {
+            const std::size_t size = std::min(page_size, values.size() - at);
+            if (all_zero(values.data() + at, size)) continue;
+            number(static_cast<std::uint64_t>(at));
+            append(values.data() + at, size);
+        }
+        number(end_of_plane);
+    }
+
+    static constexpr std::size_t page_size = 4096;
+    static constexpr std::uint64_t end_of_plane = ~std::uint64_t{0};
+
+  private:
+    void append(const void* data, std::size_t size) {
+        if (size != 0) bytes_.append(static_cast<const char*>(data), size);
+    }
+    static bool all_zero(const char* data, std::size_t size) {
+        // The first byte is 0, and every byte equals the one before it.
+        return *data == 0 && std::memcmp(data, data + 1, size - 1) == 0;
+    }
+    std::string& bytes_;
+};
+
+/// Reads what a RecordWriter wrote. The first thing that does not fit makes ok() false for good; what is read from then
+/// on is 0 and empty.
+class RecordReader {
+  public:
+    explicit RecordReader(std::string_view bytes) : left_(bytes) {}
+
+    [[nodiscard]] bool ok() const { return ok_; }
+    [[nodiscard]] bool at_end() const { return ok_ && left_.empty(); }
+
+    template <class Number>
+    Number number() {
+        static_assert(std::is_arithmetic_v<Number> || std::is_enum_v<Number>);
+        Number value{};
+        take(&value, sizeof value);
+        return value;
+    }
+    std::string text() {
+        const auto size = number<std::uint64_t>();
+        if (size > left_.size()) fail();
+        if (!ok_) return {};
+        std::string value(left_.substr(0, size));
+        left_.remove_prefix(size);
+        return value;
+    }
+    std::vector<std::uint64_t> numbers() {
+        const auto size = number<std::uint64_t>();
+        if (size > left_.size() / sizeof(std::uint64_t)) fail();
+        if (!ok_) return {};
+        std::vector<std::uint64_t> values(size);
+        take(values.data(), size * sizeof(std::uint64_t));
+        return values;
+    }
+    /// Into zeros of exactly the plane's size.
+    void plane(std::span<char> values) {
+        if (number<std::uint64_t>() != values.size()) fail();
+        while (ok_) {
+            const auto at = number<std::uint64_t>();
+            if (at == RecordWriter::end_of_plane) return;
+            if (at >= values.size() || at % RecordWriter::page_size != 0) return fail();
+            take(values.data() + at, std::min<std::size_t>(RecordWriter::page_size, values.size() - at));
+        }
+    }
+    void fail() {
+        ok_ = false;
+        left_ = {};
+    }
+
+  private:
+    void take(void* data, std::size_t size) {
+        if (size > left_.size()) return fail();
+        if (size != 0) std::memcpy(data, left_.data(), size);
+        left_.remove_prefix(size);
+    }
+    std::string_view left_;
+    bool ok_ = true;
+};
+
+}  // namespace raylex::display

@@ -1,0 +1,219 @@
+#include "display/checkpoint/record_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <limits>
+#include <memory>
+
+#include "display/buffer/record_bytes.h"
+#include "display/output/atomic_file.h"
+#include "display/services/hash64.h"
+
+namespace raylex::display {
+namespace {
+
+constexpr std::string_view magic = "\x89RLX\r\n\x1a\n";
+constexpr std::uint32_t byte_order_mark = 0x01020304, version = 1;
+constexpr std::size_t header_size = 32, section_header_size = 32;
+constexpr std::uint64_t longest_name = 4096;
+
+Error file_error(const std::string& path, std::string message, std::string hint = {}) {
+    return {std::move(message), path, 0, 0, {}, std::move(hint)};
+}
+
+std::string identity_text(const RecordIdentity& identity) {
+    std::string bytes;
+    RecordWriter writer(bytes);
+    writer.number(static_cast<std::uint64_t>(identity.size()));
+    for (const auto& [name, value] : identity) {
+        writer.text(name);
+        writer.text(value);
+    }
+    return bytes;
+}
+
+bool read_identity(std::string_view bytes, RecordIdentity& identity) {
+    RecordReader reader(bytes);
+    const auto count = reader.number<std::uint64_t>();
+    for (std::uint64_t i = 0; i < count && reader.ok(); ++i) {
+        std::string name = reader.text();
+        identity.emplace_back(std::move(name), reader.text());
+    }
+    return reader.at_end();
+}
+
+struct FileCloser {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+};
+
+/// Reads a record file front to back; the first thing that is wrong becomes `error`.
+class Reading {
+  public:
+    Reading(std::FILE* file, const std::string& path) : file_(file), path_(path) {}
+
+    bool take(std::string& bytes, std::uint64_t size) {
+        bytes.clear();
+        // In pieces, so that a size that is wrong costs no more memory than the file has bytes.
+        constexpr std::uint64_t piece = std::uint64_t{1} << 24;
+        while (size > 0) {
+            const auto part = static_cast<std::size_t>(std::min(size, piece));
+            const std::size_t before = bytes.size();
+            bytes.resize(before + part);
+            const std::size_t got = std::fread(bytes.data() + before, 1, part, file_);
+            position_ += got;
+            size -= got;
+            if (got < part)
+                return std::ferror(file_) != 0
+                           ? fail(std::string("cannot read the file: ") + std::strerror(errno))
+                           : fail("the file is truncated: it ends after " + std::to_string(position_) + " bytes");
+        }
+        return true;
+    }
+    bool fail(std::string message) {
+        error = file_error(path_, std::move(message), "no part of it is used; an intact copy can take its place");
+        return false;
+    }
+    bool at_end() {
+        return std::fgetc(file_) == EOF ? true : fail("the file goes on after its end: it is damaged");
+    }
+    Error error;
+
+  private:
+    std::FILE* file_;
+    const std::string& path_;
+    std::uint64_t position_ = 0;
+};
+
+bool read_header(Reading& file, std::uint64_t& sections) {
+    std::string bytes;
+    if (!file.take(bytes, header_size)) return false;
+    if (bytes.substr(0, magic.size()) != magic) return file.fail("this is no raylex record: expected its magic number");
+    RecordReader reader(std::string_view(bytes).substr(magic.size()));
+    const auto mark = reader.number<std::uint32_t>(), found = reader.number<std::uint32_t>();
+    sections = reader.number<std::uint64_t>();
+    if (mark != byte_order_mark)
+        return file.fail(mark == 0x04030201 ? "the record was written by a machine of the other byte order"
+                                            : "the record's header is damaged");
+    if (reader.number<std::uint64_t>() != hash64({bytes.data(), header_size - 8}))
+        return file.fail("the record's header is damaged");
+    if (found != version)
+        return file.fail("the record has version " + std::to_string(found) + "; this raylex reads version " +
+                         std::to_string(version));
+    return true;
+}
+
+bool read_section(Reading& file, RecordSection& section, std::uint64_t& hash) {
+    std::string header;
+    if (!file.take(header, section_header_size)) return false;
+    RecordReader reader(header);
+    const auto name_size = reader.number<std::uint64_t>(), content_size = reader.number<std::uint64_t>();
+    hash = reader.number<std::uint64_t>();
+    const auto header_hash = reader.number<std::uint64_t>();
+    if (name_size > longest_name) return file.fail("a section's header is damaged");
+    if (!file.take(section.name, name_size)) return false;
+    if (hash64(header.substr(0, section_header_size - 8) + section.name) != header_hash)
+        return file.fail("a section's header is damaged");
+    if (!file.take(section.content, content_size)) return false;
+    if (hash64(section.content) != hash)
+        return file.fail("section '" + section.name + "' is damaged: its checksum does not agree");
+    return true;
+}
+
+std::string shortened(const std::string& text) {
+    constexpr std::size_t most = 60;
+    return text.size() <= most ? text : text.substr(0, most) + "...";
+}
+
+}  // namespace
+
+const RecordSection* RecordFile::find(std::string_view name) const {
+    const auto found = std::find_if(sections.begin(), sections.end(),
+                                    [&](const RecordSection& section) { return section.name == name; });
+    return found == sections.end() ? nullptr : &*found;
+}
+
+std::string& RecordFile::add(std::string name) {
+    sections.push_back({std::move(name), {}});
+    return sections.back().content;
+}
+
+Status write_record_file(const std::string& path, const RecordFile& record) {
+    auto file = AtomicFile::create(path);
+    if (!file) return file.error();
+    std::string header(magic), hashes;
+    RecordWriter writer(header);
+    writer.number(byte_order_mark);
+    writer.number(version);
+    writer.number(static_cast<std::uint64_t>(record.sections.size() + 1));
+    writer.number(hash64(header));
+    bool written = file->write(header.data(), header.size());
+    const auto write_section = [&](const std::string& name, const std::string& content) {
+        const std::uint64_t hash = hash64(content);
+        std::string section;
+        RecordWriter fields(section);
+        fields.number(static_cast<std::uint64_t>(name.size()));
+        fields.number(static_cast<std::uint64_t>(content.size()));
+        fields.number(hash);
+        fields.number(hash64(section + name));
+        section += name;
+        RecordWriter(hashes).number(hash);
+        written = written && file->write(section.data(), section.size()) && file->write(content.data(), content.size());
+    };
+    write_section("identity", identity_text(record.identity));
+    for (const RecordSection& section : record.sections) write_section(section.name, section.content);
+    std::string end;
+    RecordWriter(end).number(hash64(hashes));
+    written = written && file->write(end.data(), end.size());
+    if (!written) return file->failure();
+    return file->commit();
+}
+
+Result<RecordFile> read_record_file(const std::string& path) {
+    const std::unique_ptr<std::FILE, FileCloser> handle(std::fopen(path.c_str(), "rb"));
+    if (!handle) return file_error(path, std::string("cannot read the file: ") + std::strerror(errno));
+    Reading file(handle.get(), path);
+    std::uint64_t count = 0;
+    if (!read_header(file, count)) return file.error;
+    RecordFile record;
+    std::string hashes;
+    for (std::uint64_t i = 0; i < count; ++i) {
+        RecordSection section;
+        std::uint64_t hash = 0;
+        if (!read_section(file, section, hash)) return file.error;
+        RecordWriter(hashes).number(hash);
+        if (i > 0) record.sections.push_back(std::move(section));
+        else if (section.name != "identity" || !read_identity(section.content, record.identity))
+            return file_error(path, "the record does not say what it is of: it is damaged");
+    }
+    std::string end;
+    if (!file.take(end, sizeof(std::uint64_t))) return file.error;
+    if (RecordReader(end).number<std::uint64_t>() != hash64(hashes)) {
+        file.fail("the end of the record is damaged");
+        return file.error;
+    }
+    if (!file.at_end()) return file.error;
+    return record;
+}
+
+std::vector<std::string> identity_differences(const RecordIdentity& there, const RecordIdentity& here) {
+    const auto value_in = [](const RecordIdentity& identity, const std::string& name) -> const std::string* {
+        for (const auto& [key, value] : identity)
+            if (key == name) return &value;
+        return nullptr;
+    };
+    std::vector<std::string> differences;
+    for (const auto& [name, value] : there) {
+        const std::string* other = value_in(here, name);
+        if (other != nullptr && *other == value) continue;
+        differences.push_back(name + ": " + shortened(value) + " there, " +
+                              (other != nullptr ? shortened(*other) : std::string("nothing")) + " here");
+    }
+    for (const auto& [name, value] : here)
+        if (value_in(there, name) == nullptr) differences.push_back(name + ": nothing there, " + shortened(value) + " here");
+    return differences;
+}
+
+}  // namespace raylex::display

@@ -1,0 +1,35 @@
+// What a job says about where samples go and how a render survives a crash: [adaptive], [render] checkpoint, and the texts
+// of --until-error and --checkpoint.
+#pragma once
+
+#include <string>
+
+#include "experiments/job/job.h"
+#include "lpe/result.h"
+
+namespace raylex::experiments {
+
+class TomlTable;
+
+/// "60s", "1.5m", "2h" or plain seconds, as seconds from 0.01 to 30 days.
+Result<double> parse_interval(const std::string& text, const SourceLocation& where);
+
+/// "1%" or "0.01", above 0.
+Result<double> parse_tolerance(const std::string& text, const SourceLocation& where);
+
+/// The table [adaptive] of a job, after [render].
+void read_adaptive(TomlTable& root, Job& job);
+/// [render] checkpoint = "60s".
+void read_checkpoint(TomlTable& render, Job& job);
+
+/// Puts samples_per_pixel where adaptive sampling looks: it is the most that a pixel may have.
+void apply_sample_limit(std::uint64_t samples_per_pixel, display::AdaptiveSettings& adaptive);
+
+/// Where a render of this job is saved: beside its image.
+std::string checkpoint_file(const Job& job);
+
+/// Before a render: a checkpoint of an unfinished render that would be lost, --resume without one, and what no checkpoint
+/// can hold are Errors.
+Status check_recovery(const Job& job);
+
+}  // namespace raylex::experiments

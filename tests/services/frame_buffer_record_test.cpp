@@ -1,0 +1,147 @@
+// The record of a frame buffer as bytes: whole and back, merged, and never misread.
+#include <catch2/catch.hpp>
+
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "display/buffer/frame_buffer.h"
+#include "display/buffer/ranked_coverage.h"
+#include "display/services/display_services.h"
+#include "tests/services/helpers.h"
+
+namespace raylex::display {
+namespace {
+
+using test::plain_channel;
+using test::Random;
+
+std::vector<ChannelDefinition> every_rule() {
+    std::vector<ChannelDefinition> channels{
+        test::expression_channel("light", "CL"),
+        plain_channel("statistics", ChannelType::rgb),
+        plain_channel("zmin", ChannelType::point, FilterRule::zmin, std::numeric_limits<float>::infinity()),
+        plain_channel("zmax", ChannelType::integer, FilterRule::zmax),
+        plain_channel("min", ChannelType::rgb, FilterRule::min),
+        plain_channel("max", ChannelType::real, FilterRule::max),
+        plain_channel("average", ChannelType::rgb, FilterRule::average),
+        plain_channel("sum", ChannelType::real, FilterRule::sum),
+    };
+    channels[1].statistics = true;
+    channels.push_back(plain_channel("even", ChannelType::rgb));
+    channels.back().statistic = Statistic::even;
+    channels.back().source = 1;
+    channels[0].space = "rendering colour space";
+    channels[7].rest_of = {0, 3};
+    return channels;
+}
+
+/// Blocks first, first + 2, ... of every pixel.
+FrameBuffer filled(const std::vector<ChannelDefinition>& channels, int first) {
+    FrameBuffer buffer({37, 21}, channels);
+    SampleTable table(channels, 16, 0);
+    DisplayServices services(table);
+    for (int pixel = 0; pixel < 37 * 21; ++pixel)
+        for (int block = first; block < 4; block += 2) {
+            Random random(static_cast<std::uint64_t>(pixel * 4 + block));
+            table.begin(test::pixel_rows(pixel % 37, pixel / 37, static_cast<std::uint64_t>(block * 16), 16));
+            for (int row = 0; row < 16; ++row) {
+                const auto value = [&] { return static_cast<float>(std::ldexp(random.uniform() - 0.3, random.below(60) - 40)); };
+                services.write_opacity(row, Rgb(random.uniform_float()));
+                if (pixel > 500 || random.below(3) == 0) continue;  // whole pages stay empty
+                services.write_distance(row, static_cast<float>(random.below(40)));
+                services.splat(0, row, Rgb(value(), value(), value()));
+                for (const ChannelId id : {1, 2, 4, 6}) services.write(id, row, Rgb(value(), value(), value()));
+                services.write(3, row, static_cast<std::int32_t>(random.below(1000)));
+                services.write(5, row, value());
+                services.write(7, row, pixel == 3 ? 1e30f : value());  // out of range: rejected and counted
+            }
+            buffer.accumulate(table);
+        }
+    return buffer;
+}
+
+std::string record_of(const FrameBuffer& buffer) {
+    std::string bytes;
+    buffer.append_record(bytes);
+    return bytes;
+}
+
+}  // namespace
+
+TEST_CASE("a frame buffer's record is the frame buffer", "[framebuffer][record][law3]") {
+    const auto channels = every_rule();
+    const FrameBuffer buffer = filled(channels, 0);
+    REQUIRE(buffer.rejected_count(7) > 0);
+    const std::string bytes = record_of(buffer);
+    auto back = FrameBuffer::from_record(bytes);
+    REQUIRE(back.ok());
+    CHECK(back->difference_from(buffer).empty());
+    CHECK((record_of(*back) == bytes));
+    CHECK(back->rejected_count(7) == buffer.rejected_count(7));
+    CHECK(back->channels()[7].rest_of == channels[7].rest_of);
+    CHECK(back->sample_count(5, 5) == buffer.sample_count(5, 5));
+    for (ChannelId id = 0; id < 9; ++id) {
+        CAPTURE(id);
+        CHECK((back->resolve(id) == buffer.resolve(id)));
+        CHECK((back->resolve_variance_of_mean(id) == buffer.resolve_variance_of_mean(id)));
+    }
+    CHECK((back->resolve_alpha() == buffer.resolve_alpha()));
+}
+
+TEST_CASE("records of shards merge to the whole, in any order", "[framebuffer][record][law3]") {
+    const auto channels = every_rule();
+    FrameBuffer whole = filled(channels, 0);
+    REQUIRE(whole.merge(filled(channels, 1)).ok());
+    auto even = FrameBuffer::from_record(record_of(filled(channels, 0)));
+    auto odd = FrameBuffer::from_record(record_of(filled(channels, 1)));
+    REQUIRE(even.ok());
+    REQUIRE(odd.ok());
+    REQUIRE(odd->merge(*even).ok());
+    CHECK((record_of(*odd) == record_of(whole)));
+}
+
+TEST_CASE("a record that ends too early or is of another version is refused", "[framebuffer][record][law7]") {
+    const std::string bytes = record_of(filled(every_rule(), 0));
+    for (std::size_t size = 0; size < bytes.size(); size += 64) {
+        CAPTURE(size);
+        CHECK_FALSE(FrameBuffer::from_record(std::string_view(bytes).substr(0, size)).ok());
+    }
+    CHECK_FALSE(FrameBuffer::from_record(bytes + "x").ok());
+    std::string other = bytes;
+    other[0] = 9;
+    const auto refused = FrameBuffer::from_record(other);
+    REQUIRE_FALSE(refused.ok());
+    CHECK(refused.error().message.find("version 9, expected 1") != std::string::npos);
+    // A size that no memory holds is an error too.
+    other = bytes;
+    other[7] = 0x7f;
+    CHECK_FALSE(FrameBuffer::from_record(other).ok());
+}
+
+TEST_CASE("coverage goes through bytes and back", "[coverage][record][law3]") {
+    RankedCoverage coverage(7, 5, {0, 11, 22, 33});
+    for (std::size_t pixel = 0; pixel < 35; ++pixel)
+        for (std::uint32_t id = 0; id < 3 * pixel; ++id) {  // some pixels drop ids into the remainder
+            coverage.add(pixel, id, 1, 0.3);
+            coverage.add_weight(pixel, 1);
+        }
+    std::string bytes;
+    coverage.append_record(bytes);
+    RankedCoverage back(7, 5, {0, 11, 22, 33});
+    REQUIRE(back.restore_record(bytes).ok());
+    std::string again;
+    back.append_record(again);
+    CHECK((again == bytes));
+    std::array<RankedCoverage::Rank, 6> a, b;
+    for (std::size_t pixel = 0; pixel < 35; ++pixel) {
+        CHECK(coverage.resolve(pixel, a) == back.resolve(pixel, b));
+        for (std::size_t i = 0; i < a.size(); ++i) CHECK((a[i].id == b[i].id && a[i].coverage == b[i].coverage));
+    }
+    RankedCoverage other(7, 6, {});
+    CHECK_FALSE(other.restore_record(bytes).ok());
+    for (std::size_t size = 0; size < bytes.size(); size += 64)
+        CHECK_FALSE(back.restore_record(std::string_view(bytes).substr(0, size)).ok());
+}
+
+}  // namespace raylex::display

@@ -1,0 +1,188 @@
+// Adaptive sampling in whole renders: where samples go, what does not change, and how large the bias is.
+#include <cstdio>
+
+#include "tests/transport/render_support.h"
+
+using namespace render_test;
+
+namespace {
+
+transport::RenderSettings adaptive_settings(double error, std::uint64_t most = 4096) {
+    transport::RenderSettings settings;
+    settings.threads = 1;
+    settings.adaptive.emplace();
+    settings.adaptive->error = error;
+    settings.adaptive->max_samples = most;
+    return settings;
+}
+
+display::ChannelDefinition sample_count() {
+    display::ChannelDefinition channel;
+    channel.name = "sampleCount";
+    return channel;
+}
+
+double image_mean(const transport::RenderOutput& output) {
+    double sum = 0;
+    const std::vector<double> values = output.frame_buffer.resolve(output.beauty);
+    for (const double value : values) sum += value;
+    return sum / static_cast<double>(values.size());
+}
+
+}  // namespace
+
+TEST_CASE("every pixel ends within the tolerance or with the most samples", "[render][adaptive]") {
+    auto scene = scene_of(room);
+    transport::RenderSettings settings = adaptive_settings(0.08, 1000);
+    settings.channels = {sample_count()};
+    const auto output = render_of(scene, settings);
+    const display::FrameBuffer& buffer = output.frame_buffer;
+    const std::vector<double> values = buffer.resolve(output.beauty),
+                              variances = buffer.resolve_variance_of_mean(output.beauty), counts = buffer.resolve(1);
+    double mean = 0;
+    for (const double value : values) mean += value / static_cast<double>(values.size());
+    std::uint64_t fewest = ~std::uint64_t{0}, most = 0, total = 0, above = 0;
+    for (std::size_t pixel = 0; pixel < counts.size(); ++pixel) {
+        const std::uint64_t samples = buffer.sample_count(static_cast<int>(pixel % 24), static_cast<int>(pixel / 24));
+        // The AOV has the true count.
+        CHECK(counts[pixel] == static_cast<double>(samples));
+        const double deviation =
+            std::sqrt((variances[3 * pixel] + variances[3 * pixel + 1] + variances[3 * pixel + 2]) / 3);
+        const double value = (values[3 * pixel] + values[3 * pixel + 1] + values[3 * pixel + 2]) / 3;
+        if (deviation > 0.08 * std::max(value, 0.1 * mean)) {
+            CHECK(samples == 1000);
+            ++above;
+        }
+        CHECK(samples >= 64);
+        fewest = std::min(fewest, samples);
+        most = std::max(most, samples);
+        total += samples;
+    }
+    CHECK(fewest < most);
+    CHECK(total == output.statistics.camera_samples);
+    REQUIRE(output.adaptive.has_value());
+    CHECK(output.adaptive->open_pixels == 0);
+    CHECK(output.unconverged_pixels == above);
+    CHECK(output.complete);
+}
+
+TEST_CASE("channels outside the metric leave an adaptive beauty alone", "[render][adaptive][law2]") {
+    auto scene = scene_of(room);
+    transport::RenderSettings settings = adaptive_settings(0.15);
+    const auto alone = render_of(scene, settings);
+    settings.channels = {lpe("direct", "CDL"), lpe("glossy", "C<.G>.*"), sample_count()};
+    const auto asked = render_of(scene, settings);
+    CHECK((alone.frame_buffer.resolve(alone.beauty) == asked.frame_buffer.resolve(asked.beauty)));
+    CHECK(alone.statistics.camera_samples == asked.statistics.camera_samples);
+    // One in the metric is another job: it brings samples of its own.
+    settings.adaptive->channels = {{"beauty", 1, {}}, {"direct", 3, {}}};
+    const auto other = render_of(scene, settings);
+    CHECK(other.statistics.camera_samples > asked.statistics.camera_samples);
+}
+
+TEST_CASE("any number of threads takes the same decisions", "[render][adaptive][law3]") {
+    auto scene = scene_of(room);
+    transport::RenderSettings settings = adaptive_settings(0.15);
+    settings.channels = {lpe("direct", "CDL")};
+    std::string one, three;
+    render_of(scene, settings).frame_buffer.append_record(one);
+    settings.threads = 3;
+    render_of(scene, settings).frame_buffer.append_record(three);
+    CHECK((one == three));
+}
+
+TEST_CASE("the predicted number of samples is near what is spent", "[render][adaptive][release-only]") {
+    auto scene = scene_of(room);
+    transport::RenderSettings settings = adaptive_settings(0.04, 65536);
+    settings.resolution = {{48, 48}};
+    settings.threads = 2;
+    std::uint64_t first = 0;
+    auto output = transport::render(scene, settings, [&](const transport::RenderProgress& now) {
+        if (first == 0 && now.adaptive != nullptr && !now.adaptive->channel.empty()) first = now.samples_total;
+    });
+    REQUIRE(output.ok());
+    REQUIRE(first > 0);
+    const double ratio = static_cast<double>(output->statistics.camera_samples) / static_cast<double>(first);
+    // Errors of early decisions are rough where light is rare, and pixels reach the tolerance at a block's end.
+    CAPTURE(ratio);
+    CHECK(ratio > 0.5);
+    CHECK(ratio < 2);
+}
+
+TEST_CASE("metrics that cannot be are refused before rendering", "[render][adaptive][law7]") {
+    auto scene = scene_of(room);
+    transport::RenderSettings settings = adaptive_settings(0.1);
+    settings.adaptive->channels = {{"directt", 1, {}}};
+    settings.channels = {lpe("direct", "CDL")};
+    auto output = transport::render(scene, settings);
+    REQUIRE_FALSE(output.ok());
+    CHECK(output.error().hint == "did you mean 'direct'?");
+}
+
+namespace {
+
+/// Relative difference of adaptive means over seeds from a plain one of many samples, with its standard error. All with
+/// the independent sampler.
+Estimate bias(int neighbourhood, std::uint64_t least, double error, int seeds, double& samples_per_pixel) {
+    auto scene = scene_of(room);
+    auto built = transport::BuiltScene::build(scene);
+    REQUIRE(built.ok());
+    transport::RenderSettings settings;
+    settings.samples_per_pixel = 16384;
+    settings.seed = 1000003;  // independent of the adaptive ones
+    auto plain = transport::render(**built, settings);
+    REQUIRE(plain.ok());
+    const double reference = image_mean(*plain);
+    // Of the mean over pixels and colours; colours of a pixel go together, so their deviations add.
+    const std::vector<double> variances = plain->frame_buffer.resolve_variance_of_mean(plain->beauty);
+    double reference_variance = 0;
+    for (std::size_t i = 0; i < variances.size(); i += 3) {
+        const double deviation = (std::sqrt(variances[i]) + std::sqrt(variances[i + 1]) + std::sqrt(variances[i + 2])) / 3;
+        reference_variance += deviation * deviation;
+    }
+    const double pixels = static_cast<double>(variances.size()) / 3;
+    reference_variance /= pixels * pixels;
+
+    settings = adaptive_settings(error, 65536);
+    settings.threads = 0;
+    settings.adaptive->neighbourhood = neighbourhood;
+    settings.adaptive->min_samples = least;
+    double sum = 0, square = 0;
+    samples_per_pixel = 0;
+    for (int seed = 0; seed < seeds; ++seed) {
+        settings.seed = static_cast<std::uint64_t>(seed);
+        auto adaptive = transport::render(**built, settings);
+        REQUIRE(adaptive.ok());
+        const double mean = image_mean(*adaptive) / reference - 1;
+        sum += mean;
+        square += mean * mean;
+        samples_per_pixel += static_cast<double>(adaptive->statistics.camera_samples) / (pixels * seeds);
+    }
+    const double mean = sum / seeds, variance = (square / seeds - mean * mean) / (seeds - 1);
+    return {mean, std::sqrt(variance + reference_variance / (reference * reference))};
+}
+
+}  // namespace
+
+TEST_CASE("the bias of adaptive sampling is below what is stated", "[render][adaptive][statistical]") {
+    double samples = 0;
+    const Estimate found = bias(1, 64, 0.1, 60, samples);
+    CAPTURE(found.mean, found.error, samples);
+    // display/README.md states at most 0.5 %; four standard errors are exceeded by chance once in 16,000 runs.
+    CHECK(std::abs(found.mean) < 0.005 + 4 * found.error);
+    // The statement must be worth something: the interval is narrower than what is stated.
+    CHECK(4 * found.error < 0.005);
+}
+
+TEST_CASE("what the neighbourhood does to the bias of adaptive sampling", "[render][adaptive][.full][.measure]") {
+    for (const double error : {0.1, 0.05})
+        for (const std::uint64_t least : {std::uint64_t{16}, std::uint64_t{64}})
+            for (const int neighbourhood : {0, 1, 2}) {
+                double samples = 0;
+                const Estimate found = bias(neighbourhood, least, error, 100, samples);
+                std::printf("error %4.0f %%, at least %3d samples, neighbourhood %d: %6.1f samples per pixel, bias %+.3f %% "
+                            "+- %.3f %% (standard error)\n",
+                            100 * error, static_cast<int>(least), neighbourhood, samples, 100 * found.mean, 100 * found.error);
+                CHECK(std::abs(found.mean) < 0.1);
+            }
+}

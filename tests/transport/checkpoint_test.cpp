@@ -1,0 +1,313 @@
+// A render that is interrupted and resumed ends in the same bits as one that is not (Law 3), or is refused by name.
+#include <atomic>
+#include <cerrno>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <unistd.h>
+
+#include "display/output/atomic_file.h"
+#include "tests/transport/render_support.h"
+
+using namespace render_test;
+
+namespace {
+
+class ScratchFile {
+  public:
+    ScratchFile() {
+        std::string name = (std::filesystem::temp_directory_path() / "raylex checkpoint XXXXXX").string();
+        if (mkdtemp(name.data()) == nullptr) std::abort();
+        folder_ = name;
+    }
+    ~ScratchFile() {
+        std::error_code ignored;
+        std::filesystem::remove_all(folder_, ignored);
+    }
+    ScratchFile(const ScratchFile&) = delete;
+    ScratchFile& operator=(const ScratchFile&) = delete;
+    [[nodiscard]] std::string path() const { return folder_ + "/image.checkpoint"; }
+    [[nodiscard]] bool exists() const { return std::filesystem::exists(path()); }
+    [[nodiscard]] std::string bytes() const {
+        std::ifstream file(path(), std::ios::binary);
+        return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    }
+    void write(const std::string& bytes) const { std::ofstream(path(), std::ios::binary) << bytes; }
+
+  private:
+    std::string folder_;
+};
+
+/// All that must be the same: every plane of the frame buffer and of the mattes, and the numbers that add up.
+std::string everything(const transport::RenderOutput& output) {
+    std::string bytes;
+    output.frame_buffer.append_record(bytes);
+    for (const auto& matte : output.cryptomatte) matte.coverage().append_record(bytes);
+    const transport::RenderStatistics& s = output.statistics;
+    for (const std::uint64_t number : {s.camera_samples, s.camera_rays, s.scattering_rays, s.shadow_rays, s.invalid_samples,
+                                       s.attribution_overflow, s.refused_services_calls})
+        bytes += std::to_string(number) + " ";
+    for (const std::uint64_t number : s.path_length_histogram) bytes += std::to_string(number) + " ";
+    return bytes;
+}
+
+display::ChannelDefinition aov(const std::string& name) {
+    display::ChannelDefinition channel;
+    channel.name = name;
+    return channel;
+}
+
+transport::RenderSettings room_settings() {
+    transport::RenderSettings settings;
+    settings.samples_per_pixel = 200;  // the last block is not whole
+    settings.threads = 2;
+    settings.channels = {lpe("direct", "CDL"), lpe("glossy", "C<.G>.*"), aov("Nn"), aov("id"), aov("sampleCount"), aov("z")};
+    settings.cryptomatte = {raylex::geoaovs::MatteKind::object, raylex::geoaovs::MatteKind::material};
+    return settings;
+}
+
+/// Renders in sessions of at least `samples` more camera samples each, of 1, 2, 3, 1 ... threads.
+transport::RenderOutput in_sessions(const transport::SceneDescription& scene, transport::RenderSettings settings,
+                                    const ScratchFile& file, std::uint64_t samples, int& sessions) {
+    settings.checkpoint = transport::CheckpointSettings{file.path(), 0.01, false, {{"test", "1"}}};
+    for (sessions = 1;; ++sessions) {
+        std::atomic<bool> stop{false};
+        std::uint64_t begin = ~std::uint64_t{0};
+        settings.threads = 1 + sessions % 3;
+        auto output = transport::render(
+            scene, settings,
+            [&](const transport::RenderProgress& now) {
+                begin = std::min(begin, now.samples_done);
+                if (now.samples_done >= begin + samples) stop.store(true);
+            },
+            &stop);
+        INFO((output ? std::string() : output.error().to_string()));
+        REQUIRE(output.ok());
+        REQUIRE(sessions < 1000);
+        if (output->complete) return *std::move(output);
+        REQUIRE(file.exists());
+        settings.checkpoint->resume = true;
+    }
+}
+
+/// The Error of resuming with these settings.
+raylex::Error refusal(const transport::SceneDescription& scene, transport::RenderSettings settings, const ScratchFile& file) {
+    settings.checkpoint = transport::CheckpointSettings{file.path(), 60, true, {{"test", "1"}}};
+    auto output = transport::render(scene, settings);
+    REQUIRE_FALSE(output.ok());
+    return output.error();
+}
+
+}  // namespace
+
+TEST_CASE("a render in many sessions has the bits of one that was never interrupted", "[render][checkpoint][law3]") {
+    const auto scene = scene_of(room);
+    transport::RenderSettings settings = room_settings();
+    const auto whole = render_of(scene, settings);
+    const ScratchFile file;
+    int sessions = 0;
+    const auto resumed = in_sessions(scene, settings, file, 12000, sessions);
+    CHECK(sessions > 2);
+    CHECK(resumed.resumed_samples > 0);
+    CHECK(resumed.statistics.render_seconds > 0);
+    CHECK((everything(resumed) == everything(whole)));
+    CHECK(file.exists());  // the caller's to remove, once the image is safe
+}
+
+TEST_CASE("adaptive sampling takes the same decisions after interruptions", "[render][checkpoint][adaptive][law3]") {
+    const auto scene = scene_of(room);
+    transport::RenderSettings settings = room_settings();
+    settings.adaptive.emplace();
+    settings.adaptive->error = 0.1;
+    settings.adaptive->max_samples = 500;
+    const auto whole = render_of(scene, settings);
+    CHECK(whole.statistics.camera_samples < 24 * 24 * 500);
+    const ScratchFile file;
+    int sessions = 0;
+    const auto resumed = in_sessions(scene, settings, file, 12000, sessions);
+    CHECK(sessions > 2);
+    CHECK((everything(resumed) == everything(whole)));
+    CHECK(resumed.adaptive->error == whole.adaptive->error);
+    CHECK(resumed.unconverged_pixels == whole.unconverged_pixels);
+}
+
+TEST_CASE("checkpoints while a render goes on change nothing", "[render][checkpoint][law3]") {
+    const auto scene = scene_of(room);
+    transport::RenderSettings settings = room_settings();
+    const auto whole = render_of(scene, settings);
+    const ScratchFile file;
+    settings.checkpoint = transport::CheckpointSettings{file.path(), 0.01, false, {}};
+    const auto saved = render_of(scene, settings);
+    CHECK(saved.statistics.checkpoints > 0);
+    CHECK((everything(saved) == everything(whole)));
+    // Another one from the last of them, as after a kill.
+    settings.checkpoint->resume = true;
+    const auto resumed = render_of(scene, settings);
+    CHECK(resumed.resumed_samples > 0);
+    CHECK((everything(resumed) == everything(whole)));
+}
+
+TEST_CASE("a checkpoint of another render is refused, and what differs is named", "[render][checkpoint][law7]") {
+    const auto scene = scene_of(room);
+    transport::RenderSettings settings = room_settings();
+    const ScratchFile file;
+    CHECK(refusal(scene, settings, file).message.find("no checkpoint to resume from") != std::string::npos);
+    int sessions = 0;
+    in_sessions(scene, settings, file, 12000, sessions);
+    const auto names = [&](const transport::RenderSettings& other, const std::string& difference) {
+        const raylex::Error error = refusal(scene, other, file);
+        CAPTURE(error.message, difference);
+        CHECK(error.file == file.path());
+        CHECK(error.message.find("the checkpoint is of another render") != std::string::npos);
+        CHECK(error.message.find(difference) != std::string::npos);
+    };
+    transport::RenderSettings other = settings;
+    other.seed = 7;
+    names(other, "seed: 0 there, 7 here");
+    other = settings;
+    other.samples_per_pixel = 300;
+    names(other, "samples per pixel: 200 there, 300 here");
+    other = settings;
+    other.resolution = {{12, 12}};
+    names(other, "resolution: 24x24 there, 12x12 here");
+    other = settings;
+    other.channels.pop_back();
+    names(other, "channel z: z, ");
+    other = settings;
+    other.channels[0].expression = "CDDL";
+    names(other, "channel direct: CDL, type 1, rule 0, statistics there, CDDL");
+    other = settings;
+    other.cryptomatte.pop_back();
+    names(other, "cryptomatte CryptoMaterial");
+    other = settings;
+    other.max_depth = 2;
+    names(other, "max depth: nothing there, 2 here");
+    other = settings;
+    other.picked_lobes = true;
+    names(other, "lobes: exact there, picked here");
+    other = settings;
+    other.filter.emplace();
+    other.filter->type = "gaussian";
+    names(other, "pixel filter: box there, gaussian gaussian() here");
+    other = settings;
+    other.isa = "sse2";
+    names(other, "instruction set: ");
+    other = settings;
+    other.adaptive.emplace();
+    names(other, "adaptive: nothing there, error 0.01 of beauty, 64 to 65536 samples");
+
+    std::string text = room;
+    text.replace(text.find("0.7 0.6 0.5"), 3, "0.8");
+    const raylex::Error error = refusal(scene_of(text), settings, file);
+    CHECK(error.message.find("\n  scene: ") != std::string::npos);
+    CHECK(error.message.find("seed") == std::string::npos);
+}
+
+TEST_CASE("a damaged checkpoint is refused and left as it is", "[render][checkpoint][law7]") {
+    const auto scene = scene_of(room);
+    transport::RenderSettings settings = room_settings();
+    settings.resolution = {{8, 8}};
+    const ScratchFile file;
+    int sessions = 0;
+    in_sessions(scene, settings, file, 2000, sessions);
+    REQUIRE(file.exists());
+    const std::string intact = file.bytes();
+    for (const std::size_t size : {std::size_t{0}, std::size_t{17}, intact.size() / 2, intact.size() - 1}) {
+        file.write(intact.substr(0, size));
+        CHECK(refusal(scene, settings, file).message.find("cannot resume: the file is truncated") != std::string::npos);
+        CHECK(file.bytes().size() == size);
+    }
+    std::string damaged = intact;
+    damaged[intact.size() / 2] = static_cast<char>(damaged[intact.size() / 2] ^ 4);
+    file.write(damaged);
+    CHECK(refusal(scene, settings, file).message.find("section 'frame buffer' is damaged") != std::string::npos);
+    CHECK((file.bytes() == damaged));
+}
+
+TEST_CASE("a checkpoint that cannot be written is a warning, and the render goes on", "[render][checkpoint][law7]") {
+    const auto scene = scene_of(room);
+    transport::RenderSettings settings = room_settings();
+    const auto whole = render_of(scene, settings);
+    const ScratchFile file;
+    settings.checkpoint = transport::CheckpointSettings{file.path(), 0.01, false, {}};
+    display::set_file_fault([](display::FileCall call, const std::string&) {
+        return call == display::FileCall::sync ? EIO : 0;
+    });
+    const auto output = render_of(scene, settings);
+    display::set_file_fault(nullptr);
+    CHECK((everything(output) == everything(whole)));
+    CHECK(output.statistics.checkpoints == 0);
+    REQUIRE_FALSE(output.warnings.empty());
+    CHECK(output.warnings.back().file == file.path());
+    CHECK(output.warnings.back().message.find("a checkpoint could not be saved: ") != std::string::npos);
+    CHECK_FALSE(file.exists());
+}
+
+namespace {
+
+/// Light that grows with the iterations: what it gives depends on state that a checkpoint must bring back.
+class Counting final : public transport::Integrator {
+  public:
+    explicit Counting(transport::SavedState state) : state_(state) {}
+    [[nodiscard]] transport::IntegratorTraits traits() const override {
+        transport::IntegratorTraits traits;
+        traits.saved_state = state_;
+        return traits;
+    }
+    raylex::Status prepare(const transport::IntegratorContext&) override { return raylex::success(); }
+    [[nodiscard]] std::unique_ptr<transport::IntegratorThread> make_thread_state() const override {
+        return std::make_unique<transport::IntegratorThread>();
+    }
+    [[nodiscard]] bool synchronous() const override { return true; }
+    void integrate(const transport::CameraBatch& batch, transport::IntegratorThread& thread,
+                   transport::ThreadServices& services) const override {
+        for (int row = 0; row < static_cast<int>(batch.rays.size()); ++row) {
+            auto tracker = services.lpe.begin(row);
+            services.lpe.contribute(raylex::Rgb(static_cast<float>(iterations_)), display::Technique::scattering, tracker);
+        }
+        thread.counters.camera_rays += batch.rays.size();
+    }
+    void end_iteration(std::uint64_t, std::span<transport::IntegratorThread* const>) override {
+        iterations_ = iterations_ * 3 % 1009;
+    }
+    void save_state(std::string& bytes) const override { bytes += std::to_string(iterations_); }
+    raylex::Status restore_state(std::string_view bytes) override {
+        iterations_ = static_cast<std::uint64_t>(std::stoull(std::string(bytes)));
+        return raylex::success();
+    }
+
+  private:
+    transport::SavedState state_;
+    std::uint64_t iterations_ = 1;
+};
+
+}  // namespace
+
+TEST_CASE("an integrator's own state is saved, or the integrator is named and refused", "[render][checkpoint][law3]") {
+    for (const auto& [name, state] : {std::pair{"counting", transport::SavedState::saved},
+                                      std::pair{"silent", transport::SavedState::unknown}})
+        transport::integrator_registry().add(
+            {name, "for this test", {},
+             [s = state](const transport::SceneEntity&,
+                         std::optional<std::int64_t>) -> raylex::Result<std::unique_ptr<transport::Integrator>> {
+                 return std::unique_ptr<transport::Integrator>(std::make_unique<Counting>(s));
+             }});
+    const auto scene = scene_of(room);
+    transport::RenderSettings settings;
+    settings.integrator.emplace();
+    settings.integrator->type = "counting";
+    settings.resolution = {{64, 64}};
+    settings.samples_per_pixel = 1600;
+    const auto whole = render_of(scene, settings);
+    const ScratchFile file;
+    int sessions = 0;
+    const auto resumed = in_sessions(scene, settings, file, 1000000, sessions);
+    CHECK(sessions > 1);
+    CHECK((everything(resumed) == everything(whole)));
+
+    settings.integrator->type = "silent";
+    settings.checkpoint = transport::CheckpointSettings{file.path(), 60, false, {}};
+    auto refused = transport::render(scene, settings);
+    REQUIRE_FALSE(refused.ok());
+    CHECK(refused.error().message.find("integrator 'silent' does not say how its state is saved") != std::string::npos);
+}

@@ -1,0 +1,72 @@
+// Saving a render while it goes on, and going on after a crash: private to render.cpp and render_loop.cpp. What a render
+// is asked for stands in CheckpointSettings (render.h).
+//
+// A checkpoint is taken between tasks: the threads stop at the end of the task they are in, so the frame buffer holds tasks
+// [0, position) of the phase, whole, and no others; which is all that has to be remembered of the order. The record is
+// copied while they stand still, and checked, written and synced by a thread of its own while they go on.
+//
+// Sections of the record (display/checkpoint/record_file.h): "progress", "frame buffer", "adaptive" and "integrator" when
+// there is such a thing, and one for each set of mattes.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "display/checkpoint/record_file.h"
+#include "transport/render/render.h"
+
+namespace raylex::transport {
+
+struct RenderJob;
+
+/// Where a render stands.
+struct RenderPosition {
+    std::uint64_t phase = 0;     ///< a run of tasks that threads go through without meeting
+    std::uint64_t task = 0;      ///< the first task of the phase that is not in the frame buffer
+    RenderStatistics statistics; ///< of what is in the frame buffer
+};
+
+/// What a record must say for this render to go on from it: the caller's fields, then the render's own.
+display::RecordIdentity render_identity(const RenderJob& job, const RenderSettings& settings, const std::string& isa);
+
+/// Whether this render can be saved at all; an Error names what cannot.
+Status check_checkpoint(const CheckpointSettings& settings, const RenderJob& job, const std::string& integrator);
+
+display::RecordFile make_checkpoint(const display::RecordIdentity& identity, const RenderPosition& position,
+                                    const RenderJob& job, const display::FrameBuffer& frame_buffer);
+
+/// Fills the frame buffer and the job's mattes, adaptive sampler and integrator from the record in the settings' file.
+/// Errors: no such file, damaged, of another render (all that differs is named).
+Result<RenderPosition> restore_checkpoint(const CheckpointSettings& settings, const display::RecordIdentity& identity,
+                                          RenderJob& job, display::FrameBuffer& frame_buffer);
+
+/// Writes one record at a time beside the render.
+class CheckpointWriter {
+  public:
+    explicit CheckpointWriter(std::string file) : file_(std::move(file)) {}
+    ~CheckpointWriter() { wait(); }
+    CheckpointWriter(const CheckpointWriter&) = delete;
+    CheckpointWriter& operator=(const CheckpointWriter&) = delete;
+
+    [[nodiscard]] bool busy() const { return busy_.load(); }
+    /// Not while busy().
+    void start(display::RecordFile record);
+    void wait();
+    /// Takes note of a record that could not even be made.
+    void fail(Error error);
+    /// After wait(): records that are safe on disk, and what went wrong with the others, said once for each reason.
+    [[nodiscard]] std::uint64_t written() const { return written_.load(); }
+    [[nodiscard]] const std::vector<Error>& failures() const { return failures_; }
+
+  private:
+    std::string file_;
+    std::thread thread_;
+    std::atomic<bool> busy_{false};
+    std::atomic<std::uint64_t> written_{0};
+    std::vector<Error> failures_;
+};
+
+}  // namespace raylex::transport
