@@ -25,6 +25,9 @@ namespace {
 /// What the renders of this file are, but for their checkpoints: layers of every kind, and samples that are not even.
 const std::string what = " --lpe direct=CDL --aov Nn --aov id --aov sampleCount --cryptomatte object --threads 2";
 
+/// Shell: goes on when the first checkpoint is there, so that the program is well amid its render.
+const std::string until_saved = "for i in $(seq 1500); do [ -e out.exr.checkpoint ] && break; sleep 0.02; done\n";
+
 /// Every number of every layer, and which layers there are.
 std::string bits_of(const std::string& path) {
     auto image = raylex::display::read_exr(path);
@@ -91,9 +94,7 @@ TEST_CASE("a render that is killed goes on to the same bits [law3]", "[release-o
     for (; kills < 4; ++kills) {
         // From the first checkpoint on, so that there is something to go on from.
         const Outcome outcome = run_shell(folder, "\"$RAYLEX\" " + render + " -o out.exr --checkpoint 0.02s" + resume +
-                                                      " & pid=$!\n"
-                                                      "for i in $(seq 200); do [ -e out.exr.checkpoint ] && break; sleep 0.02; done\n"
-                                                      "sleep 0.1\nkill -9 $pid || exit 7\nwait $pid\n[ $? = 137 ]");
+                                                      " & pid=$!\n" + until_saved + "sleep 0.1\nkill -9 $pid || exit 7\nwait $pid\n[ $? = 137 ]");
         CAPTURE(outcome.out, outcome.err);
         if (kills > 0 && outcome.code != 0) break;  // it had come to its end
         REQUIRE(outcome.code == 0);
@@ -117,7 +118,7 @@ TEST_CASE("Ctrl-C leaves an image of what there is and a checkpoint to go on fro
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     const std::string render = "render room.pbrt --spp 20000" + what;
-    const Outcome stopped = run_shell(folder, "\"$RAYLEX\" " + render + " -o out.exr --checkpoint 1h & pid=$!\nsleep 0.6\n"
+    const Outcome stopped = run_shell(folder, "\"$RAYLEX\" " + render + " -o out.exr --checkpoint 0.2s & pid=$!\n" + until_saved +
                                               "kill -INT $pid\nwait $pid");
     CAPTURE(stopped.out, stopped.err);
     REQUIRE(stopped.code == 130);
@@ -151,8 +152,8 @@ TEST_CASE("what cannot be resumed is refused with exit 2 and left alone [law7]")
     refused("--checkpoint 60s --deep d.exr", "--deep: a deep image is not saved in checkpoints");
     refused("--until-error 0", "'0' is no relative error; expected a number above 0 such as 1% or 0.01");
     refused("--until-error 1x", "'1x' is no relative error");
-    const Outcome stopped = run_shell(folder, "\"$RAYLEX\" render room.pbrt --spp 20000 -o out.exr --checkpoint 1h & pid=$!\n"
-                                              "sleep 0.6\nkill -INT $pid\nwait $pid");
+    const Outcome stopped = run_shell(folder, "\"$RAYLEX\" render room.pbrt --spp 20000 -o out.exr --checkpoint 0.2s & pid=$!\n" +
+                                              until_saved + "kill -INT $pid\nwait $pid");
     REQUIRE(stopped.code == 130);
     const std::string bytes = folder.read("out.exr.checkpoint");
     refused("--spp 20000 --resume --seed 1", "seed: 0 there, 1 here");
