@@ -16,6 +16,7 @@
 #include "display/output/exr_reader.h"
 #include "experiments/cli/command_line.h"
 #include "support.h"
+#include "tests/support/paths.h"
 
 using namespace raylex::test;
 using raylex::display::FileCall;
@@ -321,7 +322,7 @@ TEST_CASE("a death at any file call of a run costs no bit [law7]", "[.full][reco
         folder.write("out.exr", earlier);
         const Outcome outcome =
             run_shell(folder, "export RAYLEX_TEST_FOLDER='" + folder.path() + "' RAYLEX_TEST_CALL=" + std::to_string(deaths) +
-                                  "\nexec '" RAYLEX_BINARY_DIR "/test_experiments' '[recovery-child]'");
+                                  "\nexec '" + binary_dir() + "/test_experiments' '[recovery-child]'");
         CAPTURE(deaths, outcome.code, outcome.err);
         CHECK((bits_of(out) == expected));  // the earlier image or the new one, never a part
         if (outcome.code == 0) break;
