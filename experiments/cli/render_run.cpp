@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -10,6 +12,7 @@
 #include "display/output/exr_reader.h"
 #include "display/output/exr_writer.h"
 #include "display/output/split_check.h"
+#include "display/services/hash64.h"
 #include "experiments/cli/command_line.h"
 #include "experiments/cli/console.h"
 #include "experiments/cli/interrupt.h"
@@ -23,6 +26,7 @@
 #include "experiments/job/sampling_requests.h"
 #include "experiments/job/statistics.h"
 #include "transport/import/pbrt_importer.h"
+#include "transport/plugins/plugin_loader.h"
 
 namespace raylex::experiments {
 namespace {
@@ -137,9 +141,16 @@ class RenderRun {
         settings.identity = {{"raylex", raylex_version() + " " + raylex_revision() + ", " + build_description()},
                              {"colour config", color_.description},
                              {"texture rules", job_.texture_rules ? "true" : "false"}};
+        for (const transport::LoadedPlugin& each : transport::loaded_plugins())
+            settings.identity.emplace_back("plugin " + fs::path(each.path).filename().string(), file_hash(each.path));
         for (const lpe::LobeOption& each : job_.lobe_options)
             settings.identity.emplace_back("lobe slot " + each.slot, each.names);
         job_.settings.checkpoint = std::move(settings);
+    }
+
+    static std::string file_hash(const std::string& path) {
+        std::ifstream file(path, std::ios::binary);
+        return hash_text(hash64(std::string{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()}));
     }
 
     /// The image is safe under its name, and so are all other files: what would bring it back is not needed any more.
