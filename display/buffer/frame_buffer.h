@@ -35,32 +35,18 @@
 #include <span>
 #include <vector>
 
+#include "display/buffer/pixel_image.h"
 #include "display/services/channel.h"
 #include "display/services/sample_table.h"
 #include "lpe/result.h"
 
 namespace raylex::display {
 
-struct FrameBufferLayout {
-    int width = 0, height = 0;
-    int block_size = 16;          ///< samples per canonical block; a power of two
-    int quantum_exponent = -80;
-
-    bool operator==(const FrameBufferLayout&) const = default;
-};
-
-/// Pixels [x0, x1) x [y0, y1).
-struct PixelRegion {
-    int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
-    [[nodiscard]] int width() const { return x1 - x0; }
-    [[nodiscard]] int height() const { return y1 - y0; }
-};
-
-class FrameBuffer {
+class FrameBuffer final : public PixelImage {
   public:
     /// Throws std::bad_alloc when the system refuses the address space; create() is the checked door.
     FrameBuffer(const FrameBufferLayout& layout, std::span<const ChannelDefinition> channels);
-    ~FrameBuffer();
+    ~FrameBuffer() override;
     FrameBuffer(FrameBuffer&&) noexcept;
     FrameBuffer& operator=(FrameBuffer&&) noexcept;
 
@@ -75,20 +61,19 @@ class FrameBuffer {
     /// two must be disjoint and whole blocks. On error this buffer is unchanged.
     Status merge(const FrameBuffer& other);
 
-    [[nodiscard]] const FrameBufferLayout& layout() const;
-    [[nodiscard]] std::span<const ChannelDefinition> channels() const;
+    [[nodiscard]] const FrameBufferLayout& layout() const override;
+    [[nodiscard]] std::span<const ChannelDefinition> channels() const override;
     [[nodiscard]] std::uint64_t sample_count(int x, int y) const;
     [[nodiscard]] std::uint64_t rejected_count() const;               ///< block sums out of range or not finite, in all
     [[nodiscard]] std::uint64_t rejected_count(ChannelId id) const;   ///< of one channel
 
-    /// The pixels of a channel, row-major from the top, components interleaved: filtered value, or what its rule picks.
-    [[nodiscard]] std::vector<double> resolve(ChannelId id) const;
-    /// The same for the pixels of a region, which must lie within the image. The region's pixels must not be added to
-    /// meanwhile; others may.
-    [[nodiscard]] std::vector<double> resolve(ChannelId id, const PixelRegion& region) const;
+    using PixelImage::resolve;
+    using PixelImage::resolve_alpha;
+    /// The pixels of a channel: filtered value, or what its rule picks. The region's pixels must not be added to meanwhile;
+    /// others may.
+    [[nodiscard]] std::vector<double> resolve(ChannelId id, const PixelRegion& region) const override;
     /// Coverage: filtered mean of the samples' opacity.
-    [[nodiscard]] std::vector<double> resolve_alpha() const;
-    [[nodiscard]] std::vector<double> resolve_alpha(const PixelRegion& region) const;
+    [[nodiscard]] std::vector<double> resolve_alpha(const PixelRegion& region) const override;
     /// Variance of the pixel mean (Statistic::mse) of a channel that keeps moments, whether or not it has a layer; empty when
     /// it keeps none, 0 for pixels with fewer than two samples. With weights w and mean m:
     ///     sum(w^2) sum((v - m)^2) / ((n - 1) sum(w)^2),

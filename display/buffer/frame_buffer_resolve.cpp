@@ -50,10 +50,6 @@ std::uint64_t FrameBuffer::rejected_count(ChannelId id) const {
     return storage_->rejected[static_cast<std::size_t>(id)].load();
 }
 
-std::vector<double> FrameBuffer::resolve(ChannelId id) const {
-    return resolve(id, {0, 0, storage_->layout.width, storage_->layout.height});
-}
-
 std::vector<double> FrameBuffer::resolve(ChannelId id, const PixelRegion& region) const {
     const Storage& storage = *storage_;
     const Channel& channel = storage.channels[static_cast<std::size_t>(id)];
@@ -82,10 +78,6 @@ std::vector<double> FrameBuffer::resolve(ChannelId id, const PixelRegion& region
         }
     });
     return result;
-}
-
-std::vector<double> FrameBuffer::resolve_alpha() const {
-    return resolve_alpha({0, 0, storage_->layout.width, storage_->layout.height});
 }
 
 std::vector<double> FrameBuffer::resolve_alpha(const PixelRegion& region) const {

@@ -41,9 +41,30 @@ Status resolve_channels(const RenderSettings& settings, std::span<const display:
         job.channels.push_back(std::move(channel));
     }
     if (job.channels.empty()) return error_at({}, "nothing to render: no beauty and no channel; expected at least one");
-    if (Status s = display::apply_rules(settings.rules, job.beauty, job.channels); !s) return s;
-    if (Status s = display::add_layers(settings.layers, job.channels); !s) return s;
-    return display::add_statistics(settings.statistics, job.channels);
+    return display::apply_rules(settings.rules, job.beauty, job.channels);
+}
+
+/// After resolve_channels: filters may add channels that they fill.
+Status make_sample_filters(const RenderSettings& settings, RenderJob& job) {
+    for (const SceneEntity& entity : settings.sample_filters) {
+        ParameterSet parameters = entity.parameters;
+        if (parameters.location.file.empty()) parameters.location = entity.location;
+        std::vector<display::ChannelDefinition> added;
+        const auto add = [&](display::ChannelDefinition channel) -> Result<display::ChannelId> {
+            for (const auto* list : {&job.channels, &added})
+                for (const display::ChannelDefinition& known : *list)
+                    if (known.name == channel.name)
+                        return error_at(parameters.location, "sample filter '" + entity.type + "' adds the channel '" +
+                                                                 channel.name + "', whose name is taken; expected another");
+            added.push_back(std::move(channel));
+            return static_cast<display::ChannelId>(job.channels.size() + added.size() - 1);
+        };
+        auto made = display::make_sample_filter(entity.type, parameters, {job.channels, job.beauty, add});
+        if (!made) return made.error();
+        job.sample_filters.add(*std::move(made));
+        job.channels.insert(job.channels.end(), added.begin(), added.end());
+    }
+    return success();
 }
 
 /// Channels that the integrator cannot fill are refused before a ray is traced.
@@ -128,6 +149,17 @@ Status resolve_sampler(const SceneEntity& entity, const RenderSettings& settings
     job.seed = settings.seed + choice->seed;
     job.samples_per_pixel = settings.samples_per_pixel.value_or(choice->samples_per_pixel);
     if (job.samples_per_pixel == 0) return error_at({}, "0 samples per pixel; expected at least 1");
+    if (settings.only) {
+        const SampleChoice& only = *settings.only;
+        if (only.x < 0 || only.y < 0 || only.x >= job.film.width || only.y >= job.film.height)
+            return error_at({}, "pixel (" + std::to_string(only.x) + ", " + std::to_string(only.y) +
+                                    ") is not in the image; expected x below " + std::to_string(job.film.width) +
+                                    " and y below " + std::to_string(job.film.height));
+        if (only.sample >= job.samples_per_pixel)
+            return error_at({}, "sample " + std::to_string(only.sample) + " is not in the image; expected one below " +
+                                    std::to_string(job.samples_per_pixel));
+        job.only = only;
+    }
     name = choice->name;
     return success();
 }
@@ -175,6 +207,9 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
         !s)
         return s.error();
     if (Status s = resolve_channels(settings, scene.pattern_channels(), job); !s) return s.error();
+    if (Status s = make_sample_filters(settings, job); !s) return s.error();
+    if (Status s = display::add_layers(settings.layers, job.channels); !s) return s.error();
+    if (Status s = display::add_statistics(settings.statistics, job.channels); !s) return s.error();
     auto chosen = choose_integrator(settings.integrator ? *settings.integrator : scene.integrator, settings.max_depth);
     if (!chosen) return chosen.error();
     warnings.insert(warnings.end(), chosen->warnings.begin(), chosen->warnings.end());
@@ -184,12 +219,6 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
     job.lpe = std::make_unique<display::LpeSetup>(*std::move(lpe));
     if (Status s = check_traits(*chosen, scene.view(), job); !s) return s.error();
     if (settings.picked_lobes) job.attribution = display::LpeServices::Attribution::picked;
-    if (settings.sample_filter) {
-        auto made = display::make_sample_filter(settings.sample_filter->type, settings.sample_filter->parameters,
-                                                {job.channels, job.beauty});
-        if (!made) return made.error();
-        job.sample_filter = *std::move(made);
-    }
     job.threads =
         settings.threads > 0 ? settings.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     job.has_extra_rows = scene.view().geometry->has_alpha() || scene.view().media->any();
@@ -220,6 +249,7 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
                         .channels = job.channels,
                         .beauty = job.beauty,
                         .filter = job.filter.get(),
+                        .altered = job.sample_filters.alters(),
                         .memory = display::frame_buffer_memory(layout, job.channels)};
         for (const geoaovs::MatteKind kind : settings.cryptomatte)
             plan.memory.push_back({geoaovs::matte_layer(kind),
@@ -240,6 +270,8 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
     statistics.render_seconds = watch.wall();
     loop.collect(statistics);
     statistics.invalid_samples += frame_buffer->rejected_count();
+    for (std::size_t i = 0; i < job.channels.size(); ++i)
+        statistics.invalid_by_channel[i] += frame_buffer->rejected_count(static_cast<display::ChannelId>(i));
     for (std::string& refused : display::refusal_warnings(job.channels, statistics.refusals))
         warnings.push_back(error_at({}, std::move(refused)));
 

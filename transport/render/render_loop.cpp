@@ -96,7 +96,7 @@ void RenderWorker::finish_samples(double begin) {
         }
         job_.aovs->write_rays(camera_rays_, table_, display_);
     }
-    if (job_.sample_filter) job_.sample_filter->apply(table_);
+    job_.sample_filters.apply(table_);
     if (job_.aovs->wants_samples())
         job_.aovs->write_samples(job_.aovs->wants_time() ? thread_cpu_seconds() - begin : 0, table_, display_);
 }
@@ -202,6 +202,12 @@ std::vector<double> RenderLoop::resolve_alpha(const display::PixelRegion& region
 Status RenderLoop::run(const std::function<void(const RenderProgress&)>& progress, const std::atomic<bool>* stop) {
     stop_ = stop;
     const Stopwatch watch;
+    if (job_.only) {
+        flush_denormals();
+        job_.integrator->begin_iteration(0);
+        workers_.front()->render_sample(*job_.only, locks_.of(0));
+        return success();
+    }
     const std::uint64_t total = static_cast<std::uint64_t>(job_.film.width) *
                                 static_cast<std::uint64_t>(job_.film.height) * job_.samples_per_pixel;
     const auto report = [&] {
@@ -230,9 +236,12 @@ void RenderLoop::collect(RenderStatistics& statistics) const {
         statistics.camera_samples += worker->samples;
         statistics.render_cpu_seconds += worker->cpu_seconds;
         statistics.attribution_overflow += worker->lpe().overflow_count();
-        statistics.invalid_samples += worker->lpe().invalid_count();
-        statistics.invalid_log.insert(statistics.invalid_log.end(), worker->lpe().invalid_samples().begin(),
-                                      worker->lpe().invalid_samples().end());
+        const display::SampleTable& table = worker->table();
+        statistics.invalid_samples += table.invalid_total();
+        statistics.invalid_by_channel.resize(job_.channels.size());
+        for (std::size_t i = 0; i < job_.channels.size(); ++i)
+            statistics.invalid_by_channel[i] += table.invalid_by_channel()[i];
+        statistics.invalid_log.insert(statistics.invalid_log.end(), table.invalid_log().begin(), table.invalid_log().end());
         const std::span<const display::RefusalCounts> refusals = worker->display().refusals();
         statistics.refusals.resize(refusals.size());
         for (std::size_t i = 0; i < refusals.size(); ++i) {
@@ -240,11 +249,15 @@ void RenderLoop::collect(RenderStatistics& statistics) const {
             statistics.refused_services_calls += refusals[i].total();
         }
     }
-    std::sort(statistics.invalid_log.begin(), statistics.invalid_log.end(), [](const auto& a, const auto& b) {
-        return std::tie(a.sample, a.pixel_y, a.pixel_x) < std::tie(b.sample, b.pixel_y, b.pixel_x);
-    });
-    if (statistics.invalid_log.size() > display::LpeServices::invalid_samples_kept)
-        statistics.invalid_log.resize(display::LpeServices::invalid_samples_kept);
+    // In the order of tasks. Every thread takes its tasks in that order, so the first ones of all threads are among the
+    // first ones of each, whatever their number.
+    const auto task_of = [](const display::InvalidSample& each) {
+        return std::tuple(each.sample / block_size, each.pixel_y / tile_size, each.pixel_x / tile_size);
+    };
+    std::stable_sort(statistics.invalid_log.begin(), statistics.invalid_log.end(),
+                     [&](const auto& a, const auto& b) { return task_of(a) < task_of(b); });
+    if (statistics.invalid_log.size() > display::SampleTable::invalid_samples_kept)
+        statistics.invalid_log.resize(display::SampleTable::invalid_samples_kept);
     statistics.camera_rays = counters.camera_rays;
     statistics.scattering_rays = counters.scattering_rays;
     statistics.shadow_rays = counters.shadow_rays;

@@ -11,6 +11,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,11 +31,12 @@ struct RenderJob {
     SamplerKind sampler = SamplerKind::sobol;
     std::uint64_t seed = 0, samples_per_pixel = 0;
     int threads = 1;
+    std::optional<SampleChoice> only;
     std::vector<display::ChannelDefinition> channels;
     display::ChannelId beauty = display::invalid_channel;
     std::unique_ptr<display::LpeSetup> lpe;
     display::LpeServices::Attribution attribution = display::LpeServices::Attribution::exact;
-    std::unique_ptr<display::SampleFilter> sample_filter;
+    display::SampleFilterChain sample_filters;
     const geoaovs::GeometricAovs* aovs = nullptr;
     std::vector<geoaovs::Cryptomatte> cryptomatte;
     std::vector<display::SampleSink*> sinks;
@@ -63,6 +65,12 @@ class RenderWorker {
     /// frame buffer takes a batch in.
     void render_tile(int x0, int y0, int x1, int y1, std::uint64_t first, int count, std::mutex& adding);
 
+    void render_sample(const SampleChoice& choice, std::mutex& adding) {
+        add_pixel(choice.x, choice.y, choice.sample, 1, adding);
+        flush(adding);
+    }
+
+    [[nodiscard]] const display::SampleTable& table() const { return table_; }
     [[nodiscard]] const display::LpeServices& lpe() const { return lpe_; }
     [[nodiscard]] const display::DisplayServices& display() const { return display_; }
     [[nodiscard]] IntegratorThread& state() { return *state_; }
