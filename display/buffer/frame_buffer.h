@@ -6,6 +6,13 @@
 // which order (Law 3). The quantum is 2^-80 by default: relative to a pixel of 1e-12 still below 1e-12 (Law 1), with room
 // for sums up to 2^47. A block sum out of range is rejected and counted like a non-finite value, never wrapped.
 //
+// Two modes of the pixel filter. Importance mode (the usual one): samples are drawn as the kernel says, each belongs to
+// one pixel and counts by CameraRow::filter_weight. Splat mode (create() is given the kernel): samples are drawn evenly, in
+// the image and as far around it as the kernel reaches, and count by the kernel for every pixel in reach of their
+// CameraRow::screen_x and screen_y. Each block of samples goes to each such pixel as one exact addition. Neighbouring pixels
+// then share samples, so a pixel's own scatter says nothing of its error: statistics are refused. Rules other than
+// `filter` take the samples of the pixel itself in both modes.
+//
 // What a channel's samples become:
 //   filter     sum of weight x value over the sum of weights, both kept exactly (weight: CameraRow::filter_weight)
 //   average    mean of the rows that were written, unweighted
@@ -42,19 +49,29 @@
 
 namespace raylex::display {
 
+class PixelFilter;
+
+/// In splat mode: how many pixels away a sample can still count under a kernel of this radius.
+[[nodiscard]] int splat_reach(float radius);
+
 class FrameBuffer final : public PixelImage {
   public:
     /// Throws std::bad_alloc when the system refuses the address space; create() is the checked door.
-    FrameBuffer(const FrameBufferLayout& layout, std::span<const ChannelDefinition> channels);
+    /// `splat` is copied; null for importance mode.
+    FrameBuffer(const FrameBufferLayout& layout, std::span<const ChannelDefinition> channels,
+                const PixelFilter* splat = nullptr);
     ~FrameBuffer() override;
     FrameBuffer(FrameBuffer&&) noexcept;
     FrameBuffer& operator=(FrameBuffer&&) noexcept;
 
-    /// A frame buffer, or an error: a layout that makes no sense, or not enough memory.
-    static Result<FrameBuffer> create(const FrameBufferLayout& layout, std::span<const ChannelDefinition> channels);
+    /// A frame buffer, or an error: a layout that makes no sense, statistics that the mode does not allow, or not enough
+    /// memory.
+    static Result<FrameBuffer> create(const FrameBufferLayout& layout, std::span<const ChannelDefinition> channels,
+                                      const PixelFilter* splat = nullptr);
 
     /// Takes in one batch: every run of rows of one pixel must be (part of) one aligned block, whole unless it is the last
-    /// of the budget. A run that reaches into the next block is cut there. Threads may call at once for different pixels.
+    /// of the budget. A run that reaches into the next block is cut there. Threads may call at once for different pixels;
+    /// in splat mode, for pixels farther apart than twice splat_reach().
     void accumulate(const SampleTable& table);
 
     /// Adds the record of another buffer of the same layout and channels: exact, in any order (Law 3). The samples of the
@@ -85,6 +102,7 @@ class FrameBuffer final : public PixelImage {
     struct Run;
     struct Channel;
     void accumulate_run(const SampleTable& table, const Run& run);
+    void accumulate_channels(const SampleTable& table, const Run& run);
     std::unique_ptr<Storage> storage_;
 };
 

@@ -96,6 +96,9 @@ Status FrameBuffer::merge(const FrameBuffer& other) {
     const Storage& theirs = *other.storage_;
     if (!(mine.layout == theirs.layout))
         return error_at({}, "frame buffers of different size, block size or quantum cannot be merged");
+    if (mine.kernel.has_value() != theirs.kernel.has_value() ||
+        (mine.kernel && mine.kernel->name() != theirs.kernel->name()))
+        return error_at({}, "frame buffers of different pixel filters or filter modes cannot be merged");
     if (mine.channels.size() != theirs.channels.size())
         return error_at({}, "frame buffers with " + std::to_string(mine.channels.size()) + " and " +
                                 std::to_string(theirs.channels.size()) + " channels cannot be merged");

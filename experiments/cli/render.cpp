@@ -21,7 +21,7 @@ namespace {
 
 struct RenderOptions {
     std::string input, output, statistics, resolution, integrator, sampler, filter, partition;
-    std::string ocio, rendering_space, isa, replay;
+    std::string ocio, rendering_space, isa, replay, filter_mode;
     std::optional<std::uint64_t> spp, seed;
     std::optional<int> threads;
     std::optional<std::int64_t> max_depth;
@@ -146,6 +146,7 @@ Result<Job> assemble(const CLI::App& command, const RenderOptions& options) {
     if (options.threads) job.settings.threads = *options.threads;
     if (options.max_depth) job.settings.max_depth = *options.max_depth;
     if (options.no_beauty) job.settings.beauty = false;
+    if (!options.filter_mode.empty()) job.settings.splat = options.filter_mode == "splat";
     if (!options.resolution.empty()) {
         auto size = parse_resolution(options.resolution, flag("--resolution"));
         if (!size) return size.error();
@@ -216,6 +217,13 @@ void add_options(CLI::App& command, RenderOptions& options) {
         ->check(CLI::Range(0, 2147483647));
     command.add_option("--sampler", options.sampler, "sampler; default: as the scene says")->option_text("NAME");
     command.add_option("--filter", options.filter, "pixel filter; default: as the scene says")->option_text("NAME");
+    command
+        .add_option("--filter-mode", options.filter_mode,
+                    "importance (default): samples are drawn as the pixel filter says and belong to one pixel; splat: they "
+                    "are drawn evenly and shared by all pixels that the filter reaches, which leaves no statistics, deep "
+                    "images or cryptomattes")
+        ->option_text("MODE")
+        ->check(CLI::IsMember({"importance", "splat"}));
     command
         .add_option("--lpe", options.expressions,
                     "adds a layer NAME with the light that the light path expression accepts; may be repeated")

@@ -74,6 +74,9 @@ Status RenderOutputs::make_deep(const transport::RenderPlan& plan) {
         return error_at(request.location, "pixel filter '" + plan.filter->name() +
                                               "' has negative lobes, and a deep sample cannot have negative alpha; "
                                               "expected box, triangle, gaussian or blackman-harris");
+    if (plan.splat)
+        return error_at(request.location, "a deep image is made of samples that belong to one pixel, and filter mode splat "
+                                          "shares them; expected filter mode importance");
     std::vector<display::ChannelId> chosen;
     if (plan.beauty >= 0) chosen.push_back(plan.beauty);
     std::vector<std::string> names;

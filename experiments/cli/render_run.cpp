@@ -185,7 +185,8 @@ class RenderRun {
         for (const display::InvalidSample& each : statistics.invalid_log)
             print_line("  refused: " + triple(each.value.r, each.value.g, each.value.b) +
                        (each.channel >= 0 ? " for " + channels[static_cast<std::size_t>(each.channel)].name : ""));
-        for (std::size_t i = 0; i < channels.size(); ++i) {
+        const bool inside = only.x >= 0 && only.y >= 0 && only.x < output->width && only.y < output->height;
+        for (std::size_t i = 0; inside && i < channels.size(); ++i) {
             const std::vector<double> value = output->frame_buffer.resolve(static_cast<display::ChannelId>(i),
                                                                            {only.x, only.y, only.x + 1, only.y + 1});
             print_line("  " + channels[i].name + ": " +

@@ -92,6 +92,13 @@ void read_render(TomlTable& root, Job& job) {
     read_memory_limit(render, job.outputs);
     render.read("beauty", job.settings.beauty);
     render.read("isa", job.settings.isa);
+    std::string mode;
+    if (render.read("filter_mode", mode)) {
+        job.settings.splat = mode == "splat";
+        if (mode != "splat" && mode != "importance")
+            root.source().fail(render.location_of("filter_mode"),
+                               "'filter_mode' in [render] is '" + mode + "'; expected \"importance\" or \"splat\"");
+    }
     std::string lobes;
     if (render.read("lobes", lobes)) {
         job.settings.picked_lobes = lobes == "picked";

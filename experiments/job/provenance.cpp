@@ -89,6 +89,7 @@ std::map<std::string, std::string> header_attributes(const Job& job, const trans
         {"raylex/integrator", output.integrator},
         {"raylex/sampler", output.sampler},
         {"raylex/filter", output.filter},
+        {"raylex/filter_mode", output.splat ? "splat" : "importance"},
         {"raylex/color_config", color_config},
     };
     for (const transport::LoadedPlugin& plugin : transport::loaded_plugins()) {

@@ -1,6 +1,7 @@
 // Sample and display filters by flag and by job, and what becomes of partitions.
 #include <catch2/catch.hpp>
 
+#include "display/output/deep_file.h"
 #include "display/output/exr_reader.h"
 #include "support.h"
 
@@ -55,14 +56,14 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-.4 1 .4 .4 1 .
 TEST_CASE("sample filters apply in the order of job and flags, and splits still sum", "[filters][law1]") {
     const SceneFolder folder;
     folder.write("job.toml", "[scene]\nfile = \"room.pbrt\"\n[[channel]]\nname = \"direct\"\nlpe = \"CDL\"\n"
-                             "[[sample_filter]]\ntype = \"clamp\"\nluminance = 0.5\n"
+                             "[[sample_filter]]\ntype = \"clamp\"\nluminance = 0.05\n"
                              "[[sample_filter]]\ntype = \"grade\"\nexposure = 1\nsaturation = 0.5\n");
     REQUIRE(run_raylex(folder, "render job.toml -o job.exr --threads 1").code == 0);
-    REQUIRE(run_raylex(folder, "render room.pbrt -o flags.exr --threads 3 --lpe direct=CDL --sample-filter clamp:luminance=0.5 "
+    REQUIRE(run_raylex(folder, "render room.pbrt -o flags.exr --threads 3 --lpe direct=CDL --sample-filter clamp:luminance=0.05 "
                                "--sample-filter grade:exposure=1,saturation=0.5")
                 .code == 0);
     REQUIRE(run_raylex(folder, "render room.pbrt -o other.exr --lpe direct=CDL "
-                               "--sample-filter grade:exposure=1,saturation=0.5 --sample-filter clamp:luminance=0.5")
+                               "--sample-filter grade:exposure=1,saturation=0.5 --sample-filter clamp:luminance=0.05")
                 .code == 0);
     CHECK(plane(folder, "job.exr", "beauty", "G") == plane(folder, "flags.exr", "beauty", "G"));
     CHECK(plane(folder, "other.exr", "beauty", "G") != plane(folder, "flags.exr", "beauty", "G"));
@@ -110,7 +111,9 @@ TEST_CASE("display filters change what is written and shown, not deep images or 
     for (std::size_t i = 0; i < before.size(); ++i) CHECK(after[i] == Approx(2 * before[i] + (1 - alpha[i]) * 0.5f).epsilon(1e-6));
     for (const float a : plane(folder, "a.exr", "beauty", "A")) CHECK(a == 1);
     CHECK(plane(folder, "a.exr", "beauty_mse", "R") == plane(folder, "plain.exr", "beauty_mse", "R"));
-    CHECK(folder.read("a.deep.exr").size() == folder.read("plain.deep.exr").size());
+    const auto flattened = raylex::display::check_deep(folder.path("a.deep.exr"), *read_exr(folder.path("plain.exr")));
+    REQUIRE(flattened);
+    CHECK(flattened->holds);
 
     // Linear and of all light: the partition stays and holds.
     folder.write("job.toml", "[scene]\nfile = \"room.pbrt\"\n[[channel]]\nname = \"direct\"\nlpe = \"CDL\"\n"
@@ -157,4 +160,23 @@ TEST_CASE("a holdout's shadow goes into alpha and a layer", "[filters]") {
     CHECK(lit > 500);
     folder.write("taken.toml", job + held + filter + "shadows = \"shadows\"\n" + filter + "shadows = \"shadows\"\n");
     check_refused(folder, "render taken.toml", {"whose name is taken"});
+}
+
+TEST_CASE("filter mode splat by flag and job; what it cannot do is named", "[splat]") {
+    const SceneFolder folder;
+    REQUIRE(run_raylex(folder, "render room.pbrt -o flag.exr --filter-mode splat --threads 1 --lpe direct=CDL --aov z").code == 0);
+    folder.write("job.toml", "[scene]\nfile = \"room.pbrt\"\n[render]\nfilter_mode = \"splat\"\nthreads = 3\n[channels]\naovs = [\"z\"]\n"
+                             "[[channel]]\nname = \"direct\"\nlpe = \"CDL\"\n");
+    REQUIRE(run_raylex(folder, "render job.toml -o job.exr").code == 0);
+    CHECK(plane(folder, "flag.exr", "beauty", "R") == plane(folder, "job.exr", "beauty", "R"));
+    auto image = read_exr(folder.path("job.exr"));
+    CHECK(image->attributes["raylex/filter_mode"] == "splat");
+    CHECK(image->attributes["verdict/auto"].starts_with("holds; "));
+    CHECK(run_raylex(folder, "verify job.exr").code == 0);
+    check_refused(folder, "render room.pbrt --filter-mode splat --statistics beauty=mse", {"--statistics", "filter mode splat"});
+    check_refused(folder, "render room.pbrt --filter-mode splat --deep d.exr", {"--deep", "filter mode importance"});
+    check_refused(folder, "render room.pbrt --filter-mode splat --cryptomatte object", {"cryptomatte"});
+    check_refused(folder, "render room.pbrt --filter-mode spalt", {"--filter-mode"});
+    folder.write("bad.toml", "[scene]\nfile = \"room.pbrt\"\n[render]\nfilter_mode = \"spalt\"\n");
+    check_refused(folder, "render bad.toml", {"bad.toml:4", "expected \"importance\" or \"splat\""});
 }

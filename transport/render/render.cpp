@@ -22,7 +22,7 @@ Status resolve_channels(const RenderSettings& settings, std::span<const display:
         beauty.style = display::ChannelStyle::expression;
         beauty.expression = "C.*";
         beauty.space = "rendering colour space";
-        beauty.statistics = true;
+        beauty.statistics = !settings.splat;
         job.beauty = 0;
         job.channels.push_back(beauty);
         names.insert(beauty.name);
@@ -91,6 +91,30 @@ Status check_traits(const ChosenIntegrator& chosen, const SceneView& scene, cons
     return success();
 }
 
+/// After resolve_filter. What splat mode cannot do is named before anything is rendered.
+Status check_splat(const RenderSettings& settings, const SourceLocation& filter, RenderJob& job) {
+    if (!settings.splat) return success();
+    job.splat = true;
+    job.padding_x = display::splat_reach(job.filter->radius_x());
+    job.padding_y = display::splat_reach(job.filter->radius_y());
+    const std::string hint = "expected filter mode importance";
+    if (std::max(job.padding_x, job.padding_y) > RenderLoop::tile_size)
+        return error_at(filter, "pixel filter '" + job.filter->name() + "' reaches farther than " +
+                                    std::to_string(RenderLoop::tile_size) + " pixels, too far for filter mode splat; " + hint);
+    if (!settings.statistics.empty())
+        return error_at(settings.statistics.front().location,
+                        "statistics of '" + settings.statistics.front().channel +
+                            "' in filter mode splat: samples are shared by neighbouring pixels, whose errors they cannot tell; " +
+                            hint);
+    for (const display::ChannelDefinition& channel : settings.channels)
+        if (channel.statistics)
+            return error_at(display::location_of(channel), "channel '" + channel.name +
+                                                               "' keeps statistics, which filter mode splat has none of; " + hint);
+    if (!settings.cryptomatte.empty())
+        return error_at({}, "cryptomatte in filter mode splat: coverage is of samples that belong to one pixel; " + hint);
+    return success();
+}
+
 /// After resolve_filter.
 Status check_cryptomatte(const RenderSettings& settings, const SourceLocation& filter, const RenderJob& job) {
     if (settings.cryptomatte.empty()) return success();
@@ -151,7 +175,8 @@ Status resolve_sampler(const SceneEntity& entity, const RenderSettings& settings
     if (job.samples_per_pixel == 0) return error_at({}, "0 samples per pixel; expected at least 1");
     if (settings.only) {
         const SampleChoice& only = *settings.only;
-        if (only.x < 0 || only.y < 0 || only.x >= job.film.width || only.y >= job.film.height)
+        if (only.x < -job.padding_x || only.y < -job.padding_y || only.x >= job.film.width + job.padding_x ||
+            only.y >= job.film.height + job.padding_y)
             return error_at({}, "pixel (" + std::to_string(only.x) + ", " + std::to_string(only.y) +
                                     ") is not in the image; expected x below " + std::to_string(job.film.width) +
                                     " and y below " + std::to_string(job.film.height));
@@ -200,6 +225,7 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
     job.camera = std::make_unique<PerspectiveCamera>(*std::move(camera));
     const SceneEntity& filter = settings.filter ? *settings.filter : scene.filter;
     if (Status s = resolve_filter(filter, job, warnings); !s) return s.error();
+    if (Status s = check_splat(settings, filter.location, job); !s) return s.error();
     if (Status s = check_cryptomatte(settings, filter.location, job); !s) return s.error();
     std::string sampler_name;
     if (Status s = resolve_sampler(settings.sampler ? *settings.sampler : scene.sampler, settings, job, sampler_name,
@@ -249,6 +275,7 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
                         .channels = job.channels,
                         .beauty = job.beauty,
                         .filter = job.filter.get(),
+                        .splat = job.splat,
                         .altered = job.sample_filters.alters(),
                         .memory = display::frame_buffer_memory(layout, job.channels)};
         for (const geoaovs::MatteKind kind : settings.cryptomatte)
@@ -256,7 +283,7 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
                                    display::RankedCoverage::expected_bytes(film->width, film->height)});
         if (Status s = settings.before_rendering(plan, job.sinks); !s) return s.error();
     }
-    auto frame_buffer = display::FrameBuffer::create(layout, job.channels);
+    auto frame_buffer = display::FrameBuffer::create(layout, job.channels, job.splat ? job.filter.get() : nullptr);
     if (!frame_buffer) return frame_buffer.error();
 
     if (Status s = make_cryptomatte(settings, scene, job, warnings); !s) return s.error();
@@ -285,6 +312,7 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
                         .threads = job.threads,
                         .samples_per_pixel = job.samples_per_pixel,
                         .seed = settings.seed,
+                        .splat = job.splat,
                         .integrator = chosen->name,
                         .sampler = sampler_name,
                         .filter = job.filter->name(),

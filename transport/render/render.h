@@ -32,6 +32,7 @@ struct RenderPlan {
     std::span<const display::ChannelDefinition> channels;   ///< as RenderOutput::frame_buffer will have them
     display::ChannelId beauty = display::invalid_channel;
     const display::PixelFilter* filter = nullptr;
+    bool splat = false;
     std::vector<display::ChannelId> altered;                ///< by sample filters: partitions with these do not sum
     std::vector<display::MemoryItem> memory;                ///< of the frame buffer, layer by layer, and cryptomattes
 };
@@ -52,6 +53,7 @@ struct RenderSettings {
     std::optional<std::int64_t> max_depth;          ///< overrides the integrator's "maxdepth"
     std::vector<SceneEntity> sample_filters;        ///< applied in this order to raw samples, before pixel filtering
     std::string isa;                                ///< sse2, sse4.2, avx, avx2 or avx512 for Embree; "" = the widest here
+    bool splat = false;                             ///< samples are shared by pixels instead of drawn as the pixel filter says
     std::optional<SampleChoice> only;               ///< renders this sample and no other, as the whole image would have it
     bool beauty = true;                             ///< false: only what the channels below accept is simulated
     bool picked_lobes = false;                      ///< label by one drawn lobe instead of exact shares
@@ -106,6 +108,7 @@ struct RenderOutput {
     int width = 0, height = 0, threads = 0;
     std::uint64_t samples_per_pixel = 0;                    ///< asked for, after the sampler's rounding
     std::uint64_t seed = 0;
+    bool splat = false;
     std::string integrator, sampler, filter, isa;           ///< what was really used
     Matrix4 world_to_camera, world_to_screen;
     std::vector<Error> warnings;                            ///< fallbacks (integrator not there yet), unused parameters

@@ -23,6 +23,19 @@ void morton_pixel(int m, int& x, int& y) {
 
 }  // namespace
 
+TileLocks::Group TileLocks::group(std::uint64_t x, std::uint64_t y, std::uint64_t tiles_x, bool around) {
+    Group group;
+    group.locks_ = this;
+    const std::uint64_t reach = around ? 1 : 0;
+    for (std::uint64_t ty = y - std::min(y, reach); ty <= y + reach; ++ty)
+        for (std::uint64_t tx = x - std::min(x, reach); tx <= std::min(x + reach, tiles_x - 1); ++tx)
+            group.indices_[group.count_++] = (ty * tiles_x + tx) % mutexes_.size();
+    const auto end = group.indices_.begin() + static_cast<std::ptrdiff_t>(group.count_);
+    std::sort(group.indices_.begin(), end);
+    group.count_ = static_cast<std::size_t>(std::unique(group.indices_.begin(), end) - group.indices_.begin());
+    return group;
+}
+
 RenderWorker::RenderWorker(const RenderJob& job, display::FrameBuffer& frame_buffer)
     : job_(job),
       frame_buffer_(frame_buffer),
@@ -34,7 +47,7 @@ RenderWorker::RenderWorker(const RenderJob& job, display::FrameBuffer& frame_buf
       rays_(RenderLoop::batch_capacity),
       samplers_(RenderLoop::batch_capacity) {}
 
-void RenderWorker::render_tile(int x0, int y0, int x1, int y1, std::uint64_t first, int count, std::mutex& adding) {
+void RenderWorker::render_tile(int x0, int y0, int x1, int y1, std::uint64_t first, int count, TileLocks::Group& adding) {
     for (int m = 0; m < RenderLoop::tile_size * RenderLoop::tile_size; ++m) {
         int dx, dy;
         morton_pixel(m, dx, dy);
@@ -43,13 +56,14 @@ void RenderWorker::render_tile(int x0, int y0, int x1, int y1, std::uint64_t fir
     flush(adding);
 }
 
-void RenderWorker::add_pixel(int x, int y, std::uint64_t first, int count, std::mutex& adding) {
+void RenderWorker::add_pixel(int x, int y, std::uint64_t first, int count, TileLocks::Group& adding) {
     if (count_ + static_cast<std::size_t>(count) > rows_.size()) flush(adding);
     for (int k = 0; k < count; ++k) {
         const std::uint64_t sample = first + static_cast<std::uint64_t>(k);
         const PixelSampler sampler(job_.sampler, job_.seed, x, y, sample);
         const Vec2 u = sampler.get_2d(filter_dimension);
-        const display::FilterSample offset = job_.filter->sample(u.x, u.y);
+        const display::FilterSample offset =
+            job_.splat ? display::FilterSample{u.x - 0.5f, u.y - 0.5f, 1} : job_.filter->sample(u.x, u.y);
         display::CameraRow& row = rows_[count_];
         row.pixel_x = x;
         row.pixel_y = y;
@@ -66,7 +80,7 @@ void RenderWorker::add_pixel(int x, int y, std::uint64_t first, int count, std::
     if (job_.aovs->wants_time()) flush(adding);  // so that every pixel is timed by itself
 }
 
-void RenderWorker::flush(std::mutex& adding) {
+void RenderWorker::flush(TileLocks::Group& adding) {
     if (count_ == 0) return;
     table_.begin({rows_.data(), count_});
     const double begin = job_.aovs->wants_time() ? thread_cpu_seconds() : 0;
@@ -102,18 +116,20 @@ void RenderWorker::finish_samples(double begin) {
 }
 
 RenderLoop::RenderLoop(const RenderJob& job, display::FrameBuffer& frame_buffer) : job_(job), frame_buffer_(frame_buffer) {
-    tiles_x_ = static_cast<std::uint64_t>((job.film.width + tile_size - 1) / tile_size);
-    tiles_ = tiles_x_ * static_cast<std::uint64_t>((job.film.height + tile_size - 1) / tile_size);
+    tiles_x_ = static_cast<std::uint64_t>((job.film.width + 2 * job.padding_x + tile_size - 1) / tile_size);
+    tiles_ = tiles_x_ * static_cast<std::uint64_t>((job.film.height + 2 * job.padding_y + tile_size - 1) / tile_size);
     rounds_ = (job.samples_per_pixel + block_size - 1) / block_size;
     for (int i = 0; i < job.threads; ++i) workers_.push_back(std::make_unique<RenderWorker>(job, frame_buffer));
 }
 
 void RenderLoop::render_task(RenderWorker& worker, std::uint64_t task) {
     const std::uint64_t first = task / tiles_ * block_size, tile = task % tiles_;
-    const int x0 = static_cast<int>(tile % tiles_x_) * tile_size, y0 = static_cast<int>(tile / tiles_x_) * tile_size;
+    const int x0 = static_cast<int>(tile % tiles_x_) * tile_size - job_.padding_x,
+              y0 = static_cast<int>(tile / tiles_x_) * tile_size - job_.padding_y;
     const auto count = static_cast<int>(std::min<std::uint64_t>(block_size, job_.samples_per_pixel - first));
-    worker.render_tile(x0, y0, std::min(x0 + tile_size, job_.film.width), std::min(y0 + tile_size, job_.film.height),
-                       first, count, locks_.of(tile));
+    TileLocks::Group adding = locks_.group(tile % tiles_x_, tile / tiles_x_, tiles_x_, job_.splat);
+    worker.render_tile(x0, y0, std::min(x0 + tile_size, job_.film.width + job_.padding_x),
+                       std::min(y0 + tile_size, job_.film.height + job_.padding_y), first, count, adding);
 }
 
 void RenderLoop::work(RenderWorker& worker, std::uint64_t last) {
@@ -167,11 +183,12 @@ template <class Read>
 std::vector<double> RenderLoop::by_tiles(const display::PixelRegion& region, std::size_t components, Read read) const {
     std::vector<double> result(static_cast<std::size_t>(region.width()) * static_cast<std::size_t>(region.height()) *
                                components);
-    for (int y = region.y0 / tile_size; y * tile_size < region.y1; ++y)
-        for (int x = region.x0 / tile_size; x * tile_size < region.x1; ++x) {
-            const display::PixelRegion part{std::max(region.x0, x * tile_size), std::max(region.y0, y * tile_size),
-                                            std::min(region.x1, (x + 1) * tile_size),
-                                            std::min(region.y1, (y + 1) * tile_size)};
+    const int px = job_.padding_x, py = job_.padding_y;
+    for (int y = (region.y0 + py) / tile_size; y * tile_size - py < region.y1; ++y)
+        for (int x = (region.x0 + px) / tile_size; x * tile_size - px < region.x1; ++x) {
+            const display::PixelRegion part{std::max(region.x0, x * tile_size - px), std::max(region.y0, y * tile_size - py),
+                                            std::min(region.x1, (x + 1) * tile_size - px),
+                                            std::min(region.y1, (y + 1) * tile_size - py)};
             std::vector<double> values;
             {
                 const std::lock_guard lock(
@@ -205,11 +222,12 @@ Status RenderLoop::run(const std::function<void(const RenderProgress&)>& progres
     if (job_.only) {
         flush_denormals();
         job_.integrator->begin_iteration(0);
-        workers_.front()->render_sample(*job_.only, locks_.of(0));
+        TileLocks::Group adding = locks_.group(0, 0, 1, false);
+        workers_.front()->render_sample(*job_.only, adding);
         return success();
     }
-    const std::uint64_t total = static_cast<std::uint64_t>(job_.film.width) *
-                                static_cast<std::uint64_t>(job_.film.height) * job_.samples_per_pixel;
+    const std::uint64_t total = static_cast<std::uint64_t>(job_.film.width + 2 * job_.padding_x) *
+                                static_cast<std::uint64_t>(job_.film.height + 2 * job_.padding_y) * job_.samples_per_pixel;
     const auto report = [&] {
         if (progress) progress({samples_done_.load(std::memory_order_relaxed), total, watch.wall(), this});
     };
@@ -251,8 +269,9 @@ void RenderLoop::collect(RenderStatistics& statistics) const {
     }
     // In the order of tasks. Every thread takes its tasks in that order, so the first ones of all threads are among the
     // first ones of each, whatever their number.
-    const auto task_of = [](const display::InvalidSample& each) {
-        return std::tuple(each.sample / block_size, each.pixel_y / tile_size, each.pixel_x / tile_size);
+    const auto task_of = [&](const display::InvalidSample& each) {
+        return std::tuple(each.sample / block_size, (each.pixel_y + job_.padding_y) / tile_size,
+                          (each.pixel_x + job_.padding_x) / tile_size);
     };
     std::stable_sort(statistics.invalid_log.begin(), statistics.invalid_log.end(),
                      [&](const auto& a, const auto& b) { return task_of(a) < task_of(b); });
