@@ -75,6 +75,10 @@ void samples(const SampleTable& table, double seconds, ChannelId id, DisplayServ
 constexpr auto shutter_time = [](const SampleTable& table, int row, double) {
     return table.camera_row(row).shutter_time;
 };
+/// As a real number: exact up to 2^24 a sample, and added up exactly.
+constexpr auto invalid_values = [](const SampleTable& table, int row, double) {
+    return static_cast<float>(table.invalid_count(row));
+};
 constexpr auto one = [](const SampleTable&, int, double) { return 1.0f; };
 constexpr auto cpu_time = [](const SampleTable& table, int, double seconds) {
     return static_cast<float>(seconds / table.camera_row_count());
@@ -169,6 +173,7 @@ constexpr std::array aovs{
     Aov{"Oi", T::rgb, "opacity", R::filter, 0, from_samples(opacity)},
     Aov{"cpuTime", T::real, "seconds", R::sum, 0, from_samples(samples<cpu_time>, true)},
     Aov{"sampleCount", T::real, "", R::sum, 0, from_samples(samples<one>)},
+    Aov{"invalidSamples", T::real, "", R::sum, 0, from_samples(samples<invalid_values>)},
     Aov{"__Pworld", T::point, "world", R::filter, 0, from_hits(hits<values::world_position>, in::position)},
     Aov{"__Nworld", T::normal, "world", R::filter, 0,
         from_hits(hits<values::world_shading_normal>, in::shading_normal)},

@@ -17,6 +17,7 @@
 #include <ImfMultiPartOutputFile.h>
 #include <ImfOutputPart.h>
 
+#include "display/buffer/frame_buffer.h"
 #include "display/output/exr_header.h"
 #include "display/output/exr_pixels.h"
 #include "display/output/exr_writer.h"

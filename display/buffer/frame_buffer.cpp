@@ -47,11 +47,25 @@ Status check_outputs(std::span<const ChannelDefinition> channels) {
     return success();
 }
 
+Status check_splat(std::span<const ChannelDefinition> channels) {
+    for (const ChannelDefinition& channel : channels)
+        if (channel.statistics || !keeps_pixels(channel))
+            return error_at({}, "channel '" + channel.name + "' has statistics, and splatted samples are shared by "
+                                "neighbouring pixels, whose errors they therefore cannot tell; expected importance mode");
+    return success();
+}
+
 }  // namespace
 
-FrameBuffer::FrameBuffer(const FrameBufferLayout& layout, std::span<const ChannelDefinition> channels)
+int splat_reach(float radius) {
+    return std::max(0, static_cast<int>(std::ceil(radius + 0.5f)) - 1);
+}
+
+FrameBuffer::FrameBuffer(const FrameBufferLayout& layout, std::span<const ChannelDefinition> channels,
+                         const PixelFilter* splat)
     : storage_(std::make_unique<Storage>()) {
     Storage& storage = *storage_;
+    if (splat != nullptr) storage.kernel = *splat;
     storage.layout = layout;
     storage.definitions.assign(channels.begin(), channels.end());
     const std::size_t pixels = storage.pixel_count();
@@ -102,11 +116,14 @@ FrameBuffer::~FrameBuffer() = default;
 FrameBuffer::FrameBuffer(FrameBuffer&&) noexcept = default;
 FrameBuffer& FrameBuffer::operator=(FrameBuffer&&) noexcept = default;
 
-Result<FrameBuffer> FrameBuffer::create(const FrameBufferLayout& layout, std::span<const ChannelDefinition> channels) {
+Result<FrameBuffer> FrameBuffer::create(const FrameBufferLayout& layout, std::span<const ChannelDefinition> channels,
+                                        const PixelFilter* splat) {
+    if (splat != nullptr)
+        if (const Status status = check_splat(channels); !status) return status.error();
     if (const Status status = check_layout(layout); !status) return status.error();
     if (const Status status = check_outputs(channels); !status) return status.error();
     try {
-        return FrameBuffer(layout, channels);
+        return FrameBuffer(layout, channels, splat);
     } catch (const std::bad_alloc&) {
         return error_at({}, "not enough memory for a frame buffer of " + std::to_string(layout.width) + " x " +
                                 std::to_string(layout.height) + " pixels and " + std::to_string(channels.size()) +
@@ -117,6 +134,7 @@ Result<FrameBuffer> FrameBuffer::create(const FrameBufferLayout& layout, std::sp
 void FrameBuffer::accumulate(const SampleTable& table) {
     if (table.discarded()) return;
     thread_local ExtraRows extra;
+    thread_local SplatWeights splat;
     const int cameras = table.camera_row_count();
     const bool has_extra = table.row_count() > cameras;
     if (has_extra) extra.gather(table);
@@ -135,13 +153,19 @@ void FrameBuffer::accumulate(const SampleTable& table) {
                 row.sample / block != first.sample / block)
                 break;
         }
-        if (first.pixel_x < 0 || first.pixel_y < 0 || first.pixel_x >= layout.width || first.pixel_y >= layout.height) {
+        Run run;
+        run.inside = first.pixel_x >= 0 && first.pixel_y >= 0 && first.pixel_x < layout.width && first.pixel_y < layout.height;
+        if (!run.inside && !storage_->kernel) {
             storage_->reject(storage_->channels.size());
             continue;
         }
-        Run run;
-        run.pixel = static_cast<std::size_t>(first.pixel_y) * static_cast<std::size_t>(layout.width) +
-                    static_cast<std::size_t>(first.pixel_x);
+        if (run.inside)
+            run.pixel = static_cast<std::size_t>(first.pixel_y) * static_cast<std::size_t>(layout.width) +
+                        static_cast<std::size_t>(first.pixel_x);
+        if (storage_->kernel) {
+            splat.gather(table, *storage_->kernel, layout, begin, end);
+            run.splat = &splat;
+        }
         run.begin = begin;
         run.end = end;
         run.extra = has_extra ? &extra : nullptr;
@@ -155,6 +179,12 @@ void FrameBuffer::accumulate_run(const SampleTable& table, const Run& run) {
     Storage& storage = *storage_;
     const int exponent = storage.layout.quantum_exponent;
     const std::size_t pixel = run.pixel, none = storage.channels.size();
+    if (run.inside) storage.samples[pixel] += static_cast<std::uint64_t>(run.end - run.begin);
+    if (run.splat != nullptr) {
+        storage.splat_weights(run);
+        accumulate_channels(table, run);
+        return;
+    }
     double weight = 0, weighted_alpha = 0, weight_square = 0;
     for (int row = run.begin; row < run.end; ++row) {
         const double w = static_cast<double>(table.camera_row(row).filter_weight);
@@ -162,17 +192,22 @@ void FrameBuffer::accumulate_run(const SampleTable& table, const Run& run) {
         weight_square += w * w;
         weighted_alpha += w * run.alpha[static_cast<std::size_t>(row)];
     }
-    storage.samples[pixel] += static_cast<std::uint64_t>(run.end - run.begin);
     storage.add(storage.weight, pixel, &weight, 1, exponent, none);
     if (weighted_alpha != 0) storage.add(storage.alpha, pixel, &weighted_alpha, 1, exponent, none);
     if (!storage.weight_square.empty()) storage.add(storage.weight_square, pixel, &weight_square, 1, exponent, none);
     if (!storage.even_weight.empty()) storage.add_half_weights(table, run);
 
+    accumulate_channels(table, run);
+}
+
+void FrameBuffer::accumulate_channels(const SampleTable& table, const Run& run) {
+    Storage& storage = *storage_;
     for (std::size_t index = 0; index < storage.channels.size(); ++index) {
         Channel& channel = storage.channels[index];
         const auto from = static_cast<std::size_t>(channel.samples_of);
         if ((!table.touched(channel.samples_of) && !channel.reads_untouched) || !keeps_pixels(channel.definition)) continue;
         if (channel.definition.rule == FilterRule::filter) storage.add_filtered(channel, from, table, run);
+        else if (!run.inside) continue;
         else if (channel.definition.rule == FilterRule::average || channel.definition.rule == FilterRule::sum)
             storage.add_plain(channel, from, table, run);
         else storage.add_picked(channel, from, table, run);

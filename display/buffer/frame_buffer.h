@@ -6,6 +6,13 @@
 // which order (Law 3). The quantum is 2^-80 by default: relative to a pixel of 1e-12 still below 1e-12 (Law 1), with room
 // for sums up to 2^47. A block sum out of range is rejected and counted like a non-finite value, never wrapped.
 //
+// Two modes of the pixel filter. Importance mode (the usual one): samples are drawn as the kernel says, each belongs to
+// one pixel and counts by CameraRow::filter_weight. Splat mode (create() is given the kernel): samples are drawn evenly, in
+// the image and as far around it as the kernel reaches, and count by the kernel for every pixel in reach of their
+// CameraRow::screen_x and screen_y. Each block of samples goes to each such pixel as one exact addition. Neighbouring pixels
+// then share samples, so a pixel's own scatter says nothing of its error: statistics are refused. Rules other than
+// `filter` take the samples of the pixel itself in both modes.
+//
 // What a channel's samples become:
 //   filter     sum of weight x value over the sum of weights, both kept exactly (weight: CameraRow::filter_weight)
 //   average    mean of the rows that were written, unweighted
@@ -37,40 +44,36 @@
 #include <string_view>
 #include <vector>
 
+#include "display/buffer/pixel_image.h"
 #include "display/services/channel.h"
 #include "display/services/sample_table.h"
 #include "lpe/result.h"
 
 namespace raylex::display {
 
-struct FrameBufferLayout {
-    int width = 0, height = 0;
-    int block_size = 16;          ///< samples per canonical block; a power of two
-    int quantum_exponent = -80;
+class PixelFilter;
 
-    bool operator==(const FrameBufferLayout&) const = default;
-};
+/// In splat mode: how many pixels away a sample can still count under a kernel of this radius.
+[[nodiscard]] int splat_reach(float radius);
 
-/// Pixels [x0, x1) x [y0, y1).
-struct PixelRegion {
-    int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
-    [[nodiscard]] int width() const { return x1 - x0; }
-    [[nodiscard]] int height() const { return y1 - y0; }
-};
-
-class FrameBuffer {
+class FrameBuffer final : public PixelImage {
   public:
     /// Throws std::bad_alloc when the system refuses the address space; create() is the checked door.
-    FrameBuffer(const FrameBufferLayout& layout, std::span<const ChannelDefinition> channels);
-    ~FrameBuffer();
+    /// `splat` is copied; null for importance mode.
+    FrameBuffer(const FrameBufferLayout& layout, std::span<const ChannelDefinition> channels,
+                const PixelFilter* splat = nullptr);
+    ~FrameBuffer() override;
     FrameBuffer(FrameBuffer&&) noexcept;
     FrameBuffer& operator=(FrameBuffer&&) noexcept;
 
-    /// A frame buffer, or an error: a layout that makes no sense, or not enough memory.
-    static Result<FrameBuffer> create(const FrameBufferLayout& layout, std::span<const ChannelDefinition> channels);
+    /// A frame buffer, or an error: a layout that makes no sense, statistics that the mode does not allow, or not enough
+    /// memory.
+    static Result<FrameBuffer> create(const FrameBufferLayout& layout, std::span<const ChannelDefinition> channels,
+                                      const PixelFilter* splat = nullptr);
 
     /// Takes in one batch: every run of rows of one pixel must be (part of) one aligned block, whole unless it is the last
-    /// of the budget. A run that reaches into the next block is cut there. Threads may call at once for different pixels.
+    /// of the budget. A run that reaches into the next block is cut there. Threads may call at once for different pixels;
+    /// in splat mode, for pixels farther apart than twice splat_reach().
     void accumulate(const SampleTable& table);
 
     /// Adds the record of another buffer of the same layout and channels: exact, in any order (Law 3). The samples of the
@@ -87,20 +90,19 @@ class FrameBuffer {
     /// What of layout and channels is not the same, or empty: merge() takes equals only.
     [[nodiscard]] std::string difference_from(const FrameBuffer& other) const;
 
-    [[nodiscard]] const FrameBufferLayout& layout() const;
-    [[nodiscard]] std::span<const ChannelDefinition> channels() const;
+    [[nodiscard]] const FrameBufferLayout& layout() const override;
+    [[nodiscard]] std::span<const ChannelDefinition> channels() const override;
     [[nodiscard]] std::uint64_t sample_count(int x, int y) const;
     [[nodiscard]] std::uint64_t rejected_count() const;               ///< block sums out of range or not finite, in all
     [[nodiscard]] std::uint64_t rejected_count(ChannelId id) const;   ///< of one channel
 
-    /// The pixels of a channel, row-major from the top, components interleaved: filtered value, or what its rule picks.
-    [[nodiscard]] std::vector<double> resolve(ChannelId id) const;
-    /// The same for the pixels of a region, which must lie within the image. The region's pixels must not be added to
-    /// meanwhile; others may.
-    [[nodiscard]] std::vector<double> resolve(ChannelId id, const PixelRegion& region) const;
+    using PixelImage::resolve;
+    using PixelImage::resolve_alpha;
+    /// The pixels of a channel: filtered value, or what its rule picks. The region's pixels must not be added to meanwhile;
+    /// others may.
+    [[nodiscard]] std::vector<double> resolve(ChannelId id, const PixelRegion& region) const override;
     /// Coverage: filtered mean of the samples' opacity.
-    [[nodiscard]] std::vector<double> resolve_alpha() const;
-    [[nodiscard]] std::vector<double> resolve_alpha(const PixelRegion& region) const;
+    [[nodiscard]] std::vector<double> resolve_alpha(const PixelRegion& region) const override;
     /// Variance of the pixel mean (Statistic::mse) of a channel that keeps moments, whether or not it has a layer; empty when
     /// it keeps none, 0 for pixels with fewer than two samples. With weights w and mean m:
     ///     sum(w^2) sum((v - m)^2) / ((n - 1) sum(w)^2),
@@ -112,6 +114,7 @@ class FrameBuffer {
     struct Run;
     struct Channel;
     void accumulate_run(const SampleTable& table, const Run& run);
+    void accumulate_channels(const SampleTable& table, const Run& run);
     std::unique_ptr<Storage> storage_;
 };
 

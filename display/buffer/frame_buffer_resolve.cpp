@@ -50,10 +50,6 @@ std::uint64_t FrameBuffer::rejected_count(ChannelId id) const {
     return storage_->rejected[static_cast<std::size_t>(id)].load();
 }
 
-std::vector<double> FrameBuffer::resolve(ChannelId id) const {
-    return resolve(id, {0, 0, storage_->layout.width, storage_->layout.height});
-}
-
 std::vector<double> FrameBuffer::resolve(ChannelId id, const PixelRegion& region) const {
     const Storage& storage = *storage_;
     const Channel& channel = storage.channels[static_cast<std::size_t>(id)];
@@ -84,10 +80,6 @@ std::vector<double> FrameBuffer::resolve(ChannelId id, const PixelRegion& region
     return result;
 }
 
-std::vector<double> FrameBuffer::resolve_alpha() const {
-    return resolve_alpha({0, 0, storage_->layout.width, storage_->layout.height});
-}
-
 std::vector<double> FrameBuffer::resolve_alpha(const PixelRegion& region) const {
     const Storage& storage = *storage_;
     std::vector<double> result(pixel_count(region));
@@ -103,6 +95,9 @@ std::string FrameBuffer::difference_from(const FrameBuffer& other) const {
     const Storage& mine = *storage_;
     const Storage& theirs = *other.storage_;
     if (!(mine.layout == theirs.layout)) return "different size, block size or quantum";
+    if (mine.kernel.has_value() != theirs.kernel.has_value() ||
+        (mine.kernel && mine.kernel->name() != theirs.kernel->name()))
+        return "different pixel filters or filter modes";
     if (mine.channels.size() != theirs.channels.size())
         return std::to_string(mine.channels.size()) + " and " + std::to_string(theirs.channels.size()) + " channels";
     for (std::size_t i = 0; i < mine.channels.size(); ++i)

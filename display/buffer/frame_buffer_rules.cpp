@@ -97,6 +97,7 @@ void FrameBuffer::Storage::add_filtered(Channel& channel, std::size_t index, con
                         &scratch[static_cast<std::size_t>(row - run.begin) * components]);
         values = scratch.data();
     }
+    if (run.splat != nullptr) return splat_values(channel, index, run, values);
     const bool statistics = !channel.square_sum.empty();
     BlockSums sums;
     if (components == 3) sum_block<3>(table, run.begin, run.end, values, statistics, sums);

@@ -3,12 +3,14 @@
 
 #include "display/buffer/fixed_point.h"
 #include "display/buffer/frame_buffer.h"
+#include "display/buffer/pixel_filter.h"
 
 #include <algorithm>
 #include <atomic>
 #include <cstdlib>
 #include <memory>
 #include <new>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -63,10 +65,22 @@ struct ExtraRows {
     }
 };
 
+/// What each sample of a run counts for in the pixels around it, in splat mode. Scratch of one thread.
+struct SplatWeights {
+    std::vector<std::size_t> pixels;   // in reach: [target]
+    std::vector<double> weights;       // [target * count + row of the run]
+    std::size_t count = 0;             // rows of the run
+
+    void gather(const SampleTable& table, const PixelFilter& kernel, const FrameBufferLayout& layout, int begin, int end);
+    [[nodiscard]] const double* of(std::size_t target) const { return weights.data() + target * count; }
+};
+
 /// Camera rows of one pixel and one block.
 struct FrameBuffer::Run {
     std::size_t pixel = 0;
+    bool inside = true;                        // the image; splat mode takes samples from around it too
     int begin = 0, end = 0;                    // camera rows
+    const SplatWeights* splat = nullptr;       // null in importance mode
     const ExtraRows* extra = nullptr;          // null when the batch has none
     std::vector<double>* scratch = nullptr;
     std::span<const double> alpha;             // [camera row]
@@ -117,6 +131,7 @@ struct FrameBuffer::Storage {
     static constexpr int square_exponent = -56;
 
     FrameBufferLayout layout;
+    std::optional<PixelFilter> kernel;        // splat mode
     std::vector<ChannelDefinition> definitions;
     std::vector<Channel> channels;
     Plane<std::uint64_t> samples;       // [pixel]
@@ -150,6 +165,8 @@ struct FrameBuffer::Storage {
         }
         for (int c = 0; c < count; ++c) sum[at + static_cast<std::size_t>(c)] = result[c];
     }
+    void splat_weights(const Run& run);
+    void splat_values(Channel& channel, std::size_t index, const Run& run, const double* values);
     void add_filtered(Channel& channel, std::size_t index, const SampleTable& table, const Run& run);
     void add_halves(Channel& channel, std::size_t index, const SampleTable& table, const Run& run, const double* values);
     void add_half_weights(const SampleTable& table, const Run& run);

@@ -8,8 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "display/buffer/frame_buffer.h"
+#include "display/buffer/pixel_image.h"
 #include "display/output/exr_writer.h"
+#include "display/services/object_request.h"
 #include "display/services/registry.h"
 
 namespace raylex::display {
@@ -46,7 +47,7 @@ struct DriverRegion {
 
 /// The image in the end; `description.complete` says whether all samples are in it.
 struct FinishedImage {
-    const FrameBuffer& frame_buffer;
+    const PixelImage& frame_buffer;
     ChannelId beauty = invalid_channel;
     const ImageDescription& description;
 };
@@ -88,10 +89,7 @@ Result<std::unique_ptr<DisplayDriver>> make_display_driver(const std::string& na
 
 /// "png:file=a.png,layer=Nn" as name and parameters, typed by the driver's own table. A value may be quoted with '...'
 /// to hold commas. Errors at `where`: no such driver or parameter (with near misses), a value of the wrong type.
-struct DriverRequest {
-    std::string name;
-    ParameterSet parameters;
-};
+using DriverRequest = ObjectRequest;
 Result<DriverRequest> parse_driver_request(const std::string& text, const SourceLocation& where);
 
 /// The layers of a frame buffer as drivers see them.

@@ -72,7 +72,7 @@ void DriverSet::update(double seconds, double fraction, const PixelSource& sourc
     }
 }
 
-void DriverSet::finish_live(const FrameBuffer& frame_buffer) {
+void DriverSet::finish_live(const PixelImage& frame_buffer) {
     if (slices_.empty()) return;
     const PixelSource source{
         [&](ChannelId id, const PixelRegion& region) { return frame_buffer.resolve(id, region); },

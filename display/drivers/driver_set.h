@@ -14,7 +14,7 @@
 
 namespace raylex::display {
 
-/// Where live pixels come from: FrameBuffer::resolve and resolve_alpha, or what stands for them during a render.
+/// Where live pixels come from: PixelImage::resolve and resolve_alpha.
 struct PixelSource {
     std::function<std::vector<double>(ChannelId, const PixelRegion&)> resolve;
     std::function<std::vector<double>(const PixelRegion&)> resolve_alpha;
@@ -47,7 +47,7 @@ class DriverSet {
     };
     [[nodiscard]] bool any_live() const;
     bool send(const Slice& slice, const PixelSource& source);
-    void finish_live(const FrameBuffer& frame_buffer);
+    void finish_live(const PixelImage& frame_buffer);
     std::vector<std::unique_ptr<DisplayDriver>> drivers_;
     std::vector<bool> warned_;
     DriverImage image_;

@@ -11,7 +11,7 @@ namespace raylex::display {
 
 namespace {
 
-const ChannelDefinition& definition_of(const FrameBuffer& frame_buffer, const PlannedPart& part) {
+const ChannelDefinition& definition_of(const PixelImage& frame_buffer, const PlannedPart& part) {
     return frame_buffer.channels()[static_cast<std::size_t>(part.channel)];
 }
 
@@ -94,7 +94,7 @@ float Repairs::to_stored(double value, float miss, StoredType type) {
     return static_cast<float>(std::copysign(largest, value));
 }
 
-PartPixels part_pixels(const FrameBuffer& frame_buffer, const PlannedPart& part, bool judged) {
+PartPixels part_pixels(const PixelImage& frame_buffer, const PlannedPart& part, bool judged) {
     if (part.data != nullptr) return data_pixels(*part.data);
     const ChannelDefinition& channel = definition_of(frame_buffer, part);
     const auto components = static_cast<std::size_t>(component_count(channel.type));
@@ -112,7 +112,7 @@ PartPixels part_pixels(const FrameBuffer& frame_buffer, const PlannedPart& part,
     return result;
 }
 
-std::string repairs_of(const FrameBuffer& frame_buffer, const PlannedPart& part) {
+std::string repairs_of(const PixelImage& frame_buffer, const PlannedPart& part) {
     const ChannelDefinition& channel = definition_of(frame_buffer, part);
     if (!may_need_repair(channel, part.storage.type)) return {};
     Repairs repairs;

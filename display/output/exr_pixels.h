@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "display/buffer/frame_buffer.h"
+#include "display/buffer/pixel_image.h"
 #include "display/output/exr_layout.h"
 #include "display/output/split_sum.h"
 
@@ -26,9 +26,9 @@ struct PartPixels {
     std::vector<std::vector<float>> judged;    ///< the same values as float, where a split needs them: 3 or 1 planes
 };
 
-[[nodiscard]] PartPixels part_pixels(const FrameBuffer& frame_buffer, const PlannedPart& part, bool judged);
+[[nodiscard]] PartPixels part_pixels(const PixelImage& frame_buffer, const PlannedPart& part, bool judged);
 
 /// The text of a `repaired/NAME` attribute, empty when nothing had to be repaired.
-[[nodiscard]] std::string repairs_of(const FrameBuffer& frame_buffer, const PlannedPart& part);
+[[nodiscard]] std::string repairs_of(const PixelImage& frame_buffer, const PlannedPart& part);
 
 }  // namespace raylex::display

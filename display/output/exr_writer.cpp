@@ -30,7 +30,7 @@ namespace {
 /// The verdicts of the partitions on what is being written, kept up while parts go by.
 class WrittenSplits {
   public:
-    WrittenSplits(const FrameBuffer& frame_buffer, ChannelId beauty, const ImageDescription& description)
+    WrittenSplits(const PixelImage& frame_buffer, ChannelId beauty, const ImageDescription& description)
         : frame_buffer_(frame_buffer), beauty_(beauty) {
         for (std::size_t i = 0; i < description.partitions.size(); ++i)
             if (is_declared(frame_buffer.channels(), beauty, description.partitions[i]))
@@ -83,12 +83,12 @@ class WrittenSplits {
         const std::vector<std::string>& layers = split.partition.layers;
         return std::find(layers.begin(), layers.end(), name) != layers.end();
     }
-    const FrameBuffer& frame_buffer_;
+    const PixelImage& frame_buffer_;
     ChannelId beauty_;
     std::vector<Split> splits_;
 };
 
-void note_repairs(const FrameBuffer& frame_buffer, std::vector<PlannedPart>& parts) {
+void note_repairs(const PixelImage& frame_buffer, std::vector<PlannedPart>& parts) {
     for (PlannedPart& part : parts) {
         const std::string text = part.data != nullptr ? std::string() : repairs_of(frame_buffer, part);
         if (text.empty()) continue;
@@ -111,7 +111,7 @@ void write_part(Imf::MultiPartOutputFile& file, int index, const PlannedPart& pa
     output.writePixels(layout.height);
 }
 
-void write_parts(AtomicFile& file, const FrameBuffer& frame_buffer, ChannelId beauty,
+void write_parts(AtomicFile& file, const PixelImage& frame_buffer, ChannelId beauty,
                  const std::vector<PlannedPart>& parts, const ImageDescription& description) {
     const FrameBufferLayout& layout = frame_buffer.layout();
     std::vector<Imf::Header> headers;
@@ -139,7 +139,7 @@ void write_parts(AtomicFile& file, const FrameBuffer& frame_buffer, ChannelId be
 
 }  // namespace
 
-Status write_exr(const std::string& path, const FrameBuffer& frame_buffer, ChannelId beauty,
+Status write_exr(const std::string& path, const PixelImage& frame_buffer, ChannelId beauty,
                  const ImageDescription& description) {
     const auto located = [&path](Error error) {
         error.file = path;

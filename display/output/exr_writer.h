@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "display/buffer/frame_buffer.h"
+#include "display/buffer/pixel_image.h"
 #include "display/output/exr_storage.h"
 #include "display/output/image_types.h"
 #include "lpe/result.h"
@@ -46,7 +46,7 @@ struct ImageDescription {
 /// Values beyond the range of the stored type become its largest number, NaN becomes 0 (Law 6; the frame buffer holds
 /// neither for light), and `repaired/NAME` says how many; infinity stays in a channel whose miss value it is (z, VLen).
 /// A partition of layers that are not there is not declared; `raylex/refusedPartition` says why.
-Status write_exr(const std::string& path, const FrameBuffer& frame_buffer, ChannelId beauty,
+Status write_exr(const std::string& path, const PixelImage& frame_buffer, ChannelId beauty,
                  const ImageDescription& description);
 
 /// Whether write_exr could lay these channels out; ask before rendering. Errors: a name that is empty, used twice, taken

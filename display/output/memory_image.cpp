@@ -15,7 +15,7 @@ FilePart named_part(const PlannedPart& part) {
     return file;
 }
 
-void fill(FilePart& file, const PlannedPart& part, const FrameBuffer& frame_buffer) {
+void fill(FilePart& file, const PlannedPart& part, const PixelImage& frame_buffer) {
     if (part.data != nullptr) {
         const std::vector<float> values = part.data->values();
         const std::size_t size = values.size() / file.channels.size();
@@ -38,7 +38,7 @@ void fill(FilePart& file, const PlannedPart& part, const FrameBuffer& frame_buff
 
 }  // namespace
 
-Result<ExrImage> image_in_memory(const FrameBuffer& frame_buffer, ChannelId beauty, const ImageDescription& description,
+Result<ExrImage> image_in_memory(const PixelImage& frame_buffer, ChannelId beauty, const ImageDescription& description,
                                  const std::string& layer) {
     const std::vector<PlannedPart> parts = plan_parts(frame_buffer.channels(), beauty, description);
     ExrImage image;

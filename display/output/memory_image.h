@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "display/buffer/frame_buffer.h"
+#include "display/buffer/pixel_image.h"
 #include "display/output/exr_reader.h"
 #include "display/output/exr_writer.h"
 
@@ -11,7 +11,7 @@ namespace raylex::display {
 
 /// The image with only the part that holds `layer` ("" or "beauty": the beauty, or the first part when there is none).
 /// Errors: no such layer, with near misses.
-Result<ExrImage> image_in_memory(const FrameBuffer& frame_buffer, ChannelId beauty, const ImageDescription& description,
+Result<ExrImage> image_in_memory(const PixelImage& frame_buffer, ChannelId beauty, const ImageDescription& description,
                                  const std::string& layer);
 
 }  // namespace raylex::display

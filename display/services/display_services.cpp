@@ -79,6 +79,18 @@ bool DisplayServices::accept_row(int row, bool good_value) {
     return refuse(invalid_channel, good_value ? Refusal::unknown_row : Refusal::bad_value);
 }
 
+/// A value that is not finite, of an accepted (id, row).
+bool DisplayServices::refuse_value(ChannelId id, int row, const Rgb& value) {
+    table_.count_invalid(row, id, value);
+    return refuse(id, Refusal::bad_value);
+}
+
+/// The same of a distance or an opacity, of an accepted row.
+bool DisplayServices::refuse_row_value(int row, const Rgb& value) {
+    table_.count_invalid(row, invalid_channel, value);
+    return refuse(invalid_channel, Refusal::bad_value);
+}
+
 /// Where the values of an accepted (id, row) stand, ready to be added to (splatted) or replaced (written).
 double* DisplayServices::entry(ChannelId id, int row, RowState state) {
     const int components = component_count(table_.channel(id).type);
@@ -94,13 +106,15 @@ double* DisplayServices::entry(ChannelId id, int row, RowState state) {
 }
 
 bool DisplayServices::splat(ChannelId id, int row, float value) {
-    if (!accept(id, row, takes(id, ChannelType::real), std::isfinite(value))) return false;
+    if (!accept(id, row, takes(id, ChannelType::real), true)) return false;
+    if (!std::isfinite(value)) return refuse_value(id, row, Rgb(value));
     *entry(id, row, RowState::splatted) += static_cast<double>(value);
     return true;
 }
 
 bool DisplayServices::splat(ChannelId id, int row, const Rgb& value) {
-    if (!accept(id, row, takes_triples(id), is_finite(value))) return false;
+    if (!accept(id, row, takes_triples(id), true)) return false;
+    if (!is_finite(value)) return refuse_value(id, row, value);
     double* values = entry(id, row, RowState::splatted);
     for (int c = 0; c < 3; ++c) values[c] += static_cast<double>(value[c]);
     return true;
@@ -119,13 +133,15 @@ bool DisplayServices::splat_multi(std::span<const ChannelId> ids, int row, const
 }
 
 bool DisplayServices::write(ChannelId id, int row, float value) {
-    if (!accept(id, row, takes(id, ChannelType::real), std::isfinite(value))) return false;
+    if (!accept(id, row, takes(id, ChannelType::real), true)) return false;
+    if (!std::isfinite(value)) return refuse_value(id, row, Rgb(value));
     *entry(id, row, RowState::written) = static_cast<double>(value);
     return true;
 }
 
 bool DisplayServices::write(ChannelId id, int row, const Rgb& value) {
-    if (!accept(id, row, takes_triples(id), is_finite(value))) return false;
+    if (!accept(id, row, takes_triples(id), true)) return false;
+    if (!is_finite(value)) return refuse_value(id, row, value);
     double* values = entry(id, row, RowState::written);
     for (int c = 0; c < 3; ++c) values[c] = static_cast<double>(value[c]);
     return true;
@@ -153,11 +169,16 @@ bool DisplayServices::write_batch(ChannelId id, std::span<const std::int32_t> ro
     for (std::size_t i = 0; i < count; ++i) {
         const auto row = static_cast<std::size_t>(static_cast<std::uint32_t>(rows[i]));
         const Value& value = values[i];
-        bool good = true;
-        if constexpr (std::is_same_v<Value, Rgb>) good = is_finite(value);
-        else if constexpr (std::is_same_v<Value, float>) good = std::isfinite(value);
-        if (!good || row >= row_count) {
-            ++(good ? bad_rows : bad_values);
+        if (row >= row_count) {
+            ++bad_rows;
+            continue;
+        }
+        bool finite = true;
+        if constexpr (std::is_same_v<Value, Rgb>) finite = is_finite(value);
+        else if constexpr (std::is_same_v<Value, float>) finite = std::isfinite(value);
+        if (!finite) [[unlikely]] {
+            ++bad_values;
+            if constexpr (!std::is_same_v<Value, std::int32_t>) table_.count_invalid(rows[i], id, Rgb(value));
             continue;
         }
         if constexpr (std::is_same_v<Value, Rgb>)
@@ -183,20 +204,23 @@ bool DisplayServices::write(ChannelId id, std::span<const std::int32_t> rows, st
 }
 
 bool DisplayServices::write_distance(int row, float distance, bool is_volume) {
-    if (!accept_row(row, !std::isnan(distance))) return false;
+    if (!accept_row(row, true)) return false;
+    if (std::isnan(distance)) return refuse_row_value(row, Rgb(distance));
     table_.depth[static_cast<std::size_t>(row)] = distance;
     table_.is_volume[static_cast<std::size_t>(row)] = is_volume ? 1 : 0;
     return true;
 }
 
 bool DisplayServices::write_opacity(int row, const Rgb& opacity) {
-    if (!accept_row(row, is_finite(opacity))) return false;
+    if (!accept_row(row, true)) return false;
+    if (!is_finite(opacity)) return refuse_row_value(row, opacity);
     table_.opacity[static_cast<std::size_t>(row)] = RgbD(opacity);
     return true;
 }
 
 bool DisplayServices::splat_opacity(int row, const Rgb& opacity) {
-    if (!accept_row(row, is_finite(opacity))) return false;
+    if (!accept_row(row, true)) return false;
+    if (!is_finite(opacity)) return refuse_row_value(row, opacity);
     table_.opacity[static_cast<std::size_t>(row)] += RgbD(opacity);
     return true;
 }

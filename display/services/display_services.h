@@ -51,7 +51,8 @@ std::vector<std::string> refusal_warnings(std::span<const ChannelDefinition> cha
 ///
 /// Invalid ids, invalid rows, values of the wrong type and values that are not finite (Law 6) are refused: the call
 /// returns false and nothing is written. Refusals are counted per channel (`refusals()`), so that the engine warns once
-/// per channel when the render is over, and never once per call.
+/// per channel when the render is over, and never once per call. Values that are not finite are counted in the table too,
+/// by camera ray and channel (SampleTable::invalid_count).
 class DisplayServices {
   public:
     explicit DisplayServices(SampleTable& table);
@@ -110,6 +111,8 @@ class DisplayServices {
     bool refuse(ChannelId id, Refusal reason, std::uint64_t count = 1);
     bool accept(ChannelId id, int row, bool right_type, bool good_value);
     bool accept_row(int row, bool good_value);
+    bool refuse_value(ChannelId id, int row, const Rgb& value);
+    bool refuse_row_value(int row, const Rgb& value);
     double* entry(ChannelId id, int row, SampleTable::RowState state);
     template <class Value>
     bool write_batch(ChannelId id, std::span<const std::int32_t> rows, std::span<const Value> values,

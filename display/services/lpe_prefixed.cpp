@@ -158,11 +158,16 @@ void LpeServices::splat_apart(const Report& report, const Tracker& tracker, bool
         if (!valid && !prefixes.noinfinitecheck) continue;
         const Rgb own = own_value(prefixes, report.value, report.sample);
         if (own.is_black()) continue;
+        const ChannelId id = setup_.channel_of_accept_[channel];
         if (out_of_range(own)) {
-            if (!std::exchange(rejected, true)) reject(own, tracker);
+            if (std::exchange(rejected, true)) {
+                table_.count_invalid_of(id);
+            } else {
+                ++invalid_count_;
+                table_.count_invalid(tracker.row_, id, own);
+            }
             continue;
         }
-        const ChannelId id = setup_.channel_of_accept_[channel];
         double* values = table_.values(id) + 3 * static_cast<std::size_t>(tracker.row_);
         const RgbD part = RgbD(own) * shares_[channel];
         for (int c = 0; c < 3; ++c) values[c] = prefixes.overwrite ? part[c] : values[c] + part[c];

@@ -186,7 +186,6 @@ LpeServices::LpeServices(const LpeSetup& setup, SampleTable& table, std::uint64_
       split_way_(way_to_split(attribution)),
       apart_(setup.prefixed_),
       shares_(setup.prefixes_.size(), unused) {
-    invalid_samples_.reserve(invalid_samples_kept);
     sharing_.reserve(setup.prefixes_.size());
 }
 
@@ -421,11 +420,22 @@ void LpeServices::collapse(BranchList& branches, std::size_t target, std::uint64
     branches.compact();
 }
 
+/// Once for the camera ray, and once for beauty and each channel that would have taken a part.
 void LpeServices::reject(const Rgb& value, const Tracker& tracker) {
     ++invalid_count_;
-    if (invalid_samples_.size() == invalid_samples_kept) return;
-    const CameraRow& row = table_.camera_row(tracker.row_);
-    invalid_samples_.push_back({row.pixel_x, row.pixel_y, row.sample, value});
+    table_.count_invalid(tracker.row_, invalid_channel, value);
+    if (takes_all(tracker)) table_.count_invalid_of(setup_.beauty_);
+    std::vector<std::uint16_t> counted;  // few of these calls are made, so they may allocate
+    const lpe::ProgramView& program = setup_.program_.view();
+    for (std::size_t branch = 0; branch < tracker.count_; ++branch)
+        program.for_each_accepted(&tracker.state_[branch * tracker.groups_], [&](std::uint16_t channel) {
+            const ChannelPrefixes& prefixes = setup_.prefixes_[channel];
+            if (prefixes.holdouts != tracker.held_out_) return;
+            if (prefixes.own_value() && prefixes.noinfinitecheck) return;  // judged by the value that is its own
+            if (std::find(counted.begin(), counted.end(), channel) != counted.end()) return;
+            counted.push_back(channel);
+            table_.count_invalid_of(setup_.channel_of_accept_[channel]);
+        });
 }
 
 }  // namespace raylex::display

@@ -129,17 +129,9 @@ class LpeSetup {
     ChannelId needs_emitter_samples_ = invalid_channel, needs_light_samples_ = invalid_channel;
 };
 
-/// A rejected contribution, with what it takes to render the sample again (Law 6).
-struct InvalidSample {
-    std::int32_t pixel_x = 0, pixel_y = 0;
-    std::uint64_t sample = 0;
-    Rgb value;
-};
-
 /// Per thread. All calls are inline-cheap when no expression channel exists.
 class LpeServices {
   public:
-    static constexpr std::size_t invalid_samples_kept = 16;
     /// A contribution with a larger component is as invalid as one that is not finite: a block of samples with it would
     /// leave the frame buffer's range, for beauty but not for every layer. Far above the sun's 2e9 cd/m^2.
     static constexpr float largest_contribution = 0x1p38f;
@@ -161,7 +153,7 @@ class LpeServices {
 
     /// Adds `value` (radiance times throughput, filter weight not applied) to beauty and to every channel whose
     /// expression accepts the path; the terminal event must have been moved along. Non-finite values, and those beyond
-    /// largest_contribution, are rejected for beauty and splits alike, counted and logged (Law 6).
+    /// largest_contribution, are rejected for beauty and splits alike, counted and logged in the table (Law 6).
     void contribute(const Rgb& value, Technique technique, const Tracker& tracker);
     /// The same with what channels with prefixes take. A light sample that is blocked has a black value and is reported
     /// all the same. A channel that takes another value than beauty is checked for that value too, and with
@@ -193,8 +185,7 @@ class LpeServices {
     [[nodiscard]] bool takes_all(const Tracker& tracker) const { return setup_.beauty_ >= 0 && !tracker.held_out_; }
 
     [[nodiscard]] std::uint64_t overflow_count() const { return overflow_count_; }   ///< moves that had to collapse branches
-    [[nodiscard]] std::uint64_t invalid_count() const { return invalid_count_; }
-    [[nodiscard]] std::span<const InvalidSample> invalid_samples() const { return invalid_samples_; }
+    [[nodiscard]] std::uint64_t invalid_count() const { return invalid_count_; }   ///< contributions rejected
     /// Contributions accepted so far that were found by `technique`.
     [[nodiscard]] std::uint64_t contribution_count(Technique technique) const {
         return contributions_[static_cast<std::size_t>(technique)];
@@ -233,7 +224,6 @@ class LpeServices {
     Attribution attribution_ = Attribution::exact;
     std::uint64_t overflow_count_ = 0, invalid_count_ = 0;
     std::array<std::uint64_t, 2> contributions_{};
-    std::vector<InvalidSample> invalid_samples_;
     SplitPlans plans_;
     SplitWay split_way_;
     /// Of the plans' rows: 1, 0, and room for the lobes' fractions of the move at hand.

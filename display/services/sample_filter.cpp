@@ -1,9 +1,12 @@
 #include "display/services/sample_filter.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
+#include "display/filters/sample_filters.h"
 #include "display/services/channel_prefixes.h"
+#include "display/services/object_request.h"
 
 namespace raylex::display {
 namespace {
@@ -90,6 +93,8 @@ Registry<SampleFilterFactory> in_tree_filters() {
                   "scales samples brighter than a luminance down to it, all light channels by one factor",
                   {{"luminance", ParameterType::real, "10", "largest luminance a sample keeps, > 0"}},
                   build_clamp});
+    registry.add(grade_filter_entry());
+    registry.add(shadow_filter_entry());
     return registry;
 }
 
@@ -105,7 +110,65 @@ Result<std::unique_ptr<SampleFilter>> make_sample_filter(const std::string& name
     const Result<const Registry<SampleFilterFactory>::Entry*> entry =
         sample_filter_registry().require(name, parameters.location);
     if (!entry) return entry.error();
-    return (*entry)->factory(parameters, context);
+    auto filter = (*entry)->factory(parameters, context);
+    if (!filter) return filter;
+    if (Status used = check_all_used(parameters, (*entry)->parameters, "sample filter", name); !used) return used.error();
+    return filter;
+}
+
+void SampleFilterChain::apply(SampleTable& table) const {
+    if (filters_.empty()) return;
+    for (const auto& filter : filters_) filter->apply(table);
+    take_out_invalid(table);
+}
+
+void SampleFilterChain::take_out_invalid(SampleTable& table) {
+    const auto finite = [](const double* v, int components) {
+        return std::all_of(v, v + components, [](double each) { return std::isfinite(each); });
+    };
+    const auto value_at = [&](ChannelId id, int row) {
+        return table.values(id) + static_cast<std::size_t>(row) *
+                                      static_cast<std::size_t>(component_count(table.channel(id).type));
+    };
+    std::vector<ChannelId> light;
+    for (ChannelId id = 0; id < table.channel_count(); ++id)
+        if (table.touched(id) && table.channel(id).style == ChannelStyle::expression) light.push_back(id);
+    for (ChannelId id = 0; id < table.channel_count(); ++id) {
+        if (!table.touched(id) || !takes_samples(table.channel(id))) continue;
+        const int components = component_count(table.channel(id).type);
+        const bool is_light = table.channel(id).style == ChannelStyle::expression;
+        for (int row = 0; row < table.row_count(); ++row) {
+            if (!is_light && !table.written(id, row)) continue;  // the miss value, which may be infinite
+            double* v = value_at(id, row);
+            if (finite(v, components)) continue;
+            const Rgb shown(static_cast<float>(v[0]), static_cast<float>(v[components / 2]),
+                            static_cast<float>(v[components - 1]));
+            table.count_invalid(row, id, shown);
+            if (!is_light) {
+                std::fill_n(v, components, table.fill_value(id));
+                table.set_row_state(id, row, SampleTable::RowState::untouched);
+            }
+            for (const ChannelId other : is_light ? light : std::vector<ChannelId>())
+                std::fill_n(value_at(other, row), component_count(table.channel(other).type), 0.0);
+        }
+    }
+    for (int row = 0; row < table.row_count(); ++row) {
+        RgbD& opacity = table.opacity[static_cast<std::size_t>(row)];
+        if (is_finite(opacity)) continue;
+        table.count_invalid(row, invalid_channel, Rgb(opacity));
+        opacity = RgbD();
+    }
+}
+
+std::vector<ChannelId> SampleFilterChain::alters() const {
+    std::vector<ChannelId> ids;
+    for (const auto& filter : filters_) {
+        const std::vector<ChannelId> more = filter->alters();
+        ids.insert(ids.end(), more.begin(), more.end());
+    }
+    std::sort(ids.begin(), ids.end());
+    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+    return ids;
 }
 
 }  // namespace raylex::display

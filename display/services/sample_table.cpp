@@ -36,6 +36,9 @@ SampleTable::SampleTable(std::span<const ChannelDefinition> channels, int max_ro
     opacity.resize(row_capacity_);
     surface.resize(row_capacity_);
     valid.resize(row_capacity_);
+    invalid_.resize(static_cast<std::size_t>(max_rows));
+    invalid_by_channel_.resize(channels_.size());
+    invalid_log_.reserve(invalid_samples_kept);
     clear_rows(static_cast<int>(row_capacity_));
 }
 
@@ -65,6 +68,16 @@ void SampleTable::begin(std::span<const CameraRow> rows) {
     std::fill_n(opacity.begin(), count, RgbD{});
     std::fill_n(surface.begin(), count, 0);
     std::fill_n(valid.begin(), count, std::uint8_t{1});
+    std::fill_n(invalid_.begin(), count, 0u);
+}
+
+void SampleTable::count_invalid(int row, ChannelId channel, const Rgb& value) {
+    ++invalid_[static_cast<std::size_t>(original(row))];
+    ++invalid_total_;
+    if (channel >= 0) count_invalid_of(channel);
+    if (invalid_log_.size() == invalid_samples_kept) return;
+    const CameraRow& camera = camera_row(row);
+    invalid_log_.push_back({camera.pixel_x, camera.pixel_y, camera.sample, value, channel});
 }
 
 void SampleTable::discard() {

@@ -24,8 +24,18 @@ struct CameraRow {
     std::uint64_t sample = 0;                ///< sample index within the pixel
 };
 
+/// What was refused because it is not finite or out of range, with what it takes to render the sample again (Law 6).
+struct InvalidSample {
+    std::int32_t pixel_x = 0, pixel_y = 0;
+    std::uint64_t sample = 0;
+    Rgb value;
+    ChannelId channel = invalid_channel;   ///< whose value; invalid_channel: light, for beauty and layers alike
+};
+
 class SampleTable {
   public:
+    static constexpr std::size_t invalid_samples_kept = 16;
+
     /// How a row of a plain channel got its value. Expression channels and beauty stay `untouched`: they start at 0 and
     /// add up. Splatted values of a camera ray's rows add up, written ones are composited (see FrameBuffer).
     enum class RowState : std::uint8_t { untouched, splatted, written };
@@ -74,8 +84,25 @@ class SampleTable {
     std::vector<std::int32_t> surface; ///< [row] what is there, 1-based in the renderer's own count; 0 = nothing named
     std::vector<std::uint8_t> valid;   ///< [row] 0 marks a camera ray that could not be traced: it counts as a black miss
 
+    /// Counts a refused value of `row` against its camera ray and `channel`, and logs it while there is room: call once
+    /// per refused value, count_invalid_of() for each further channel that would have taken it.
+    void count_invalid(int row, ChannelId channel, const Rgb& value);
+    void count_invalid_of(ChannelId channel) { ++invalid_by_channel_[static_cast<std::size_t>(channel)]; }
+    /// Refused values of a camera ray since begin(): what the AOV invalidSamples counts.
+    [[nodiscard]] std::uint32_t invalid_count(int camera_row) const {
+        return invalid_[static_cast<std::size_t>(camera_row)];
+    }
+    /// Since the table was made, discarded batches included: in all, [channel], and the first ones.
+    [[nodiscard]] std::uint64_t invalid_total() const { return invalid_total_; }
+    [[nodiscard]] std::span<const std::uint64_t> invalid_by_channel() const { return invalid_by_channel_; }
+    [[nodiscard]] std::span<const InvalidSample> invalid_log() const { return invalid_log_; }
+
   private:
     void clear_rows(int count);
+    std::vector<std::uint32_t> invalid_;           // [camera row]
+    std::vector<std::uint64_t> invalid_by_channel_;
+    std::vector<InvalidSample> invalid_log_;
+    std::uint64_t invalid_total_ = 0;
     std::vector<ChannelDefinition> channels_;
     std::vector<std::size_t> offset_;      // [channel] into values_
     std::vector<double> values_;

@@ -2,6 +2,8 @@
 
 #include "display/buffer/memory_estimate.h"
 #include "display/drivers/tev_driver.h"
+#include "display/filters/display_filter.h"
+#include "display/services/sample_filter.h"
 #include "experiments/report/png_driver.h"
 
 namespace raylex::experiments {
@@ -12,17 +14,28 @@ CLI::Option* repeated(CLI::Option* option, const char* text) {
         CLI::MultiOptionPolicy::TakeAll);
 }
 
-/// For --help: every driver and what it takes.
 std::string driver_list() {
     register_png_driver();
-    std::string list;
-    for (const auto& entry : display::display_driver_registry().entries()) {
-        list += (list.empty() ? "" : "; ") + entry.name + " (";
-        for (const ParameterDescription& each : entry.parameters)
-            list += (&each == &entry.parameters.front() ? "" : ", ") + each.name;
-        list += ")";
+    return registry_summary(display::display_driver_registry());
+}
+
+Status apply_filters(const OutputOptions& options, Job& job) {
+    for (const std::string& text : options.sample_filters) {
+        auto request = parse_object_request(text, display::sample_filter_registry(), "sample filter", {"--sample-filter", 0, 0});
+        if (!request) return request.error();
+        transport::SceneEntity filter;
+        filter.type = std::move(request->name);
+        filter.parameters = std::move(request->parameters);
+        filter.location = {"--sample-filter", 0, 0};
+        job.settings.sample_filters.push_back(std::move(filter));
     }
-    return list;
+    for (const std::string& text : options.display_filters) {
+        auto request =
+            parse_object_request(text, display::display_filter_registry(), "display filter", {"--display-filter", 0, 0});
+        if (!request) return request.error();
+        job.outputs.filters.push_back(std::move(*request));
+    }
+    return success();
 }
 
 Status apply_deep(const OutputOptions& options, DeepRequest& deep) {
@@ -61,6 +74,14 @@ void add_output_options(CLI::App& command, OutputOptions& options) {
              "HOST[:PORT]");
     repeated(command.add_option("--driver", options.drivers,
                                 "adds a display driver: " + driver_list() + "; may be repeated"),
+             "NAME:KEY=VALUE,...");
+    repeated(command.add_option("--sample-filter", options.sample_filters,
+                                "changes samples before the pixel filter, in the order given: " +
+                                    registry_summary(display::sample_filter_registry()) + "; may be repeated"),
+             "NAME:KEY=VALUE,...");
+    repeated(command.add_option("--display-filter", options.display_filters,
+                                "changes pixels before they are shown or written, in the order given: " +
+                                    registry_summary(display::display_filter_registry()) + "; may be repeated"),
              "NAME:KEY=VALUE,...");
     repeated(command.add_option("--exr", options.storage,
                                 "how a kind of channel (light, color, normal, position, value, id or all) is stored: "
@@ -103,6 +124,7 @@ Status apply_output_options(const OutputOptions& options, Job& job) {
     }
     if (!options.view.empty()) job.view = options.view;
     if (options.texture_rules) job.texture_rules = true;
+    if (Status filters = apply_filters(options, job); !filters) return filters;
     for (const std::string& text : options.viewers) {
         auto address = display::tev_address(text, {"--tev", 0, 0});
         if (!address) return address.error();

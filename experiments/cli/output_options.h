@@ -11,7 +11,7 @@
 namespace raylex::experiments {
 
 struct OutputOptions {
-    std::vector<std::string> previews, storage, drivers, viewers, deep_channels;
+    std::vector<std::string> sample_filters, display_filters, previews, storage, drivers, viewers, deep_channels;
     std::string display, view, memory_limit, deep, deep_storage;
     std::optional<int> deep_samples;
     std::optional<double> deep_tolerance;

@@ -22,7 +22,7 @@ namespace {
 
 struct RenderOptions {
     std::string input, output, statistics, resolution, integrator, sampler, filter, partition;
-    std::string ocio, rendering_space, isa, until_error, checkpoint;
+    std::string ocio, rendering_space, isa, until_error, checkpoint, replay, filter_mode;
     std::optional<std::uint64_t> spp, seed;
     std::optional<int> threads;
     std::optional<std::int64_t> max_depth;
@@ -131,6 +131,21 @@ Result<Job> base_job(const std::string& input) {
     return job;
 }
 
+/// --replay X,Y,SAMPLE
+Result<transport::SampleChoice> parse_replay(const std::string& text) {
+    transport::SampleChoice choice;
+    const char* at = text.data();
+    const char* const end = at + text.size();
+    const auto read = [&](auto& number, bool last) {
+        const auto [next, failed] = std::from_chars(at, end, number);
+        if (failed != std::errc() || (last ? next != end : next == end || *next != ',')) return false;
+        at = next + (last ? 0 : 1);
+        return true;
+    };
+    if (read(choice.x, false) && read(choice.y, false) && read(choice.sample, true)) return choice;
+    return error_at(flag("--replay"), "'" + text + "' is no sample of a pixel; expected X,Y,SAMPLE, such as 12,7,3");
+}
+
 /// Flags override the job file.
 Result<Job> assemble(const CLI::App& command, const RenderOptions& options) {
     auto base = base_job(options.input);
@@ -151,6 +166,7 @@ Result<Job> assemble(const CLI::App& command, const RenderOptions& options) {
     if (options.threads) job.settings.threads = *options.threads;
     if (options.max_depth) job.settings.max_depth = *options.max_depth;
     if (options.no_beauty) job.settings.beauty = false;
+    if (!options.filter_mode.empty()) job.settings.splat = options.filter_mode == "splat";
     if (!options.resolution.empty()) {
         auto size = parse_resolution(options.resolution, flag("--resolution"));
         if (!size) return size.error();
@@ -171,6 +187,10 @@ Result<Job> assemble(const CLI::App& command, const RenderOptions& options) {
     if (options.cryptomatte_ranks) job.settings.cryptomatte_ranks = *options.cryptomatte_ranks;
     if (!options.partition.empty()) job.shipped_partition = true;
     if (options.light_groups) job.light_groups = true;
+    if (options.replay.empty()) return job;
+    auto replay = parse_replay(options.replay);
+    if (!replay) return replay.error();
+    job.settings.only = *replay;
     return job;
 }
 
@@ -231,6 +251,13 @@ void add_options(CLI::App& command, RenderOptions& options) {
         ->check(CLI::Range(0, 2147483647));
     command.add_option("--sampler", options.sampler, "sampler; default: as the scene says")->option_text("NAME");
     command.add_option("--filter", options.filter, "pixel filter; default: as the scene says")->option_text("NAME");
+    command
+        .add_option("--filter-mode", options.filter_mode,
+                    "importance (default): samples are drawn as the pixel filter says and belong to one pixel; splat: they "
+                    "are drawn evenly and shared by all pixels that the filter reaches, which leaves no statistics, deep "
+                    "images or cryptomattes")
+        ->option_text("MODE")
+        ->check(CLI::IsMember({"importance", "splat"}));
     command
         .add_option("--lpe", options.expressions,
                     "adds a layer NAME with the light that the light path expression accepts; may be repeated")
@@ -307,6 +334,11 @@ void add_options(CLI::App& command, RenderOptions& options) {
         .add_option("--isa", options.isa,
                     "instruction set: sse2, sse4.2, avx, avx2 or avx512; default: the best there is")
         ->option_text("NAME");
+    command
+        .add_option("--replay", options.replay,
+                    "renders one sample of one pixel alone and prints what every layer gets and what is refused; writes "
+                    "nothing; exit code 1 when something is refused")
+        ->option_text("X,Y,SAMPLE");
     add_output_options(command, options.outputs);
     add_plugin_option(command, options.plugins);
     command.add_option("--stats", options.statistics, "also writes times, ray counts and the like as JSON")

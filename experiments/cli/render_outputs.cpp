@@ -74,6 +74,9 @@ Status RenderOutputs::make_deep(const transport::RenderPlan& plan) {
         return error_at(request.location, "pixel filter '" + plan.filter->name() +
                                               "' has negative lobes, and a deep sample cannot have negative alpha; "
                                               "expected box, triangle, gaussian or blackman-harris");
+    if (plan.splat)
+        return error_at(request.location, "a deep image is made of samples that belong to one pixel, and filter mode splat "
+                                          "shares them; expected filter mode importance");
     std::vector<display::ChannelId> chosen;
     if (plan.beauty >= 0) chosen.push_back(plan.beauty);
     std::vector<std::string> names;
@@ -107,8 +110,16 @@ Status RenderOutputs::make_deep(const transport::RenderPlan& plan) {
 
 Status RenderOutputs::begin(const transport::RenderPlan& plan, std::vector<display::SampleSink*>& sinks,
                             const display::Chromaticities& primaries,
-                            const std::vector<display::PartitionDeclaration>& partitions) {
+                            std::vector<display::PartitionDeclaration>& partitions) {
     channels_.assign(plan.channels.begin(), plan.channels.end());
+    layout_.width = plan.width;
+    layout_.height = plan.height;
+    for (const ObjectRequest& request : job_->outputs.filters) {
+        auto filter = display::make_display_filter(request.name, request.parameters, {channels_, plan.beauty});
+        if (!filter) return filter.error();
+        filters_.push_back(std::move(*filter));
+    }
+    drop_altered(plan, partitions);
     memory_ = plan.memory;
     if (Status deep = make_deep(plan); !deep) return deep;
     if (deep_) memory_.push_back({"deep", deep_->expected_bytes()});
@@ -127,18 +138,72 @@ Status RenderOutputs::begin(const transport::RenderPlan& plan, std::vector<displ
     return drivers_.open(image);
 }
 
+/// Partitions whose layers no longer sum because a filter changes one of them, or the beauty, by itself.
+void RenderOutputs::drop_altered(const transport::RenderPlan& plan,
+                                 std::vector<display::PartitionDeclaration>& partitions) {
+    std::vector<display::ChannelId> altered = plan.altered;
+    for (const auto& filter : filters_)
+        for (const display::ChannelId id : filter->alters()) altered.push_back(id);
+    const auto altered_member = [&](const display::PartitionDeclaration& partition) -> std::string {
+        for (const display::ChannelId id : altered) {
+            const std::string name = id == plan.beauty ? "beauty" : channels_[static_cast<std::size_t>(id)].name;
+            const std::string whole = partition.of.empty() ? "beauty" : partition.of;
+            if (name == whole || std::find(partition.layers.begin(), partition.layers.end(), name) != partition.layers.end())
+                return name;
+        }
+        return {};
+    };
+    std::erase_if(partitions, [&](const display::PartitionDeclaration& partition) {
+        const std::string name = altered_member(partition);
+        if (!name.empty())
+            warnings_.push_back("partition '" + partition.name + "' is left out of the file: a filter changes '" + name +
+                                "' by itself, so its layers no longer sum");
+        return !name.empty();
+    });
+    if (!filters_.empty() && !job_->outputs.deep.file.empty())
+        warnings_.push_back("the deep image is not compared with the image: display filters change the one and not the other");
+}
+
+namespace {
+
+/// The image of a render that goes on.
+class LivePixels final : public display::PixelImage {
+  public:
+    LivePixels(const transport::LiveImage& image, const display::FrameBufferLayout& layout,
+               std::span<const display::ChannelDefinition> channels)
+        : image_(image), layout_(layout), channels_(channels) {}
+    [[nodiscard]] const display::FrameBufferLayout& layout() const override { return layout_; }
+    [[nodiscard]] std::span<const display::ChannelDefinition> channels() const override { return channels_; }
+    [[nodiscard]] std::vector<double> resolve(display::ChannelId id, const display::PixelRegion& region) const override {
+        return image_.resolve(id, region);
+    }
+    [[nodiscard]] std::vector<double> resolve_alpha(const display::PixelRegion& region) const override {
+        return image_.resolve_alpha(region);
+    }
+
+  private:
+    const transport::LiveImage& image_;
+    const display::FrameBufferLayout& layout_;
+    std::span<const display::ChannelDefinition> channels_;
+};
+
+}  // namespace
+
 void RenderOutputs::update(const transport::RenderProgress& progress) {
     if (progress.image == nullptr) return;
     const double total = static_cast<double>(std::max<std::uint64_t>(progress.samples_total, 1));
+    const LivePixels live(*progress.image, layout_, channels_);
+    const display::FilteredImage image = filtered(live);
     drivers_.update(progress.seconds, static_cast<double>(progress.samples_done) / total,
                     {[&](display::ChannelId id, const display::PixelRegion& region) {
-                         return progress.image->resolve(id, region);
+                         return image.resolve(id, region);
                      },
-                     [&](const display::PixelRegion& region) { return progress.image->resolve_alpha(region); }});
+                     [&](const display::PixelRegion& region) { return image.resolve_alpha(region); }});
 }
 
 Status RenderOutputs::close(const transport::RenderOutput& output, const display::ImageDescription& description) {
-    Status closed = drivers_.close({output.frame_buffer, output.beauty, description});
+    const display::FilteredImage image = filtered(output.frame_buffer);
+    Status closed = drivers_.close({image, output.beauty, description});
     if (!deep_) return closed;
     Status deep = display::write_deep_exr(job_->outputs.deep.file, *deep_, output.beauty, description,
                                           job_->outputs.deep.storage);
@@ -146,7 +211,7 @@ Status RenderOutputs::close(const transport::RenderOutput& output, const display
 }
 
 Result<std::optional<display::DeepVerdict>> RenderOutputs::judge_deep(const display::ExrImage& image) const {
-    if (!deep_) return std::optional<display::DeepVerdict>();
+    if (!deep_ || !filters_.empty()) return std::optional<display::DeepVerdict>();
     auto verdict = display::check_deep(job_->outputs.deep.file, image);
     if (!verdict) return verdict.error();
     return std::optional<display::DeepVerdict>(std::move(*verdict));
@@ -154,6 +219,8 @@ Result<std::optional<display::DeepVerdict>> RenderOutputs::judge_deep(const disp
 
 std::vector<std::string> RenderOutputs::take_warnings() {
     std::vector<std::string> warnings = drivers_.take_warnings();
+    warnings.insert(warnings.begin(), warnings_.begin(), warnings_.end());
+    warnings_.clear();
     return warnings;
 }
 

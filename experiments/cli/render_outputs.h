@@ -9,6 +9,7 @@
 #include "display/buffer/memory_estimate.h"
 #include "display/deep/deep_buffer.h"
 #include "display/drivers/driver_set.h"
+#include "display/filters/display_filter.h"
 #include "display/output/deep_file.h"
 #include "experiments/job/color_setup.h"
 #include "experiments/job/job.h"
@@ -24,18 +25,22 @@ class RenderOutputs {
     /// Makes the drivers. Errors: whatever a driver refuses. `color` must outlive this object.
     Status make(const Job& job, const ColorSetup& color);
 
-    /// Before memory is taken: prints what the layers will take, refuses more than the limit, opens the drivers and
-    /// makes the deep buffer one of the render's sinks.
+    /// Before memory is taken: prints what the layers will take, refuses more than the limit, makes the display filters,
+    /// opens the drivers and makes the deep buffer one of the render's sinks. Partitions that filters break are taken out
+    /// of the list, with a warning.
     Status begin(const transport::RenderPlan& plan, std::vector<display::SampleSink*>& sinks,
-                 const display::Chromaticities& primaries,
-                 const std::vector<display::PartitionDeclaration>& partitions);
+                 const display::Chromaticities& primaries, std::vector<display::PartitionDeclaration>& partitions);
 
     void update(const transport::RenderProgress& progress);
 
     /// Writes all. The error of the main image, if any, names its file.
     Status close(const transport::RenderOutput& output, const display::ImageDescription& description);
 
-    /// Flattens the deep file against the image just written. Nothing when none was asked for.
+    /// The image as files and viewers get it: through the display filters. It and this object must outlive the result.
+    [[nodiscard]] display::FilteredImage filtered(const display::PixelImage& image) const { return {image, filters_}; }
+
+    /// Flattens the deep file against the image just written. Nothing when none was asked for, or when display filters,
+    /// which a deep image never sees, changed the image.
     Result<std::optional<display::DeepVerdict>> judge_deep(const display::ExrImage& image) const;
 
     [[nodiscard]] std::vector<std::string> take_warnings();
@@ -45,12 +50,16 @@ class RenderOutputs {
     [[nodiscard]] const display::DeepBuffer* deep() const { return deep_.get(); }
 
   private:
+    void drop_altered(const transport::RenderPlan& plan, std::vector<display::PartitionDeclaration>& partitions);
     Status make_deep(const transport::RenderPlan& plan);
     const Job* job_ = nullptr;
     display::DriverSet drivers_;
     std::unique_ptr<display::DeepBuffer> deep_;
     std::vector<display::MemoryItem> memory_;
     std::vector<display::ChannelDefinition> channels_;
+    std::vector<std::unique_ptr<display::DisplayFilter>> filters_;
+    std::vector<std::string> warnings_;
+    display::FrameBufferLayout layout_;
 };
 
 /// "deep: 3 layers flatten to the image (...)".

@@ -39,6 +39,11 @@ class RenderRun {
     RenderRun(Job job, const std::vector<std::string>& arguments) : job_(std::move(job)), arguments_(arguments) {}
 
     int run() {
+        if (job_.settings.only) {
+            for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::plan})
+                if (const std::optional<int> code = (this->*step)()) return *code;
+            return replay();
+        }
         for (std::optional<int> (RenderRun::*step)() :
              {&RenderRun::check_outputs, &RenderRun::load, &RenderRun::plan, &RenderRun::render,
               &RenderRun::write_image, &RenderRun::judge, &RenderRun::write_statistics})
@@ -99,7 +104,8 @@ class RenderRun {
         auto primaries = choose_rendering_space(job_, color_, scene_);
         if (!primaries) return report_error(primaries.error());
         primaries_ = *primaries;
-        if (Status made = outputs_.make(job_, color_); !made) return report_error(made.error());
+        if (!job_.settings.only)
+            if (Status made = outputs_.make(job_, color_); !made) return report_error(made.error());
         phases_["load"] = clock.elapsed();
         return interrupted_early();
     }
@@ -182,11 +188,48 @@ class RenderRun {
         phases_["build"] = {statistics.build_seconds, statistics.build_cpu_seconds};
         phases_["render"] = {statistics.render_seconds, statistics.render_cpu_seconds};
         if (statistics.invalid_samples > 0)
-            warn(std::to_string(statistics.invalid_samples) +
-                 " contributions were not finite and were left out of beauty and layers alike; --stats lists how to "
-                 "replay them");
+            warn_of_invalid(statistics);
         if (!output_->complete && statistics.camera_samples == 0) return interrupted_early();
         return go_on;
+    }
+
+    void warn_of_invalid(const transport::RenderStatistics& statistics) {
+        std::string text = std::to_string(statistics.invalid_samples) +
+                           " contributions or values were not finite and were left out of beauty and layers alike; the AOV "
+                           "invalidSamples shows where, --stats lists the first ones";
+        if (!statistics.invalid_log.empty()) {
+            const display::InvalidSample& first = statistics.invalid_log.front();
+            text += ".\n  The first: pixel (" + std::to_string(first.pixel_x) + ", " + std::to_string(first.pixel_y) +
+                    "), sample " + std::to_string(first.sample) + ", seed " + std::to_string(output_->seed) +
+                    "; to see that sample alone:\n  " + replay_command(job_, *output_, arguments_, first);
+        }
+        warn(text);
+    }
+
+    /// One sample of one pixel, told and not written. Exit code 1 when something of it is refused.
+    int replay() {
+        const transport::SampleChoice& only = *job_.settings.only;
+        auto output = transport::render(scene_, job_.settings, {}, &interrupt_flag());
+        if (!output) return report_error(output.error());
+        const transport::RenderStatistics& statistics = output->statistics;
+        const std::span<const display::ChannelDefinition> channels = output->frame_buffer.channels();
+        print_line("pixel (" + std::to_string(only.x) + ", " + std::to_string(only.y) + "), sample " +
+                   std::to_string(only.sample) + ", seed " + std::to_string(output->seed) + ": " +
+                   std::to_string(statistics.invalid_samples) + " contributions or values refused");
+        const auto triple = [](double r, double g, double b) {
+            return "(" + number_text(r) + ", " + number_text(g) + ", " + number_text(b) + ")";
+        };
+        for (const display::InvalidSample& each : statistics.invalid_log)
+            print_line("  refused: " + triple(each.value.r, each.value.g, each.value.b) +
+                       (each.channel >= 0 ? " for " + channels[static_cast<std::size_t>(each.channel)].name : ""));
+        const bool inside = only.x >= 0 && only.y >= 0 && only.x < output->width && only.y < output->height;
+        for (std::size_t i = 0; inside && i < channels.size(); ++i) {
+            const std::vector<double> value = output->frame_buffer.resolve(static_cast<display::ChannelId>(i),
+                                                                           {only.x, only.y, only.x + 1, only.y + 1});
+            print_line("  " + channels[i].name + ": " +
+                       (value.size() == 3 ? triple(value[0], value[1], value[2]) : number_text(value[0])));
+        }
+        return statistics.invalid_samples > 0 ? exit_does_not_hold : exit_holds;
     }
 
     Step write_image() {
@@ -221,7 +264,7 @@ class RenderRun {
         const fs::path folder = fs::temp_directory_path(failed);
         const std::string path = (folder / fs::path(job_.output).filename()).string();
         if (!failed && !fs::exists(path, failed) &&
-            display::write_exr(path, output_->frame_buffer, output_->beauty, description)) {
+            display::write_exr(path, outputs_.filtered(output_->frame_buffer), output_->beauty, description)) {
             Error error = failure;
             error.hint = "the image was saved as " + path + " instead";
             return report_error(error);

@@ -94,6 +94,13 @@ void read_render(TomlTable& root, Job& job) {
     read_checkpoint(render, job);
     render.read("beauty", job.settings.beauty);
     render.read("isa", job.settings.isa);
+    std::string mode;
+    if (render.read("filter_mode", mode)) {
+        job.settings.splat = mode == "splat";
+        if (mode != "splat" && mode != "importance")
+            root.source().fail(render.location_of("filter_mode"),
+                               "'filter_mode' in [render] is '" + mode + "'; expected \"importance\" or \"splat\"");
+    }
     std::string lobes;
     if (render.read("lobes", lobes)) {
         job.settings.picked_lobes = lobes == "picked";
@@ -104,7 +111,7 @@ void read_render(TomlTable& root, Job& job) {
     render.close();
 }
 
-/// [integrator], [sampler], [filter], [sample_filter]: a type, and parameters that the object itself judges.
+/// [integrator], [sampler], [filter]: a type, and parameters that the object itself judges.
 void read_entity(TomlTable& root, const char* key, std::optional<transport::SceneEntity>& entity) {
     const toml::table* table = root.take_table(key);
     if (table == nullptr) return;
@@ -114,6 +121,27 @@ void read_entity(TomlTable& root, const char* key, std::optional<transport::Scen
     result.location = reader.location_of("type");
     result.parameters = reader.take_parameters();
     entity = std::move(result);
+}
+
+/// [[sample_filter]] and [[display_filter]], each list in its order.
+void read_filters(TomlTable& root, Job& job) {
+    for (const toml::table* table : root.take_tables("sample_filter")) {
+        TomlTable reader(root.source(), *table, "a [[sample_filter]] table");
+        transport::SceneEntity filter;
+        if (!reader.require("type", filter.type)) continue;
+        filter.location = reader.location_of("type");
+        filter.parameters = reader.take_parameters();
+        filter.parameters.location = filter.location;
+        job.settings.sample_filters.push_back(std::move(filter));
+    }
+    for (const toml::table* table : root.take_tables("display_filter")) {
+        TomlTable reader(root.source(), *table, "a [[display_filter]] table");
+        ObjectRequest filter;
+        if (!reader.require("type", filter.name)) continue;
+        filter.parameters = reader.take_parameters();
+        filter.parameters.location = reader.location_of("type");
+        job.outputs.filters.push_back(std::move(filter));
+    }
 }
 
 using Selector = transport::LabelRule::Selector;
@@ -174,7 +202,7 @@ Result<Job> parse_job(const std::string& text, const std::string& path) {
     read_entity(root, "integrator", job.settings.integrator);
     read_entity(root, "sampler", job.settings.sampler);
     read_entity(root, "filter", job.settings.filter);
-    read_entity(root, "sample_filter", job.settings.sample_filter);
+    read_filters(root, job);
     read_channel_tables(root, job);
     read_output_tables(root, path, job.outputs);
     read_rules(root, "label", "label",

@@ -9,6 +9,7 @@
 #include "display/drivers/display_driver.h"
 #include "display/output/deep_file.h"
 #include "display/output/exr_storage.h"
+#include "display/services/object_request.h"
 #include "lpe/result.h"
 
 namespace raylex::experiments {
@@ -26,6 +27,7 @@ struct DeepRequest {
 struct OutputRequests {
     display::ExrStorageTable storage = display::default_exr_storage();
     std::vector<display::DriverRequest> drivers;  ///< beside the main image and its preview, in the order given
+    std::vector<ObjectRequest> filters;           ///< display filters in the order in which they see the image
     DeepRequest deep;
     std::uint64_t memory_limit = 0;               ///< bytes; 0 = none
 };

@@ -61,6 +61,15 @@ std::string shell_command(const std::vector<std::string>& arguments) {
     return command;
 }
 
+std::string replay_command(const Job& job, const transport::RenderOutput& output, const std::vector<std::string>& arguments,
+                           const display::InvalidSample& sample) {
+    std::vector<std::string> again = arguments;
+    if (job.settings.isa.empty()) again.insert(again.end(), {"--isa", output.isa});
+    again.insert(again.end(), {"--replay", std::to_string(sample.pixel_x) + "," + std::to_string(sample.pixel_y) + "," +
+                                               std::to_string(sample.sample)});
+    return shell_command(again);
+}
+
 std::map<std::string, std::string> header_attributes(const Job& job, const transport::RenderOutput& output,
                                                      const std::vector<std::string>& arguments,
                                                      const std::string& color_config) {
@@ -80,6 +89,7 @@ std::map<std::string, std::string> header_attributes(const Job& job, const trans
         {"raylex/integrator", output.integrator},
         {"raylex/sampler", output.sampler},
         {"raylex/filter", output.filter},
+        {"raylex/filter_mode", output.splat ? "splat" : "importance"},
         {"raylex/color_config", color_config},
     };
     for (const transport::LoadedPlugin& plugin : transport::loaded_plugins()) {

@@ -36,6 +36,7 @@ Json phases_json(const RunRecord& record) {
 Json invalid_json(const RunRecord& record) {
     const transport::RenderStatistics& statistics = record.output->statistics;
     Json log = Json::array();
+    const auto channels = record.output->frame_buffer.channels();
     for (const display::InvalidSample& each : statistics.invalid_log) {
         // Non-finite numbers have no form in JSON: text keeps them.
         log.push_back(
@@ -48,9 +49,14 @@ Json invalid_json(const RunRecord& record) {
                {"sampler", record.output->sampler},
                {"integrator", record.output->integrator},
                {"scene", record.job->scene_file},
-               {"samples_per_pixel", record.output->samples_per_pixel}}}});
+               {"samples_per_pixel", record.output->samples_per_pixel},
+               {"command", replay_command(*record.job, *record.output, record.arguments, each)}}}});
+        if (each.channel >= 0) log.back()["channel"] = channels[static_cast<std::size_t>(each.channel)].name;
     }
-    return {{"count", statistics.invalid_samples}, {"logged", log}};
+    Json by_channel = Json::object();
+    for (std::size_t i = 0; i < statistics.invalid_by_channel.size(); ++i)
+        if (statistics.invalid_by_channel[i] > 0) by_channel[channels[i].name] = statistics.invalid_by_channel[i];
+    return {{"count", statistics.invalid_samples}, {"by_channel", by_channel}, {"logged", log}};
 }
 
 Json splits_json(const RunRecord& record) {

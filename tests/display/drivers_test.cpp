@@ -4,6 +4,7 @@
 #include <chrono>
 #include <limits>
 
+#include "display/buffer/frame_buffer.h"
 #include "display/drivers/packet_sender.h"
 #include "display/drivers/tev_driver.h"
 #include "display/output/exr_reader.h"

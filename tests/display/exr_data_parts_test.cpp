@@ -5,6 +5,7 @@
 
 #include <ImfMultiPartInputFile.h>
 
+#include "display/buffer/frame_buffer.h"
 #include "display/output/exr_writer.h"
 #include "files.h"
 

@@ -7,6 +7,7 @@
 #include <ImfInputPart.h>
 #include <ImfMultiPartInputFile.h>
 
+#include "display/buffer/frame_buffer.h"
 #include "display/output/primaries.h"
 #include "display/output/split_check.h"
 #include "display/output/split_sum.h"

@@ -124,6 +124,7 @@ TEST_CASE("every AOV has its value in its space", "[geoaovs]") {
         {"Oi", {1, 0.5, 0}},
         {"cpuTime", {0.25}},
         {"sampleCount", {1}},
+        {"invalidSamples", {0}},
         {"__Pworld", {14, 20, 33}},
         {"__Nworld", {-1, 0, 0}},
         {"__Vworld", {f(-0.8f), 0, f(-0.6f)}},

@@ -135,7 +135,7 @@ void check_material() {
 void check_filter_and_driver() {
     write_scene("", "Material \"diffuse\"\n" + wall);
     write("job.toml", "plugins = ['" OUTSIDE_PLUGINS "/libexposure_filter.so']\n[scene]\nfile = \"scene.pbrt\"\n"
-                      "[channels]\nshipped_partition = true\n[sample_filter]\ntype = \"exposure\"\nstops = 1.0\n");
+                      "[channels]\nshipped_partition = true\n[[sample_filter]]\ntype = \"exposure\"\nstops = 1.0\n");
     const std::vector<float> plain = render("scene.pbrt");
     std::vector<float> doubled = plain;
     for (float& value : doubled) value *= 2;

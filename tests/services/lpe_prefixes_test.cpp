@@ -137,7 +137,7 @@ TEST_CASE("a channel without infinity check is judged by its own value, and infi
     const std::array<double, 5> own{1, 1, 0, 8, 1};
     for (ChannelId id = 0; id < 5; ++id) CHECK(s.red(id) == own[static_cast<std::size_t>(id)]);
     CHECK(s.services.invalid_count() == 2);
-    CHECK(s.services.invalid_samples()[1].value.r == not_finite);
+    CHECK(s.table.invalid_log()[1].value.r == not_finite);
 }
 
 TEST_CASE("paths that begin at a holdout go to holdouts channels and nowhere else", "[prefixes][law1]") {

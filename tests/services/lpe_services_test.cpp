@@ -191,18 +191,18 @@ TEST_CASE("contributions that are not finite reach nothing and are logged with p
     services.contribute(Rgb(1, nan, 1), Technique::scattering, tracker);
     services.contribute(Rgb(-inf, 0, 0), Technique::light_sampling, tracker);
     CHECK(services.invalid_count() == 2);
-    REQUIRE(services.invalid_samples().size() == 2);
-    CHECK(services.invalid_samples()[1].pixel_x == 11);
-    CHECK(services.invalid_samples()[1].pixel_y == 12);
-    CHECK(services.invalid_samples()[1].sample == 101);
-    CHECK(services.invalid_samples()[1].value.r == -inf);
+    REQUIRE(table.invalid_log().size() == 2);
+    CHECK(table.invalid_log()[1].pixel_x == 11);
+    CHECK(table.invalid_log()[1].pixel_y == 12);
+    CHECK(table.invalid_log()[1].sample == 101);
+    CHECK(table.invalid_log()[1].value.r == -inf);
     for (ChannelId id = 0; id < 2; ++id) {
         CHECK_FALSE(table.touched(id));
         for (int i = 0; i < 9; ++i) CHECK(table.values(id)[i] == 0);
     }
     for (int i = 0; i < 100; ++i) services.contribute(Rgb(nan), Technique::scattering, tracker);
     CHECK(services.invalid_count() == 102);
-    CHECK(services.invalid_samples().size() == LpeServices::invalid_samples_kept);
+    CHECK(table.invalid_log().size() == SampleTable::invalid_samples_kept);
     services.contribute(Rgb(1), Technique::scattering, tracker);
     CHECK(table.values(0)[6] == 1);  // the third row
     CHECK(table.values(1)[6] == 1);

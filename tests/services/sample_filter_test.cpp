@@ -23,7 +23,7 @@ ParameterSet limit(double luminance) {
 
 TEST_CASE("clamp scales beauty and splits by one factor and leaves the rest alone", "[sample_filter][law1]") {
     const std::vector<ChannelDefinition> channels = split_channels();
-    const auto filter = make_sample_filter("clamp", limit(2), {channels, 0});
+    const auto filter = make_sample_filter("clamp", limit(2), {channels, 0, {}});
     REQUIRE(filter);
     SampleTable table(channels, 4, 1);
     table.begin(test::pixel_rows(0, 0, 0, 2));
@@ -53,7 +53,7 @@ TEST_CASE("splits sum to beauty with the clamp on", "[sample_filter][law1]") {
     const std::vector<ChannelDefinition> channels{
         test::plain_channel("beauty", ChannelType::rgb), test::expression_channel("a", "CDL"),
         test::expression_channel("b", "CDDL"), test::expression_channel("c", "CSL")};
-    const auto filter = make_sample_filter("clamp", limit(0.5), {channels, 0});
+    const auto filter = make_sample_filter("clamp", limit(0.5), {channels, 0, {}});
     REQUIRE(filter);
     SampleTable table(channels, 64, 0);
     table.begin(test::pixel_rows(0, 0, 0, 64));
@@ -78,7 +78,7 @@ TEST_CASE("splits sum to beauty with the clamp on", "[sample_filter][law1]") {
 
 TEST_CASE("none changes nothing; bad settings are errors", "[sample_filter][law7]") {
     const std::vector<ChannelDefinition> channels = split_channels();
-    const auto none = make_sample_filter("none", {}, {channels, 0});
+    const auto none = make_sample_filter("none", {}, {channels, 0, {}});
     REQUIRE(none);
     SampleTable table(channels, 4, 0);
     table.begin(test::pixel_rows(0, 0, 0, 1));
@@ -86,9 +86,9 @@ TEST_CASE("none changes nothing; bad settings are errors", "[sample_filter][law7
     table.touch(0);
     (*none)->apply(table);
     CHECK(table.values(0)[0] == 1e6);
-    CHECK_FALSE(make_sample_filter("clamp", limit(0), {channels, 0}));
-    CHECK_FALSE(make_sample_filter("clamp", limit(1), {channels, invalid_channel}));
-    CHECK_FALSE(make_sample_filter("clmp", {}, {channels, 0}));
+    CHECK_FALSE(make_sample_filter("clamp", limit(0), {channels, 0, {}}));
+    CHECK_FALSE(make_sample_filter("clamp", limit(1), {channels, invalid_channel, {}}));
+    CHECK_FALSE(make_sample_filter("clmp", {}, {channels, 0, {}}));
 }
 
 }  // namespace

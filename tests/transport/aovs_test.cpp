@@ -247,7 +247,7 @@ TEST_CASE("asking for every AOV leaves the beauty's bits, and no thread shows bu
     settings.samples_per_pixel = 16;
     raylex::transport::SceneEntity clamp;
     clamp.type = "clamp";
-    settings.sample_filter = clamp;
+    settings.sample_filters = {clamp};
     const auto alone = render_of(scene, settings);
     settings.channels = all_aovs();
     settings.threads = 1;

@@ -25,7 +25,7 @@ Status resolve_channels(const RenderSettings& settings, std::span<const display:
         beauty.style = display::ChannelStyle::expression;
         beauty.expression = "C.*";
         beauty.space = "rendering colour space";
-        beauty.statistics = true;
+        beauty.statistics = !settings.splat;
         job.beauty = 0;
         job.channels.push_back(beauty);
         names.insert(beauty.name);
@@ -44,9 +44,30 @@ Status resolve_channels(const RenderSettings& settings, std::span<const display:
         job.channels.push_back(std::move(channel));
     }
     if (job.channels.empty()) return error_at({}, "nothing to render: no beauty and no channel; expected at least one");
-    if (Status s = display::apply_rules(settings.rules, job.beauty, job.channels); !s) return s;
-    if (Status s = display::add_layers(settings.layers, job.channels); !s) return s;
-    return display::add_statistics(settings.statistics, job.channels);
+    return display::apply_rules(settings.rules, job.beauty, job.channels);
+}
+
+/// After resolve_channels: filters may add channels that they fill.
+Status make_sample_filters(const RenderSettings& settings, RenderJob& job) {
+    for (const SceneEntity& entity : settings.sample_filters) {
+        ParameterSet parameters = entity.parameters;
+        if (parameters.location.file.empty()) parameters.location = entity.location;
+        std::vector<display::ChannelDefinition> added;
+        const auto add = [&](display::ChannelDefinition channel) -> Result<display::ChannelId> {
+            for (const auto* list : {&job.channels, &added})
+                for (const display::ChannelDefinition& known : *list)
+                    if (known.name == channel.name)
+                        return error_at(parameters.location, "sample filter '" + entity.type + "' adds the channel '" +
+                                                                 channel.name + "', whose name is taken; expected another");
+            added.push_back(std::move(channel));
+            return static_cast<display::ChannelId>(job.channels.size() + added.size() - 1);
+        };
+        auto made = display::make_sample_filter(entity.type, parameters, {job.channels, job.beauty, add});
+        if (!made) return made.error();
+        job.sample_filters.add(*std::move(made));
+        job.channels.insert(job.channels.end(), added.begin(), added.end());
+    }
+    return success();
 }
 
 /// The metric's channels keep statistics; after resolve_channels.
@@ -86,6 +107,30 @@ Status check_traits(const ChosenIntegrator& chosen, const SceneView& scene, cons
     if (scene.media->any() && !traits.media)
         return error_at({}, "the scene has participating media, which integrator '" + chosen.name + "' does not know",
                         "leave them out, or choose another integrator, such as path");
+    return success();
+}
+
+/// After resolve_filter. What splat mode cannot do is named before anything is rendered.
+Status check_splat(const RenderSettings& settings, const SourceLocation& filter, RenderJob& job) {
+    if (!settings.splat) return success();
+    job.splat = true;
+    job.padding_x = display::splat_reach(job.filter->radius_x());
+    job.padding_y = display::splat_reach(job.filter->radius_y());
+    const std::string hint = "expected filter mode importance";
+    if (std::max(job.padding_x, job.padding_y) > RenderLoop::tile_size)
+        return error_at(filter, "pixel filter '" + job.filter->name() + "' reaches farther than " +
+                                    std::to_string(RenderLoop::tile_size) + " pixels, too far for filter mode splat; " + hint);
+    if (!settings.statistics.empty())
+        return error_at(settings.statistics.front().location,
+                        "statistics of '" + settings.statistics.front().channel +
+                            "' in filter mode splat: samples are shared by neighbouring pixels, whose errors they cannot tell; " +
+                            hint);
+    for (const display::ChannelDefinition& channel : settings.channels)
+        if (channel.statistics)
+            return error_at(display::location_of(channel), "channel '" + channel.name +
+                                                               "' keeps statistics, which filter mode splat has none of; " + hint);
+    if (!settings.cryptomatte.empty())
+        return error_at({}, "cryptomatte in filter mode splat: coverage is of samples that belong to one pixel; " + hint);
     return success();
 }
 
@@ -147,6 +192,18 @@ Status resolve_sampler(const SceneEntity& entity, const RenderSettings& settings
     job.seed = settings.seed + choice->seed;
     job.samples_per_pixel = settings.samples_per_pixel.value_or(choice->samples_per_pixel);
     if (job.samples_per_pixel == 0) return error_at({}, "0 samples per pixel; expected at least 1");
+    if (settings.only) {
+        const SampleChoice& only = *settings.only;
+        if (only.x < -job.padding_x || only.y < -job.padding_y || only.x >= job.film.width + job.padding_x ||
+            only.y >= job.film.height + job.padding_y)
+            return error_at({}, "pixel (" + std::to_string(only.x) + ", " + std::to_string(only.y) +
+                                    ") is not in the image; expected x below " + std::to_string(job.film.width) +
+                                    " and y below " + std::to_string(job.film.height));
+        if (only.sample >= job.samples_per_pixel)
+            return error_at({}, "sample " + std::to_string(only.sample) + " is not in the image; expected one below " +
+                                    std::to_string(job.samples_per_pixel));
+        job.only = only;
+    }
     name = choice->name;
     return success();
 }
@@ -187,6 +244,7 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
     job.camera = std::make_unique<PerspectiveCamera>(*std::move(camera));
     const SceneEntity& filter = settings.filter ? *settings.filter : scene.filter;
     if (Status s = resolve_filter(filter, job, warnings); !s) return s.error();
+    if (Status s = check_splat(settings, filter.location, job); !s) return s.error();
     if (Status s = check_cryptomatte(settings, filter.location, job); !s) return s.error();
     std::string sampler_name;
     if (Status s = resolve_sampler(settings.sampler ? *settings.sampler : scene.sampler, settings, job, sampler_name,
@@ -194,6 +252,9 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
         !s)
         return s.error();
     if (Status s = resolve_channels(settings, scene.pattern_channels(), job); !s) return s.error();
+    if (Status s = make_sample_filters(settings, job); !s) return s.error();
+    if (Status s = display::add_layers(settings.layers, job.channels); !s) return s.error();
+    if (Status s = display::add_statistics(settings.statistics, job.channels); !s) return s.error();
     auto chosen = choose_integrator(settings.integrator ? *settings.integrator : scene.integrator, settings.max_depth);
     if (!chosen) return chosen.error();
     warnings.insert(warnings.end(), chosen->warnings.begin(), chosen->warnings.end());
@@ -204,12 +265,6 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
     job.lpe = std::make_unique<display::LpeSetup>(*std::move(lpe));
     if (Status s = check_traits(*chosen, scene.view(), job); !s) return s.error();
     if (settings.picked_lobes) job.attribution = display::LpeServices::Attribution::picked;
-    if (settings.sample_filter) {
-        auto made = display::make_sample_filter(settings.sample_filter->type, settings.sample_filter->parameters,
-                                                {job.channels, job.beauty});
-        if (!made) return made.error();
-        job.sample_filter = *std::move(made);
-    }
     job.threads =
         settings.threads > 0 ? settings.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     job.has_extra_rows = scene.view().geometry->has_alpha() || scene.view().media->any();
@@ -240,6 +295,8 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
                         .channels = job.channels,
                         .beauty = job.beauty,
                         .filter = job.filter.get(),
+                        .splat = job.splat,
+                        .altered = job.sample_filters.alters(),
                         .memory = display::frame_buffer_memory(layout, job.channels)};
         for (const geoaovs::MatteKind kind : settings.cryptomatte)
             plan.memory.push_back({geoaovs::matte_layer(kind),
@@ -252,7 +309,7 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
     }
     display::RecordIdentity identity;
     if (settings.checkpoint) identity = render_identity(job, settings, scene.isa());
-    auto frame_buffer = display::FrameBuffer::create(layout, job.channels);
+    auto frame_buffer = display::FrameBuffer::create(layout, job.channels, job.splat ? job.filter.get() : nullptr);
     if (!frame_buffer) return frame_buffer.error();
 
     if (Status s = make_cryptomatte(settings, scene, job, warnings); !s) return s.error();
@@ -285,6 +342,8 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
     statistics.render_seconds = watch.wall();
     loop.collect(statistics);
     statistics.invalid_samples += frame_buffer->rejected_count();
+    for (std::size_t i = 0; i < job.channels.size(); ++i)
+        statistics.invalid_by_channel[i] += frame_buffer->rejected_count(static_cast<display::ChannelId>(i));
     for (std::string& refused : display::refusal_warnings(job.channels, statistics.refusals))
         warnings.push_back(error_at({}, std::move(refused)));
 
@@ -301,6 +360,7 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
                         .unconverged_pixels = job.adaptive ? job.adaptive->unconverged() : 0,
                         .resumed_samples = resumed_samples,
                         .seed = settings.seed,
+                        .splat = job.splat,
                         .integrator = chosen->name,
                         .sampler = sampler_name,
                         .filter = job.filter->name(),

@@ -34,6 +34,8 @@ struct RenderPlan {
     std::span<const display::ChannelDefinition> channels;   ///< as RenderOutput::frame_buffer will have them
     display::ChannelId beauty = display::invalid_channel;
     const display::PixelFilter* filter = nullptr;
+    bool splat = false;
+    std::vector<display::ChannelId> altered;                ///< by sample filters: partitions with these do not sum
     std::vector<display::MemoryItem> memory;                ///< of the frame buffer, layer by layer, and cryptomattes
 };
 
@@ -47,6 +49,12 @@ struct CheckpointSettings {
     display::RecordIdentity identity;
 };
 
+/// One sample of one pixel.
+struct SampleChoice {
+    int x = 0, y = 0;
+    std::uint64_t sample = 0;
+};
+
 /// What overrides the scene file. Unset means: as the scene says, else pbrt's default.
 struct RenderSettings {
     std::optional<std::uint64_t> samples_per_pixel;
@@ -55,8 +63,10 @@ struct RenderSettings {
     std::optional<std::array<int, 2>> resolution;
     std::optional<SceneEntity> integrator, sampler, filter;    ///< type and parameters replace the scene's
     std::optional<std::int64_t> max_depth;          ///< overrides the integrator's "maxdepth"
-    std::optional<SceneEntity> sample_filter;       ///< applied to raw samples before pixel filtering
+    std::vector<SceneEntity> sample_filters;        ///< applied in this order to raw samples, before pixel filtering
     std::string isa;                                ///< sse2, sse4.2, avx, avx2 or avx512 for Embree; "" = the widest here
+    bool splat = false;                             ///< samples are shared by pixels instead of drawn as the pixel filter says
+    std::optional<SampleChoice> only;               ///< renders this sample and no other, as the whole image would have it
     bool beauty = true;                             ///< false: only what the channels below accept is simulated
     bool picked_lobes = false;                      ///< label by one drawn lobe instead of exact shares
     lpe::LobeSlots lobe_slots;                      ///< which numbers (D2, S4) lobes get by their names
@@ -98,8 +108,9 @@ struct RenderStatistics {
     std::uint64_t camera_samples = 0, camera_rays = 0, scattering_rays = 0, shadow_rays = 0;
     std::vector<std::uint64_t> path_length_histogram;       ///< [scattering events of the path]
     std::uint64_t attribution_overflow = 0;                 ///< trackers that had to merge by choice
-    std::uint64_t invalid_samples = 0;
-    std::vector<display::InvalidSample> invalid_log;
+    std::uint64_t invalid_samples = 0;                      ///< contributions and values refused as not finite
+    std::vector<std::uint64_t> invalid_by_channel;          ///< [channel] how many of them it would have taken
+    std::vector<display::InvalidSample> invalid_log;        ///< the first ones in the order of samples, for any threads
     std::uint64_t refused_services_calls = 0;
     std::vector<display::RefusalCounts> refusals;           ///< per channel; the last are of calls that name none
     std::uint64_t checkpoints = 0;                          ///< written in this session
@@ -118,6 +129,7 @@ struct RenderOutput {
     std::uint64_t unconverged_pixels = 0;                   ///< adaptive: with all the samples they may have, above the tolerance
     std::uint64_t resumed_samples = 0;                      ///< camera samples that came out of a checkpoint
     std::uint64_t seed = 0;
+    bool splat = false;
     std::string integrator, sampler, filter, isa;           ///< what was really used
     Matrix4 world_to_camera, world_to_screen;
     std::vector<Error> warnings;                            ///< fallbacks (integrator not there yet), unused parameters

@@ -24,6 +24,19 @@ void morton_pixel(int m, int& x, int& y) {
 
 }  // namespace
 
+TileLocks::Group TileLocks::group(std::uint64_t x, std::uint64_t y, std::uint64_t tiles_x, bool around) {
+    Group group;
+    group.locks_ = this;
+    const std::uint64_t reach = around ? 1 : 0;
+    for (std::uint64_t ty = y - std::min(y, reach); ty <= y + reach; ++ty)
+        for (std::uint64_t tx = x - std::min(x, reach); tx <= std::min(x + reach, tiles_x - 1); ++tx)
+            group.indices_[group.count_++] = (ty * tiles_x + tx) % mutexes_.size();
+    const auto end = group.indices_.begin() + static_cast<std::ptrdiff_t>(group.count_);
+    std::sort(group.indices_.begin(), end);
+    group.count_ = static_cast<std::size_t>(std::unique(group.indices_.begin(), end) - group.indices_.begin());
+    return group;
+}
+
 RenderWorker::RenderWorker(const RenderJob& job, display::FrameBuffer& frame_buffer)
     : job_(job),
       frame_buffer_(frame_buffer),
@@ -35,7 +48,7 @@ RenderWorker::RenderWorker(const RenderJob& job, display::FrameBuffer& frame_buf
       rays_(RenderLoop::batch_capacity),
       samplers_(RenderLoop::batch_capacity) {}
 
-void RenderWorker::render_tile(int x0, int y0, int x1, int y1, std::uint64_t first, int count, std::mutex& adding) {
+void RenderWorker::render_tile(int x0, int y0, int x1, int y1, std::uint64_t first, int count, TileLocks::Group& adding) {
     for (int m = 0; m < RenderLoop::tile_size * RenderLoop::tile_size; ++m) {
         int dx, dy;
         morton_pixel(m, dx, dy);
@@ -44,7 +57,7 @@ void RenderWorker::render_tile(int x0, int y0, int x1, int y1, std::uint64_t fir
     flush(adding);
 }
 
-void RenderWorker::render_open_pixels(int x0, int y0, int x1, int y1, std::uint64_t blocks, std::mutex& adding) {
+void RenderWorker::render_open_pixels(int x0, int y0, int x1, int y1, std::uint64_t blocks, TileLocks::Group& adding) {
     const display::AdaptiveSampler& adaptive = *job_.adaptive;
     struct OpenPixel {
         int x, y;
@@ -68,13 +81,14 @@ void RenderWorker::render_open_pixels(int x0, int y0, int x1, int y1, std::uint6
     flush(adding);
 }
 
-void RenderWorker::add_pixel(int x, int y, std::uint64_t first, int count, std::mutex& adding) {
+void RenderWorker::add_pixel(int x, int y, std::uint64_t first, int count, TileLocks::Group& adding) {
     if (count_ + static_cast<std::size_t>(count) > rows_.size()) flush(adding);
     for (int k = 0; k < count; ++k) {
         const std::uint64_t sample = first + static_cast<std::uint64_t>(k);
         const PixelSampler sampler(job_.sampler, job_.seed, x, y, sample);
         const Vec2 u = sampler.get_2d(filter_dimension);
-        const display::FilterSample offset = job_.filter->sample(u.x, u.y);
+        const display::FilterSample offset =
+            job_.splat ? display::FilterSample{u.x - 0.5f, u.y - 0.5f, 1} : job_.filter->sample(u.x, u.y);
         display::CameraRow& row = rows_[count_];
         row.pixel_x = x;
         row.pixel_y = y;
@@ -91,7 +105,7 @@ void RenderWorker::add_pixel(int x, int y, std::uint64_t first, int count, std::
     if (job_.aovs->wants_time()) flush(adding);  // so that every pixel is timed by itself
 }
 
-void RenderWorker::flush(std::mutex& adding) {
+void RenderWorker::flush(TileLocks::Group& adding) {
     if (count_ == 0) return;
     table_.begin({rows_.data(), count_});
     const double begin = job_.aovs->wants_time() ? thread_cpu_seconds() : 0;
@@ -121,14 +135,14 @@ void RenderWorker::finish_samples(double begin) {
         }
         job_.aovs->write_rays(camera_rays_, table_, display_);
     }
-    if (job_.sample_filter) job_.sample_filter->apply(table_);
+    job_.sample_filters.apply(table_);
     if (job_.aovs->wants_samples())
         job_.aovs->write_samples(job_.aovs->wants_time() ? thread_cpu_seconds() - begin : 0, table_, display_);
 }
 
 RenderLoop::RenderLoop(const RenderJob& job, display::FrameBuffer& frame_buffer) : job_(job), frame_buffer_(frame_buffer) {
-    tiles_x_ = static_cast<std::uint64_t>((job.film.width + tile_size - 1) / tile_size);
-    tiles_ = tiles_x_ * static_cast<std::uint64_t>((job.film.height + tile_size - 1) / tile_size);
+    tiles_x_ = static_cast<std::uint64_t>((job.film.width + 2 * job.padding_x + tile_size - 1) / tile_size);
+    tiles_ = tiles_x_ * static_cast<std::uint64_t>((job.film.height + 2 * job.padding_y + tile_size - 1) / tile_size);
     rounds_ = (job.samples_per_pixel + block_size - 1) / block_size;
     // One iteration per block of the image when threads must meet in between, else one for everything.
     phases_ = job.integrator->synchronous() ? rounds_ : 1;
@@ -147,17 +161,19 @@ void RenderLoop::save_to(const CheckpointSettings& settings, display::RecordIden
 }
 
 void RenderLoop::render_task(RenderWorker& worker, std::uint64_t task) {
-    const bool adaptive = job_.adaptive != nullptr;
-    const std::uint64_t tile = adaptive ? open_tiles_[task] : task % tiles_;
-    const int x0 = static_cast<int>(tile % tiles_x_) * tile_size, y0 = static_cast<int>(tile / tiles_x_) * tile_size;
-    const int x1 = std::min(x0 + tile_size, job_.film.width), y1 = std::min(y0 + tile_size, job_.film.height);
-    if (adaptive) {
-        worker.render_open_pixels(x0, y0, x1, y1, job_.adaptive->blocks(), locks_.of(tile));
+    const std::uint64_t tile = job_.adaptive ? open_tiles_[task] : task % tiles_;
+    const int x0 = static_cast<int>(tile % tiles_x_) * tile_size - job_.padding_x,
+              y0 = static_cast<int>(tile / tiles_x_) * tile_size - job_.padding_y;
+    const int x1 = std::min(x0 + tile_size, job_.film.width + job_.padding_x),
+              y1 = std::min(y0 + tile_size, job_.film.height + job_.padding_y);
+    TileLocks::Group adding = locks_.group(tile % tiles_x_, tile / tiles_x_, tiles_x_, job_.splat);
+    if (job_.adaptive) {
+        worker.render_open_pixels(x0, y0, x1, y1, job_.adaptive->blocks(), adding);
         return;
     }
     const std::uint64_t first = task / tiles_ * block_size;
     const auto count = static_cast<int>(std::min<std::uint64_t>(block_size, job_.samples_per_pixel - first));
-    worker.render_tile(x0, y0, x1, y1, first, count, locks_.of(tile));
+    worker.render_tile(x0, y0, x1, y1, first, count, adding);
 }
 
 void RenderLoop::work(RenderWorker& worker, std::uint64_t last) {
@@ -216,11 +232,12 @@ template <class Read>
 std::vector<double> RenderLoop::by_tiles(const display::PixelRegion& region, std::size_t components, Read read) const {
     std::vector<double> result(static_cast<std::size_t>(region.width()) * static_cast<std::size_t>(region.height()) *
                                components);
-    for (int y = region.y0 / tile_size; y * tile_size < region.y1; ++y)
-        for (int x = region.x0 / tile_size; x * tile_size < region.x1; ++x) {
-            const display::PixelRegion part{std::max(region.x0, x * tile_size), std::max(region.y0, y * tile_size),
-                                            std::min(region.x1, (x + 1) * tile_size),
-                                            std::min(region.y1, (y + 1) * tile_size)};
+    const int px = job_.padding_x, py = job_.padding_y;
+    for (int y = (region.y0 + py) / tile_size; y * tile_size - py < region.y1; ++y)
+        for (int x = (region.x0 + px) / tile_size; x * tile_size - px < region.x1; ++x) {
+            const display::PixelRegion part{std::max(region.x0, x * tile_size - px), std::max(region.y0, y * tile_size - py),
+                                            std::min(region.x1, (x + 1) * tile_size - px),
+                                            std::min(region.y1, (y + 1) * tile_size - py)};
             std::vector<double> values;
             {
                 const std::lock_guard lock(
@@ -284,7 +301,16 @@ void RenderLoop::end_phase() {
 Status RenderLoop::run(const std::function<void(const RenderProgress&)>& progress, const std::atomic<bool>* stop) {
     stop_ = stop;
     watch_ = Stopwatch();
-    const std::uint64_t pixels = static_cast<std::uint64_t>(job_.film.width) * static_cast<std::uint64_t>(job_.film.height);
+    if (job_.only) {
+        flush_denormals();
+        job_.integrator->begin_iteration(0);
+        TileLocks::Group adding = locks_.group(0, 0, 1, false);
+        workers_.front()->render_sample(*job_.only, adding);
+        return success();
+    }
+    // Splatting takes samples from around the image too.
+    const std::uint64_t pixels = static_cast<std::uint64_t>(job_.film.width + 2 * job_.padding_x) *
+                                 static_cast<std::uint64_t>(job_.film.height + 2 * job_.padding_y);
     const auto report = [&] {
         if (!progress) return;
         const std::uint64_t done = samples_done_.load(std::memory_order_relaxed);
@@ -360,9 +386,12 @@ void RenderLoop::collect(RenderStatistics& statistics) const {
         statistics.camera_samples += worker->samples;
         statistics.render_cpu_seconds += worker->cpu_seconds;
         statistics.attribution_overflow += worker->lpe().overflow_count();
-        statistics.invalid_samples += worker->lpe().invalid_count();
-        statistics.invalid_log.insert(statistics.invalid_log.end(), worker->lpe().invalid_samples().begin(),
-                                      worker->lpe().invalid_samples().end());
+        const display::SampleTable& table = worker->table();
+        statistics.invalid_samples += table.invalid_total();
+        statistics.invalid_by_channel.resize(job_.channels.size());
+        for (std::size_t i = 0; i < job_.channels.size(); ++i)
+            statistics.invalid_by_channel[i] += table.invalid_by_channel()[i];
+        statistics.invalid_log.insert(statistics.invalid_log.end(), table.invalid_log().begin(), table.invalid_log().end());
         const std::span<const display::RefusalCounts> refusals = worker->display().refusals();
         statistics.refusals.resize(refusals.size());
         for (std::size_t i = 0; i < refusals.size(); ++i) {
@@ -370,11 +399,16 @@ void RenderLoop::collect(RenderStatistics& statistics) const {
             statistics.refused_services_calls += refusals[i].total();
         }
     }
-    std::sort(statistics.invalid_log.begin(), statistics.invalid_log.end(), [](const auto& a, const auto& b) {
-        return std::tie(a.sample, a.pixel_y, a.pixel_x) < std::tie(b.sample, b.pixel_y, b.pixel_x);
-    });
-    if (statistics.invalid_log.size() > display::LpeServices::invalid_samples_kept)
-        statistics.invalid_log.resize(display::LpeServices::invalid_samples_kept);
+    // In the order of tasks. Every thread takes its tasks in that order, so the first ones of all threads are among the
+    // first ones of each, whatever their number.
+    const auto task_of = [&](const display::InvalidSample& each) {
+        return std::tuple(each.sample / block_size, (each.pixel_y + job_.padding_y) / tile_size,
+                          (each.pixel_x + job_.padding_x) / tile_size);
+    };
+    std::stable_sort(statistics.invalid_log.begin(), statistics.invalid_log.end(),
+                     [&](const auto& a, const auto& b) { return task_of(a) < task_of(b); });
+    if (statistics.invalid_log.size() > display::SampleTable::invalid_samples_kept)
+        statistics.invalid_log.resize(display::SampleTable::invalid_samples_kept);
     statistics.camera_rays = counters.camera_rays;
     statistics.scattering_rays = counters.scattering_rays;
     statistics.shadow_rays = counters.shadow_rays;

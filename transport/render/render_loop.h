@@ -15,6 +15,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,11 +37,14 @@ struct RenderJob {
     SamplerKind sampler = SamplerKind::sobol;
     std::uint64_t seed = 0, samples_per_pixel = 0;
     int threads = 1;
+    std::optional<SampleChoice> only;
+    bool splat = false;
+    int padding_x = 0, padding_y = 0;   ///< pixels around the image whose samples reach into it
     std::vector<display::ChannelDefinition> channels;
     display::ChannelId beauty = display::invalid_channel;
     std::unique_ptr<display::LpeSetup> lpe;
     display::LpeServices::Attribution attribution = display::LpeServices::Attribution::exact;
-    std::unique_ptr<display::SampleFilter> sample_filter;
+    display::SampleFilterChain sample_filters;
     const geoaovs::GeometricAovs* aovs = nullptr;
     std::vector<geoaovs::Cryptomatte> cryptomatte;
     std::vector<display::SampleSink*> sinks;
@@ -50,10 +54,30 @@ struct RenderJob {
 };
 
 /// Tiles whose pixels are being added: two threads may hold different blocks of one tile, and the frame buffer wants one
-/// caller a pixel. Striped by tile; taken once a batch, and hardly ever contended on images of many tiles.
+/// caller a pixel. Striped by tile; taken once a batch, and hardly ever contended on images of many tiles. In splat mode a
+/// batch adds to the tiles around its own too, and takes them all.
 class TileLocks {
   public:
+    /// Locks its mutexes in one order for all groups, so that no two wait for each other.
+    class Group {
+      public:
+        void lock() {
+            for (std::size_t i = 0; i < count_; ++i) locks_->mutexes_[indices_[i]].lock();
+        }
+        void unlock() {
+            for (std::size_t i = count_; i-- > 0;) locks_->mutexes_[indices_[i]].unlock();
+        }
+
+      private:
+        friend class TileLocks;
+        TileLocks* locks_ = nullptr;
+        std::array<std::size_t, 9> indices_{};
+        std::size_t count_ = 0;
+    };
+
     [[nodiscard]] std::mutex& of(std::uint64_t tile) { return mutexes_[tile % mutexes_.size()]; }
+    /// The tile at (x, y) of `tiles_x` in a row, and with `around` those next to it.
+    [[nodiscard]] Group group(std::uint64_t x, std::uint64_t y, std::uint64_t tiles_x, bool around);
 
   private:
     std::array<std::mutex, 256> mutexes_;
@@ -68,11 +92,17 @@ class RenderWorker {
 
     /// Renders samples [first, first + count) of the tile with pixels [x0, x1) x [y0, y1). `adding` is held while the
     /// frame buffer takes a batch in.
-    void render_tile(int x0, int y0, int x1, int y1, std::uint64_t first, int count, std::mutex& adding);
+    void render_tile(int x0, int y0, int x1, int y1, std::uint64_t first, int count, TileLocks::Group& adding);
     /// Renders the next `blocks` blocks of each open pixel of that tile, up to the adaptive sampler's maximum. No other
     /// thread may add to these pixels meanwhile.
-    void render_open_pixels(int x0, int y0, int x1, int y1, std::uint64_t blocks, std::mutex& adding);
+    void render_open_pixels(int x0, int y0, int x1, int y1, std::uint64_t blocks, TileLocks::Group& adding);
 
+    void render_sample(const SampleChoice& choice, TileLocks::Group& adding) {
+        add_pixel(choice.x, choice.y, choice.sample, 1, adding);
+        flush(adding);
+    }
+
+    [[nodiscard]] const display::SampleTable& table() const { return table_; }
     [[nodiscard]] const display::LpeServices& lpe() const { return lpe_; }
     [[nodiscard]] const display::DisplayServices& display() const { return display_; }
     [[nodiscard]] IntegratorThread& state() { return *state_; }
@@ -80,8 +110,8 @@ class RenderWorker {
     double cpu_seconds = 0;
 
   private:
-    void add_pixel(int x, int y, std::uint64_t first, int count, std::mutex& adding);
-    void flush(std::mutex& adding);
+    void add_pixel(int x, int y, std::uint64_t first, int count, TileLocks::Group& adding);
+    void flush(TileLocks::Group& adding);
     void finish_samples(double begin);
     const RenderJob& job_;
     display::FrameBuffer& frame_buffer_;
@@ -135,7 +165,7 @@ class RenderLoop : public LiveImage {
                                                Read read) const;
     const RenderJob& job_;
     std::vector<std::unique_ptr<RenderWorker>> workers_;
-    std::uint64_t tiles_x_ = 0, tiles_ = 0, rounds_ = 0, phases_ = 1;
+    std::uint64_t tiles_x_ = 0, tiles_ = 0, rounds_ = 0, phases_ = 1;   // the padding is tiled too
     display::FrameBuffer& frame_buffer_;
     mutable TileLocks locks_;
     RenderPosition position_;                 // its statistics are those of earlier sessions

@@ -1,0 +1,47 @@
+// An image as what shows or stores it sees it: layers of resolved pixels. A frame buffer is one, and so is a frame buffer
+// seen through display filters.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "display/services/channel.h"
+
+namespace raylex::display {
+
+struct FrameBufferLayout {
+    int width = 0, height = 0;
+    int block_size = 16;          ///< samples per canonical block; a power of two
+    int quantum_exponent = -80;
+
+    bool operator==(const FrameBufferLayout&) const = default;
+};
+
+/// Pixels [x0, x1) x [y0, y1).
+struct PixelRegion {
+    int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+    [[nodiscard]] int width() const { return x1 - x0; }
+    [[nodiscard]] int height() const { return y1 - y0; }
+};
+
+class PixelImage {
+  public:
+    virtual ~PixelImage() = default;
+    PixelImage() = default;
+    PixelImage(PixelImage&&) noexcept = default;
+    PixelImage& operator=(PixelImage&&) noexcept = default;
+
+    [[nodiscard]] virtual const FrameBufferLayout& layout() const = 0;
+    [[nodiscard]] virtual std::span<const ChannelDefinition> channels() const = 0;
+    /// The pixels of a channel in a region, which must lie within the image: row-major from the top, components
+    /// interleaved.
+    [[nodiscard]] virtual std::vector<double> resolve(ChannelId id, const PixelRegion& region) const = 0;
+    /// Coverage.
+    [[nodiscard]] virtual std::vector<double> resolve_alpha(const PixelRegion& region) const = 0;
+
+    [[nodiscard]] PixelRegion whole() const { return {0, 0, layout().width, layout().height}; }
+    [[nodiscard]] std::vector<double> resolve(ChannelId id) const { return resolve(id, whole()); }
+    [[nodiscard]] std::vector<double> resolve_alpha() const { return resolve_alpha(whole()); }
+};
+
+}  // namespace raylex::display

@@ -1,0 +1,75 @@
+// Display filters: they see resolved pixels, after the pixel filter and before drivers. Deep images, statistics and the
+// adaptive sampler never see what they do.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "display/buffer/pixel_image.h"
+#include "display/services/channel.h"
+#include "display/services/registry.h"
+
+namespace raylex::display {
+
+/// One object serves all threads and is asked for any region, again and again while an image is shown live: apply() changes
+/// nothing but the pixels it is given, and a pixel must not depend on the region it is part of.
+class DisplayFilter {
+  public:
+    virtual ~DisplayFilter() = default;
+    [[nodiscard]] virtual bool changes(ChannelId id) const = 0;
+    [[nodiscard]] virtual bool changes_alpha() const { return false; }
+    /// Changes the pixels of a channel for which changes() holds: row-major, components interleaved, as `before` has them.
+    /// `before` is the image that the filters in front of this one make; other channels and other pixels can be read there.
+    virtual void apply(const PixelImage& before, ChannelId id, const PixelRegion& region,
+                       std::span<double> pixels) const = 0;
+    /// The same for coverage, when changes_alpha() holds.
+    virtual void apply_alpha(const PixelImage& /*before*/, const PixelRegion& /*region*/,
+                             std::span<double> /*alpha*/) const {}
+    /// Channels that change in another way than all light together does, so that partitions they are in no longer sum.
+    /// Such a partition is not declared in files, and the user is told. What a filter fails to list shows as a split that
+    /// does not hold.
+    [[nodiscard]] virtual std::vector<ChannelId> alters() const { return {}; }
+};
+
+/// What a filter may know of the image it is made for.
+struct DisplayFilterContext {
+    std::span<const ChannelDefinition> channels;
+    ChannelId beauty = invalid_channel;
+};
+
+using DisplayFilterFactory =
+    std::function<Result<std::unique_ptr<DisplayFilter>>(const ParameterSet&, const DisplayFilterContext&)>;
+
+/// "grade" (filters/grade.h, on resolved pixels) and "background" (the beauty over a colour; alpha becomes 1).
+Registry<DisplayFilterFactory>& display_filter_registry();
+
+/// The filter of that name built from its parameters, or an error at the set's location; a parameter that it does not take
+/// is an error too.
+Result<std::unique_ptr<DisplayFilter>> make_display_filter(const std::string& name, const ParameterSet& parameters,
+                                                           const DisplayFilterContext& context);
+
+/// An image seen through filters, in their order. `image` and the filters must outlive it.
+class FilteredImage final : public PixelImage {
+  public:
+    FilteredImage(const PixelImage& image, std::span<const std::unique_ptr<DisplayFilter>> filters);
+    [[nodiscard]] const FrameBufferLayout& layout() const override { return last().layout(); }
+    [[nodiscard]] std::span<const ChannelDefinition> channels() const override { return last().channels(); }
+    using PixelImage::resolve;
+    using PixelImage::resolve_alpha;
+    [[nodiscard]] std::vector<double> resolve(ChannelId id, const PixelRegion& region) const override {
+        return last().resolve(id, region);
+    }
+    [[nodiscard]] std::vector<double> resolve_alpha(const PixelRegion& region) const override {
+        return last().resolve_alpha(region);
+    }
+
+  private:
+    class Stage;
+    [[nodiscard]] const PixelImage& last() const { return *images_.back(); }
+    std::vector<std::unique_ptr<const PixelImage>> stages_;
+    std::vector<const PixelImage*> images_;   // the image itself, then each stage
+};
+
+}  // namespace raylex::display

@@ -1,0 +1,82 @@
+// Law 6 in whole renders: a light beyond all bounds is refused where it is seen, and every refusal can be seen again.
+#include "transport/render_support.h"
+
+using namespace render_test;
+
+namespace {
+
+display::ChannelDefinition aov(const std::string& name) {
+    display::ChannelDefinition channel;
+    channel.name = name;
+    return channel;
+}
+
+/// A quad of 1e30 before a black nothing: whatever a camera ray hits is refused.
+transport::SceneDescription broken_scene() {
+    return scene_of(film + R"(
+Integrator "path" "integer maxdepth" 2
+LookAt 0 0 4  0 0 0  0 1 0
+Camera "perspective" "float fov" 39
+WorldBegin
+LightSource "infinite" "rgb L" [0.25 0.25 0.25]
+AreaLightSource "diffuse" "rgb L" [1e30 1e30 1e30]
+Material "diffuse" "rgb reflectance" [0 0 0]
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-0.53 -0.31 0 0.37 -0.31 0 0.37 0.57 0 -0.53 0.57 0]
+)");
+}
+
+transport::RenderOutput render_broken(const transport::SceneDescription& scene, const transport::RenderSettings& settings) {
+    auto output = transport::render(scene, settings);
+    REQUIRE(output.ok());
+    return *std::move(output);
+}
+
+}  // namespace
+
+TEST_CASE("refused contributions are counted at the very pixels that have them, for any number of threads",
+          "[render][law3][law6]") {
+    const auto scene = broken_scene();
+    transport::RenderSettings settings;
+    settings.samples_per_pixel = 20;  // a whole block and a part of one
+    settings.channels = {lpe("seen", "CL"), lpe("sky", "CB"), aov("invalidSamples"), aov("a")};
+    settings.threads = 1;
+    const auto one = render_broken(scene, settings);
+    settings.threads = 3;
+    const auto three = render_broken(scene, settings);
+    const std::vector<double> counts = one.frame_buffer.resolve(3), alpha = one.frame_buffer.resolve(4),
+                              light = one.frame_buffer.resolve(0);
+    CHECK(three.frame_buffer.resolve(3) == counts);
+    double total = 0;
+    int partial = 0;
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+        // Box filter: alpha is the share of the 20 samples that hit the quad, and each of these is refused once.
+        CHECK(counts[i] == Approx(20 * alpha[i]).margin(1e-9));
+        CHECK(light[3 * i] == Approx(0.25 * (1 - alpha[i])).margin(1e-6));
+        partial += counts[i] > 0 && counts[i] < 20 ? 1 : 0;
+        total += counts[i];
+    }
+    CHECK(total > 500);
+    CHECK(partial > 10);
+    for (const auto* output : {&one, &three}) {
+        CHECK(static_cast<double>(output->statistics.invalid_samples) == total);
+        CHECK(static_cast<double>(output->statistics.invalid_by_channel[0]) == total);
+        CHECK(static_cast<double>(output->statistics.invalid_by_channel[1]) == total);
+        CHECK(output->statistics.invalid_by_channel[2] == 0);
+    }
+    // The log is the same too, and each entry is seen again by that sample alone.
+    REQUIRE(one.statistics.invalid_log.size() == display::SampleTable::invalid_samples_kept);
+    REQUIRE(three.statistics.invalid_log.size() == one.statistics.invalid_log.size());
+    for (std::size_t i = 0; i < one.statistics.invalid_log.size(); ++i) {
+        const display::InvalidSample &a = one.statistics.invalid_log[i], &b = three.statistics.invalid_log[i];
+        CHECK((a.pixel_x == b.pixel_x && a.pixel_y == b.pixel_y && a.sample == b.sample));
+        settings.only = transport::SampleChoice{a.pixel_x, a.pixel_y, a.sample};
+        const auto again = render_broken(scene, settings);
+        CHECK(again.statistics.camera_samples == 1);
+        REQUIRE(again.statistics.invalid_log.size() == 1);
+        CHECK(again.statistics.invalid_log[0].value == a.value);
+    }
+    settings.only = transport::SampleChoice{24, 0, 0};
+    CHECK_FALSE(transport::render(scene, settings).ok());
+    settings.only = transport::SampleChoice{0, 0, 20};
+    CHECK_FALSE(transport::render(scene, settings).ok());
+}
