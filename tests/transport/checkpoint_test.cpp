@@ -57,8 +57,61 @@ display::ChannelDefinition aov(const std::string& name) {
     return channel;
 }
 
+/// Stops a render from within, after so many camera samples: a clock would stop it anywhere or, on a fast machine, never.
+class Interruption {
+  public:
+    void begin(std::uint64_t samples, std::atomic<bool>* stop) {
+        left_.store(static_cast<std::int64_t>(samples));
+        stop_.store(stop);
+    }
+    void count(std::size_t samples) {
+        std::atomic<bool>* const stop = stop_.load();
+        if (stop != nullptr && left_.fetch_sub(static_cast<std::int64_t>(samples)) <= static_cast<std::int64_t>(samples))
+            stop->store(true);
+    }
+
+  private:
+    std::atomic<std::int64_t> left_{0};
+    std::atomic<std::atomic<bool>*> stop_{nullptr};
+};
+Interruption interruption;
+
+/// The path tracer, counting its camera rays there.
+class CountedPath final : public transport::Integrator {
+  public:
+    explicit CountedPath(std::unique_ptr<transport::Integrator> path) : path_(std::move(path)) {}
+    [[nodiscard]] transport::IntegratorTraits traits() const override { return path_->traits(); }
+    raylex::Status prepare(const transport::IntegratorContext& context) override { return path_->prepare(context); }
+    [[nodiscard]] std::unique_ptr<transport::IntegratorThread> make_thread_state() const override {
+        return path_->make_thread_state();
+    }
+    void integrate(const transport::CameraBatch& batch, transport::IntegratorThread& thread,
+                   transport::ThreadServices& services) const override {
+        path_->integrate(batch, thread, services);
+        interruption.count(batch.rays.size());
+    }
+
+  private:
+    std::unique_ptr<transport::Integrator> path_;
+};
+
+transport::SceneEntity counted_path() {
+    transport::integrator_registry().add(
+        {"countedpath", "for this test", {},
+         [](const transport::SceneEntity&,
+            std::optional<std::int64_t> max_depth) -> raylex::Result<std::unique_ptr<transport::Integrator>> {
+             auto chosen = transport::choose_integrator({}, max_depth);
+             if (!chosen) return chosen.error();
+             return std::unique_ptr<transport::Integrator>(std::make_unique<CountedPath>(std::move(chosen->integrator)));
+         }});
+    transport::SceneEntity entity;
+    entity.type = "countedpath";
+    return entity;
+}
+
 transport::RenderSettings room_settings() {
     transport::RenderSettings settings;
+    settings.integrator = counted_path();
     settings.samples_per_pixel = 200;  // the last block is not whole
     settings.threads = 2;
     settings.channels = {lpe("direct", "CDL"), lpe("glossy", "C<.G>.*"), aov("Nn"), aov("id"), aov("sampleCount"), aov("z")};
@@ -72,15 +125,10 @@ transport::RenderOutput in_sessions(const transport::SceneDescription& scene, tr
     settings.checkpoint = transport::CheckpointSettings{file.path(), 0.01, false, {{"test", "1"}}};
     for (sessions = 1;; ++sessions) {
         std::atomic<bool> stop{false};
-        std::uint64_t begin = ~std::uint64_t{0};
         settings.threads = 1 + sessions % 3;
-        auto output = transport::render(
-            scene, settings,
-            [&](const transport::RenderProgress& now) {
-                begin = std::min(begin, now.samples_done);
-                if (now.samples_done >= begin + samples) stop.store(true);
-            },
-            &stop);
+        interruption.begin(samples, &stop);
+        auto output = transport::render(scene, settings, {}, &stop);
+        interruption.begin(0, nullptr);
         INFO((output ? std::string() : output.error().to_string()));
         REQUIRE(output.ok());
         REQUIRE(sessions < 1000);
@@ -134,6 +182,7 @@ TEST_CASE("adaptive sampling takes the same decisions after interruptions", "[re
 TEST_CASE("checkpoints while a render goes on change nothing", "[render][checkpoint][law3]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings = room_settings();
+    settings.samples_per_pixel = 1500;  // long enough for a checkpoint to fall due
     const auto whole = render_of(scene, settings);
     const ScratchFile file;
     settings.checkpoint = transport::CheckpointSettings{file.path(), 0.01, false, {}};
@@ -227,6 +276,7 @@ TEST_CASE("a damaged checkpoint is refused and left as it is", "[render][checkpo
 TEST_CASE("a checkpoint that cannot be written is a warning, and the render goes on", "[render][checkpoint][law7]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings = room_settings();
+    settings.samples_per_pixel = 1500;  // long enough for a checkpoint to fall due
     const auto whole = render_of(scene, settings);
     const ScratchFile file;
     settings.checkpoint = transport::CheckpointSettings{file.path(), 0.01, false, {}};
@@ -269,6 +319,7 @@ class Counting final : public transport::Integrator {
     }
     void end_iteration(std::uint64_t, std::span<transport::IntegratorThread* const>) override {
         iterations_ = iterations_ * 3 % 1009;
+        interruption.count(1);  // amid an iteration there is nothing to save
     }
     void save_state(std::string& bytes) const override { bytes += std::to_string(iterations_); }
     raylex::Status restore_state(std::string_view bytes) override {
@@ -301,7 +352,7 @@ TEST_CASE("an integrator's own state is saved, or the integrator is named and re
     const auto whole = render_of(scene, settings);
     const ScratchFile file;
     int sessions = 0;
-    const auto resumed = in_sessions(scene, settings, file, 1000000, sessions);
+    const auto resumed = in_sessions(scene, settings, file, 30, sessions);
     CHECK(sessions > 1);
     CHECK((everything(resumed) == everything(whole)));
 

@@ -48,8 +48,8 @@ std::string channel_text(const display::ChannelDefinition& channel) {
 void write_statistics(RecordWriter& writer, const RenderStatistics& statistics) {
     // A binding that no longer fits says that there is a number which no record holds yet.
     const auto& [build_seconds, build_cpu_seconds, render_seconds, render_cpu_seconds, camera_samples, camera_rays,
-                 scattering_rays, shadow_rays, path_length_histogram, attribution_overflow, invalid_samples, invalid_log,
-                 refused_services_calls, refusals, checkpoints, checkpoint_stall_seconds] = statistics;
+                 scattering_rays, shadow_rays, path_length_histogram, attribution_overflow, invalid_samples, invalid_by_channel,
+                 invalid_log, refused_services_calls, refusals, checkpoints, checkpoint_stall_seconds] = statistics;
     static_cast<void>(build_seconds), static_cast<void>(build_cpu_seconds);  // of this session alone
     static_cast<void>(checkpoints), static_cast<void>(checkpoint_stall_seconds);
     writer.number(render_seconds);
@@ -58,6 +58,7 @@ void write_statistics(RecordWriter& writer, const RenderStatistics& statistics) 
                                      invalid_samples, refused_services_calls})
         writer.number(each);
     writer.numbers(path_length_histogram);
+    writer.numbers(invalid_by_channel);
     std::vector<std::uint64_t> refused;
     for (const display::RefusalCounts& each : refusals) refused.insert(refused.end(), each.by.begin(), each.by.end());
     writer.numbers(refused);
@@ -66,6 +67,7 @@ void write_statistics(RecordWriter& writer, const RenderStatistics& statistics) 
         writer.number(each.pixel_x);
         writer.number(each.pixel_y);
         writer.number(each.sample);
+        writer.number(each.channel);
         for (const float value : {each.value.r, each.value.g, each.value.b}) writer.number(value);
     }
 }
@@ -78,6 +80,7 @@ void read_statistics(RecordReader& reader, RenderStatistics& statistics) {
           &statistics.attribution_overflow, &statistics.invalid_samples, &statistics.refused_services_calls})
         *each = reader.number<std::uint64_t>();
     statistics.path_length_histogram = reader.numbers();
+    statistics.invalid_by_channel = reader.numbers();
     const std::vector<std::uint64_t> refused = reader.numbers();
     constexpr std::size_t kinds = display::refusal_kinds;
     statistics.refusals.resize(refused.size() / kinds);
@@ -88,6 +91,7 @@ void read_statistics(RecordReader& reader, RenderStatistics& statistics) {
         each.pixel_x = reader.number<std::int32_t>();
         each.pixel_y = reader.number<std::int32_t>();
         each.sample = reader.number<std::uint64_t>();
+        each.channel = reader.number<display::ChannelId>();
         for (float* value : {&each.value.r, &each.value.g, &each.value.b}) *value = reader.number<float>();
         statistics.invalid_log.push_back(each);
     }
@@ -113,7 +117,8 @@ RecordIdentity render_identity(const RenderJob& job, const RenderSettings& setti
     add("pixel filter", job.filter->name() + (settings.filter ? " " + entity_text(*settings.filter) : std::string()));
     if (settings.integrator) add("integrator", entity_text(*settings.integrator));
     if (settings.max_depth) add("max depth", std::to_string(*settings.max_depth));
-    if (settings.sample_filter) add("sample filter", entity_text(*settings.sample_filter));
+    for (std::size_t i = 0; i < settings.sample_filters.size(); ++i)
+        add("sample filter " + std::to_string(i + 1), entity_text(settings.sample_filters[i]));
     add("beauty", settings.beauty ? "true" : "false");
     add("lobes", settings.picked_lobes ? "picked" : "exact");
     for (const display::ChannelDefinition& channel : job.channels) add("channel " + channel.name, channel_text(channel));
@@ -137,6 +142,9 @@ Status check_checkpoint(const CheckpointSettings& settings, const RenderJob& job
                                 "checkpoints",
                             "leave out --checkpoint and --resume, or the deep image");
     }
+    if (job.splat)
+        return error_at({}, "filter mode splat is not saved in checkpoints",
+                        "leave out --checkpoint and --resume, or choose filter mode importance");
     if (settings.file.empty()) return error_at({}, "a checkpoint without a file; expected its name");
     return success();
 }

@@ -74,6 +74,10 @@ Status make_sample_filters(const RenderSettings& settings, RenderJob& job) {
 Status resolve_adaptive(const RenderSettings& settings, const ChosenIntegrator& chosen, RenderJob& job) {
     if (!settings.adaptive) return success();
     const display::AdaptiveSettings& adaptive = *settings.adaptive;
+    if (settings.splat)
+        return error_at(adaptive.location, "adaptive sampling in filter mode splat: samples are shared by neighbouring pixels, whose "
+                                           "errors they cannot tell",
+                        "leave out --until-error and [adaptive], or choose filter mode importance");
     if (Status s = display::AdaptiveSampler::check(adaptive, job.channels, job.beauty); !s) return s;
     if (chosen.integrator->synchronous())
         return error_at(adaptive.location, "integrator '" + chosen.name + "' samples the whole image at once, so it cannot "

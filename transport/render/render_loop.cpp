@@ -376,6 +376,7 @@ void RenderLoop::collect(RenderStatistics& statistics) const {
     statistics.camera_samples += earlier.camera_samples;
     statistics.attribution_overflow += earlier.attribution_overflow;
     statistics.invalid_samples += earlier.invalid_samples;
+    statistics.invalid_by_channel = earlier.invalid_by_channel;
     statistics.refused_services_calls += earlier.refused_services_calls;
     statistics.refusals = earlier.refusals;
     statistics.invalid_log = earlier.invalid_log;
