@@ -101,7 +101,7 @@ if [ "$sanitize" = 1 ] && configure_and_build asan "${warnings[@]}"; then
     say "Unit tests under the address and undefined sanitizers"
     # Embree's and TBB's own allocations live until exit; leaks of ours are still reported by type.
     export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_leaks=1:abort_on_error=0}
-    export LSAN_OPTIONS=${LSAN_OPTIONS:-suppressions=$here/support/lsan.supp:print_suppressions=0}
+    export LSAN_OPTIONS="${LSAN_OPTIONS:-suppressions='$here/support/lsan.supp':print_suppressions=0}"
     export UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1}
     run_programs asan sanitized "$filter~[statistical]~[release-only]~[.]"
 fi
