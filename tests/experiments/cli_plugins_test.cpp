@@ -118,7 +118,7 @@ TEST_CASE("a plugin whose stamp differs in anything is refused with what differs
     says(0, "a stamp of another form");
     says(offsetof(PluginStamp, version), "was built for raylex 1.");
     says(offsetof(PluginStamp, compiler), "was built by h++");
-    says(offsetof(PluginStamp, library), "was built with mibstdc++");
+    says(offsetof(PluginStamp, standard_library), "was built with mibstdc++");
     says(offsetof(PluginStamp, interface), "other headers");
     says(offsetof(PluginStamp, layout), "std::string has 33 bytes in it and 32 here");
 }

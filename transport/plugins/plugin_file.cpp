@@ -106,8 +106,8 @@ Status check_plugin_stamp(const PluginStamp& stamp, const std::string& file, con
         return refuse("it was built for raylex " + text_of(stamp.version) + ", this is " + text_of(own.version));
     if (stamp.compiler != own.compiler)
         return refuse("it was built by " + text_of(stamp.compiler) + ", this by " + text_of(own.compiler));
-    if (stamp.library != own.library)
-        return refuse("it was built with " + text_of(stamp.library) + ", this with " + text_of(own.library));
+    if (stamp.standard_library != own.standard_library)
+        return refuse("it was built with " + text_of(stamp.standard_library) + ", this with " + text_of(own.standard_library));
     if (stamp.interface != own.interface)
         return refuse("it was built with other headers of raylex " + text_of(own.version) + " than this");
     for (std::size_t i = 0; i < own.layout.size(); ++i)

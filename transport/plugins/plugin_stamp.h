@@ -31,7 +31,7 @@ struct PluginStamp {
     std::array<char, 24> magic{};
     std::array<char, 24> version{};    ///< of raylex
     std::array<char, 48> compiler{};   ///< and its version of the C++ binary interface
-    std::array<char, 48> library{};    ///< standard library and what changes its layout
+    std::array<char, 48> standard_library{};    ///< and what changes its layout
     std::array<char, 72> interface{};  ///< digest of raylex's headers
     std::array<std::uint32_t, layout_count> layout{};  ///< sizes of what crosses the border
 };
@@ -63,11 +63,11 @@ constexpr PluginStamp make_plugin_stamp() {
     stamp.compiler = padded<48>("g++ " RAYLEX_PLUGIN_TEXT(__GNUC__) ", C++ ABI " RAYLEX_PLUGIN_TEXT(__GXX_ABI_VERSION));
 #endif
 #if defined(_GLIBCXX_DEBUG)
-    stamp.library = padded<48>("libstdc++ with _GLIBCXX_DEBUG");
+    stamp.standard_library = padded<48>("libstdc++ with _GLIBCXX_DEBUG");
 #elif defined(__GLIBCXX__)
-    stamp.library = padded<48>("libstdc++, string ABI " RAYLEX_PLUGIN_TEXT(_GLIBCXX_USE_CXX11_ABI));
+    stamp.standard_library = padded<48>("libstdc++, string ABI " RAYLEX_PLUGIN_TEXT(_GLIBCXX_USE_CXX11_ABI));
 #else
-    stamp.library = padded<48>("another standard library than libstdc++");
+    stamp.standard_library = padded<48>("another standard library than libstdc++");
 #endif
     stamp.interface = padded<72>(RAYLEX_PLUGIN_INTERFACE);
     stamp.layout = {sizeof(std::string),
