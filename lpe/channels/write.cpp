@@ -114,9 +114,9 @@ class Writer {
     std::string ini() {
         std::string text;
         for (const LobeOption& option : file_.lobe_options) {
-            if ((option.slot + option.names).find_first_of("\r\n") != std::string::npos)
+            if ((option.slot + option.names).find_first_of("\r\n") != std::string::npos || option.names.ends_with('\\'))
                 throw Failure{Error{"the option lpe:" + option.slot +
-                                        " holds a line end; expected none: rendermn.ini has one option a line",
+                                        " holds a line end, or a backslash before one; expected none: rendermn.ini has one option a line",
                                     option.origin, option.line, option.column, {}, {}}};
             text += "/prman/lpe/" + option.slot + "  " + option.names + "\n";
         }
@@ -127,7 +127,12 @@ class Writer {
             if (Status usable = probe.add(source); !usable) {
                 throw Failure{usable.error()};
             }
-            text += "/prman/lpe/macro/" + source.name + "  " + one_line(source) + "\n";
+            const std::string line = one_line(source);
+            if (line.ends_with('\\')) {
+                refuse(source, "channel '" + source.name + "' ends in a backslash, which continues a line of rendermn.ini",
+                       "write a .toml or .usda file");
+            }
+            text += "/prman/lpe/macro/" + source.name + "  " + line + "\n";
         };
         for (const ChannelSource& macro : file_.macros) {
             add(macro);

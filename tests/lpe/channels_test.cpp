@@ -139,6 +139,16 @@ TEST_CASE("whatever a RIB option's name holds is written so that it is read agai
     CHECK(ini.error().message.find("holds a line end") != std::string::npos);
 }
 
+TEST_CASE("what ends in a backslash is not written where that continues a line", "[channels]") {
+    const ChannelFile file = read("/prman/lpe/macro/odd  \\", ChannelFormat::ini);
+    REQUIRE(file.macros.size() == 1);
+    CHECK(file.macros[0].expression == "\\");
+    std::vector<std::string> warnings;
+    const auto written = write_channel_file(file, ChannelFormat::ini, warnings);
+    REQUIRE_FALSE(written.ok());
+    CHECK(written.error().message.find("ends in a backslash") != std::string::npos);
+}
+
 TEST_CASE("USD render variables are read wherever they are nested", "[channels]") {
     const ChannelFile file = read(usda_text, ChannelFormat::usda);
     REQUIRE(file.channels.size() == 3);
