@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "lpe/channels/channel_file.h"
+#include "lpe/channels/file_text.h"
 #include "lpe/channels/lobe_slots.h"
 #include "lpe/failure.h"
 #include "lpe/language/source_text.h"
@@ -68,6 +69,11 @@ std::string one_line(const ChannelSource& source) {
     return result;
 }
 
+/// With a mark of its own where the text has one that reading would take off it.
+std::string marked(const std::string& text) {
+    return expression_offset(text) == std::string_view::npos ? text : "lpe:" + text;
+}
+
 void require_renderman(const ChannelSource& source, const char* format) {
     if (source.dialect != Dialect::renderman) {
         refuse(source, "channel '" + source.name + "' is in the osl dialect; " + format + " holds renderman expressions",
@@ -127,7 +133,7 @@ class Writer {
             if (Status usable = probe.add(source); !usable) {
                 throw Failure{usable.error()};
             }
-            const std::string line = one_line(source);
+            const std::string line = marked(one_line(source));
             if (line.ends_with('\\')) {
                 refuse(source, "channel '" + source.name + "' ends in a backslash, which continues a line of rendermn.ini",
                        "write a .toml or .usda file");
@@ -158,7 +164,7 @@ class Writer {
                     "\n        {\n";
             const bool usd_type = channel.type.find(' ') == std::string::npos && channel.type != "color";
             text += "            uniform token dataType = " + quoted(usd_type ? channel.type : "color3f") + "\n";
-            text += "            uniform string sourceName = " + quoted(channel.source.expression) + "\n";
+            text += "            uniform string sourceName = " + quoted(marked(channel.source.expression)) + "\n";
             text += "            uniform token sourceType = \"lpe\"\n";
             const std::vector<std::string> parameters = kept(channel, "");
             const bool has_name = std::any_of(parameters.begin(), parameters.end(), [](const std::string& each) {

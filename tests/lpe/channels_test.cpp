@@ -149,6 +149,20 @@ TEST_CASE("what ends in a backslash is not written where that continues a line",
     CHECK(written.error().message.find("ends in a backslash") != std::string::npos);
 }
 
+TEST_CASE("an expression that looks marked itself keeps its words in every format", "[channels]") {
+    const ChannelFile file = read("DisplayChannel \"color x\" \"string source\" [\"color lpe:C lpe:D\"]\n", ChannelFormat::rib);
+    REQUIRE(file.channels.size() == 1);
+    REQUIRE(file.channels[0].source.expression == "C lpe:D");  // no expression, and no reason to make it another
+    std::vector<std::string> warnings;
+    for (const ChannelFormat format : {ChannelFormat::rib, ChannelFormat::usda}) {
+        const auto written = write_channel_file(file, format, warnings);
+        REQUIRE(written.ok());
+        const ChannelFile again = read(*written, format);
+        REQUIRE(again.channels.size() == 1);
+        CHECK(again.channels[0].source.expression == "C lpe:D");
+    }
+}
+
 TEST_CASE("USD render variables are read wherever they are nested", "[channels]") {
     const ChannelFile file = read(usda_text, ChannelFormat::usda);
     REQUIRE(file.channels.size() == 3);
