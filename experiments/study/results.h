@@ -1,0 +1,134 @@
+// What an experiment leaves on disk, as values: the contract between the runner, which writes it, and everything that
+// reads it (merging, replaying, analysis, reports, and programs outside: experiments/README.md describes the files).
+//
+// Arrays are .npy files, float64 and uint64 in C order, so numpy.load opens them. All light is scene-linear, in the
+// rendering space of the scene.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lpe/result.h"
+
+namespace raylex::experiments {
+
+/// Names and values in the order given: settings of a method, of a cell, provenance.
+using NamedValues = std::vector<std::pair<std::string, std::string>>;
+
+/// values[(y * width + x) * components + c], y downwards from the top.
+struct PixelArray {
+    std::size_t height = 0, width = 0, components = 0;
+    std::vector<double> values;
+};
+
+/// An array of two or three dimensions: float64, float32, signed or unsigned integers of 8 to 64 bits or bool, of this
+/// machine's byte order, in C order. Integers beyond 2^53 are rounded. Errors: no such file, another format, a length that
+/// is not what the header says.
+Result<PixelArray> read_npy(const std::string& path);
+/// float64 of shape (height, width, components); replaces the file whole or not at all.
+Status write_npy(const std::string& path, const PixelArray& array);
+/// uint64 of shape (height, width).
+Status write_npy_counts(const std::string& path, std::size_t height, std::size_t width,
+                        const std::vector<std::uint64_t>& counts);
+
+enum class BudgetKind : std::uint8_t { samples, seconds, error };
+/// "samples", "seconds" or "error".
+std::string budget_kind_name(BudgetKind kind);
+
+/// One step of a cell or reference and what it took. CPU seconds are of all threads, or of the child process.
+struct Phase {
+    std::string name;
+    double wall_seconds = 0, cpu_seconds = 0;
+};
+
+/// Whether the layers of a partition sum to what they split, in the cell's image file.
+struct PartitionVerdict {
+    std::string partition;
+    bool holds = false;
+    double worst_relative_error = 0;  ///< largest |sum - whole| over the bound's (sum of |layers| + |whole|)
+};
+
+/// One render: a scene by a method with settings, to a budget, with a seed of its own.
+struct Cell {
+    std::string id;                           ///< SCENE.METHOD[.KEY=VALUE...].BUDGET.rREPLICATE; unique, fit for a file name
+    std::string scene, method;
+    NamedValues settings;                     ///< swept keys and their values here; the same throughout a variant
+    BudgetKind budget_kind = BudgetKind::samples;
+    double budget = 0;                        ///< samples per pixel, seconds, or relative error
+    unsigned replicate = 0;                   ///< from 0
+    std::uint64_t seed = 0;
+    bool failed = false;
+    std::string failure;                      ///< the reason, when it failed
+    std::uint64_t samples_per_pixel = 0;      ///< reached; when adaptive, the mean rounded
+    double wall_seconds = 0, cpu_seconds = 0; ///< the sum of the phases: what an equal-time claim must count
+    std::vector<Phase> phases;
+    std::uint64_t rays = 0, invalid_samples = 0, peak_memory_bytes = 0;  ///< 0 where not known (external renderers)
+    std::vector<PartitionVerdict> splits;
+    std::string isa;                          ///< instruction set of the ray tracer; empty for external renderers
+    unsigned threads = 0;
+    std::vector<std::string> warnings;
+    std::string directory;                    ///< where its files are; empty when it failed
+};
+
+struct ChannelInfo {
+    std::string name, expression, dialect;
+    bool beauty = false;
+};
+
+struct SceneInfo {
+    std::string name, file, hash;             ///< file as the config's folder sees it; hash of the scene's description
+    int width = 0, height = 0;
+    std::vector<ChannelInfo> channels;        ///< of light; the beauty first
+    std::string reference;                    ///< its directory; empty: none, or not made yet
+    double reference_relative_error = 0;      ///< standard error of the mean pixel, relative to the image's root mean square;
+                                              ///< negative: not known (an image from elsewhere)
+    std::string reference_method;             ///< method's name, or the file it came from
+    std::uint64_t reference_samples = 0;      ///< per pixel; 0: not known
+};
+
+struct MethodInfo {
+    std::string name, integrator, command;    ///< `command` is empty for methods of this program
+    bool unbiased = true;                     ///< as the config claims
+    NamedValues settings;
+};
+
+/// Where errors are measured beside the whole image.
+struct Region {
+    std::string name, scene;                  ///< scene "": all
+    std::array<int, 4> crop{};                ///< x0, y0, x1, y1; the last two exclusive; all 0: no crop
+    std::string mask_file;                    ///< an image; pixels where it is not 0 count; empty: none
+};
+
+struct PartitionInfo {
+    std::string name, of;                     ///< `of` "beauty" or the channel it splits
+    std::vector<std::string> channels;
+};
+
+struct Experiment {
+    std::string name, directory, config_text, config_hash;
+    NamedValues provenance;
+    std::vector<SceneInfo> scenes;
+    std::vector<MethodInfo> methods;
+    std::vector<Region> regions;
+    std::vector<PartitionInfo> partitions;
+    std::vector<Cell> cells;                  ///< done and failed, in the order of the plan
+    std::vector<std::string> missing;         ///< ids of planned cells that have no result yet
+};
+
+/// Reads experiment.json and every cell's cell.json; no images. Errors: not a results directory, a version that this
+/// program does not read, damage. Files that name scenes and references are made to count from the current folder.
+Result<Experiment> read_experiment(const std::string& directory);
+
+/// CHANNEL.mean.npy of a cell or a reference: filtered mean of the pixels, (height, width, 3).
+Result<PixelArray> read_mean(const std::string& directory, const std::string& channel);
+/// CHANNEL.m2.npy: with n samples in a pixel, the estimated variance of its mean times n (n - 1): the sum of squared
+/// deviations where all filter weights are of one size. An Error where the method keeps no statistics (splats, external).
+Result<PixelArray> read_m2(const std::string& directory, const std::string& channel);
+/// samples.npy: (height, width, 1).
+Result<PixelArray> read_samples(const std::string& directory);
+
+}  // namespace raylex::experiments
