@@ -1,5 +1,5 @@
 // The metrics of `raylex compare`.
-#include <cmath>
+#include <vector>
 
 #include "display/output/primaries.h"
 #include "display/output/split_check.h"
@@ -35,39 +35,6 @@ Result<Side> side_of(const ExrImage& image, const std::string& layer) {
     return error;
 }
 
-// The sums a metric needs, over all pixels and chosen components.
-struct Sums {
-    double squared = 0, absolute = 0, relative_squared = 0, relative_absolute = 0, image = 0, reference = 0;
-    double count = 0;
-
-    void add(double a, double b) {
-        count += 1;
-        if (std::isinf(a) && a == b) return;
-        const double difference = a - b;
-        squared += difference * difference;
-        absolute += std::abs(difference);
-        relative_squared += difference * difference / (b * b + 0.01);
-        relative_absolute += std::abs(difference) / (std::abs(b) + 0.01);
-        image += a;
-        reference += b;
-    }
-    [[nodiscard]] double value(CompareMetric metric) const {
-        switch (metric) {
-            case CompareMetric::relmse:
-                return relative_squared / count;
-            case CompareMetric::mse:
-                return squared / count;
-            case CompareMetric::mae:
-                return absolute / count;
-            case CompareMetric::mape:
-                return relative_absolute / count;
-            case CompareMetric::mean_ratio:
-                return image / reference;
-        }
-        return 0;
-    }
-};
-
 bool is_component(char component) {
     return std::string_view("RGBYA").find(component) != std::string_view::npos;
 }
@@ -81,23 +48,7 @@ Error compare_error(const ExrImage& image, const std::string& message) {
 
 }  // namespace
 
-const char* formula(CompareMetric metric) {
-    switch (metric) {
-        case CompareMetric::relmse:
-            return "mean((a-b)^2 / (b^2 + 0.01))";
-        case CompareMetric::mse:
-            return "mean((a-b)^2)";
-        case CompareMetric::mae:
-            return "mean(|a-b|)";
-        case CompareMetric::mape:
-            return "mean(|a-b| / (|b| + 0.01))";
-        case CompareMetric::mean_ratio:
-            return "mean(a) / mean(b)";
-    }
-    return "";
-}
-
-Result<double> compare(const ExrImage& image, const ExrImage& reference, CompareMetric metric, const std::string& layer,
+Result<double> compare(const ExrImage& image, const ExrImage& reference, ErrorMetric metric, const std::string& layer,
                        char component) {
     if (!is_component(component))
         return compare_error(image, std::string("unknown component '") + component + "'; expected R, G, B, Y or A");
@@ -118,23 +69,29 @@ Result<double> compare(const ExrImage& image, const ExrImage& reference, Compare
     const std::array<double, 3> weights = luminance_weights(to);
     const bool positions = !color && a->planes[0] != a->planes[1];
 
-    Sums sums;
     const std::size_t pixels = a->planes[0]->values.size();
+    std::vector<double> values, expected;
+    values.reserve(pixels * (component == 'A' ? 3 : 1));
+    expected.reserve(values.capacity());
+    const auto add = [&values, &expected](double value, double reference_value) {
+        values.push_back(value);
+        expected.push_back(reference_value);
+    };
     for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
         const std::array<double, 3> p = a->at(pixel), q = b->at(pixel);
         if (component == 'A') {
-            for (std::size_t c = 0; c < 3; ++c) sums.add(p[c], q[c]);
+            for (std::size_t c = 0; c < 3; ++c) add(p[c], q[c]);
         } else if (component == 'Y' && color) {
-            sums.add(weights[0] * p[0] + weights[1] * p[1] + weights[2] * p[2],
+            add(weights[0] * p[0] + weights[1] * p[1] + weights[2] * p[2],
                      weights[0] * q[0] + weights[1] * q[1] + weights[2] * q[2]);
         } else {
             const std::size_t index = component == 'G' || (component == 'Y' && positions) ? 1
                                       : component == 'B'                                  ? 2
                                                                                           : 0;
-            sums.add(p[index], q[index]);
+            add(p[index], q[index]);
         }
     }
-    return sums.value(metric);
+    return measure_errors(values, expected)[metric];
 }
 
 }  // namespace raylex::display

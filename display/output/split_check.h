@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "display/output/error_metrics.h"
 #include "display/output/exr_reader.h"
 #include "lpe/result.h"
 
@@ -44,10 +45,7 @@ Result<std::vector<SplitVerdict>> check_declared_splits(const ExrImage& image);
 /// (up to 1). Cyan marks values that are not finite. The verdict must come from an image of this size.
 Status write_residual_png(const std::string& path, const SplitVerdict& verdict, int width, int height);
 
-enum class CompareMetric : std::uint8_t { relmse, mse, mae, mape, mean_ratio };
-/// The metric's formula in words, a the image and b the reference: "mean((a-b)^2 / (b^2 + 0.01))".
-const char* formula(CompareMetric metric);
-/// `component`: 'R', 'G', 'B' (or the first, second, third plane of X Y Z), 'Y' (luminance of R G B by the reference's
+/// One metric of a layer; `component`: 'R', 'G', 'B' (or the first, second, third plane of X Y Z), 'Y' (luminance of R G B by the reference's
 /// primaries; plane Y of X Y Z) or 'A' for all three components together. A single plane stands for all of them.
 ///
 /// R G B of `image` are converted to the reference's primaries when the files' chromaticities differ (none means
@@ -55,7 +53,7 @@ const char* formula(CompareMetric metric);
 /// Equal infinities (depth where nothing was hit) count as no difference, and mean_ratio leaves them out; any other
 /// value that is not finite makes the result inf or nan. Errors: no such layer in either, sizes differ, an unknown
 /// component.
-Result<double> compare(const ExrImage& image, const ExrImage& reference, CompareMetric metric, const std::string& layer,
+Result<double> compare(const ExrImage& image, const ExrImage& reference, ErrorMetric metric, const std::string& layer,
                        char component);
 
 /// Shell-style match of `name` against `pattern` with * and ?.

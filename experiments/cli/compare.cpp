@@ -1,5 +1,7 @@
 // raylex compare: one number that says how far an image is from a reference.
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "display/output/exr_reader.h"
 #include "display/output/split_check.h"
@@ -14,12 +16,10 @@ struct CompareOptions {
     std::string image, reference, metric = "relmse", layer = "beauty", channel;
 };
 
-display::CompareMetric metric_of(const std::string& name) {
-    if (name == "mse") return display::CompareMetric::mse;
-    if (name == "mae") return display::CompareMetric::mae;
-    if (name == "mape") return display::CompareMetric::mape;
-    if (name == "mean-ratio") return display::CompareMetric::mean_ratio;
-    return display::CompareMetric::relmse;
+std::vector<std::string> metric_names() {
+    std::vector<std::string> names;
+    for (const display::ErrorMetricInfo& each : display::error_metrics()) names.emplace_back(each.name);
+    return names;
 }
 
 int run_compare(const CompareOptions& options) {
@@ -28,7 +28,7 @@ int run_compare(const CompareOptions& options) {
     auto reference = display::read_exr(options.reference);
     if (!reference) return report_error(reference.error());
     const char component = options.channel.empty() ? 'A' : options.channel.front();
-    auto value = display::compare(*image, *reference, metric_of(options.metric), options.layer, component);
+    auto value = display::compare(*image, *reference, display::find_error_metric(options.metric)->metric, options.layer, component);
     if (!value) return report_error(value.error());
     print_line(number_text(*value, 9));
     return exit_holds;
@@ -36,9 +36,8 @@ int run_compare(const CompareOptions& options) {
 
 std::string formulas() {
     std::string text = "Formulas, a the image and b the reference:";
-    for (const char* name : {"relmse", "mse", "mae", "mape", "mean-ratio"})
-        text += "\n  " + std::string(name) + std::string(12 - std::string(name).size(), ' ') +
-                display::formula(metric_of(name));
+    for (const display::ErrorMetricInfo& each : display::error_metrics())
+        text += "\n  " + std::string(each.name) + std::string(21 - std::string(each.name).size(), ' ') + each.formula;
     return text + "\nPrimaries are converted when the files' chromaticities differ.";
 }
 
@@ -49,9 +48,9 @@ void add_compare_command(CLI::App& app, CommandContext& context) {
     auto options = std::make_shared<CompareOptions>();
     command->add_option("A.exr", options->image, "the image")->required()->option_text("(required)");
     command->add_option("B.exr", options->reference, "the reference")->required()->option_text("(required)");
-    command->add_option("--metric", options->metric, "relmse (default), mse, mae, mape or mean-ratio")
+    command->add_option("--metric", options->metric, "the metric, one of those below; default relmse")
         ->option_text("NAME")
-        ->check(CLI::IsMember({"relmse", "mse", "mae", "mape", "mean-ratio"}));
+        ->check(CLI::IsMember(metric_names()));
     command->add_option("--layer", options->layer, "layer to compare; default beauty")->option_text("NAME");
     command->add_option("--channel", options->channel, "R, G, B or Y (luminance); default: the mean over R, G and B")
         ->option_text("R|G|B|Y")
