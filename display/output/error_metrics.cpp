@@ -39,7 +39,8 @@ double mean_magnitude(std::span<const double> values) {
     return count > 0 ? sum / count : 0;
 }
 
-/// (a-b)^2 over the squared reference with its floor. No error is no error even where the reference is black everywhere.
+/// (a-b)^2 over the squared reference with its floor. No error is no error even where the reference is black
+/// everywhere.
 double relative_square(double difference, double reference, double floor) {
     return difference == 0 ? 0 : difference * difference / (reference * reference + floor);
 }

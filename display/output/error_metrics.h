@@ -1,4 +1,5 @@
-// How far an image is from a reference, in one number: the metrics of `raylex compare` and of studies, with their formulas.
+// How far an image is from a reference, in one number: the metrics of `raylex compare` and of studies, with their
+// formulas.
 #pragma once
 
 #include <array>
@@ -11,10 +12,19 @@ namespace raylex::display {
 /// In every formula a is the image, b the reference, and means run over all pixels and components that are asked for.
 ///
 /// `relmse_mean` and `trimmed_relmse_mean` are free of scale: doubling all light changes nothing, so that they compare
-/// across channels, scenes and exposures. Their floor is (0.1 m)^2 with m = mean(|b|): a pixel darker than a tenth of the mean
-/// counts as if it were that bright, as in adaptive sampling. `relmse` and `mape` carry the floor 0.01 that other tools use.
+/// across channels, scenes and exposures. Their floor is (0.1 m)^2 with m = mean(|b|): a pixel darker than a tenth of
+/// the mean counts as if it were that bright, as in adaptive sampling. `relmse` and `mape` carry the floor 0.01 that
+/// other tools use.
 enum class ErrorMetric : std::uint8_t {
-    relmse, mse, mae, mape, mean_ratio, rmse, smape, relmse_mean, trimmed_relmse_mean
+    relmse,
+    mse,
+    mae,
+    mape,
+    mean_ratio,
+    rmse,
+    smape,
+    relmse_mean,
+    trimmed_relmse_mean
 };
 inline constexpr std::size_t error_metric_count = 9;
 
@@ -41,13 +51,14 @@ struct ErrorMeasures {
     [[nodiscard]] double operator[](ErrorMetric metric) const { return values[static_cast<std::size_t>(metric)]; }
 };
 
-/// `image` and `reference` are of one length. Equal infinities (depth where nothing was hit) count as no difference and stay out
-/// of the means of a and b; any other value that is not finite makes metrics inf or nan. No values at all: nan.
+/// `image` and `reference` are of one length. Equal infinities (depth where nothing was hit) count as no difference and
+/// stay out of the means of a and b; any other value that is not finite makes metrics inf or nan. No values at all:
+/// nan.
 ErrorMeasures measure_errors(std::span<const double> image, std::span<const double> reference);
 
-/// What unbiased noise of the reference adds to a squared metric, in expectation: E[measured] = E[true] + this, for mse,
-/// relmse and relmse_mean (denominators taken as exact); nan for all others, whose excess has no such form. `variance` is that of
-/// each value of `reference`.
+/// What unbiased noise of the reference adds to a squared metric, in expectation: E[measured] = E[true] + this, for
+/// mse, relmse and relmse_mean (denominators taken as exact); nan for all others, whose excess has no such form.
+/// `variance` is that of each value of `reference`.
 double reference_excess(ErrorMetric metric, std::span<const double> reference, std::span<const double> variance);
 
 }  // namespace raylex::display

@@ -41,7 +41,8 @@ Result<std::vector<std::uint32_t>> region_pixels(const Region& region, int width
         for (const display::ImageLayer& layer : image->layers)
             for (const display::ImagePlane& plane : layer.planes)
                 if (plane.name != "A")
-                    for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = std::max(mask[i], std::abs(plane.values[i]));
+                    for (std::size_t i = 0; i < mask.size(); ++i)
+                        mask[i] = std::max(mask[i], std::abs(plane.values[i]));
     }
     std::vector<std::uint32_t> pixels;
     for (int y = crop[1]; y < crop[3]; ++y)

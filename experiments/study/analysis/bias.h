@@ -1,0 +1,84 @@
+// Does a method converge to what the reference says, block by block and channel by channel? (Jung, Hanika and
+// Dachsbacher, JCGT 9(2), 2020: Welch's t test on block means, for which the central limit theorem holds where single
+// pixels are too skewed.)
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "experiments/study/results.h"
+#include "lpe/program.h"
+#include "lpe/words.h"
+
+namespace raylex::experiments {
+
+inline constexpr std::size_t bias_block = 16;  ///< pixels on a side
+
+/// Block means of an image over its three components, row by row, the mean of the whole image last: what a bias test
+/// looks at.
+std::vector<double> block_means(const PixelArray& image);
+/// The variance of those means when pixels are independent, from each pixel's variance. NaN where a pixel's is not
+/// finite.
+std::vector<double> block_variances(const PixelArray& variance);
+/// Blocks of an image of this size, without the whole.
+std::size_t block_count(std::size_t width, std::size_t height);
+
+/// One side of the test: block means of independent replicates, or a single image with its own variance.
+struct BiasSide {
+    std::vector<std::vector<double>> replicates;  ///< each as block_means makes it
+    std::vector<double> variance;  ///< of the mean of the replicates; empty: from the replicates' scatter
+};
+
+struct BiasOptions {
+    double level = 0.01;  ///< of all tests together
+    double power = 0.9;   ///< at which the minimum detectable bias is found
+    double channels = 1;  ///< tested together: Sidak's correction is over blocks x channels
+    /// Differences up to this share of the mean are rounding: images are kept as sums of floats.
+    double rounding = 1e-6;
+};
+
+struct BiasVerdict {
+    bool tested = false;
+    bool differs = false;
+    double worst_p = 1;     ///< of the most significant test by itself
+    double adjusted_p = 1;  ///< the same, corrected for all tests
+    std::size_t worst = 0;  ///< its index as in block_means
+    bool worst_is_whole = false;
+    double worst_difference = 0;  ///< relative to the block's own reference, signed
+    double mean_difference = 0;   ///< of the whole image, relative, signed
+    double tests = 0;             ///< that were made, times the channels
+    double detectable_whole = 0;  ///< smallest relative bias of the image's mean that is found with the stated power
+    double detectable_block = 0;  ///< the same for the median block
+    std::string note;             ///< why nothing was tested, or what the variance of the reference rests on
+};
+
+/// Welch's statistic per block and for the whole image, two-sided, each at the level that Sidak's correction leaves,
+/// with Cochran's critical values. Blocks in which both sides are the same and without noise are not tests.
+BiasVerdict test_bias(const BiasSide& method, const BiasSide& reference, const BiasOptions& options = {});
+
+/// A channel in which a method was found to differ, or not.
+struct JudgedChannel {
+    std::string name, expression, dialect;
+    bool differs = false;
+    double adjusted_p = 1;
+};
+
+/// The shortest paths by which a biased method can be told: those of channels that differ and of no channel that does
+/// not.
+struct FirstWords {
+    struct Word {
+        std::string channel, text, sentence;  ///< "C,- R,D L,-"; "camera, diffuse reflection, light"
+        std::size_t events = 0;
+        double adjusted_p = 1;
+    };
+    std::vector<Word> words;  ///< shortest first; ties by significance
+    std::vector<std::string> notes;
+};
+/// Channels whose expression is everything (the beauty) say nothing and are better left out. What cannot be parsed or
+/// is too large becomes a note.
+FirstWords first_differing_words(std::span<const JudgedChannel> channels, const lpe::Words& words = {});
+
+}  // namespace raylex::experiments

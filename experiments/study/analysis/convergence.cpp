@@ -1,0 +1,240 @@
+#include "experiments/study/analysis/convergence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "experiments/study/analysis/distributions.h"
+
+namespace raylex::experiments {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+struct Point {
+    double x = 0, y = 0;  // logs
+};
+
+double mean_of(const std::vector<double>& values) {
+    double sum = 0;
+    for (const double value : values) sum += value;
+    return values.empty() ? nan : sum / static_cast<double>(values.size());
+}
+
+/// x of one replicate: samples, or the seconds that grow with the budget.
+double abscissa(const BudgetGroup& group, std::size_t replicate, Against against) {
+    if (against == Against::samples) return replicate < group.samples.size() ? group.samples[replicate] : 0;
+    return group.seconds[replicate] - group.setup_seconds;
+}
+
+double mean_abscissa(const BudgetGroup& group, Against against) {
+    return against == Against::samples ? mean_of(group.samples) : mean_of(group.seconds) - group.setup_seconds;
+}
+
+std::optional<Line> least_squares(const std::vector<const BudgetGroup*>& groups, Against against, double confidence,
+                                  std::optional<double> fixed_slope = std::nullopt) {
+    std::vector<Point> points;
+    for (const BudgetGroup* group : groups) {
+        const std::size_t first = points.size();
+        double sum = 0, sum_of_logs = 0;
+        for (std::size_t i = 0; i < group->errors.size(); ++i) {
+            const double x = abscissa(*group, i, against), y = group->errors[i];
+            if (!(x > 0 && y > 0 && std::isfinite(y))) continue;
+            points.push_back({std::log(x), std::log(y)});
+            sum += y;
+            sum_of_logs += points.back().y;
+        }
+        // The mean of logs lies below the log of the mean, by half the variance: the group is lifted onto its mean
+        // error.
+        const auto count = static_cast<double>(points.size() - first);
+        for (std::size_t i = first; i < points.size(); ++i) points[i].y += std::log(sum / count) - sum_of_logs / count;
+    }
+    if (points.size() < 2) return std::nullopt;
+    Line line;
+    line.count = static_cast<double>(points.size());
+    line.least_x = std::numeric_limits<double>::infinity();
+    line.most_x = -line.least_x;
+    double mean_y = 0;
+    for (const Point& point : points) {
+        line.mean_x += point.x / line.count;
+        mean_y += point.y / line.count;
+        line.least_x = std::min(line.least_x, point.x);
+        line.most_x = std::max(line.most_x, point.x);
+    }
+    double sxy = 0;
+    for (const Point& point : points) {
+        line.sxx += (point.x - line.mean_x) * (point.x - line.mean_x);
+        sxy += (point.x - line.mean_x) * (point.y - mean_y);
+    }
+    line.degrees = line.count - (fixed_slope ? 1 : 2);
+    // Less than a tenth of an octave between budgets says nothing about a slope.
+    if (!fixed_slope && (line.most_x - line.least_x < 0.1 * std::log(2.0) || line.degrees < 1)) return std::nullopt;
+    line.slope = fixed_slope ? *fixed_slope : sxy / line.sxx;
+    line.intercept = mean_y - line.slope * line.mean_x;
+    double squares = 0;
+    for (const Point& point : points) {
+        const double residual = point.y - line.intercept - line.slope * point.x;
+        squares += residual * residual;
+    }
+    line.residual = std::sqrt(squares / line.degrees);
+    line.slope_low = line.slope_high = line.slope;
+    if (!fixed_slope) {
+        const double half =
+            student_t_quantile(1 - (1 - confidence) / 2, line.degrees) * line.residual / std::sqrt(line.sxx);
+        line.slope_low = line.slope - half;
+        line.slope_high = line.slope + half;
+    }
+    return line;
+}
+
+/// In the order of x; budgets at the floor or without errors left out.
+std::vector<const BudgetGroup*> usable_groups(std::span<const BudgetGroup> groups, Against against) {
+    std::vector<const BudgetGroup*> usable;
+    for (const BudgetGroup& group : groups)
+        if (!group.at_floor && !group.errors.empty() && mean_abscissa(group, against) > 0) usable.push_back(&group);
+    std::sort(usable.begin(), usable.end(), [against](const BudgetGroup* a, const BudgetGroup* b) {
+        return mean_abscissa(*a, against) < mean_abscissa(*b, against);
+    });
+    return usable;
+}
+
+/// Those within `octaves` of the last. Measured times scatter, so 5 % beyond still counts.
+std::vector<const BudgetGroup*> last_octaves(const std::vector<const BudgetGroup*>& groups, Against against,
+                                             double octaves) {
+    std::vector<const BudgetGroup*> last;
+    if (groups.empty()) return last;
+    const double most = mean_abscissa(*groups.back(), against);
+    for (const BudgetGroup* group : groups)
+        if (mean_abscissa(*group, against) * std::exp2(octaves) * 1.05 >= most) last.push_back(group);
+    return last;
+}
+
+std::vector<const BudgetGroup*> first_octaves(const std::vector<const BudgetGroup*>& groups, double octaves) {
+    std::vector<const BudgetGroup*> first;
+    for (const BudgetGroup* group : groups)
+        if (mean_abscissa(*group, Against::seconds) <=
+            mean_abscissa(*groups.front(), Against::seconds) * std::exp2(octaves) * 1.05)
+            first.push_back(group);
+    return first;
+}
+
+/// The fitted line, its slope replaced by -1 where the data do not speak against it. They must do so at 99 %: every
+/// false departure from -1 costs the time's interval its coverage.
+std::optional<Line> plain_line(const std::vector<const BudgetGroup*>& groups, double confidence) {
+    const std::optional<Line> strict = least_squares(groups, Against::seconds, 0.99);
+    if (strict && (strict->slope_low > -1 || strict->slope_high < -1))
+        return least_squares(groups, Against::seconds, confidence);
+    return least_squares(groups, Against::seconds, confidence, -1.0);
+}
+
+/// Index of the first of two neighbours between whose mean errors the target lies.
+std::optional<std::size_t> bracket(const std::vector<const BudgetGroup*>& groups, double squared) {
+    for (std::size_t i = 0; i + 1 < groups.size(); ++i) {
+        const double before = mean_of(groups[i]->errors), after = mean_of(groups[i + 1]->errors);
+        if (before >= squared && squared >= after) return i;
+    }
+    return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<Line> fit_line(std::span<const BudgetGroup> groups, Against against, double octaves, double confidence) {
+    const std::vector<const BudgetGroup*> used = last_octaves(usable_groups(groups, against), against, octaves);
+    if (used.size() < 2) return std::nullopt;
+    return least_squares(used, against, confidence);
+}
+
+SlopeVerdict judge_slope(std::span<const BudgetGroup> groups, bool declared_unbiased) {
+    SlopeVerdict verdict;
+    verdict.seconds = fit_line(groups, Against::seconds);
+    verdict.samples = fit_line(groups, Against::samples);
+    const std::optional<Line>& line = verdict.samples ? verdict.samples : verdict.seconds;
+    if (!line) {
+        verdict.text = "not known: needs two budgets, three replicates in all";
+        return verdict;
+    }
+    const bool shallow = line->slope_low > -1;
+    verdict.too_shallow = declared_unbiased && shallow;
+    if (verdict.too_shallow) verdict.text = "too shallow for a method declared unbiased";
+    else if (shallow) verdict.text = "shallower than -1; declared biased";
+    else if (line->slope_high < -1) verdict.text = "steeper than -1";
+    else verdict.text = "-1 is in the interval";
+    for (const BudgetGroup& group : groups)
+        if (group.heavy_tail) {
+            verdict.text += "; heavy tail, interval not valid";
+            verdict.too_shallow = false;
+            break;
+        }
+    return verdict;
+}
+
+TimeToError time_to_error(std::span<const BudgetGroup> groups, double relative_error, double confidence) {
+    TimeToError result;
+    result.relative_error = relative_error;
+    result.seconds = {nan, nan, nan, {}, {}};
+    const double squared = relative_error * relative_error;
+    const std::vector<const BudgetGroup*> usable = usable_groups(groups, Against::seconds);
+    if (usable.empty()) {
+        result.seconds.note = "no errors above the reference's own";
+        return result;
+    }
+    std::optional<Line> line;
+    const std::optional<std::size_t> at = bracket(usable, squared);
+    if (at) {
+        const std::size_t first = *at > 0 ? *at - 1 : 0, last = std::min(usable.size() - 1, *at + 2);
+        const std::vector<const BudgetGroup*> near(usable.begin() + static_cast<std::ptrdiff_t>(first),
+                                                   usable.begin() + static_cast<std::ptrdiff_t>(last) + 1);
+        line = least_squares(near, Against::seconds, confidence);
+        if (!line) line = plain_line(near, confidence);
+    } else {
+        result.extrapolated = true;
+        const bool early = squared > mean_of(usable.front()->errors);
+        line = plain_line(
+            early ? first_octaves(usable, slope_octaves) : last_octaves(usable, Against::seconds, slope_octaves),
+            confidence);
+    }
+    if (!line) {
+        result.seconds.note = "no positive errors to go by";
+        return result;
+    }
+    if (!(line->slope < 0) || (result.extrapolated && line->slope_high >= 0 && line->slope_low < line->slope_high)) {
+        result.seconds.note = "not reached: the error no longer falls";
+        return result;
+    }
+    const double log_x = (std::log(squared) - line->intercept) / line->slope;
+    const bool fixed = line->slope_low == line->slope_high;
+    const double distance = log_x - line->mean_x;
+    const double setup = usable.back()->setup_seconds;
+    result.seconds.value = std::exp(log_x) + setup;
+    if (!(line->degrees >= 1)) {
+        result.seconds.note = "one replicate";
+        return result;
+    }
+    const double error = line->residual / std::abs(line->slope) *
+                         std::sqrt(1 / line->count + (fixed ? 0 : distance * distance / line->sxx));
+    const double half = student_t_quantile(1 - (1 - confidence) / 2, line->degrees) * error;
+    result.seconds.low = std::exp(log_x - half) + setup;
+    result.seconds.high = std::exp(log_x + half) + setup;
+    result.seconds.how = fixed ? "slope -1" : "fitted slope";
+    for (const BudgetGroup* group : usable)
+        if (group->heavy_tail) result.seconds.note = heavy_tail_note;
+    return result;
+}
+
+std::optional<PredictionCheck> check_prediction(std::span<const BudgetGroup> groups) {
+    const std::vector<const BudgetGroup*> usable = usable_groups(groups, Against::seconds);
+    if (usable.size() < 3) return std::nullopt;
+    std::vector<BudgetGroup> early;
+    for (std::size_t i = 0; i + 1 < usable.size(); ++i) early.push_back(*usable[i]);
+    const double last_error = mean_of(usable.back()->errors);
+    if (!(last_error > 0)) return std::nullopt;
+    const TimeToError predicted = time_to_error(early, std::sqrt(last_error));
+    if (!std::isfinite(predicted.seconds.value)) return std::nullopt;
+    PredictionCheck check;
+    check.predicted_seconds = predicted.seconds.value;
+    check.actual_seconds = mean_of(usable.back()->seconds);
+    check.octaves_ahead = std::log2(check.actual_seconds / mean_of(early.back().seconds));
+    return check;
+}
+
+}  // namespace raylex::experiments

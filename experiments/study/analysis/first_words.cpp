@@ -1,0 +1,55 @@
+#include <algorithm>
+
+#include "experiments/study/analysis/bias.h"
+#include "lpe/algebra/paths.h"
+
+namespace raylex::experiments {
+namespace {
+
+lpe::ChannelSource source_of(const JudgedChannel& channel) {
+    lpe::ChannelSource source;
+    source.name = channel.name;
+    source.expression = channel.expression;
+    source.dialect = channel.dialect == "osl" ? lpe::Dialect::osl : lpe::Dialect::renderman;
+    source.origin = "channel '" + channel.name + "'";
+    return source;
+}
+
+FirstWords::Word word_of(const JudgedChannel& channel, const lpe::Witness& witness) {
+    return {channel.name, witness.text, witness.sentence, witness.events.size(), channel.adjusted_p};
+}
+
+}  // namespace
+
+FirstWords first_differing_words(std::span<const JudgedChannel> channels, const lpe::Words& words) {
+    FirstWords result;
+    std::vector<lpe::ChannelSource> clean;
+    for (const JudgedChannel& channel : channels)
+        if (!channel.differs && !channel.expression.empty()) clean.push_back(source_of(channel));
+    for (const JudgedChannel& channel : channels) {
+        if (!channel.differs || channel.expression.empty()) continue;
+        std::vector<lpe::ChannelSource> asked{source_of(channel)};
+        asked.insert(asked.end(), clean.begin(), clean.end());
+        lpe::PathSetOptions options;
+        options.samples = 1;
+        options.longest_counted = 0;
+        Result<lpe::PathSet> outside = lpe::look_at_paths(lpe::Operation::difference, asked, words, options);
+        if (outside && !outside->empty()) {
+            result.words.push_back(word_of(channel, outside->samples.front()));
+            continue;
+        }
+        // Every path of it is in some channel that looks right: too small an error there, so its own shortest word is
+        // the best guess.
+        Result<std::optional<lpe::Witness>> own = lpe::find_word(asked.front(), words);
+        if (!own) result.notes.push_back(own.error().to_string());
+        else if (!*own)
+            result.notes.push_back("channel '" + channel.name + "' differs, though no path of the scene is in it");
+        else result.words.push_back(word_of(channel, **own));
+    }
+    std::stable_sort(result.words.begin(), result.words.end(), [](const auto& a, const auto& b) {
+        return a.events != b.events ? a.events < b.events : a.adjusted_p < b.adjusted_p;
+    });
+    return result;
+}
+
+}  // namespace raylex::experiments
