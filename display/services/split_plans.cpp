@@ -117,13 +117,10 @@ const SplitPlans::Plan& SplitPlans::make(std::uint32_t set, std::uint64_t key, s
     if (plan.fits) {
         plan.count = static_cast<std::uint8_t>(draft.terms.size());
         plan.first_row = static_cast<std::uint32_t>(rows_.size());
-        const auto offset = [](std::size_t index) { return static_cast<std::uint16_t>(index * sizeof(Share)); };
         const auto add_row = [&](std::size_t to, std::size_t i) {
             const auto& terms = draft.terms[to];
-            const Draft::Term second = i + 1 < terms.size() ? terms[i + 1] : Draft::Term{terms[i].from, nothing};
-            rows_.push_back({{offset(terms[i].from), offset(second.from)},
-                             {offset(terms[i].factor), offset(second.factor)},
-                             offset(to)});
+            const auto term = [](const Draft::Term& each) { return Row::Term{each.from, each.factor}; };
+            rows_.emplace_back(term(terms[i]), i + 1 < terms.size() ? term(terms[i + 1]) : Row::Term{terms[i].from, nothing}, to);
         };
         for (std::size_t to = 0; to < draft.terms.size(); ++to) add_row(to, 0);
         for (std::size_t to = 0; to < draft.terms.size(); ++to)

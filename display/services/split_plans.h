@@ -29,11 +29,28 @@ class SplitPlans {
         double nothing, r, g, b;
     };
 
-    /// share[from[0]] * factor[0] + share[from[1]] * factor[1], for each colour: as offsets in bytes from the first share
-    /// and the first factor. Factors are 1, 0, then those of the lobes. The first `count` rows of a plan are the
-    /// shares afterwards, one each; any more are added to the share `to`.
-    struct Row {
-        std::uint16_t from[2], factor[2], to;
+    /// share[from[0]] * factor[0] + share[from[1]] * factor[1], for each colour. Factors are 1, 0, then those of the lobes.
+    /// The first `count` rows of a plan are the shares afterwards, one each; any more are added to the share `to`.
+    /// All five stand in one word, as offsets in bytes from the first share and the first factor: what applies a row is
+    /// held up by the number of its loads.
+    class Row {
+      public:
+        struct Term {
+            std::size_t from, factor;  ///< indices
+        };
+        Row(Term first, Term second, std::size_t to)
+            : bits_(field(first.from, 0) | field(first.factor, 1) | field(second.from, 2) | field(second.factor, 3) | field(to, 4)) {}
+        [[nodiscard]] std::size_t from(unsigned term) const { return bits_ >> 2 * term * width & mask; }
+        [[nodiscard]] std::size_t factor(unsigned term) const { return bits_ >> (2 * term + 1) * width & mask; }
+        [[nodiscard]] std::size_t to() const { return bits_ >> 4 * width; }
+
+      private:
+        static constexpr unsigned width = 12;
+        static constexpr std::uint64_t mask = (std::uint64_t{1} << width) - 1;
+        static constexpr std::uint64_t field(std::size_t index, unsigned place) {
+            return std::uint64_t{index * sizeof(Share)} << place * width;
+        }
+        std::uint64_t bits_;
     };
     /// An entry of the table of plans, found by what it is a plan for: the states before and the events.
     struct alignas(32) Plan {

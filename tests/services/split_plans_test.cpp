@@ -17,7 +17,7 @@ using test::Random;
 struct Outcome {
     bool fits = false, splits = false;
     std::vector<lpe::State> states;
-    std::vector<int> rows;
+    std::vector<std::size_t> rows;
     bool operator==(const Outcome&) const = default;
 };
 
@@ -32,7 +32,7 @@ Outcome outcome_of(SplitPlans& plans, const std::vector<lpe::State>& states, std
     outcome.states.assign(plans.states(plan), plans.states(plan) + plan.count * words);
     for (std::size_t i = 0; i < plan.rows; ++i) {
         const SplitPlans::Row& row = plans.rows(plan)[i];
-        for (const int number : {int{row.from[0]}, int{row.from[1]}, int{row.factor[0]}, int{row.factor[1]}, int{row.to}})
+        for (const std::size_t number : {row.from(0), row.from(1), row.factor(0), row.factor(1), row.to()})
             outcome.rows.push_back(number);
     }
     return outcome;
