@@ -62,6 +62,7 @@ void print_in_tree() {
     print_registry(transport::area_light_registry());
     print_registry(display::pixel_filter_registry());
     print_registry(display::sample_filter_registry());
+    print_registry(display::display_filter_registry());
     print_registry(display::display_driver_registry());
 }
 

@@ -43,18 +43,21 @@ void check_refused(const std::string& arguments, const std::string& place, const
           "refused at " + place + " with " + message + (refused ? "" : "; it was not: ") + (refused ? "" : said));
 }
 
-/// The R plane of a layer; empty when the render failed.
-std::vector<float> render(const std::string& arguments, const std::string& layer = "") {
-    if (run("render " + arguments + " -o out.exr") != 0) {
-        check(false, arguments + ": " + read("err.txt"));
-        return {};
-    }
+/// The R plane of a layer of the last render; empty when there is none.
+std::vector<float> read_layer(const std::string& layer) {
     const auto image = display::read_exr("out.exr");
     if (!image || image->layer(layer) == nullptr) {
-        check(false, "layer '" + layer + "' of " + arguments);
+        check(false, "layer '" + layer + "' of the image");
         return {};
     }
     return image->layer(layer)->triple()[0]->values;
+}
+
+/// The R plane of a layer; empty when the render failed.
+std::vector<float> render(const std::string& arguments, const std::string& layer = "") {
+    if (run("render " + arguments + " -o out.exr") == 0) return read_layer(layer);
+    check(false, arguments + ": " + read("err.txt"));
+    return {};
 }
 
 /// A wall that fills the image, x and y from -1 to 1, seen from straight above; what stands behind WorldBegin is `world`.
@@ -132,6 +135,26 @@ void check_material() {
                   "'k' is -1; expected 0 to 100");
 }
 
+void check_display_filter() {
+    write_scene("", "Material \"diffuse\"\n" + wall);
+    const std::vector<float> plain = render("scene.pbrt --statistics beauty=mse"), error = read_layer("beauty_mse");
+    const std::vector<float> dark = render(plugin("vignette_filter") +
+                                           "scene.pbrt --statistics beauty=mse --partition shipped --display-filter vignette:strength=0.5");
+    // Half of the squared distance to the corner is lost: at pixel (13, 8), 5.5^2 + 0.5^2 of 8^2 + 8^2. One rounding to
+    // float on either side of the factor.
+    const float factor = 1 - 0.5f * 30.5f / 128;
+    bool right = plain.size() == 256 && dark.size() == 256;
+    for (const auto& [x, y] : {std::pair(13, 8), std::pair(2, 8), std::pair(8, 13), std::pair(7, 2)})
+        right = right && std::abs(dark[pixel(x, y)] - factor * plain[pixel(x, y)]) <= 0x1p-22f * plain[pixel(x, y)];
+    check(right, "vignette: light falls off with the squared distance from the middle");
+    check(run("verify out.exr") == 0, "vignette: splits still sum to beauty");
+    check(!error.empty() && read_layer("beauty_mse") == error, "vignette: statistics never see a display filter");
+    check_refused("render " + plugin("vignette_filter") + "scene.pbrt -o out.exr --display-filter vignette:strength=2",
+                  "--display-filter", "'strength' is 2; expected 0 to 1");
+    check_refused("render scene.pbrt -o out.exr --display-filter vignette", "--display-filter",
+                  "unknown display filter 'vignette'");
+}
+
 void check_filter_and_driver() {
     write_scene("", "Material \"diffuse\"\n" + wall);
     write("job.toml", "plugins = ['" OUTSIDE_PLUGINS "/libexposure_filter.so']\n[scene]\nfile = \"scene.pbrt\"\n"
@@ -174,6 +197,7 @@ int main() {
     check_pattern();
     check_material();
     check_filter_and_driver();
+    check_display_filter();
     check_listing();
     return failures == 0 ? 0 : 1;
 }

@@ -30,6 +30,9 @@ void PluginHost::add_pixel_filter(Registry<display::PixelFilterFactory>::Entry e
 void PluginHost::add_sample_filter(Registry<display::SampleFilterFactory>::Entry entry) {
     add(display::sample_filter_registry(), std::move(entry));
 }
+void PluginHost::add_display_filter(Registry<display::DisplayFilterFactory>::Entry entry) {
+    add(display::display_filter_registry(), std::move(entry));
+}
 void PluginHost::add_display_driver(Registry<display::DisplayDriverFactory>::Entry entry) {
     add(display::display_driver_registry(), std::move(entry));
 }

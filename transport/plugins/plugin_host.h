@@ -9,6 +9,7 @@
 
 #include "display/buffer/pixel_filter.h"
 #include "display/drivers/display_driver.h"
+#include "display/filters/display_filter.h"
 #include "display/services/sample_filter.h"
 #include "transport/integrators/integrator.h"
 #include "transport/lights/light_table.h"
@@ -41,6 +42,7 @@ class PluginHost {
     void add_light(Registry<LightFactory>::Entry entry);
     void add_pixel_filter(Registry<display::PixelFilterFactory>::Entry entry);
     void add_sample_filter(Registry<display::SampleFilterFactory>::Entry entry);
+    void add_display_filter(Registry<display::DisplayFilterFactory>::Entry entry);
     void add_display_driver(Registry<display::DisplayDriverFactory>::Entry entry);
     /// A row of the event table for a material's own lobe: what light path expressions match it by. `lobe.name` must live
     /// as long as the program. The same row again gives the same id.
