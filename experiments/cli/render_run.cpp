@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -12,7 +11,6 @@
 #include "display/output/exr_reader.h"
 #include "display/output/exr_writer.h"
 #include "display/output/split_check.h"
-#include "display/services/hash64.h"
 #include "experiments/cli/command_line.h"
 #include "experiments/cli/console.h"
 #include "experiments/cli/interrupt.h"
@@ -20,13 +18,10 @@
 #include "experiments/cli/progress.h"
 #include "experiments/cli/render_outputs.h"
 #include "experiments/job/channel_plan.h"
-#include "experiments/job/color_setup.h"
-#include "experiments/job/parameter_check.h"
+#include "experiments/job/job_scene.h"
 #include "experiments/job/provenance.h"
 #include "experiments/job/sampling_requests.h"
 #include "experiments/job/statistics.h"
-#include "transport/import/pbrt_importer.h"
-#include "transport/plugins/plugin_loader.h"
 
 namespace raylex::experiments {
 namespace {
@@ -90,29 +85,19 @@ class RenderRun {
 
     Step load() {
         const PhaseClock clock;
-        if (Status known = check_parameters(job_); !known) return report_error(known.error());
-        auto color = open_color(job_);
-        if (!color) return report_error(color.error());
-        color_ = std::move(*color);
-        if (!color_.warning.empty()) warn(color_.warning);
-        auto scene = transport::import_pbrt(job_.scene_file);
-        if (!scene) return report_error(scene.error());
-        scene_ = std::move(*scene);
-        for (const Error& warning : scene_.warnings) warn(warning.to_string());
-        Status labelled = transport::apply_label_rules(scene_, job_.label_rules);
-        if (!labelled) return report_error(labelled.error());
-        auto primaries = choose_rendering_space(job_, color_, scene_);
-        if (!primaries) return report_error(primaries.error());
-        primaries_ = *primaries;
+        auto loaded = load_job_scene(job_);
+        if (!loaded) return report_error(loaded.error());
+        loaded_ = std::move(*loaded);
+        for (const std::string& warning : loaded_->warnings) warn(warning);
         if (!job_.settings.only)
-            if (Status made = outputs_.make(job_, color_); !made) return report_error(made.error());
+            if (Status made = outputs_.make(job_, loaded_->color); !made) return report_error(made.error());
         phases_["load"] = clock.elapsed();
         return interrupted_early();
     }
 
     Step plan() {
         const PhaseClock clock;
-        auto words = scene_words(job_, scene_);
+        auto words = scene_words(job_, loaded_->scene);
         if (!words) return report_error(words.error());
         auto plan = plan_channels(job_, *words);
         if (!plan) return report_error(plan.error());
@@ -137,26 +122,14 @@ class RenderRun {
         return exit_interrupted;
     }
 
-    /// What a checkpoint is of, beyond what the renderer sees: the program, and what colours and lobe numbers come from.
     void ask_for_checkpoints() {
         if (job_.checkpoint_seconds == 0) return;
         transport::CheckpointSettings settings;
         settings.file = checkpoint_file(job_);
         settings.seconds = job_.checkpoint_seconds;
         settings.resume = job_.resume;
-        settings.identity = {{"raylex", raylex_version() + " " + raylex_revision() + ", " + build_description()},
-                             {"colour config", color_.description},
-                             {"texture rules", job_.texture_rules ? "true" : "false"}};
-        for (const transport::LoadedPlugin& each : transport::loaded_plugins())
-            settings.identity.emplace_back("plugin " + fs::path(each.path).filename().string(), file_hash(each.path));
-        for (const lpe::LobeOption& each : job_.lobe_options)
-            settings.identity.emplace_back("lobe slot " + each.slot, each.names);
+        settings.identity = checkpoint_identity(job_, loaded_->color);
         job_.settings.checkpoint = std::move(settings);
-    }
-
-    static std::string file_hash(const std::string& path) {
-        std::ifstream file(path, std::ios::binary);
-        return hash_text(hash64(std::string{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()}));
     }
 
     /// The image is safe under its name, and so are all other files: what would bring it back is not needed any more.
@@ -170,10 +143,10 @@ class RenderRun {
         Progress progress;
         job_.settings.before_rendering = [&](const transport::RenderPlan& plan,
                                              std::vector<display::SampleSink*>& sinks) {
-            return outputs_.begin(plan, sinks, primaries_, partitions_);
+            return outputs_.begin(plan, sinks, loaded_->primaries, partitions_);
         };
         auto output = transport::render(
-            scene_, job_.settings,
+            loaded_->scene, job_.settings,
             [&](const transport::RenderProgress& now) {
                 progress.update(now);
                 outputs_.update(now);
@@ -209,7 +182,7 @@ class RenderRun {
     /// One sample of one pixel, told and not written. Exit code 1 when something of it is refused.
     int replay() {
         const transport::SampleChoice& only = *job_.settings.only;
-        auto output = transport::render(scene_, job_.settings, {}, &interrupt_flag());
+        auto output = transport::render(loaded_->scene, job_.settings, {}, &interrupt_flag());
         if (!output) return report_error(output.error());
         const transport::RenderStatistics& statistics = output->statistics;
         const std::span<const display::ChannelDefinition> channels = output->frame_buffer.channels();
@@ -234,20 +207,10 @@ class RenderRun {
 
     Step write_image() {
         const PhaseClock clock;
-        attributes_ = header_attributes(job_, *output_, arguments_, color_.description);
+        attributes_ = header_attributes(job_, *output_, arguments_, loaded_->color.description);
         if (!beauties_.empty()) attributes_["raylex/is_beauty"] = listed(beauties_);
-        if (!color_.texture_spaces->empty()) attributes_["raylex/texture_spaces"] = *color_.texture_spaces;
-        display::ImageDescription description;
-        description.attributes = attributes_;
-        description.partitions = partitions_;
-        description.chromaticities = primaries_;
-        for (const geoaovs::Cryptomatte& matte : output_->cryptomatte)
-            description.data_parts.push_back(
-                {matte.name(), matte.planes(), matte.attributes(), [&matte] { return matte.values(); }});
-        description.world_to_camera = output_->world_to_camera;
-        description.world_to_screen = output_->world_to_screen;
-        description.complete = output_->complete;
-        description.storage = job_.outputs.storage;
+        if (!loaded_->color.texture_spaces->empty()) attributes_["raylex/texture_spaces"] = *loaded_->color.texture_spaces;
+        const display::ImageDescription description = image_description(job_, *loaded_, *output_, partitions_, attributes_);
         Status written = outputs_.close(*output_, description);
         for (const std::string& warning : outputs_.take_warnings()) warn(warning);
         if (!written && written.error().file == job_.output) return rescue(written.error(), description);
@@ -352,9 +315,7 @@ class RenderRun {
 
     Job job_;
     const std::vector<std::string>& arguments_;
-    ColorSetup color_;
-    transport::SceneDescription scene_;
-    display::Chromaticities primaries_;
+    std::unique_ptr<JobScene> loaded_;
     std::vector<display::PartitionDeclaration> partitions_;
     std::vector<std::string> beauties_;
     RenderOutputs outputs_;

@@ -218,7 +218,8 @@ class Planner {
         }
         if (!summary.empty()) {
             Error where = error_at(request.location, "partition '" + request.name + "' does not hold: " + summary);
-            plan_.refuted = where.to_string();
+            if (job_.measure_refuted) plan_.notes.push_back(where.to_string());
+            else plan_.refuted = where.to_string();
         }
         plan_.partitions.push_back(std::move(declaration));
         return success();

@@ -61,6 +61,7 @@ struct Job {
     std::vector<AovRequest> aovs;
     std::vector<PluginRequest> plugins;          ///< loaded by read_job()
     std::vector<PartitionRequest> partitions;
+    bool measure_refuted = false;                ///< partitions that are none are noted and measured, not refused
     lpe::MacroTable macros;                      ///< names that the job's expressions may use
     std::vector<lpe::LobeOption> lobe_options;   ///< as given; settings.lobe_slots holds what they make
     std::vector<transport::LabelRule> label_rules;

@@ -77,6 +77,7 @@ TomlSource::TomlSource(std::string file, std::string_view text)
 }
 
 SourceLocation TomlSource::location(const toml::source_region& region) const {
+    if (region.path && *region.path != file_) return {*region.path, 0, 0};  // put in from elsewhere: a command line
     const auto line = static_cast<std::size_t>(region.begin.line);
     std::size_t column = region.begin.column;
     if (line >= 1 && line <= lines_.size()) {

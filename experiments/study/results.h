@@ -64,8 +64,10 @@ struct Cell {
     bool failed = false;
     std::string failure;                      ///< the reason, when it failed
     std::uint64_t samples_per_pixel = 0;      ///< reached; when adaptive, the mean rounded
-    double wall_seconds = 0, cpu_seconds = 0; ///< the sum of the phases: what an equal-time claim must count
-    std::vector<Phase> phases;
+    /// What an equal-time claim must count: the integrator's preparation and its rendering, or the whole external process.
+    /// Loading the scene and building its tables, the same for all methods of this program, are phases and not in it.
+    double wall_seconds = 0, cpu_seconds = 0;
+    std::vector<Phase> phases;                ///< load, plan, build, prepare, render, write; of external renderers: process
     std::uint64_t rays = 0, invalid_samples = 0, peak_memory_bytes = 0;  ///< 0 where not known (external renderers)
     std::vector<PartitionVerdict> splits;
     std::string isa;                          ///< instruction set of the ray tracer; empty for external renderers
@@ -80,7 +82,7 @@ struct ChannelInfo {
 };
 
 struct SceneInfo {
-    std::string name, file, hash;             ///< file as the config's folder sees it; hash of the scene's description
+    std::string name, file, hash;             ///< absolute path; hash of all in the scene that can change an image
     int width = 0, height = 0;
     std::vector<ChannelInfo> channels;        ///< of light; the beauty first
     std::string reference;                    ///< its directory; empty: none, or not made yet
@@ -108,8 +110,18 @@ struct PartitionInfo {
     std::vector<std::string> channels;
 };
 
+/// Wall seconds that making the results took so far, over all sessions.
+struct RunnerTime {
+    double total = 0;                         ///< from the first cell's warm-up to the last cell's last file
+    double render = 0;                        ///< within renderers: loading, building, preparing, rendering
+    double references = 0;                    ///< making references, which is rendering too
+    [[nodiscard]] double overhead() const { return total - render - references; }
+};
+
 struct Experiment {
     std::string name, directory, config_text, config_hash;
+    std::string config_file;                  ///< where the text came from: paths in it count from its folder
+    std::vector<std::string> overrides;       ///< KEY=VALUE of the command line, in order
     NamedValues provenance;
     std::vector<SceneInfo> scenes;
     std::vector<MethodInfo> methods;
@@ -117,10 +129,12 @@ struct Experiment {
     std::vector<PartitionInfo> partitions;
     std::vector<Cell> cells;                  ///< done and failed, in the order of the plan
     std::vector<std::string> missing;         ///< ids of planned cells that have no result yet
+    std::vector<Cell> planned;                ///< all of the plan, as far as a plan says: no results in them
+    RunnerTime time;
 };
 
 /// Reads experiment.json and every cell's cell.json; no images. Errors: not a results directory, a version that this
-/// program does not read, damage. Files that name scenes and references are made to count from the current folder.
+/// program does not read, damage. The directories of references and cells count from the current folder.
 Result<Experiment> read_experiment(const std::string& directory);
 
 /// CHANNEL.mean.npy of a cell or a reference: filtered mean of the pixels, (height, width, 3).

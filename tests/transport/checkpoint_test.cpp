@@ -362,3 +362,25 @@ TEST_CASE("an integrator's own state is saved, or the integrator is named and re
     REQUIRE_FALSE(refused.ok());
     CHECK(refused.error().message.find("integrator 'silent' does not say how its state is saved") != std::string::npos);
 }
+
+TEST_CASE("an interrupted render that ends by its error goes on to the same bits [law3]") {
+    const auto scene = scene_of(room);
+    const ScratchFile file;
+    transport::RenderSettings settings;
+    settings.samples_per_pixel = 100'000;
+    settings.threads = 2;
+    settings.limit = transport::SampleLimit{.error = 0.05};
+    const std::string whole = everything(render_of(scene, settings));
+    settings.checkpoint = transport::CheckpointSettings{file.path(), 0.01, false, {}};
+    std::atomic<bool> stop{false};
+    auto output = transport::render(
+        scene, settings, [&](const transport::RenderProgress& now) { stop = now.samples_done > 24 * 24 * 64; }, &stop);
+    REQUIRE(output.ok());
+    REQUIRE_FALSE(output->complete);
+    settings.checkpoint->resume = true;
+    settings.threads = 1;
+    output = transport::render(scene, settings);
+    REQUIRE(output.ok());
+    CHECK(output->resumed_samples > 0);
+    CHECK((everything(*output) == whole));
+}

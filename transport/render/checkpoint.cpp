@@ -125,6 +125,8 @@ RecordIdentity render_identity(const RenderJob& job, const RenderSettings& setti
     for (const geoaovs::MatteKind kind : settings.cryptomatte)
         add("cryptomatte " + geoaovs::matte_layer(kind), std::to_string(settings.cryptomatte_ranks) + " ranks");
     if (settings.adaptive) add("adaptive", describe(*settings.adaptive));
+    if (settings.limit) add("end", number_text(settings.limit->seconds) + " s, error " + number_text(settings.limit->error));
+    if (settings.first_sample > 0) add("first sample", std::to_string(settings.first_sample));
     add("instruction set", isa);
     return identity;
 }

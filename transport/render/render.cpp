@@ -10,6 +10,7 @@
 #include "transport/render/checkpoint.h"
 #include "transport/render/clock.h"
 #include "transport/render/render_loop.h"
+#include "transport/render/sample_limit.h"
 #include "transport/scene/scene_hash.h"
 
 namespace raylex::transport {
@@ -87,6 +88,27 @@ Status resolve_adaptive(const RenderSettings& settings, const ChosenIntegrator& 
         for (const display::AdaptiveChannel& each : adaptive.channels)
             if (each.name == channel.name) channel.statistics = true;
     job.samples_per_pixel = adaptive.max_samples;
+    return success();
+}
+
+/// After resolve_sampler and resolve_adaptive.
+Status resolve_limit(const RenderSettings& settings, RenderJob& job) {
+    job.first_sample = settings.first_sample;
+    if (settings.first_sample % RenderLoop::block_size != 0 || settings.first_sample >= job.samples_per_pixel)
+        return error_at({}, "a shard that begins with sample " + std::to_string(settings.first_sample) +
+                                "; expected a multiple of " + std::to_string(RenderLoop::block_size) + " below " +
+                                std::to_string(job.samples_per_pixel));
+    if ((settings.limit || settings.first_sample > 0) && settings.adaptive)
+        return error_at(settings.adaptive->location, "adaptive sampling in a render that ends by itself or is a shard: pixels "
+                                                     "do not have the same number of samples",
+                        "leave out [adaptive]");
+    if (!settings.limit) return success();
+    if (settings.limit->error > 0 && (settings.splat || !settings.beauty))
+        return error_at({}, settings.splat ? "an end by error in filter mode splat: samples are shared by neighbouring pixels, "
+                                             "whose errors they cannot tell; expected filter mode importance"
+                                           : "an end by error without a beauty; expected one");
+    job.limit = &*settings.limit;
+    if (!settings.samples_per_pixel) job.samples_per_pixel = most_limited_samples;
     return success();
 }
 
@@ -239,6 +261,7 @@ Result<display::ChannelDefinition> named_channel(const std::string& name,
 Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& settings,
                             const std::function<void(const RenderProgress&)>& progress, const std::atomic<bool>* stop) {
     RenderJob job;
+    const Stopwatch since_call;
     std::vector<Error> warnings = scene.warnings;
     auto film = read_film(scene.film, settings.resolution, warnings);
     if (!film) return film.error();
@@ -264,6 +287,7 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
     warnings.insert(warnings.end(), chosen->warnings.begin(), chosen->warnings.end());
     job.integrator = chosen->integrator.get();
     if (Status s = resolve_adaptive(settings, *chosen, job); !s) return s.error();
+    if (Status s = resolve_limit(settings, job); !s) return s.error();
     auto lpe = display::LpeSetup::build(job.channels, job.beauty);
     if (!lpe) return lpe.error();
     job.lpe = std::make_unique<display::LpeSetup>(*std::move(lpe));
@@ -332,8 +356,9 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
     }
     const std::uint64_t resumed_samples = position.statistics.camera_samples;
     const Stopwatch watch;
+    job.seconds_before_loop = since_call.wall();
     RenderLoop loop(job, *frame_buffer);
-    loop.resume(std::move(position));
+    if (settings.checkpoint && settings.checkpoint->resume) loop.resume(std::move(position));
     if (settings.checkpoint) loop.save_to(*settings.checkpoint, std::move(identity));
     if (Status s = loop.run(progress, stop); !s) return s.error();
     for (Error error : loop.checkpoint_failures()) {
@@ -359,8 +384,8 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
                         .width = film->width,
                         .height = film->height,
                         .threads = job.threads,
-                        .samples_per_pixel = job.samples_per_pixel,
-                        .adaptive = job.adaptive ? std::optional(job.adaptive->progress()) : std::nullopt,
+                        .samples_per_pixel = loop.samples_per_pixel(),
+                        .adaptive = loop.error(),
                         .unconverged_pixels = job.adaptive ? job.adaptive->unconverged() : 0,
                         .resumed_samples = resumed_samples,
                         .seed = settings.seed,

@@ -49,6 +49,16 @@ struct CheckpointSettings {
     display::RecordIdentity identity;
 };
 
+/// Ends a render at a number of samples per pixel that is found on the way; at most RenderSettings::samples_per_pixel. All
+/// pixels get as many, so the image is, bit for bit, the one that asking for that number gives.
+struct SampleLimit {
+    /// Wall time since render() was called on a built scene, what the integrator prepares included; 0 = none. At least one
+    /// sample is rendered, and the time may be exceeded by what a sample's time varies.
+    double seconds = 0;
+    double seconds_per_sample = 0;                  ///< what a sample of all pixels should take; 0: not known
+    double error = 0;                               ///< AdaptiveProgress::error of the beauty, neighbourhood 0; 0 = none
+};
+
 /// One sample of one pixel.
 struct SampleChoice {
     int x = 0, y = 0;
@@ -83,6 +93,10 @@ struct RenderSettings {
     /// Samples go where the error is above a tolerance, instead of samples_per_pixel everywhere.
     std::optional<display::AdaptiveSettings> adaptive;
     std::optional<CheckpointSettings> checkpoint;
+    std::optional<SampleLimit> limit;                   ///< samples_per_pixel unset means any number then
+    /// Samples [first_sample, samples_per_pixel) of each pixel alone, a shard: a multiple of the frame buffer's block size.
+    /// Shards that share none merge to the bits of the whole (FrameBuffer::merge).
+    std::uint64_t first_sample = 0;
 };
 
 /// The image while it is being rendered, for live views.
@@ -124,8 +138,8 @@ struct RenderOutput {
     RenderStatistics statistics;
     bool complete = true;                                   ///< false after an interrupt: fewer samples than asked for
     int width = 0, height = 0, threads = 0;
-    std::uint64_t samples_per_pixel = 0;                    ///< asked for; the most that a pixel may have when adaptive
-    std::optional<display::AdaptiveProgress> adaptive;      ///< as it stood in the end
+    std::uint64_t samples_per_pixel = 0;                    ///< asked for, or reached under a limit; the most when adaptive
+    std::optional<display::AdaptiveProgress> adaptive;      ///< as it stood in the end; of a limit by error too
     std::uint64_t unconverged_pixels = 0;                   ///< adaptive: with all the samples they may have, above the tolerance
     std::uint64_t resumed_samples = 0;                      ///< camera samples that came out of a checkpoint
     std::uint64_t seed = 0;

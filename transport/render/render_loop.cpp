@@ -144,8 +144,14 @@ RenderLoop::RenderLoop(const RenderJob& job, display::FrameBuffer& frame_buffer)
     tiles_x_ = static_cast<std::uint64_t>((job.film.width + 2 * job.padding_x + tile_size - 1) / tile_size);
     tiles_ = tiles_x_ * static_cast<std::uint64_t>((job.film.height + 2 * job.padding_y + tile_size - 1) / tile_size);
     rounds_ = (job.samples_per_pixel + block_size - 1) / block_size;
+    samples_per_pixel_ = job.samples_per_pixel;
     // One iteration per block of the image when threads must meet in between, else one for everything.
     phases_ = job.integrator->synchronous() ? rounds_ : 1;
+    position_.task = job.first_sample / block_size * tiles_;
+    if (job.integrator->synchronous()) position_.phase = job.first_sample / block_size;
+    if (job.limit != nullptr)
+        limited_ = std::make_unique<LimitedPasses>(*job.limit, job.samples_per_pixel, block_size, job.integrator->synchronous(),
+                                                   job.channels, job.beauty, frame_buffer.layout());
     for (int i = 0; i < job.threads; ++i) workers_.push_back(std::make_unique<RenderWorker>(job, frame_buffer));
 }
 
@@ -172,7 +178,8 @@ void RenderLoop::render_task(RenderWorker& worker, std::uint64_t task) {
         return;
     }
     const std::uint64_t first = task / tiles_ * block_size;
-    const auto count = static_cast<int>(std::min<std::uint64_t>(block_size, job_.samples_per_pixel - first));
+    const std::uint64_t end = limited_ ? pass_end_ : job_.samples_per_pixel;
+    const auto count = static_cast<int>(std::min<std::uint64_t>(block_size, end - first));
     worker.render_tile(x0, y0, x1, y1, first, count, adding);
 }
 
@@ -216,7 +223,7 @@ Status RenderLoop::run_tasks(const std::function<void()>& report) {
         while (!done.wait_for(lock, longest, [&] { return running == 0; })) {
             lock.unlock();
             report();
-            if (!job_.integrator->synchronous() && checkpoint_due()) pause_.store(true, std::memory_order_relaxed);
+            if (!by_passes() && checkpoint_due()) pause_.store(true, std::memory_order_relaxed);
             lock.lock();
         }
     }
@@ -265,12 +272,31 @@ std::vector<double> RenderLoop::resolve_alpha(const display::PixelRegion& region
     return by_tiles(region, 1, [&](const display::PixelRegion& part) { return frame_buffer_.resolve_alpha(part); });
 }
 
+std::optional<display::AdaptiveProgress> RenderLoop::error() const {
+    if (job_.adaptive) return job_.adaptive->progress();
+    if (limited_ && limited_->error() != nullptr) return *limited_->error();
+    return std::nullopt;
+}
+
+void RenderLoop::choose_pass() {
+    const std::uint64_t done = pass_end_ > 0 ? pass_end_ : position_.task / tiles_ * block_size;  // 0: the session begins
+    pass_end_ = limited_->next_end(done, job_.seconds_before_loop + seconds(), frame_buffer_);
+    limit_reached_ = pass_end_ == done;
+    samples_per_pixel_ = pass_end_;
+}
+
 bool RenderLoop::finished() const {
+    if (limited_) return limit_reached_;
     return job_.adaptive ? job_.adaptive->done() : position_.phase >= phases_;
 }
 
 void RenderLoop::begin_phase() {
     tasks_ = rounds_ * tiles_;
+    if (job_.integrator->synchronous()) {  // its phases are parts of one numbering of tasks
+        position_.task = position_.phase * tiles_;
+        tasks_ = position_.task + tiles_;
+    }
+    if (limited_) tasks_ = (pass_end_ + block_size - 1) / block_size * tiles_;
     if (!job_.adaptive) return;
     open_tiles_.clear();
     for (std::uint64_t tile = 0; tile < tiles_; ++tile) {
@@ -295,7 +321,8 @@ Status RenderLoop::run_phase(const std::function<void()>& report) {
 void RenderLoop::end_phase() {
     if (job_.adaptive) job_.adaptive->decide(frame_buffer_);
     ++position_.phase;
-    position_.task = 0;
+    if (limited_) choose_pass();
+    else position_.task = 0;
 }
 
 Status RenderLoop::run(const std::function<void(const RenderProgress&)>& progress, const std::atomic<bool>* stop) {
@@ -314,19 +341,18 @@ Status RenderLoop::run(const std::function<void(const RenderProgress&)>& progres
     const auto report = [&] {
         if (!progress) return;
         const std::uint64_t done = samples_done_.load(std::memory_order_relaxed);
-        const display::AdaptiveProgress* adaptive = job_.adaptive ? &job_.adaptive->progress() : nullptr;
-        const std::uint64_t total = adaptive ? std::max(adaptive->predicted_samples, done) : pixels * job_.samples_per_pixel;
-        progress({done, total, position_.statistics.render_seconds + watch_.wall(), adaptive, this});
+        const display::AdaptiveProgress* error = limited_ ? limited_->error() : nullptr;
+        if (job_.adaptive) error = &job_.adaptive->progress();
+        std::uint64_t total = pixels * (job_.samples_per_pixel - job_.first_sample);
+        if (limited_) total = limited_->predicted(done, job_.seconds_before_loop + seconds());
+        else if (job_.adaptive) total = std::max(error->predicted_samples, done);
+        progress({done, total, seconds(), error, this});
     };
     std::vector<IntegratorThread*> states;
     for (auto& worker : workers_) states.push_back(&worker->state());
-    const bool synchronous = job_.integrator->synchronous();
+    if (limited_) choose_pass();
     while (!finished()) {
         begin_phase();
-        if (synchronous) {  // its phases are parts of one numbering of tasks
-            position_.task = position_.phase * tiles_;
-            tasks_ = position_.task + tiles_;
-        }
         job_.integrator->begin_iteration(position_.phase);
         if (Status s = run_phase(report); !s) return s;
         job_.integrator->end_iteration(position_.phase, states);
@@ -334,7 +360,7 @@ Status RenderLoop::run(const std::function<void(const RenderProgress&)>& progres
         if (whole) end_phase();
         if (stopped()) {
             // Amid an iteration there is nothing consistent to save: the last checkpoint stays.
-            if (checkpoint_ && (whole || !synchronous) && !finished() && samples_done_.load() > 0) save_checkpoint();
+            if (checkpoint_ && (whole || !by_passes()) && !finished() && samples_done_.load() > 0) save_checkpoint();
             break;
         }
         if (checkpoint_due() && !finished()) save_checkpoint();

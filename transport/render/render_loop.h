@@ -25,6 +25,7 @@
 #include "transport/render/camera.h"
 #include "transport/render/checkpoint.h"
 #include "transport/render/clock.h"
+#include "transport/render/sample_limit.h"
 #include "transport/samplers/sampler.h"
 
 namespace raylex::transport {
@@ -35,7 +36,9 @@ struct RenderJob {
     std::unique_ptr<PerspectiveCamera> camera;
     std::unique_ptr<display::PixelFilter> filter;
     SamplerKind sampler = SamplerKind::sobol;
-    std::uint64_t seed = 0, samples_per_pixel = 0;
+    std::uint64_t seed = 0, samples_per_pixel = 0, first_sample = 0;
+    const SampleLimit* limit = nullptr;   ///< null: samples_per_pixel is the end
+    double seconds_before_loop = 0;       ///< that count for the limit
     int threads = 1;
     std::optional<SampleChoice> only;
     bool splat = false;
@@ -142,6 +145,10 @@ class RenderLoop : public LiveImage {
     [[nodiscard]] std::vector<double> resolve_alpha(const display::PixelRegion& region) const override;
 
     [[nodiscard]] bool complete() const { return complete_; }
+    /// After run(): the budget, or what a limited render came to.
+    [[nodiscard]] std::uint64_t samples_per_pixel() const { return samples_per_pixel_; }
+    /// Of adaptive sampling, or of a limit by error.
+    [[nodiscard]] std::optional<display::AdaptiveProgress> error() const;
     /// Adds what all threads did, and what earlier sessions did.
     void collect(RenderStatistics& statistics) const;
     /// After run(): records that could not be written.
@@ -151,6 +158,11 @@ class RenderLoop : public LiveImage {
 
   private:
     void begin_phase();
+    /// Limited renders: where the next pass ends.
+    void choose_pass();
+    [[nodiscard]] double seconds() const { return position_.statistics.render_seconds + watch_.wall(); }
+    /// Whether phases are passes over the image, between which alone a checkpoint is whole.
+    [[nodiscard]] bool by_passes() const { return limited_ != nullptr || job_.integrator->synchronous(); }
     Status run_phase(const std::function<void()>& report);
     void end_phase();
     [[nodiscard]] bool finished() const;
@@ -166,6 +178,10 @@ class RenderLoop : public LiveImage {
     const RenderJob& job_;
     std::vector<std::unique_ptr<RenderWorker>> workers_;
     std::uint64_t tiles_x_ = 0, tiles_ = 0, rounds_ = 0, phases_ = 1;   // the padding is tiled too
+    std::uint64_t samples_per_pixel_ = 0;
+    std::unique_ptr<LimitedPasses> limited_;
+    std::uint64_t pass_end_ = 0;              // samples per pixel after the pass, when limited
+    bool limit_reached_ = false;
     display::FrameBuffer& frame_buffer_;
     mutable TileLocks locks_;
     RenderPosition position_;                 // its statistics are those of earlier sessions

@@ -1,0 +1,69 @@
+#include "experiments/job/job_scene.h"
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <utility>
+
+#include "display/services/hash64.h"
+#include "experiments/job/parameter_check.h"
+#include "experiments/job/provenance.h"
+#include "transport/import/pbrt_importer.h"
+#include "transport/plugins/plugin_loader.h"
+
+namespace raylex::experiments {
+namespace {
+
+std::string file_hash(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    return hash_text(hash64(std::string{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()}));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<JobScene>> load_job_scene(const Job& job) {
+    if (Status known = check_parameters(job); !known) return known.error();
+    auto loaded = std::make_unique<JobScene>();
+    auto color = open_color(job);
+    if (!color) return color.error();
+    loaded->color = std::move(*color);
+    if (!loaded->color.warning.empty()) loaded->warnings.push_back(loaded->color.warning);
+    auto scene = transport::import_pbrt(job.scene_file);
+    if (!scene) return scene.error();
+    loaded->scene = std::move(*scene);
+    for (const Error& warning : loaded->scene.warnings) loaded->warnings.push_back(warning.to_string());
+    if (Status labelled = transport::apply_label_rules(loaded->scene, job.label_rules); !labelled) return labelled.error();
+    auto primaries = choose_rendering_space(job, loaded->color, loaded->scene);
+    if (!primaries) return primaries.error();
+    loaded->primaries = *primaries;
+    return loaded;
+}
+
+display::RecordIdentity checkpoint_identity(const Job& job, const ColorSetup& color) {
+    display::RecordIdentity identity{{"raylex", raylex_version() + " " + raylex_revision() + ", " + build_description()},
+                                     {"colour config", color.description},
+                                     {"texture rules", job.texture_rules ? "true" : "false"}};
+    for (const transport::LoadedPlugin& each : transport::loaded_plugins())
+        identity.emplace_back("plugin " + std::filesystem::path(each.path).filename().string(), file_hash(each.path));
+    for (const lpe::LobeOption& each : job.lobe_options) identity.emplace_back("lobe slot " + each.slot, each.names);
+    return identity;
+}
+
+display::ImageDescription image_description(const Job& job, const JobScene& scene, const transport::RenderOutput& output,
+                                            const std::vector<display::PartitionDeclaration>& partitions,
+                                            const std::map<std::string, std::string>& attributes) {
+    display::ImageDescription description;
+    description.attributes = attributes;
+    description.partitions = partitions;
+    description.chromaticities = scene.primaries;
+    for (const geoaovs::Cryptomatte& matte : output.cryptomatte)
+        description.data_parts.push_back(
+            {matte.name(), matte.planes(), matte.attributes(), [&matte] { return matte.values(); }});
+    description.world_to_camera = output.world_to_camera;
+    description.world_to_screen = output.world_to_screen;
+    description.complete = output.complete;
+    description.storage = job.outputs.storage;
+    return description;
+}
+
+}  // namespace raylex::experiments

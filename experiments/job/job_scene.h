@@ -1,0 +1,37 @@
+// What every render of a job begins and ends with, whoever runs it: `raylex render` and the cells of experiments.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "display/output/exr_writer.h"
+#include "experiments/job/color_setup.h"
+#include "experiments/job/job.h"
+#include "lpe/result.h"
+#include "transport/render/render.h"
+
+namespace raylex::experiments {
+
+/// A job's scene with its labels and colours. The scene refers to `color`, so this stays where it is.
+struct JobScene {
+    ColorSetup color;
+    transport::SceneDescription scene;
+    display::Chromaticities primaries;
+    std::vector<std::string> warnings;
+};
+
+/// Errors: parameters of the job that nothing has, a colour config or a scene that cannot be read, labels that match
+/// nothing.
+Result<std::unique_ptr<JobScene>> load_job_scene(const Job& job);
+
+/// What a checkpoint is of, beyond what the renderer sees: the program, and what colours and lobe numbers come from.
+display::RecordIdentity checkpoint_identity(const Job& job, const ColorSetup& color);
+
+/// The image file's description. `output` must outlive it.
+display::ImageDescription image_description(const Job& job, const JobScene& scene, const transport::RenderOutput& output,
+                                            const std::vector<display::PartitionDeclaration>& partitions,
+                                            const std::map<std::string, std::string>& attributes);
+
+}  // namespace raylex::experiments

@@ -1,0 +1,27 @@
+// The tables of a job that other files have too: an experiment's scenes and methods are read by these.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "experiments/job/job.h"
+#include "experiments/job/toml_table.h"
+
+namespace raylex::experiments {
+
+/// plugins = ["a.so"]; paths count from the folder of `job_path`.
+void read_plugins(TomlTable& root, const std::string& job_path, Job& job);
+/// [color].
+void read_color_table(TomlTable& root, const std::string& job_path, Job& job);
+/// resolution = [width, height] or "WxH".
+void read_resolution(TomlTable& table, Job& job);
+/// max_depth, filter_mode, lobes: what changes how light is found, beside the objects below.
+void read_method_settings(TomlTable& table, transport::RenderSettings& settings);
+/// KEY = "type", or a table [KEY] with a type and parameters that the object itself judges.
+void read_entity(TomlTable& root, const char* key, std::optional<transport::SceneEntity>& entity);
+/// [[sample_filter]], in their order.
+void read_sample_filters(TomlTable& root, transport::RenderSettings& settings);
+/// [[label]] and [[light_group]].
+void read_label_tables(TomlTable& root, Job& job);
+
+}  // namespace raylex::experiments

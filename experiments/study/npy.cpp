@@ -1,0 +1,180 @@
+// .npy, version 1.0 and 2.0: NumPy's own format for one array.
+// Source: numpy.lib.format, https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <optional>
+#include <string_view>
+
+#include "display/output/atomic_file.h"
+#include "display/services/parameters.h"
+#include "experiments/study/results.h"
+
+namespace raylex::experiments {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "arrays are written as they lie in memory");
+
+constexpr std::string_view magic = "\x93NUMPY";
+
+Error npy_error(const std::string& path, const std::string& found) {
+    return error_at({path, 0, 0}, "this is no .npy file that raylex reads: " + found);
+}
+
+/// The dictionary literal, padded so that the data begin at a multiple of 64 bytes.
+std::string npy_header(const char* type, const std::vector<std::size_t>& shape) {
+    std::string sizes;
+    for (const std::size_t each : shape) sizes += (sizes.empty() ? "" : ", ") + std::to_string(each);
+    std::string dictionary =
+        "{'descr': '" + std::string(type) + "', 'fortran_order': False, 'shape': (" + sizes + "), }";
+    const std::size_t before = magic.size() + 4;  // version and length
+    dictionary.append(63 - (before + dictionary.size()) % 64, ' ');
+    dictionary += '\n';
+    std::string header(magic);
+    header += {'\x01', '\x00', static_cast<char>(dictionary.size() & 0xFF), static_cast<char>(dictionary.size() >> 8)};
+    return header + dictionary;
+}
+
+Status write_array(const std::string& path, const std::string& header, const void* values, std::size_t bytes) {
+    auto file = display::AtomicFile::create(path);
+    if (!file) return file.error();
+    if (!file->write(header.data(), header.size()) || !file->write(values, bytes)) return file->failure();
+    return file->commit();
+}
+
+/// What follows 'KEY': in the dictionary.
+std::string_view entry(std::string_view dictionary, std::string_view key) {
+    const std::size_t at = dictionary.find("'" + std::string(key) + "':");
+    if (at == std::string_view::npos) return {};
+    std::string_view rest = dictionary.substr(at + key.size() + 3);
+    rest.remove_prefix(std::min(rest.find_first_not_of(' '), rest.size()));
+    return rest;
+}
+
+/// "(480, 640, 3), ..." as numbers; nothing when it is no tuple of sizes.
+std::optional<std::vector<std::size_t>> shape_of(std::string_view text) {
+    if (text.empty() || text.front() != '(') return std::nullopt;
+    std::vector<std::size_t> shape;
+    std::size_t number = 0;
+    bool digits = false;
+    for (const char c : text.substr(1)) {
+        if (c >= '0' && c <= '9') {
+            if (number > (std::size_t{1} << 40)) return std::nullopt;
+            number = 10 * number + static_cast<std::size_t>(c - '0');
+            digits = true;
+        } else if (c == ',' || c == ')') {
+            if (digits) shape.push_back(number);
+            number = 0;
+            digits = false;
+            if (c == ')') return shape;
+        } else if (c != ' ') {
+            return std::nullopt;
+        }
+    }
+    return std::nullopt;
+}
+
+template <class Number>
+void convert(const char* bytes, std::vector<double>& values) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        Number number;
+        std::memcpy(&number, bytes + i * sizeof number, sizeof number);
+        values[i] = static_cast<double>(number);
+    }
+}
+
+struct NumberType {
+    const char* name;  ///< without the mark of the byte order
+    std::size_t size;
+    void (*convert)(const char*, std::vector<double>&);
+};
+constexpr NumberType number_types[] = {
+    {"f8", 8, convert<double>},        {"f4", 4, convert<float>},         {"u8", 8, convert<std::uint64_t>},
+    {"i8", 8, convert<std::int64_t>},  {"u4", 4, convert<std::uint32_t>}, {"i4", 4, convert<std::int32_t>},
+    {"u2", 2, convert<std::uint16_t>}, {"i2", 2, convert<std::int16_t>},  {"u1", 1, convert<std::uint8_t>},
+    {"i1", 1, convert<std::int8_t>},   {"b1", 1, convert<std::uint8_t>},
+};
+
+const NumberType* number_type(std::string_view description) {
+    for (const NumberType& each : number_types)
+        for (const char order : {'<', '|', '='})
+            if (description.starts_with("'" + std::string(1, order) + each.name + "'")) return &each;
+    return nullptr;
+}
+
+}  // namespace
+
+Result<PixelArray> read_npy(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    if (!file) return error_at({path, 0, 0}, "cannot read this file; expected a .npy array");
+    const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    const auto byte = [&](std::size_t at) { return static_cast<std::size_t>(static_cast<unsigned char>(bytes[at])); };
+    if (bytes.size() < magic.size() + 6 || !bytes.starts_with(magic)) return npy_error(path, "it does not begin as one");
+    const std::size_t version = byte(6);
+    if (version < 1 || version > 3) return npy_error(path, "version " + std::to_string(version) + "; expected 1 to 3");
+    std::size_t start = 10, length = byte(8) | byte(9) << 8;
+    if (version > 1) {
+        start = 12;
+        length |= byte(10) << 16 | byte(11) << 24;
+    }
+    if (start + length > bytes.size()) return npy_error(path, "it ends within its header");
+    const std::string_view dictionary(bytes.data() + start, length);
+    const NumberType* type = number_type(entry(dictionary, "descr"));
+    if (type == nullptr) return npy_error(path, "its numbers are neither little-endian integers nor float32 nor float64");
+    if (!entry(dictionary, "fortran_order").starts_with("False")) return npy_error(path, "it is in Fortran order; expected C order");
+    const auto shape = shape_of(entry(dictionary, "shape"));
+    if (!shape || shape->size() < 2 || shape->size() > 3)
+        return npy_error(path, "it does not have two or three dimensions: height, width, components");
+    PixelArray array{(*shape)[0], (*shape)[1], shape->size() == 3 ? (*shape)[2] : 1, {}};
+    std::size_t count = type->size;
+    for (const std::size_t each : {array.height, array.width, array.components}) {
+        if (each != 0 && count > std::numeric_limits<std::size_t>::max() / each) return npy_error(path, "its shape is out of range");
+        count *= each;
+    }
+    if (bytes.size() - start - length != count)
+        return npy_error(path, std::to_string(bytes.size() - start - length) + " bytes of numbers; its header says " +
+                                   std::to_string(count));
+    array.values.resize(count / type->size);
+    type->convert(bytes.data() + start + length, array.values);
+    return array;
+}
+
+Status write_npy(const std::string& path, const PixelArray& array) {
+    return write_array(path, npy_header("<f8", {array.height, array.width, array.components}), array.values.data(),
+                       array.values.size() * sizeof(double));
+}
+
+Status write_npy_counts(const std::string& path, std::size_t height, std::size_t width,
+                        const std::vector<std::uint64_t>& counts) {
+    return write_array(path, npy_header("<u8", {height, width}), counts.data(), counts.size() * sizeof(std::uint64_t));
+}
+
+namespace {
+
+Result<PixelArray> read_plane(const std::string& directory, const std::string& name, const char* hint) {
+    auto array = read_npy(directory + "/" + name);
+    if (array) return array;
+    Error error = array.error();
+    if (error.hint.empty()) error.hint = hint;
+    return error;
+}
+
+}  // namespace
+
+Result<PixelArray> read_mean(const std::string& directory, const std::string& channel) {
+    return read_plane(directory, channel + ".mean.npy", "");
+}
+
+Result<PixelArray> read_m2(const std::string& directory, const std::string& channel) {
+    return read_plane(directory, channel + ".m2.npy",
+                      "methods that splat, external renderers and images from elsewhere leave no statistics of their pixels");
+}
+
+Result<PixelArray> read_samples(const std::string& directory) {
+    return read_plane(directory, "samples.npy", "");
+}
+
+}  // namespace raylex::experiments

@@ -1,0 +1,143 @@
+#include "experiments/study/plan/plan.h"
+
+#include <algorithm>
+#include <set>
+
+#include "display/services/hash64.h"
+#include "experiments/cli/console.h"
+
+namespace raylex::experiments {
+namespace {
+
+/// Fit for a file name; other characters become '_'.
+std::string file_text(const std::string& text) {
+    std::string result;
+    for (const char c : text) {
+        const bool fits = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_' || c == '.';
+        result += fits ? c : '_';
+    }
+    return result.substr(0, 40);
+}
+
+std::string cell_id(const Cell& cell) {
+    std::string id = cell.scene + "." + cell.method;
+    for (const auto& [key, value] : cell.settings) id += "." + file_text(key) + "=" + file_text(value);
+    return id + "." + budget_text(cell.budget_kind, cell.budget) + ".r" + std::to_string(cell.replicate);
+}
+
+/// Everything that tells the cell from others, without loss.
+std::string identity(const Cell& cell) {
+    std::string text = cell.scene + "\n" + cell.method;
+    for (const auto& [key, value] : cell.settings) text += "\n" + key + "=" + value;
+    return text + "\n" + budget_kind_name(cell.budget_kind) + " " + number_text(cell.budget, 17) + "\n" + std::to_string(cell.replicate);
+}
+
+bool matches(const Exclusion& exclusion, const Cell& cell) {
+    if (!exclusion.scene.empty() && exclusion.scene != cell.scene) return false;
+    if (!exclusion.method.empty() && exclusion.method != cell.method) return false;
+    if (exclusion.kind && *exclusion.kind != cell.budget_kind) return false;
+    if (!exclusion.budgets.empty() &&
+        std::find(exclusion.budgets.begin(), exclusion.budgets.end(), cell.budget) == exclusion.budgets.end())
+        return false;
+    return std::all_of(exclusion.settings.begin(), exclusion.settings.end(), [&](const auto& wanted) {
+        return std::any_of(cell.settings.begin(), cell.settings.end(), [&](const auto& setting) {
+            return setting.first == wanted.first &&
+                   std::find(wanted.second.begin(), wanted.second.end(), setting.second) != wanted.second.end();
+        });
+    });
+}
+
+/// Seeds that nothing else of the plan has, in their short form either.
+class SeedSource {
+  public:
+    explicit SeedSource(std::uint64_t config_seed) : config_seed_(config_seed) {}
+    std::uint64_t next(const std::string& purpose, const std::string& what) {
+        for (unsigned attempt = 0;; ++attempt) {
+            const std::uint64_t seed = seed_for(config_seed_, purpose, what, attempt);
+            if (taken_.insert(short_seed(seed)).second) return seed;
+        }
+    }
+
+  private:
+    std::uint64_t config_seed_;
+    std::set<std::uint32_t> taken_;
+};
+
+/// Why a command cannot be given this budget; empty when it can.
+std::string refusal(const MethodRequest& method, BudgetKind kind) {
+    if (method.command.empty()) return {};
+    if (kind == BudgetKind::error) return "an external command cannot be told an error";
+    const char* place = kind == BudgetKind::samples ? "{spp}" : "{seconds}";
+    return method.command.find(place) == std::string::npos ? std::string("its command has no ") + place : std::string();
+}
+
+}  // namespace
+
+std::uint64_t seed_for(std::uint64_t config_seed, const std::string& purpose, const std::string& what, unsigned attempt) {
+    return hash64(purpose + "\n" + what + "\n" + std::to_string(attempt), config_seed) >> 1;
+}
+
+std::uint32_t short_seed(std::uint64_t seed) {
+    return static_cast<std::uint32_t>(seed & 0x7FFFFFFFU);
+}
+
+std::string budget_text(BudgetKind kind, double budget) {
+    const std::string number = number_text(budget, 10);
+    if (kind == BudgetKind::samples) return number + "spp";
+    return kind == BudgetKind::seconds ? number + "s" : "e" + number;
+}
+
+Result<Plan> make_plan(const ExperimentConfig& config) {
+    constexpr std::size_t most_cells = 1'000'000;
+    Plan plan;
+    SeedSource seeds(config.seed);
+    // References first: their seeds are the same whatever cells there are.
+    for (const SceneRequest& scene : config.scenes) plan.reference_seeds.push_back(seeds.next("reference", scene.name));
+    std::vector<std::size_t> excluded(config.exclusions.size());
+    std::set<std::string> ids;
+    for (const MethodRequest& method : config.methods)
+        for (const BudgetKind kind : {BudgetKind::samples, BudgetKind::seconds, BudgetKind::error}) {
+            const bool asked = std::any_of(config.budgets.begin(), config.budgets.end(), [&](const Budget& each) { return each.kind == kind; });
+            if (const std::string why = refusal(method, kind); asked && !why.empty())
+                plan.notes.push_back("method '" + method.name + "' has no cells with budgets of " + budget_kind_name(kind) + ": " + why);
+        }
+    for (unsigned replicate = 0; replicate < config.replicates; ++replicate)
+        for (std::size_t scene = 0; scene < config.scenes.size(); ++scene)
+            for (const Budget& budget : config.budgets)
+                for (std::size_t variant = 0; variant < config.variants.size(); ++variant) {
+                    const MethodRequest& method = config.methods[config.variants[variant].method];
+                    PlannedCell planned{{}, scene, variant};
+                    Cell& cell = planned.cell;
+                    cell.scene = config.scenes[scene].name;
+                    cell.method = method.name;
+                    cell.settings = config.variants[variant].settings;
+                    cell.budget_kind = budget.kind;
+                    cell.budget = budget.value;
+                    cell.replicate = replicate;
+                    bool left_out = !refusal(method, budget.kind).empty();
+                    for (std::size_t i = 0; i < config.exclusions.size(); ++i)
+                        if (matches(config.exclusions[i], cell)) {
+                            ++excluded[i];
+                            left_out = true;
+                        }
+                    if (left_out) continue;
+                    cell.id = cell_id(cell);
+                    if (!ids.insert(cell.id).second) {
+                        cell.id += "." + hash_text(hash64(identity(cell))).substr(0, 8);
+                        ids.insert(cell.id);
+                    }
+                    cell.seed = seeds.next("cell", identity(cell));
+                    plan.cells.push_back(std::move(planned));
+                    if (plan.cells.size() > most_cells)
+                        return error_at(budget.location, "the plan has more than 1000000 cells; expected fewer values, methods or "
+                                                         "replicates");
+                }
+    for (std::size_t i = 0; i < excluded.size(); ++i)
+        if (excluded[i] == 0)
+            return error_at(config.exclusions[i].location, "this [[exclude]] matches no cell; expected values that the plan has");
+    if (plan.cells.empty())
+        return error_at({config.file, 1, 1}, "every cell is excluded; expected at least one");
+    return plan;
+}
+
+}  // namespace raylex::experiments

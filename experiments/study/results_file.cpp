@@ -1,0 +1,292 @@
+#include "experiments/study/results_file.h"
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "display/output/atomic_file.h"
+#include "display/services/parameters.h"
+
+namespace raylex::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr std::array budget_kinds{"samples", "seconds", "error"};
+
+Json values_json(const NamedValues& values) {
+    Json json = Json::object();
+    for (const auto& [name, value] : values) json[name] = value;
+    return json;
+}
+
+NamedValues values_of(const Json& json) {
+    NamedValues values;
+    for (const auto& [name, value] : json.items()) values.emplace_back(name, value.get<std::string>());
+    return values;
+}
+
+/// JSON has no infinity: it comes as null.
+double number_of(const Json& json) {
+    return json.is_null() ? HUGE_VAL : json.get<double>();
+}
+
+Json plan_json(const Cell& cell) {
+    return {{"id", cell.id},
+            {"scene", cell.scene},
+            {"method", cell.method},
+            {"settings", values_json(cell.settings)},
+            {"budget_kind", budget_kind_name(cell.budget_kind)},
+            {"budget", cell.budget},
+            {"replicate", cell.replicate},
+            {"seed", cell.seed}};
+}
+
+Cell planned_of(const Json& json) {
+    Cell cell;
+    cell.id = json.at("id");
+    cell.scene = json.at("scene");
+    cell.method = json.at("method");
+    cell.settings = values_of(json.at("settings"));
+    const std::string kind = json.at("budget_kind");
+    for (std::size_t i = 0; i < budget_kinds.size(); ++i)
+        if (kind == budget_kinds[i]) cell.budget_kind = static_cast<BudgetKind>(i);
+    cell.budget = json.at("budget");
+    cell.replicate = json.at("replicate");
+    cell.seed = json.at("seed");
+    return cell;
+}
+
+Json cell_json(const Cell& cell) {
+    Json json = plan_json(cell);
+    json["state"] = cell.failed ? "failed" : "done";
+    if (cell.failed) json["reason"] = cell.failure;
+    json["samples_per_pixel"] = cell.samples_per_pixel;
+    json["wall_seconds"] = cell.wall_seconds;
+    json["cpu_seconds"] = cell.cpu_seconds;
+    Json phases = Json::array();
+    for (const Phase& each : cell.phases)
+        phases.push_back({{"name", each.name}, {"wall_seconds", each.wall_seconds}, {"cpu_seconds", each.cpu_seconds}});
+    json["phases"] = phases;
+    json["rays"] = cell.rays;
+    json["invalid_samples"] = cell.invalid_samples;
+    json["peak_memory_bytes"] = cell.peak_memory_bytes;
+    Json splits = Json::array();
+    for (const PartitionVerdict& each : cell.splits)
+        splits.push_back({{"partition", each.partition},
+                          {"holds", each.holds},
+                          {"worst_relative_error", each.worst_relative_error}});
+    json["splits"] = splits;
+    json["isa"] = cell.isa;
+    json["threads"] = cell.threads;
+    json["warnings"] = cell.warnings;
+    return json;
+}
+
+Cell cell_of(const Json& json) {
+    Cell cell = planned_of(json);
+    cell.failed = json.at("state") == "failed";
+    if (cell.failed) cell.failure = json.at("reason");
+    cell.samples_per_pixel = json.at("samples_per_pixel");
+    cell.wall_seconds = json.at("wall_seconds");
+    cell.cpu_seconds = json.at("cpu_seconds");
+    for (const Json& each : json.at("phases"))
+        cell.phases.push_back({each.at("name"), each.at("wall_seconds"), each.at("cpu_seconds")});
+    cell.rays = json.at("rays");
+    cell.invalid_samples = json.at("invalid_samples");
+    cell.peak_memory_bytes = json.at("peak_memory_bytes");
+    for (const Json& each : json.at("splits"))
+        cell.splits.push_back({each.at("partition"), each.at("holds"), number_of(each.at("worst_relative_error"))});
+    cell.isa = json.at("isa");
+    cell.threads = json.at("threads");
+    cell.warnings = json.at("warnings").get<std::vector<std::string>>();
+    return cell;
+}
+
+Json scene_json(const SceneInfo& scene) {
+    Json channels = Json::array();
+    for (const ChannelInfo& each : scene.channels)
+        channels.push_back({{"name", each.name}, {"expression", each.expression}, {"dialect", each.dialect}, {"beauty", each.beauty}});
+    return {{"name", scene.name},
+            {"file", scene.file},
+            {"hash", scene.hash},
+            {"width", scene.width},
+            {"height", scene.height},
+            {"channels", channels},
+            {"reference", scene.reference},
+            {"reference_relative_error", scene.reference_relative_error},
+            {"reference_method", scene.reference_method},
+            {"reference_samples", scene.reference_samples}};
+}
+
+SceneInfo scene_of(const Json& json, const std::string& directory) {
+    SceneInfo scene;
+    scene.name = json.at("name");
+    scene.file = json.at("file");
+    scene.hash = json.at("hash");
+    scene.width = json.at("width");
+    scene.height = json.at("height");
+    for (const Json& each : json.at("channels"))
+        scene.channels.push_back({each.at("name"), each.at("expression"), each.at("dialect"), each.at("beauty")});
+    scene.reference = json.at("reference");
+    if (!scene.reference.empty() && fs::path(scene.reference).is_relative())
+        scene.reference = (fs::path(directory) / scene.reference).string();
+    scene.reference_relative_error = json.at("reference_relative_error");
+    scene.reference_method = json.at("reference_method");
+    scene.reference_samples = json.at("reference_samples");
+    return scene;
+}
+
+/// A reference within the results moves with them.
+SceneInfo within(SceneInfo scene, const std::string& directory) {
+    if (scene.reference.empty()) return scene;
+    const fs::path relative = fs::path(scene.reference).lexically_relative(directory);
+    scene.reference = relative.empty() || *relative.begin() == ".." ? fs::absolute(scene.reference).string() : relative.string();
+    return scene;
+}
+
+Json experiment_json(const Experiment& experiment) {
+    Json json;
+    json["format"] = experiment_format;
+    json["name"] = experiment.name;
+    json["config_hash"] = experiment.config_hash;
+    json["config_file"] = experiment.config_file;
+    json["overrides"] = experiment.overrides;
+    json["provenance"] = values_json(experiment.provenance);
+    Json scenes = Json::array(), methods = Json::array(), regions = Json::array(), partitions = Json::array(), cells = Json::array();
+    for (const SceneInfo& each : experiment.scenes) scenes.push_back(scene_json(within(each, experiment.directory)));
+    for (const MethodInfo& each : experiment.methods)
+        methods.push_back({{"name", each.name},
+                           {"integrator", each.integrator},
+                           {"command", each.command},
+                           {"unbiased", each.unbiased},
+                           {"settings", values_json(each.settings)}});
+    for (const Region& each : experiment.regions)
+        regions.push_back({{"name", each.name}, {"scene", each.scene}, {"crop", each.crop}, {"mask_file", each.mask_file}});
+    for (const PartitionInfo& each : experiment.partitions)
+        partitions.push_back({{"name", each.name}, {"of", each.of}, {"channels", each.channels}});
+    for (const Cell& each : experiment.planned) cells.push_back(plan_json(each));
+    json["scenes"] = scenes;
+    json["methods"] = methods;
+    json["regions"] = regions;
+    json["partitions"] = partitions;
+    json["runner"] = {{"total_seconds", experiment.time.total},
+                      {"render_seconds", experiment.time.render},
+                      {"reference_seconds", experiment.time.references},
+                      {"overhead_seconds", experiment.time.overhead()}};
+    json["cells"] = cells;
+    return json;
+}
+
+Experiment experiment_of(const Json& json, const std::string& directory) {
+    Experiment experiment;
+    experiment.directory = directory;
+    experiment.name = json.at("name");
+    experiment.config_hash = json.at("config_hash");
+    experiment.config_file = json.at("config_file");
+    experiment.overrides = json.at("overrides").get<std::vector<std::string>>();
+    experiment.provenance = values_of(json.at("provenance"));
+    for (const Json& each : json.at("scenes")) experiment.scenes.push_back(scene_of(each, directory));
+    for (const Json& each : json.at("methods"))
+        experiment.methods.push_back({each.at("name"), each.at("integrator"), each.at("command"), each.at("unbiased"),
+                                      values_of(each.at("settings"))});
+    for (const Json& each : json.at("regions"))
+        experiment.regions.push_back({each.at("name"), each.at("scene"), each.at("crop").get<std::array<int, 4>>(), each.at("mask_file")});
+    for (const Json& each : json.at("partitions"))
+        experiment.partitions.push_back({each.at("name"), each.at("of"), each.at("channels").get<std::vector<std::string>>()});
+    const Json& runner = json.at("runner");
+    experiment.time = {runner.at("total_seconds"), runner.at("render_seconds"), runner.at("reference_seconds")};
+    for (const Json& each : json.at("cells")) experiment.planned.push_back(planned_of(each));
+    return experiment;
+}
+
+std::string text_of(const Json& json) {
+    // Paths and messages may hold bytes that are no UTF-8: replaced, not thrown over.
+    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+/// `read` may throw: whatever is wrong with the content.
+template <class Read>
+auto read_json(const std::string& path, const char* what, Read read) -> Result<decltype(read(Json()))> {
+    std::ifstream file(path, std::ios::binary);
+    if (!file) return error_at({path, 0, 0}, std::string("cannot read this file; expected ") + what);
+    try {
+        return read(Json::parse(file));
+    } catch (const Json::exception& error) {
+        return error_at({path, 0, 0}, std::string("this is not ") + what + ", or it is damaged: " + error.what());
+    }
+}
+
+std::string file_text(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+}  // namespace
+
+std::string budget_kind_name(BudgetKind kind) {
+    return budget_kinds[static_cast<std::size_t>(kind)];
+}
+
+std::string experiment_file(const std::string& directory) {
+    return directory + "/experiment.json";
+}
+std::string cell_directory(const std::string& directory, const std::string& id) {
+    return directory + "/cells/" + id;
+}
+std::string partial_directory(const std::string& directory, const std::string& id) {
+    return cell_directory(directory, id) + ".partial";
+}
+std::string failed_file(const std::string& directory, const std::string& id) {
+    return directory + "/failed/" + id + ".json";
+}
+
+Status write_cell_file(const std::string& path, const Cell& cell) {
+    return display::write_text_file(path, text_of(cell_json(cell)));
+}
+
+Result<Cell> read_cell_file(const std::string& path) {
+    return read_json(path, "the cell.json of an experiment's cell", cell_of);
+}
+
+Status write_experiment_files(const Experiment& experiment) {
+    if (Status s = display::write_text_file(experiment.directory + "/config.toml", experiment.config_text); !s) return s;
+    return display::write_text_file(experiment_file(experiment.directory), text_of(experiment_json(experiment)));
+}
+
+Result<Experiment> read_experiment(const std::string& directory) {
+    const std::string path = experiment_file(directory);
+    std::error_code failed;
+    if (!fs::exists(path, failed))
+        return error_at({directory, 0, 0}, "this is no results directory of an experiment: it has no experiment.json");
+    auto format = read_json(path, "an experiment.json", [](const Json& json) { return json.at("format").get<std::string>(); });
+    if (!format) return format.error();
+    if (*format != experiment_format)
+        return error_at({path, 0, 0}, "the results have the format '" + *format + "'; expected '" + experiment_format + "'");
+    auto experiment = read_json(path, "an experiment.json", [&](const Json& json) { return experiment_of(json, directory); });
+    if (!experiment) return experiment;
+    experiment->config_text = file_text(directory + "/config.toml");
+    for (const Cell& planned : experiment->planned) {
+        const std::string done = cell_directory(directory, planned.id), broken = failed_file(directory, planned.id);
+        const bool is_done = fs::exists(done + "/cell.json", failed);
+        if (!is_done && !fs::exists(broken, failed)) {
+            experiment->missing.push_back(planned.id);
+            continue;
+        }
+        auto cell = read_cell_file(is_done ? done + "/cell.json" : broken);
+        if (!cell) return cell.error();
+        if (cell->id != planned.id || cell->seed != planned.seed)
+            return error_at({is_done ? done + "/cell.json" : broken, 0, 0},
+                            "this is cell '" + cell->id + "' with seed " + std::to_string(cell->seed) +
+                                "; the plan has '" + planned.id + "' with seed " + std::to_string(planned.seed));
+        if (is_done) cell->directory = done;
+        experiment->cells.push_back(std::move(*cell));
+    }
+    return experiment;
+}
+
+}  // namespace raylex::experiments

@@ -1,0 +1,83 @@
+// Renders that end by a clock or by their error, and shards: the bits are those of a render with the samples they reached.
+#include "tests/transport/render_support.h"
+
+using namespace render_test;
+
+namespace {
+
+std::string record_of(const transport::RenderOutput& output) {
+    std::string bytes;
+    output.frame_buffer.append_record(bytes);
+    return bytes;
+}
+
+transport::RenderSettings settings_with(std::uint64_t samples) {
+    transport::RenderSettings settings;
+    settings.samples_per_pixel = samples;
+    settings.threads = 2;
+    settings.channels = {lpe("direct", "CDL")};
+    return settings;
+}
+
+/// What a render that ended by itself must be: the one with as many samples, on another number of threads.
+void check_replay(const transport::SceneDescription& scene, const transport::RenderOutput& output) {
+    CHECK(output.complete);
+    CHECK(output.statistics.camera_samples == output.samples_per_pixel * 24 * 24);
+    transport::RenderSettings again = settings_with(output.samples_per_pixel);
+    again.threads = 1;
+    CHECK((record_of(render_of(scene, again)) == record_of(output)));
+}
+
+}  // namespace
+
+TEST_CASE("a render that ends by the clock is the render with the samples it reached [law3]") {
+    const auto scene = scene_of(room);
+    for (const double seconds : {1e-9, 0.15}) {
+        transport::RenderSettings settings = settings_with(1);
+        settings.samples_per_pixel.reset();
+        settings.limit = transport::SampleLimit{.seconds = seconds};
+        const auto output = render_of(scene, settings);
+        if (seconds < 1e-6) CHECK(output.samples_per_pixel == 1);
+        check_replay(scene, output);
+    }
+    // A pass that is expected to take longer than there is time for is cut to what fits before it is begun.
+    transport::RenderSettings settings = settings_with(1 << 20);
+    settings.limit = transport::SampleLimit{.seconds = 1000, .seconds_per_sample = 300};
+    CHECK(render_of(scene, settings).samples_per_pixel == 3);
+}
+
+TEST_CASE("a render that ends by its error has it, and not for one pass less") {
+    const auto scene = scene_of(room);
+    transport::RenderSettings settings = settings_with(100'000);
+    settings.limit = transport::SampleLimit{.error = 0.08};
+    const auto output = render_of(scene, settings);
+    REQUIRE(output.adaptive);
+    CHECK(output.adaptive->error <= 0.08);
+    CHECK(output.samples_per_pixel > 64);
+    check_replay(scene, output);
+    // Errors fall with the root of the samples and passes grow by an eighth: what is done too much is less than a quarter.
+    CHECK(output.adaptive->error > 0.08 / 1.25);
+
+    settings.splat = true;
+    CHECK_FALSE(transport::render(scene, settings).ok());
+}
+
+TEST_CASE("aligned shards merge to the bits of the whole, in any order [law3]") {
+    const auto scene = scene_of(room);
+    const auto whole = render_of(scene, settings_with(100));
+    std::vector<transport::RenderOutput> shards;
+    for (const auto& [first, end] : {std::pair(80, 100), std::pair(0, 32), std::pair(32, 80)}) {
+        transport::RenderSettings settings = settings_with(static_cast<std::uint64_t>(end));
+        settings.first_sample = static_cast<std::uint64_t>(first);
+        shards.push_back(render_of(scene, settings));
+    }
+    REQUIRE(shards[0].frame_buffer.merge(shards[1].frame_buffer).ok());
+    REQUIRE(shards[2].frame_buffer.merge(shards[0].frame_buffer).ok());
+    CHECK((record_of(shards[2]) == record_of(whole)));
+
+    transport::RenderSettings settings = settings_with(100);
+    settings.first_sample = 8;
+    auto refused = transport::render(scene, settings);
+    REQUIRE_FALSE(refused.ok());
+    CHECK(refused.error().message.find("expected a multiple of 16 below 100") != std::string::npos);
+}
