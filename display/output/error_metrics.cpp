@@ -66,26 +66,29 @@ const ErrorMetricInfo* find_error_metric(std::string_view name) {
     return found != table.end() ? &*found : nullptr;
 }
 
-ErrorMeasures measure_errors(std::span<const double> image, std::span<const double> reference) {
+std::vector<double> relative_squares(std::span<const double> image, std::span<const double> reference) {
     const double floor = scaled_floor(reference);
+    std::vector<double> terms(image.size(), 0.0);
+    for (std::size_t i = 0; i < image.size(); ++i)
+        if (!same_infinity(image[i], reference[i]))
+            terms[i] = relative_square(image[i] - reference[i], reference[i], floor);
+    return terms;
+}
+
+ErrorMeasures measure_errors(std::span<const double> image, std::span<const double> reference) {
     double squared = 0, absolute = 0, relative_squared = 0, relative_absolute = 0, symmetric = 0, scaled = 0;
     double sum_image = 0, sum_reference = 0;
-    std::vector<double> terms;
-    terms.reserve(image.size());
+    std::vector<double> terms = relative_squares(image, reference);
     for (std::size_t i = 0; i < image.size(); ++i) {
         const double a = image[i], b = reference[i];
-        if (same_infinity(a, b)) {
-            terms.push_back(0);
-            continue;
-        }
+        if (same_infinity(a, b)) continue;
         const double difference = a - b, magnitude = std::abs(difference);
         squared += difference * difference;
         absolute += magnitude;
         relative_squared += difference * difference / (b * b + absolute_floor);
         relative_absolute += magnitude / (std::abs(b) + absolute_floor);
         if (magnitude != 0) symmetric += 2 * magnitude / (std::abs(a) + std::abs(b));
-        terms.push_back(relative_square(difference, b, floor));
-        scaled += terms.back();
+        scaled += terms[i];
         sum_image += a;
         sum_reference += b;
     }

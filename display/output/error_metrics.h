@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
+#include <vector>
 
 namespace raylex::display {
 
@@ -55,6 +56,9 @@ struct ErrorMeasures {
 /// stay out of the means of a and b; any other value that is not finite makes metrics inf or nan. No values at all:
 /// nan.
 ErrorMeasures measure_errors(std::span<const double> image, std::span<const double> reference);
+
+/// The terms of `relmse_mean`: (a-b)^2 / (b^2 + (0.1 m)^2) of every value.
+std::vector<double> relative_squares(std::span<const double> image, std::span<const double> reference);
 
 /// What unbiased noise of the reference adds to a squared metric, in expectation: E[measured] = E[true] + this, for
 /// mse, relmse and relmse_mean (denominators taken as exact); nan for all others, whose excess has no such form.

@@ -31,22 +31,25 @@ std::string escape_html(std::string_view text) {
     return result;
 }
 
-// RFC 4648, section 4.
-std::string data_uri(std::span<const unsigned char> png) {
+std::string base64(std::span<const unsigned char> bytes) {
     static constexpr std::string_view letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string result = "data:image/png;base64,";
-    result.reserve(result.size() + (png.size() + 2) / 3 * 4);
-    for (std::size_t i = 0; i < png.size(); i += 3) {
-        const std::size_t count = std::min<std::size_t>(3, png.size() - i);
-        unsigned bits = static_cast<unsigned>(png[i]) << 16;
-        if (count > 1) bits |= static_cast<unsigned>(png[i + 1]) << 8;
-        if (count > 2) bits |= png[i + 2];
+    std::string result;
+    result.reserve((bytes.size() + 2) / 3 * 4);
+    for (std::size_t i = 0; i < bytes.size(); i += 3) {
+        const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
+        unsigned bits = static_cast<unsigned>(bytes[i]) << 16;
+        if (count > 1) bits |= static_cast<unsigned>(bytes[i + 1]) << 8;
+        if (count > 2) bits |= bytes[i + 2];
         result += letters[bits >> 18 & 63];
         result += letters[bits >> 12 & 63];
         result += count > 1 ? letters[bits >> 6 & 63] : '=';
         result += count > 2 ? letters[bits & 63] : '=';
     }
     return result;
+}
+
+std::string data_uri(std::span<const unsigned char> png) {
+    return "data:image/png;base64," + base64(png);
 }
 
 std::string_view page_style() {

@@ -10,6 +10,9 @@ namespace raylex::experiments {
 /// &, <, > and quotes as entities; control characters other than line breaks and tabs become blanks.
 std::string escape_html(std::string_view text);
 
+/// RFC 4648, section 4.
+std::string base64(std::span<const unsigned char> bytes);
+
 /// "data:image/png;base64,..."
 std::string data_uri(std::span<const unsigned char> png);
 

@@ -44,7 +44,7 @@ std::optional<Line> fit_line(std::span<const BudgetGroup> groups, Against agains
 
 struct SlopeVerdict {
     std::optional<Line> seconds, samples;
-    bool too_shallow = false;  ///< declared unbiased, and the interval lies wholly above -1
+    bool too_shallow = false;  ///< declared unbiased, and the interval lies wholly above -0.98
     std::string text;          ///< a sentence for the table: "falls as an unbiased method's", "too shallow: ..."
 };
 /// Judged against samples where they are known, since a busy machine must not accuse a method; against seconds
@@ -60,7 +60,7 @@ struct TimeToError {
 
 /// Inside the measured budgets from a line through those within an octave of the target's bracket; outside, from the
 /// last (or first) four octaves with the slope fixed at -1 unless the fitted 99 % interval excludes it. x is the time
-/// less the setup, which is added again. Intervals by the delta method.
+/// less the setup, which is added again. Intervals by the delta method; times beyond 2^10 measured ones are not given.
 TimeToError time_to_error(std::span<const BudgetGroup> groups, double relative_error, double confidence = 0.95);
 
 /// What the budgets before the last say about the last: the time to the error that the last one had.

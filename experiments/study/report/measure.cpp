@@ -1,0 +1,293 @@
+// Every image of an experiment, read once and measured.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "experiments/study/report/study.h"
+
+namespace raylex::experiments {
+namespace {
+
+/// The cells of one scene, variant and budget that have images, by replicate.
+struct Group {
+    const Variant* variant = nullptr;
+    BudgetKind kind = BudgetKind::samples;
+    double budget = 0;
+    std::vector<const Cell*> cells;
+};
+
+struct Reference {
+    PixelArray mean;
+    std::optional<PixelArray> variance;  ///< of the mean; none where it is not kept
+};
+
+struct RegionPixels {
+    std::string name;  ///< "": the whole image
+    std::vector<std::uint32_t> pixels;
+};
+
+double sum_of_setup(const Cell& cell) {
+    double seconds = 0;
+    bool renders = false;
+    for (const Phase& phase : cell.phases) {
+        if (phase.name == "render") renders = true;
+        else seconds += phase.wall_seconds;
+    }
+    return renders ? seconds : 0;
+}
+
+std::vector<double> selected(const PixelArray& array, const std::vector<std::uint32_t>& pixels) {
+    return values_of(array, pixels);
+}
+
+class Measurer {
+  public:
+    Measurer(const Experiment& experiment, Study& study) : experiment_(experiment), study_(study) {}
+
+    Status measure() {
+        for (const SceneInfo& scene : experiment_.scenes) {
+            Status done = measure_scene(scene);
+            if (!done) return done;
+        }
+        return success();
+    }
+
+  private:
+    Status measure_scene(const SceneInfo& scene) {
+        if (scene.reference.empty()) {
+            study_.omissions.push_back(
+                {"scene " + scene.name, "no reference: errors, bias and images of it are not judged"});
+            return success();
+        }
+        std::vector<RegionPixels> regions{{"", {}}};
+        for (const Region& region : experiment_.regions) {
+            if (!region.scene.empty() && region.scene != scene.name) continue;
+            Result<std::vector<std::uint32_t>> pixels = region_pixels(region, scene.width, scene.height);
+            if (!pixels) return std::move(pixels).error();
+            regions.push_back({region.name, std::move(*pixels)});
+        }
+        const std::vector<Group> groups = groups_of(scene);
+        for (const ChannelInfo& channel : scene.channels) measure_channel(scene, channel, regions, groups);
+        return success();
+    }
+
+    [[nodiscard]] std::vector<Group> groups_of(const SceneInfo& scene) const {
+        std::vector<Group> groups;
+        for (const Variant& variant : study_.variants)
+            for (const Cell& cell : experiment_.cells) {
+                if (cell.failed || cell.scene != scene.name || variant_name(cell) != variant.name) continue;
+                const auto same = std::find_if(groups.begin(), groups.end(), [&](const Group& each) {
+                    return each.variant == &variant && each.kind == cell.budget_kind && each.budget == cell.budget;
+                });
+                if (same != groups.end()) same->cells.push_back(&cell);
+                else groups.push_back({&variant, cell.budget_kind, cell.budget, {&cell}});
+            }
+        return groups;
+    }
+
+    void measure_channel(const SceneInfo& scene, const ChannelInfo& channel, const std::vector<RegionPixels>& regions,
+                         const std::vector<Group>& groups) {
+        Result<PixelArray> mean = read_mean(scene.reference, channel.name);
+        if (!mean) {
+            study_.omissions.push_back({"channel " + channel.name + " of scene " + scene.name, mean.error().message});
+            return;
+        }
+        Reference reference{std::move(*mean), std::nullopt};
+        Result<PixelArray> m2 = read_m2(scene.reference, channel.name), samples = read_samples(scene.reference);
+        if (m2 && samples) reference.variance = variance_of_mean(*m2, *samples);
+        // Curves of one (region, variant) over budgets; `groups` come budget by budget.
+        std::map<std::pair<std::string, std::string>, std::size_t> curves;
+        for (const RegionPixels& region : regions)
+            for (const Variant& variant : study_.variants)
+                for (const Group& group : groups)
+                    if (group.variant == &variant && !curves.contains({region.name, variant.name})) {
+                        curves[{region.name, variant.name}] = study_.curves.size();
+                        study_.curves.push_back({scene.name,
+                                                 variant.name,
+                                                 channel.name,
+                                                 region.name,
+                                                 group.kind,
+                                                 {},
+                                                 {},
+                                                 {},
+                                                 {},
+                                                 {},
+                                                 false});
+                    }
+        std::map<std::string, BiasCandidate> candidates;
+        for (const Group& group : groups) {
+            const std::vector<PixelArray> images = read_group(group, channel, reference.mean);
+            for (const RegionPixels& region : regions) {
+                std::optional<BudgetPoint> point = measure_group(group, images, channel, region, reference);
+                if (point)
+                    study_.curves[curves[{region.name, group.variant->name}]].points.push_back(std::move(*point));
+            }
+            offer(candidates, group, images);
+        }
+        for (const Variant& variant : study_.variants)
+            if (const auto found = candidates.find(variant.name); found != candidates.end())
+                test_channel(scene, channel, variant, found->second, reference);
+    }
+
+    /// Images in the order of `group.cells`; an unreadable or misshapen one is empty, and an omission.
+    std::vector<PixelArray> read_group(const Group& group, const ChannelInfo& channel, const PixelArray& shape) {
+        std::vector<PixelArray> images;
+        for (const Cell* cell : group.cells) {
+            Result<PixelArray> image = read_mean(cell->directory, channel.name);
+            std::string reason;
+            if (!image) reason = image.error().message;
+            else if (image->values.size() != shape.values.size())
+                reason = "channel " + channel.name + " has " + std::to_string(image->width) + " x " +
+                         std::to_string(image->height) + " pixels; the reference has " + std::to_string(shape.width) +
+                         " x " + std::to_string(shape.height);
+            if (!reason.empty()) study_.omissions.push_back({"cell " + cell->id, reason});
+            images.push_back(reason.empty() ? std::move(*image) : PixelArray{});
+        }
+        return images;
+    }
+
+    std::optional<BudgetPoint> measure_group(const Group& group, const std::vector<PixelArray>& images,
+                                             const ChannelInfo& channel, const RegionPixels& region,
+                                             const Reference& reference) {
+        const std::vector<double> expected = selected(reference.mean, region.pixels);
+        BudgetPoint point;
+        point.budget = point.group.budget = group.budget;
+        double mse_excess = 0;
+        if (reference.variance) {
+            const std::vector<double> variance = selected(*reference.variance, region.pixels);
+            point.excess = display::reference_excess(display::ErrorMetric::relmse_mean, expected, variance);
+            mse_excess = display::reference_excess(display::ErrorMetric::mse, expected, variance);
+            if (!std::isfinite(point.excess)) point.excess = mse_excess = 0;
+        }
+        TailMonitor tail;
+        std::vector<double> measured;
+        double count = 0;
+        for (std::size_t i = 0; i < images.size(); ++i) {
+            if (images[i].values.empty()) continue;
+            const Cell& cell = *group.cells[i];
+            const std::vector<double> values = selected(images[i], region.pixels);
+            CellErrors errors{
+                &cell,        group.variant->name, channel.name, region.name, display::measure_errors(values, expected),
+                point.excess, mse_excess};
+            const double squared = errors.measures[display::ErrorMetric::relmse_mean];
+            tail.add(display::relative_squares(values, expected));
+            measured.push_back(squared);
+            point.group.errors.push_back(squared - point.excess);
+            point.group.seconds.push_back(cell.wall_seconds);
+            if (cell.samples_per_pixel > 0) point.group.samples.push_back(static_cast<double>(cell.samples_per_pixel));
+            point.group.setup_seconds += sum_of_setup(cell);
+            point.seconds += cell.wall_seconds;
+            point.cpu_seconds += cell.cpu_seconds;
+            point.samples += static_cast<double>(cell.samples_per_pixel);
+            count += 1;
+            study_.cells.push_back(std::move(errors));
+        }
+        if (count == 0) return std::nullopt;
+        for (double* each : {&point.group.setup_seconds, &point.seconds, &point.cpu_seconds, &point.samples})
+            *each /= count;
+        if (point.group.samples.size() != measured.size()) point.group.samples.clear();
+        IntervalOptions options;
+        options.confidence = study_.options.confidence;
+        point.squared = error_interval(measured, point.excess, options);
+        point.effective_values = tail.effective_values();
+        point.group.heavy_tail = tail.heavy();
+        point.group.at_floor = point.excess > 0 && point.squared.value < point.excess;
+        if (point.group.heavy_tail && point.squared.valid()) point.squared.note = heavy_tail_note;
+        point.relative = point.squared;
+        for (double* each : {&point.relative.value, &point.relative.low, &point.relative.high})
+            if (!std::isnan(*each)) *each = relative_error(*each);
+        point.efficiency = efficiency_interval(point.group.errors, point.group.seconds, options);
+        if (!point.squared.valid() && point.efficiency.valid()) point.efficiency.note = point.squared.note;
+        return point;
+    }
+
+    /// The images that a variant's bias is tested on: of the budget with most samples in all, two replicates at least.
+    struct BiasCandidate {
+        double weight = -1, budget = 0;
+        BiasSide side;
+    };
+
+    static void offer(std::map<std::string, BiasCandidate>& candidates, const Group& group,
+                      const std::vector<PixelArray>& images) {
+        BiasCandidate offered;
+        offered.budget = group.budget;
+        double cost = 0;
+        for (std::size_t i = 0; i < images.size(); ++i) {
+            if (images[i].values.empty()) continue;
+            offered.side.replicates.push_back(block_means(images[i]));
+            cost += group.cells[i]->samples_per_pixel > 0 ? static_cast<double>(group.cells[i]->samples_per_pixel)
+                                                          : group.cells[i]->wall_seconds;
+        }
+        if (offered.side.replicates.empty()) return;
+        offered.weight = offered.side.replicates.size() < 2 ? 0 : cost;
+        BiasCandidate& best = candidates[group.variant->name];
+        if (offered.weight > best.weight) best = std::move(offered);
+    }
+
+    void test_channel(const SceneInfo& scene, const ChannelInfo& channel, const Variant& variant,
+                      const BiasCandidate& candidate, const Reference& reference) {
+        BiasSide truth{{block_means(reference.mean)}, {}};
+        if (reference.variance) truth.variance = block_variances(*reference.variance);
+        BiasOptions options;
+        options.level = study_.options.bias_level;
+        options.channels = static_cast<double>(scene.channels.size());
+        study_.bias.push_back({scene.name, variant.name, channel.name, candidate.budget,
+                               candidate.side.replicates.size(), test_bias(candidate.side, truth, options)});
+    }
+
+    const Experiment& experiment_;
+    Study& study_;
+};
+
+}  // namespace
+
+std::string variant_name(const Cell& cell) {
+    std::string name = cell.method;
+    for (const auto& [key, value] : cell.settings) name += " " + key + "=" + value;
+    return name;
+}
+
+Result<Study> study_of(const Experiment& experiment, const StudyReportOptions& options) {
+    Study study;
+    study.experiment = &experiment;
+    study.options = options;
+    for (const Cell& cell : experiment.cells) {
+        if (cell.failed) {
+            study.omissions.push_back({"cell " + cell.id, "failed: " + cell.failure});
+            continue;
+        }
+        const std::string name = variant_name(cell);
+        if (std::any_of(study.variants.begin(), study.variants.end(),
+                        [&](const Variant& each) { return each.name == name; }))
+            continue;
+        Variant variant{name, cell.method, cell.settings, true};
+        for (const MethodInfo& method : experiment.methods)
+            if (method.name == cell.method) variant.unbiased = method.unbiased;
+        study.variants.push_back(std::move(variant));
+    }
+    // In the order of the config's methods, not of the interleaved plan.
+    std::stable_sort(study.variants.begin(), study.variants.end(), [&](const Variant& a, const Variant& b) {
+        const auto rank = [&](const Variant& variant) {
+            return std::find_if(experiment.methods.begin(), experiment.methods.end(),
+                                [&](const MethodInfo& method) { return method.name == variant.method; }) -
+                   experiment.methods.begin();
+        };
+        return rank(a) < rank(b);
+    });
+    for (const std::string& id : experiment.missing) study.omissions.push_back({"cell " + id, "not run yet"});
+    Status measured = Measurer(experiment, study).measure();
+    if (!measured) return std::move(measured).error();
+    judge_curves(study);
+    return study;
+}
+
+const Curve* Study::curve(const std::string& scene, const std::string& variant, const std::string& channel,
+                          const std::string& region) const {
+    for (const Curve& each : curves)
+        if (each.scene == scene && each.variant == variant && each.channel == channel && each.region == region)
+            return &each;
+    return nullptr;
+}
+
+}  // namespace raylex::experiments

@@ -1,0 +1,42 @@
+// Images small enough for a page, at half precision, for the viewer in study_page.js.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "experiments/study/report/study.h"
+
+namespace raylex::experiments {
+
+/// A variant's image (or the reference) on a scene: one picture per channel.
+struct PictureSet {
+    std::string name;  ///< "path, 1024 samples", "reference"
+    std::vector<std::size_t> ids;
+};
+
+struct ScenePictures {
+    std::string scene;
+    int width = 0, height = 0;  ///< of the pictures
+    int block = 1;              ///< pixels of the image per pixel of a picture, along each side
+    std::vector<std::string> channels;
+    std::vector<PictureSet> images;  ///< variants in order, the reference last
+};
+
+struct Pictures {
+    std::vector<ScenePictures> scenes;
+    std::vector<std::string> encoded;  ///< by id: base64
+    std::size_t bytes = 0;
+    std::vector<std::string> left_out;  ///< images that could not be read: why
+};
+
+/// The first replicate of every variant's largest budget. All pictures are reduced by one whole factor until they fit
+/// in `picture_bytes` together.
+Pictures pictures_of(const Study& study);
+
+/// base64(zlib(halves)): components one after the other; of each value's two bytes all high ones first, each less the
+/// one before (mod 256), then all low ones. Values beyond the range of half floats (65504) are clamped to it.
+std::string encode_picture(const PixelArray& image);
+/// Means over blocks of pixels.
+PixelArray reduced(const PixelArray& image, std::size_t block);
+
+}  // namespace raylex::experiments

@@ -1,0 +1,167 @@
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "experiments/cli/console.h"
+#include "experiments/study/analysis/pareto.h"
+#include "experiments/study/report/study_files.h"
+
+namespace raylex::experiments {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string budget_label(const Curve& curve, const BudgetPoint& point) {
+    std::string text;
+    if (curve.budget_kind == BudgetKind::seconds) text = number_text(point.budget, 4) + " s";
+    else if (curve.budget_kind == BudgetKind::error) text = "to " + percent_text(point.budget);
+    else text = number_text(point.budget, 9) + " samples";
+    text += ": " + percent_text(point.relative.value);
+    if (!std::isnan(point.relative.low))
+        text += " [" + number_text(point.relative.low * 100) + ", " + number_text(point.relative.high * 100) + "]";
+    text += " in " + duration_text(point.seconds) + ", " + std::to_string(point.group.errors.size()) + " replicates";
+    if (!point.relative.note.empty()) text += "\n" + point.relative.note;
+    return text;
+}
+
+Json number(double value) {
+    return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+std::size_t slot_of(const Study& study, const std::string& variant) {
+    const auto found = std::find_if(study.variants.begin(), study.variants.end(),
+                                    [&](const Variant& each) { return each.name == variant; });
+    return static_cast<std::size_t>(found - study.variants.begin());
+}
+
+/// The slope of the relative error, half of that of its square.
+std::string slope_note(const Curve& curve) {
+    const std::optional<Line>& line = curve.slope.seconds;
+    if (!line) return {};
+    return "slope " + number_text(line->slope / 2, 3) + " [" + number_text(line->slope_low / 2, 3) + ", " +
+           number_text(line->slope_high / 2, 3) + "]" + (curve.slope.too_shallow ? ", shallow" : "");
+}
+
+Json series_of(const Study& study, const Curve& curve) {
+    Json points = Json::array();
+    for (const BudgetPoint& point : curve.points)
+        points.push_back(Json{{"x", number(point.seconds)},
+                              {"y", number(point.relative.value * 100)},
+                              {"low", number(point.relative.low * 100)},
+                              {"high", number(point.relative.high * 100)},
+                              {"weak", !point.relative.valid()},
+                              {"label", budget_label(curve, point)}});
+    return Json{{"name", curve.variant},
+                {"slot", slot_of(study, curve.variant)},
+                {"note", slope_note(curve)},
+                {"points", std::move(points)}};
+}
+
+/// Letters that any file system takes.
+std::string file_part(const std::string& name) {
+    std::string result;
+    for (const char c : name) {
+        const bool plain =
+            (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
+        result += plain ? c : '_';
+    }
+    return result;
+}
+
+std::string dumped(const Json& json) {
+    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+Plot error_plot(const Study& study, std::size_t scene, const std::string& channel, const std::string& region) {
+    const std::string& name = study.experiment->scenes[scene].name;
+    Plot plot{plot_id(scene, channel, region), file_part(name) + "." + file_part(channel), {}};
+    if (!region.empty()) plot.file += "." + file_part(region);
+    plot.file += ".svg";
+    Json series = Json::array();
+    double floor = 0;
+    for (const Curve& curve : study.curves) {
+        if (curve.scene != name || curve.channel != channel || curve.region != region) continue;
+        series.push_back(series_of(study, curve));
+        for (const BudgetPoint& point : curve.points)
+            floor = std::max(floor, std::sqrt(std::max(0.0, point.excess)) * 100);
+    }
+    plot.json =
+        dumped(Json{{"id", plot.id},
+                    {"title", name + ", " + channel + (region.empty() ? "" : ", region " + region)},
+                    {"subtitle", "100 sqrt(relmse-mean), reference's noise subtracted; bands: " +
+                                     number_text(study.options.confidence * 100) + " % intervals; dotted: 1/sqrt(t)"},
+                    {"xLabel", "wall time, seconds, everything counted"},
+                    {"yLabel", "relative error"},
+                    {"guide", true},
+                    {"floor", floor},
+                    {"series", std::move(series)}});
+    return plot;
+}
+
+Plot front_plot(const Study& study, std::size_t scene) {
+    const SceneInfo& info = study.experiment->scenes[scene];
+    Json series = Json::array(), front = Json::array();
+    for (const Curve& curve : study.curves)
+        if (curve.scene == info.name && curve.channel == info.channels.front().name && curve.region.empty()) {
+            Json one = series_of(study, curve);
+            one["note"] = "";
+            series.push_back(std::move(one));
+        }
+    for (const FrontPoint& each : front_of(study, info))
+        front.push_back(Json{{"x", each.point->seconds}, {"y", each.point->relative.value * 100}});
+    Plot plot{front_id(scene), file_part(info.name) + ".pareto.svg", {}};
+    plot.json = dumped(
+        Json{{"id", plot.id},
+             {"title", info.name + ", " + info.channels.front().name + ": what is worth its time"},
+             {"subtitle", "every variant at every budget; the line joins what nothing beats in both time and error"},
+             {"xLabel", "wall time, seconds, everything counted"},
+             {"yLabel", "relative error"},
+             {"scatter", true},
+             {"floor", 0},
+             {"series", std::move(series)},
+             {"front", std::move(front)}});
+    return plot;
+}
+
+}  // namespace
+
+std::string plot_id(std::size_t scene, const std::string& channel, const std::string& region) {
+    return "s" + std::to_string(scene) + "-" + file_part(channel) + (region.empty() ? "" : "-at-" + file_part(region));
+}
+
+std::string front_id(std::size_t scene) {
+    return "s" + std::to_string(scene) + "--front";
+}
+
+std::vector<FrontPoint> front_of(const Study& study, const SceneInfo& scene) {
+    std::vector<FrontPoint> points, front;
+    std::vector<CostPoint> costs;
+    for (const Curve& curve : study.curves)
+        if (!scene.channels.empty() && curve.scene == scene.name && curve.channel == scene.channels.front().name &&
+            curve.region.empty())
+            for (const BudgetPoint& point : curve.points)
+                if (point.relative.value > 0) {
+                    points.push_back({&curve, &point});
+                    costs.push_back({point.seconds, point.relative.value});
+                }
+    for (const std::size_t i : pareto_front(costs)) front.push_back(points[i]);
+    return front;
+}
+
+std::vector<Plot> plots_of(const Study& study) {
+    std::vector<Plot> plots;
+    for (std::size_t s = 0; s < study.experiment->scenes.size(); ++s) {
+        const SceneInfo& scene = study.experiment->scenes[s];
+        std::vector<std::pair<std::string, std::string>> seen;
+        for (const Curve& curve : study.curves)
+            if (curve.scene == scene.name &&
+                std::find(seen.begin(), seen.end(), std::pair(curve.channel, curve.region)) == seen.end()) {
+                seen.emplace_back(curve.channel, curve.region);
+                plots.push_back(error_plot(study, s, curve.channel, curve.region));
+            }
+        if (!seen.empty()) plots.push_back(front_plot(study, s));
+    }
+    return plots;
+}
+
+}  // namespace raylex::experiments

@@ -1,0 +1,103 @@
+// An experiment measured and judged: what every table and plot of its report shows.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "experiments/study/analysis/bias.h"
+#include "experiments/study/analysis/convergence.h"
+#include "experiments/study/analysis/intervals.h"
+#include "experiments/study/metrics.h"
+#include "experiments/study/report/study_report.h"
+
+namespace raylex::experiments {
+
+/// A method with one choice of the swept settings.
+struct Variant {
+    std::string name;  ///< "path max_depth=8"
+    std::string method;
+    NamedValues settings;
+    bool unbiased = true;
+};
+
+/// One channel of one cell on one region.
+struct CellErrors {
+    const Cell* cell = nullptr;
+    std::string variant, channel, region;  ///< region "": the whole image
+    display::ErrorMeasures measures;
+    double relmse_excess = 0, mse_excess = 0;  ///< what the reference's noise adds in expectation; 0 where not known
+};
+
+/// All replicates of one budget on a curve.
+struct BudgetPoint {
+    double budget = 0;
+    BudgetGroup group;                                 ///< for fits: errors with the reference's noise subtracted
+    Interval squared, relative;                        ///< relmse-mean, noise subtracted; and its root
+    double excess = 0;                                 ///< of the reference in relmse-mean
+    Interval efficiency;                               ///< 1 / (relmse-mean x seconds)
+    double seconds = 0, cpu_seconds = 0, samples = 0;  ///< means
+    double effective_values = 0;                       ///< of TailMonitor
+};
+
+/// A variant's error on a channel and region of a scene over its budgets.
+struct Curve {
+    std::string scene, variant, channel, region;
+    BudgetKind budget_kind = BudgetKind::samples;
+    std::vector<BudgetPoint> points;  ///< by seconds
+    SlopeVerdict slope;
+    std::vector<TimeToError> times;
+    std::optional<PredictionCheck> prediction;
+    Interval speed_up;   ///< against the scene's first variant, each at its largest budget
+    bool first = false;  ///< is that one
+};
+
+struct BiasEntry {
+    std::string scene, variant, channel;
+    double budget = 0;
+    std::size_t replicates = 0;
+    BiasVerdict verdict;
+};
+
+struct WordsEntry {
+    std::string scene, variant;
+    FirstWords first;
+};
+
+/// Two variants that differ in one setting.
+struct SettingEffect {
+    std::string scene, key, from, to, others;  ///< others: the method and what stays
+    Interval speed_up;                         ///< of `to` against `from`
+};
+
+struct Omission {
+    std::string what, reason;
+};
+
+struct Study {
+    const Experiment* experiment = nullptr;
+    StudyReportOptions options;
+    std::vector<Variant> variants;
+    std::vector<CellErrors> cells;
+    std::vector<Curve> curves;  ///< scenes, then channels, regions and variants in the order of the config
+    std::vector<BiasEntry> bias;
+    std::vector<WordsEntry> words;
+    std::vector<SettingEffect> effects;
+    std::vector<Omission> omissions;
+
+    [[nodiscard]] const Curve* curve(const std::string& scene, const std::string& variant, const std::string& channel,
+                                     const std::string& region = {}) const;
+};
+
+inline constexpr std::array<double, 5> target_errors{0.1, 0.05, 0.02, 0.01, 0.005};
+
+std::string variant_name(const Cell& cell);
+
+/// Reads every image once. What cannot be read or has no reference becomes an omission; errors are of regions that do
+/// not fit their scene.
+Result<Study> study_of(const Experiment& experiment, const StudyReportOptions& options);
+
+/// The second half: curves and verdicts from what was measured.
+void judge_curves(Study& study);
+
+}  // namespace raylex::experiments

@@ -1,0 +1,194 @@
+#include "experiments/study/report/study_files.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "experiments/cli/console.h"
+
+namespace raylex::experiments {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string quoted(const std::string& text) {
+    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+    std::string result = "\"";
+    for (const char c : text) {
+        if (c == '"') result += '"';
+        result += c;
+    }
+    return result + "\"";
+}
+
+std::string csv_number(double value) {
+    return std::isfinite(value) ? number_text(value, 9) : std::isnan(value) ? "nan" : value > 0 ? "inf" : "-inf";
+}
+
+Json number(double value) {
+    return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json json_of(const Interval& interval) {
+    Json json{{"value", number(interval.value)}, {"low", number(interval.low)}, {"high", number(interval.high)}};
+    if (!interval.note.empty()) json["note"] = interval.note;
+    if (!interval.how.empty()) json["how"] = interval.how;
+    return json;
+}
+
+Json curve_key(const char* kind, const Curve& curve) {
+    return Json{{"kind", kind},
+                {"scene", curve.scene},
+                {"variant", curve.variant},
+                {"channel", curve.channel},
+                {"region", curve.region}};
+}
+
+Json json_of(const Line& line) {
+    return Json{{"slope", number(line.slope)}, {"low", number(line.slope_low)}, {"high", number(line.slope_high)}};
+}
+
+class Lines {
+  public:
+    void add(const Json& json) {
+        // Names come from users: what is no UTF-8 is replaced, not thrown at them.
+        text_ += json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+    }
+    [[nodiscard]] std::string take() { return std::move(text_); }
+
+  private:
+    std::string text_;
+};
+
+void add_curve(Lines& lines, const Curve& curve) {
+    for (const BudgetPoint& point : curve.points) {
+        Json json = curve_key("budget", curve);
+        json["budget_kind"] = budget_kind_name(curve.budget_kind);
+        json["budget"] = point.budget;
+        json["replicates"] = point.group.errors.size();
+        json["relmse_mean"] = json_of(point.squared);
+        json["relative_error"] = json_of(point.relative);
+        json["reference_excess"] = number(point.excess);
+        json["efficiency"] = json_of(point.efficiency);
+        json["wall_seconds"] = number(point.seconds);
+        json["cpu_seconds"] = number(point.cpu_seconds);
+        json["samples_per_pixel"] = number(point.samples);
+        json["effective_values"] = number(point.effective_values);
+        lines.add(json);
+    }
+    Json slope = curve_key("slope", curve);
+    if (curve.slope.samples) slope["against_samples"] = json_of(*curve.slope.samples);
+    if (curve.slope.seconds) slope["against_seconds"] = json_of(*curve.slope.seconds);
+    slope["too_shallow"] = curve.slope.too_shallow;
+    slope["verdict"] = curve.slope.text;
+    slope["speed_up"] = json_of(curve.speed_up);
+    lines.add(slope);
+    for (const TimeToError& time : curve.times) {
+        Json json = curve_key("time_to_error", curve);
+        json["relative_error"] = time.relative_error;
+        json["seconds"] = json_of(time.seconds);
+        json["extrapolated"] = time.extrapolated;
+        lines.add(json);
+    }
+    if (curve.prediction) {
+        Json json = curve_key("prediction", curve);
+        json["predicted_seconds"] = number(curve.prediction->predicted_seconds);
+        json["actual_seconds"] = number(curve.prediction->actual_seconds);
+        json["octaves_ahead"] = number(curve.prediction->octaves_ahead);
+        lines.add(json);
+    }
+}
+
+}  // namespace
+
+std::string percent_text(double share, int digits) {
+    return number_text(share * 100, digits) + " %";
+}
+
+std::string results_csv(const Study& study) {
+    std::string text =
+        "cell,scene,variant,budget_kind,budget,replicate,seed,samples_per_pixel,wall_seconds,cpu_seconds,rays,"
+        "invalid_samples,peak_memory_bytes,channel,region";
+    for (const display::ErrorMetricInfo& each : display::error_metrics())
+        text += "," + quoted(std::string(each.name) + ": " + each.formula);
+    text += ",share of relmse-mean that trimming left out,reference's part of mse,reference's part of relmse-mean\r\n";
+    for (const CellErrors& row : study.cells) {
+        const Cell& cell = *row.cell;
+        text += quoted(cell.id) + "," + quoted(cell.scene) + "," + quoted(row.variant) + "," +
+                budget_kind_name(cell.budget_kind) + "," + csv_number(cell.budget) + "," +
+                std::to_string(cell.replicate) + "," + std::to_string(cell.seed) + "," +
+                std::to_string(cell.samples_per_pixel) + "," + csv_number(cell.wall_seconds) + "," +
+                csv_number(cell.cpu_seconds) + "," + std::to_string(cell.rays) + "," +
+                std::to_string(cell.invalid_samples) + "," + std::to_string(cell.peak_memory_bytes) + "," +
+                quoted(row.channel) + "," + quoted(row.region);
+        for (const double value : row.measures.values) text += "," + csv_number(value);
+        text += "," + csv_number(row.measures.trimmed_share) + "," + csv_number(row.mse_excess) + "," +
+                csv_number(row.relmse_excess) + "\r\n";
+    }
+    return text;
+}
+
+std::string results_jsonl(const Study& study) {
+    Lines lines;
+    Json formulas{{"kind", "formulas"}};
+    for (const display::ErrorMetricInfo& each : display::error_metrics()) formulas[each.name] = each.formula;
+    lines.add(formulas);
+    for (const CellErrors& row : study.cells) {
+        Json json{{"kind", "cell"},         {"cell", row.cell->id},   {"scene", row.cell->scene},
+                  {"variant", row.variant}, {"channel", row.channel}, {"region", row.region}};
+        for (const display::ErrorMetricInfo& each : display::error_metrics())
+            json[each.name] = number(row.measures[each.metric]);
+        json["trimmed_share"] = number(row.measures.trimmed_share);
+        lines.add(json);
+    }
+    for (const Curve& curve : study.curves) add_curve(lines, curve);
+    for (const BiasEntry& entry : study.bias) {
+        const BiasVerdict& v = entry.verdict;
+        lines.add(Json{{"kind", "bias"},
+                       {"scene", entry.scene},
+                       {"variant", entry.variant},
+                       {"channel", entry.channel},
+                       {"budget", entry.budget},
+                       {"replicates", entry.replicates},
+                       {"tested", v.tested},
+                       {"differs", v.differs},
+                       {"adjusted_p", number(v.adjusted_p)},
+                       {"tests", v.tests},
+                       {"mean_difference", number(v.mean_difference)},
+                       {"worst_block", v.worst},
+                       {"worst_is_whole_image", v.worst_is_whole},
+                       {"worst_difference", number(v.worst_difference)},
+                       {"detectable_whole", number(v.detectable_whole)},
+                       {"detectable_block", number(v.detectable_block)},
+                       {"note", v.note}});
+    }
+    for (const WordsEntry& entry : study.words)
+        for (const FirstWords::Word& word : entry.first.words)
+            lines.add(Json{{"kind", "first_words"},
+                           {"scene", entry.scene},
+                           {"variant", entry.variant},
+                           {"channel", word.channel},
+                           {"path", word.text},
+                           {"sentence", word.sentence},
+                           {"adjusted_p", number(word.adjusted_p)}});
+    for (const SettingEffect& effect : study.effects)
+        lines.add(Json{{"kind", "setting"},
+                       {"scene", effect.scene},
+                       {"setting", effect.key},
+                       {"from", effect.from},
+                       {"to", effect.to},
+                       {"others", effect.others},
+                       {"speed_up", json_of(effect.speed_up)}});
+    for (const Cell& cell : study.experiment->cells)
+        for (const PartitionVerdict& split : cell.splits)
+            lines.add(Json{{"kind", "split"},
+                           {"cell", cell.id},
+                           {"partition", split.partition},
+                           {"holds", split.holds},
+                           {"worst_relative_error", number(split.worst_relative_error)}});
+    for (const Omission& omission : study.omissions)
+        lines.add(Json{{"kind", "omission"}, {"what", omission.what}, {"reason", omission.reason}});
+    return lines.take();
+}
+
+}  // namespace raylex::experiments

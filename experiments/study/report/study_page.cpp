@@ -1,0 +1,235 @@
+#include "experiments/study/report/study_page.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "experiments/cli/console.h"
+#include "experiments/report/html.h"
+#include "experiments/study/report/assets.h"
+#include "experiments/study/report/study_tables.h"
+
+namespace raylex::experiments {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// JSON that can stand inside <script>: no text of it ends the element or opens a comment.
+std::string script_json(const Json& json) {
+    std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace), safe;
+    safe.reserve(text.size());
+    for (const char c : text)
+        if (c == '<') safe += "\\u003c";
+        else safe += c;
+    return safe;
+}
+
+std::string counted(std::size_t count, const std::string& one, const std::string& many) {
+    return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
+std::string mark(bool good, const std::string& text) {
+    return "<li><span class=\"" + std::string(good ? "holds" : "fails") + "\">" + text + "</span> ";
+}
+
+/// The verdicts in a few lines, before any table.
+std::string summary(const Study& study) {
+    const Experiment& experiment = *study.experiment;
+    std::size_t failed = 0, splits = 0, broken = 0;
+    double seconds = 0;
+    for (const Cell& cell : experiment.cells) {
+        failed += cell.failed ? 1 : 0;
+        seconds += cell.wall_seconds;
+        if (cell.failed) continue;
+        for (const PartitionVerdict& split : cell.splits) {
+            ++splits;
+            broken += split.holds ? 0 : 1;
+        }
+    }
+    std::string text = "<p class=\"faint\">" + counted(experiment.cells.size() - failed, "cell", "cells") + " done, " +
+                       std::to_string(failed) + " failed, " + std::to_string(experiment.missing.size()) + " not run; " +
+                       counted(experiment.scenes.size(), "scene", "scenes") + ", " +
+                       counted(study.variants.size(), "variant", "variants") + "; " + duration_text(seconds) +
+                       " of rendering.</p>\n<ul class=\"summary\">\n";
+    if (splits > 0)
+        text += mark(broken == 0, broken == 0 ? "Every split sums" : std::to_string(broken) + " splits do not sum") +
+                "to what it splits, in " + counted(splits, "verdict", "verdicts") + " over all cells.</li>\n";
+    std::vector<std::string> wrong;
+    std::size_t tested = 0;
+    for (const BiasEntry& entry : study.bias) {
+        tested += entry.verdict.tested ? 1 : 0;
+        if (!entry.verdict.differs) continue;
+        const auto variant = std::find_if(study.variants.begin(), study.variants.end(),
+                                          [&](const Variant& each) { return each.name == entry.variant; });
+        const std::string name = entry.variant + " on " + entry.scene;
+        if (variant->unbiased && std::find(wrong.begin(), wrong.end(), name) == wrong.end()) wrong.push_back(name);
+    }
+    if (!wrong.empty()) {
+        text += mark(false, "Declared unbiased but differs from the reference:");
+        for (const std::string& name : wrong) text += (&name == &wrong.front() ? "" : ", ") + escape_html(name);
+        text += ".</li>\n";
+    } else if (tested > 0) {
+        text += mark(true, "No method declared unbiased") + "was found to differ from its reference, in " +
+                counted(tested, "test", "tests") + " of channels.</li>\n";
+    }
+    std::vector<std::string> shallow;
+    std::size_t heavy = 0;
+    for (const Curve& curve : study.curves) {
+        if (curve.slope.too_shallow)
+            shallow.push_back(curve.variant + " on " + curve.scene + " (" + curve.channel + ")");
+        heavy += std::any_of(curve.points.begin(), curve.points.end(),
+                             [](const BudgetPoint& p) { return p.group.heavy_tail; });
+    }
+    if (!shallow.empty()) {
+        text += mark(false, "Falls slower than an unbiased method:");
+        for (const std::string& name : shallow) text += (&name == &shallow.front() ? "" : ", ") + escape_html(name);
+        text += ".</li>\n";
+    }
+    if (heavy > 0)
+        text += "<li><span class=\"warn\">Heavy tail, interval not valid:</span> on " +
+                counted(heavy, "curve", "curves") + " a few rare samples decide the error.</li>\n";
+    if (!study.omissions.empty())
+        text += "<li><a href=\"#omissions\">" + counted(study.omissions.size(), "omission", "omissions") +
+                "</a>, listed with the reason.</li>\n";
+    return text + "</ul>\n";
+}
+
+std::string choices(const std::string& title, const std::vector<std::pair<std::string, std::string>>& items) {
+    std::string html = "<div class=\"choices\"><span class=\"faint\">" + title + "</span>";
+    for (const auto& [id, name] : items)
+        html += "<button type=\"button\" aria-pressed=\"false\" data-choose=\"" + escape_html(id) + "\">" +
+                escape_html(name) + "</button>";
+    return html + "</div>\n";
+}
+
+std::string scene_section(const Study& study, std::size_t index) {
+    const SceneInfo& scene = study.experiment->scenes[index];
+    std::vector<std::pair<std::string, std::string>> items;
+    std::string panels;
+    for (const Curve& curve : study.curves) {
+        if (curve.scene != scene.name) continue;
+        const std::string id = plot_id(index, curve.channel, curve.region);
+        if (std::any_of(items.begin(), items.end(), [&](const auto& each) { return each.first == id; })) continue;
+        items.emplace_back(id, curve.channel + (curve.region.empty() ? "" : " in " + curve.region));
+        std::string expression;
+        for (const ChannelInfo& channel : scene.channels)
+            if (channel.name == curve.channel) expression = channel.expression;
+        panels += "<div data-panel=\"" + escape_html(id) + "\"" + (items.size() > 1 ? " hidden" : "") + ">\n" +
+                  (expression.empty() ? "" : "<p><code>" + escape_html(expression) + "</code></p>\n") +
+                  "<figure class=\"plot\" data-plot=\"" + escape_html(id) + "\"></figure>\n" +
+                  times_table(study, scene.name, curve.channel, curve.region) +
+                  slopes_table(study, scene.name, curve.channel, curve.region) +
+                  "<details><summary>All metrics at the largest budget</summary>\n" +
+                  errors_table(study, scene.name, curve.channel, curve.region) + "</details>\n</div>\n";
+    }
+    std::string html = "<section class=\"scene-study\" id=\"scene-" + std::to_string(index) +
+                       "\">\n<h2>What accuracy costs: " + escape_html(scene.name) + "</h2>\n";
+    if (items.empty())
+        return html + "<p class=\"faint\">Nothing was measured on this scene; see the omissions.</p></section>\n";
+    html += choices("Channel", items) + panels +
+            "<h3>What is worth its time</h3>\n<figure class=\"plot\" data-plot=\"" + front_id(index) +
+            "\"></figure>\n" + front_table(study, scene);
+    if (const std::string effects = effects_table(study, scene); !effects.empty())
+        html += "<h3>What each setting buys</h3>\n" + effects;
+    return html + "<h3>Bias against the reference</h3>\n" + words_list(study, scene) + bias_table(study, scene) +
+           "</section>\n";
+}
+
+std::string viewer(const ScenePictures& pictures, std::size_t index) {
+    const auto options = [&pictures](std::size_t selected) {
+        std::string html;
+        for (std::size_t i = 0; i < pictures.images.size(); ++i)
+            html += "<option value=\"" + std::to_string(i) + "\"" + (i == selected ? " selected" : "") + ">" +
+                    escape_html(pictures.images[i].name) + "</option>";
+        return html;
+    };
+    std::string html =
+        "<h3>" + escape_html(pictures.scene) + "</h3>\n<div class=\"bench\" data-scene=\"" + std::to_string(index) +
+        "\"><div><div class=\"well\"><canvas></canvas><span class=\"tag a\"></span><span class=\"tag b\"></span></div>"
+        "<div class=\"bar\"><label>A <select class=\"pick-a\">" +
+        options(0) + "</select></label><label>B <select class=\"pick-b\">" + options(pictures.images.size() - 1) +
+        "</select></label></div>\n<div class=\"bar\">";
+    for (const auto& [mode, name] : {std::pair("a", "A"), std::pair("b", "B"), std::pair("split", "split"),
+                                     std::pair("difference", "A &minus; B")})
+        html += "<button type=\"button\" data-mode=\"" + std::string(mode) + "\" aria-pressed=\"false\">" + name +
+                "</button>";
+    html +=
+        "<label>exposure <input class=\"exposure\" type=\"range\" min=\"-8\" max=\"8\" step=\"0.5\" value=\"0\"> "
+        "<span class=\"stops faint\"></span></label></div>\n<div class=\"bar\">";
+    for (const std::string& channel : pictures.channels)
+        html += "<button type=\"button\" data-channel aria-pressed=\"false\">" + escape_html(channel) + "</button>";
+    return html +
+           "</div></div>\n<div class=\"readout\"><p class=\"where faint\"></p><div "
+           "class=\"wide\"><table><thead><tr><th>Channel</th><th>A: "
+           "red, green, blue</th><th>share</th><th>B: red, green, "
+           "blue</th><th>share</th></tr></thead><tbody></tbody></table></div></div></div>\n";
+}
+
+Json picture_index(const Pictures& pictures) {
+    Json json = Json::array();
+    for (const ScenePictures& scene : pictures.scenes) {
+        Json images = Json::array();
+        for (const PictureSet& set : scene.images) images.push_back(Json{{"name", set.name}, {"ids", set.ids}});
+        json.push_back(Json{{"scene", scene.scene},
+                            {"width", scene.width},
+                            {"height", scene.height},
+                            {"block", scene.block},
+                            {"channels", scene.channels},
+                            {"images", std::move(images)}});
+    }
+    return json;
+}
+
+std::string viewers(const Pictures& pictures) {
+    std::string html =
+        "<section id=\"images\">\n<h2>Images</h2>\n<p class=\"faint\">The first replicate of every variant's largest "
+        "budget, scene-linear at half precision, shown by the sRGB curve";
+    if (!pictures.scenes.empty() && pictures.scenes.front().block > 1)
+        html += ", reduced " + std::to_string(pictures.scenes.front().block) + " times to keep this page small";
+    html +=
+        ". Click a picture's controls first; then <b>f</b> flips A and B, <b>s</b> splits under the pointer, <b>d</b> "
+        "shows the "
+        "difference, left and right change the channel. Shares are of the first channel, by the sum of red, green and "
+        "blue.</p>\n";
+    for (std::size_t i = 0; i < pictures.scenes.size(); ++i) html += viewer(pictures.scenes[i], i);
+    for (const std::string& each : pictures.left_out)
+        html += "<p class=\"note\">Left out: " + escape_html(each) + "</p>\n";
+    return html + "</section>\n";
+}
+
+}  // namespace
+
+std::string study_page(const Study& study, const std::vector<Plot>& plots, const Pictures& pictures,
+                       const std::string& d3) {
+    const Experiment& experiment = *study.experiment;
+    std::string contents = "<nav class=\"contents\">", scenes;
+    for (std::size_t i = 0; i < experiment.scenes.size(); ++i) {
+        contents += "<a href=\"#scene-" + std::to_string(i) + "\">" + escape_html(experiment.scenes[i].name) + "</a>";
+        scenes += scene_section(study, i);
+    }
+    for (const auto& [id, name] : {std::pair("images", "images"), std::pair("splits", "split sums"),
+                                   std::pair("costs", "time and rays"), std::pair("references", "references"),
+                                   std::pair("omissions", "omissions"), std::pair("provenance", "provenance")})
+        contents += "<a href=\"#" + std::string(id) + "\">" + name + "</a>";
+    Json data{{"plots", Json::object()}, {"pictures", picture_index(pictures)}};
+    for (const Plot& plot : plots) data["plots"][plot.id] = Json::parse(plot.json);
+
+    std::string page =
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
+        "content=\"width=device-width, initial-scale=1\">\n<title>" +
+        escape_html(experiment.name) + "</title>\n<style>" + std::string(page_style()) + std::string(study_style()) +
+        "</style>\n</head>\n<body>\n<h1>" + escape_html(experiment.name) + "</h1>\n" + summary(study) + contents +
+        "</nav>\n" + scenes + viewers(pictures) + "<section id=\"splits\"><h2>Split sums</h2>\n" + splits_table(study) +
+        "</section>\n<section id=\"costs\"><h2>Time and rays</h2>\n" + costs_table(study) + predictions_text(study) +
+        "</section>\n<section id=\"references\"><h2>References</h2>\n" + references_table(study) +
+        "</section>\n<section id=\"omissions\"><h2>Omissions</h2>\n" + omissions_table(study) +
+        "</section>\n<section id=\"provenance\"><h2>Provenance</h2>\n" + provenance_table(study) + "</section>\n";
+    page.reserve(page.size() + d3.size() + pictures.bytes + pictures.encoded.size() * 80 + 1'000'000);
+    page += "<script type=\"application/json\" id=\"study\">" + script_json(data) + "</script>\n";
+    for (std::size_t id = 0; id < pictures.encoded.size(); ++id)
+        page += "<script type=\"text/plain\" id=\"picture-" + std::to_string(id) + "\">" + pictures.encoded[id] +
+                "</script>\n";
+    return page + "<script>" + d3 + "</script>\n<script>" + std::string(plot_script()) + "</script>\n<script>" +
+           std::string(study_script()) + "</script>\n</body>\n</html>\n";
+}
+
+}  // namespace raylex::experiments

@@ -1,0 +1,23 @@
+// The report of an experiment: report.html, results.csv, results.jsonl and plots/*.svg in its directory.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "experiments/study/results.h"
+
+namespace raylex::experiments {
+
+struct StudyReportOptions {
+    std::string directory;                   ///< where the files go; empty: the experiment's own directory
+    std::size_t picture_bytes = 45'000'000;  ///< of all pictures in the page; they are reduced until they fit
+    double confidence = 0.95;                ///< of intervals
+    double bias_level = 0.01;                ///< of all bias tests of a variant on a scene together
+};
+
+/// Measures every cell against its scene's reference and writes the files, each whole or not at all. Prints what it
+/// wrote, and warnings for what could not be judged. Returns an exit code: 0 written, 2 bad input or a file that cannot
+/// be written (the message is printed). Verdicts do not change the code: they are results.
+int write_study_report(const Experiment& experiment, const StudyReportOptions& options = {});
+
+}  // namespace raylex::experiments

@@ -1,0 +1,252 @@
+#include "experiments/study/report/study_tables.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "experiments/cli/console.h"
+#include "experiments/report/html.h"
+#include "experiments/study/report/study_files.h"
+
+namespace raylex::experiments {
+namespace {
+
+std::string cell(const std::string& html, const char* type = "number") {
+    return "<td class=\"" + std::string(type) + "\">" + html + "</td>";
+}
+
+std::string text_cell(const std::string& text) {
+    return "<td>" + escape_html(text) + "</td>";
+}
+
+std::string formula_header(const std::string& name, const std::string& formula) {
+    return "<th class=\"formula\">" + escape_html(name) + "<code>" + escape_html(formula) + "</code></th>";
+}
+
+std::string table(const std::string& head, const std::string& rows) {
+    return "<div class=\"wide\"><table>\n<thead><tr>" + head + "</tr></thead>\n<tbody>\n" + rows +
+           "</tbody></table></div>\n";
+}
+
+std::string row(const std::string& cells) {
+    return "<tr>" + cells + "</tr>\n";
+}
+
+std::string figure(double value, int digits = 3) {
+    return std::isfinite(value) ? number_text(value, digits) : std::isnan(value) ? "&ndash;" : "&infin;";
+}
+
+bool shown(const Curve& curve, const std::string& scene, const std::string& channel, const std::string& region) {
+    return curve.scene == scene && curve.channel == channel && curve.region == region;
+}
+
+/// Seconds as people say them.
+std::string time_text(double seconds) {
+    return seconds < 60 ? number_text(seconds) + " s" : duration_text(seconds);
+}
+
+std::string seconds_cell(const TimeToError& time) {
+    const Interval& s = time.seconds;
+    if (!std::isfinite(s.value)) return cell("<span class=\"note\">" + escape_html(s.note) + "</span>");
+    std::string html = time_text(s.value) + (time.extrapolated ? " &dagger;" : "");
+    if (std::isfinite(s.low) && std::isfinite(s.high))
+        html += " <span class=\"range\">[" + (s.high < 60 ? number_text(s.low) : time_text(s.low)) + ", " +
+                (s.high < 60 ? number_text(s.high) : time_text(s.high)) + "]</span>";
+    if (!s.note.empty()) html += " <span class=\"note\">" + escape_html(s.note) + "</span>";
+    return cell(html, time.extrapolated ? "number extrapolated" : "number");
+}
+
+std::string slope_cell(const std::optional<Line>& line) {
+    if (!line) return cell("&ndash;");
+    return cell(figure(line->slope) + " <span class=\"range\">[" + figure(line->slope_low) + ", " +
+                figure(line->slope_high) + "]</span>");
+}
+
+std::string speed_up_cell(const Curve& curve) {
+    return curve.first ? cell("1 <span class=\"note\">what others are compared with</span>")
+                       : cell(interval_cell(curve.speed_up));
+}
+
+}  // namespace
+
+std::string interval_cell(const Interval& interval, double scale, const std::string& unit) {
+    if (!std::isfinite(interval.value)) return "<span class=\"note\">" + escape_html(interval.note) + "</span>";
+    std::string html = figure(interval.value * scale) + unit;
+    if (std::isfinite(interval.low) && std::isfinite(interval.high))
+        html += " <span class=\"range\">[" + figure(interval.low * scale) + ", " + figure(interval.high * scale) +
+                "]</span>";
+    if (!interval.note.empty()) html += " <span class=\"note\">" + escape_html(interval.note) + "</span>";
+    return html;
+}
+
+std::string times_table(const Study& study, const std::string& scene, const std::string& channel,
+                        const std::string& region) {
+    std::string head = "<th>Seconds to a relative error of</th>", rows;
+    for (const double target : target_errors) head += "<th>" + percent_text(target) + "</th>";
+    head +=
+        formula_header("Speed-up", "efficiency / efficiency of the first; efficiency = 1 / (relmse-mean x seconds)");
+    for (const Curve& curve : study.curves) {
+        if (!shown(curve, scene, channel, region)) continue;
+        std::string cells = text_cell(curve.variant);
+        for (const TimeToError& time : curve.times) cells += seconds_cell(time);
+        rows += row(cells + speed_up_cell(curve));
+    }
+    return table(head, rows) + "<p class=\"note\">&dagger; extrapolated beyond the measured times.</p>\n";
+}
+
+std::string errors_table(const Study& study, const std::string& scene, const std::string& channel,
+                         const std::string& region) {
+    std::string head = "<th>Largest budget</th><th>Seconds</th>" +
+                       formula_header("relative error", "sqrt(relmse-mean), the reference's noise subtracted");
+    for (const display::ErrorMetricInfo& each : display::error_metrics())
+        head += formula_header(each.name, each.formula);
+    head += formula_header("trimmed away", "share of the sum in relmse-mean") +
+            formula_header("of that the reference's", "mean(Var(b) / (b^2 + (0.1 m)^2))");
+    std::string rows;
+    for (const Curve& curve : study.curves) {
+        if (!shown(curve, scene, channel, region) || curve.points.empty()) continue;
+        const BudgetPoint& point = curve.points.back();
+        std::string cells =
+            text_cell(curve.variant) + cell(figure(point.seconds)) + cell(interval_cell(point.relative, 100, " %"));
+        std::array<double, display::error_metric_count> sums{};
+        double trimmed = 0, count = 0;
+        for (const CellErrors& each : study.cells) {
+            if (each.cell->scene != scene || each.variant != curve.variant || each.channel != channel ||
+                each.region != region || each.cell->budget != point.budget)
+                continue;
+            for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += each.measures.values[i];
+            trimmed += each.measures.trimmed_share;
+            count += 1;
+        }
+        for (const double sum : sums) cells += cell(figure(sum / count));
+        rows += row(cells + cell(percent_text(trimmed / count)) + cell(figure(point.excess)));
+    }
+    return table(head, rows);
+}
+
+std::string slopes_table(const Study& study, const std::string& scene, const std::string& channel,
+                         const std::string& region) {
+    std::string rows;
+    for (const Curve& curve : study.curves) {
+        if (!shown(curve, scene, channel, region)) continue;
+        rows += row(text_cell(curve.variant) + slope_cell(curve.slope.samples) + slope_cell(curve.slope.seconds) +
+                    "<td class=\"" + (curve.slope.too_shallow ? "fails" : "note") + "\">" +
+                    escape_html(curve.slope.text) + "</td>");
+    }
+    return table("<th>Slope over the last 4 octaves</th>" +
+                     formula_header("against samples", "d log relmse-mean / d log samples") +
+                     formula_header("against seconds", "d log relmse-mean / d log (seconds - setup)") +
+                     "<th>Verdict</th>",
+                 rows);
+}
+
+std::string front_table(const Study& study, const SceneInfo& scene) {
+    std::string rows;
+    int place = 0;
+    for (const FrontPoint& each : front_of(study, scene))
+        rows += row(cell(std::to_string(++place)) + text_cell(each.curve->variant) +
+                    cell(number_text(each.point->budget, 6)) + cell(duration_text(each.point->seconds)) +
+                    cell(interval_cell(each.point->relative, 100, " %")));
+    return table("<th></th><th>Variant</th><th>Budget</th><th>Time</th><th>Relative error</th>", rows);
+}
+
+std::string effects_table(const Study& study, const SceneInfo& scene) {
+    std::string rows;
+    for (const SettingEffect& effect : study.effects) {
+        if (effect.scene != scene.name) continue;
+        const bool better = effect.speed_up.valid() && effect.speed_up.low > 1,
+                   worse = effect.speed_up.valid() && effect.speed_up.high < 1;
+        rows +=
+            row("<td><code>" + escape_html(effect.key) + "</code></td>" + text_cell(effect.from + " to " + effect.to) +
+                text_cell(effect.others) + cell(interval_cell(effect.speed_up)) +
+                (better  ? "<td class=\"holds\">pays</td>"
+                 : worse ? "<td class=\"fails\">costs</td>"
+                         : "<td class=\"note\">no difference seen</td>"));
+    }
+    if (rows.empty()) return {};
+    return table("<th>Setting</th><th>Change</th><th>With</th>" +
+                     formula_header("Speed-up", "ratio of 1 / (relmse-mean x seconds) at the largest budgets") +
+                     "<th></th>",
+                 rows);
+}
+
+std::string predictions_text(const Study& study) {
+    std::vector<double> off;
+    for (const Curve& curve : study.curves) {
+        const auto variant = std::find_if(study.variants.begin(), study.variants.end(),
+                                          [&](const Variant& each) { return each.name == curve.variant; });
+        if (curve.prediction && curve.region.empty() && variant->unbiased)
+            off.push_back(std::abs(curve.prediction->relative_difference()));
+    }
+    if (off.empty())
+        return "<p class=\"faint\">No curve of a method declared unbiased has the three budgets that a prediction can "
+               "be tried on.</p>\n";
+    std::sort(off.begin(), off.end());
+    const double median = off[off.size() / 2];
+    return "<p>From every curve's earlier budgets the time to the error of its last one was predicted: off by " +
+           percent_text(median, 2) + " in the median and " + percent_text(off.back(), 2) + " at worst, over " +
+           std::to_string(off.size()) + " curves of methods declared unbiased.</p>\n";
+}
+
+std::string words_list(const Study& study, const SceneInfo& scene) {
+    std::string html;
+    for (const WordsEntry& entry : study.words) {
+        if (entry.scene != scene.name) continue;
+        html += "<p><b>" + escape_html(entry.variant) + "</b> ";
+        if (!entry.first.words.empty()) {
+            const FirstWords::Word& first = entry.first.words.front();
+            html += "is first wrong at the path <code>" + escape_html(first.text) + "</code> (" +
+                    escape_html(first.sentence) + "), the shortest one in channel <code>" + escape_html(first.channel) +
+                    "</code>";
+            if (entry.first.words.size() > 1) {
+                html += "; further ";
+                for (std::size_t i = 1; i < entry.first.words.size(); ++i)
+                    html += (i > 1 ? ", <code>" : "<code>") + escape_html(entry.first.words[i].text) + "</code> in " +
+                            escape_html(entry.first.words[i].channel);
+            }
+            html += ".";
+        }
+        for (const std::string& note : entry.first.notes)
+            html += " <span class=\"note\">" + escape_html(note) + ".</span>";
+        html += "</p>\n";
+    }
+    return html;
+}
+
+std::string bias_table(const Study& study, const SceneInfo& scene) {
+    std::string rows;
+    const std::size_t across = (static_cast<std::size_t>(scene.width) + bias_block - 1) / bias_block;
+    for (const BiasEntry& entry : study.bias) {
+        if (entry.scene != scene.name) continue;
+        const BiasVerdict& v = entry.verdict;
+        bool unbiased = true;
+        for (const Variant& variant : study.variants)
+            if (variant.name == entry.variant) unbiased = variant.unbiased;
+        std::string cells = text_cell(entry.variant) + text_cell(entry.channel) +
+                            cell(std::to_string(entry.replicates) + " of " + number_text(entry.budget, 6));
+        if (!v.tested) {
+            rows += row(cells + "<td class=\"note\">not tested</td><td></td><td></td><td></td><td></td><td></td>" +
+                        text_cell(v.note));
+            continue;
+        }
+        cells += v.differs ? std::string("<td class=\"fails\">differs") + (unbiased ? "" : ", as declared") + "</td>"
+                           : "<td class=\"holds\">no bias found</td>";
+        cells += cell(figure(v.adjusted_p, 2)) +
+                 cell(std::isfinite(v.mean_difference) ? percent_text(v.mean_difference) : "&ndash;");
+        std::string where = v.worst_is_whole ? "whole image"
+                                             : "block at (" + std::to_string(v.worst % across * bias_block) + ", " +
+                                                   std::to_string(v.worst / across * bias_block) + ")";
+        cells += cell(where + ", " +
+                      (std::isfinite(v.worst_difference) ? percent_text(v.worst_difference) : "from nothing"));
+        cells += cell(percent_text(v.detectable_whole)) + cell(percent_text(v.detectable_block));
+        rows += row(cells + text_cell(v.note));
+    }
+    if (rows.empty()) return "<p class=\"faint\">Nothing could be tested.</p>\n";
+    return table("<th>Variant</th><th>Channel</th><th>Replicates of budget</th><th>Verdict</th>" +
+                     formula_header("p, corrected", "1 - (1 - least p)^tests") +
+                     formula_header("Difference of the mean", "mean(a) / mean(b) - 1") + "<th>Most significant</th>" +
+                     formula_header("Found with 90 %, whole", "(t_(a'/2) + t_90%) s / sqrt(n) / mean(b)") +
+                     formula_header("in a median block", "the same for blocks of 16 x 16 pixels") + "<th></th>",
+                 rows);
+}
+
+}  // namespace raylex::experiments

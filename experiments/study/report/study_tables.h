@@ -1,0 +1,32 @@
+// The tables of a study's page, each a piece of HTML. Formulas stand in the headers.
+#pragma once
+
+#include <string>
+
+#include "experiments/study/report/study.h"
+
+namespace raylex::experiments {
+
+/// "12.3 s <range>[11.9, 12.7]</range>", or the note where there is no interval.
+std::string interval_cell(const Interval& interval, double scale = 1, const std::string& unit = {});
+
+/// Rows are the variants, one panel per channel and region of a scene.
+std::string times_table(const Study& study, const std::string& scene, const std::string& channel,
+                        const std::string& region);
+std::string errors_table(const Study& study, const std::string& scene, const std::string& channel,
+                         const std::string& region);
+std::string slopes_table(const Study& study, const std::string& scene, const std::string& channel,
+                         const std::string& region);
+
+std::string front_table(const Study& study, const SceneInfo& scene);
+std::string effects_table(const Study& study, const SceneInfo& scene);
+std::string bias_table(const Study& study, const SceneInfo& scene);
+std::string words_list(const Study& study, const SceneInfo& scene);
+std::string predictions_text(const Study& study);
+std::string splits_table(const Study& study);
+std::string costs_table(const Study& study);
+std::string references_table(const Study& study);
+std::string omissions_table(const Study& study);
+std::string provenance_table(const Study& study);
+
+}  // namespace raylex::experiments

@@ -1,0 +1,185 @@
+// The report of a study whose truth is known: what its tables, files, plots and page say.
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <sstream>
+
+#include "experiments/report/html.h"
+#include "experiments/study/report/assets.h"
+#include "experiments/study/report/pictures.h"
+#include "experiments/study/report/study_report.h"
+#include "study_support.h"
+#include "support/skip.h"
+
+using namespace raylex::test;
+using namespace raylex::experiments;
+using Json = nlohmann::json;
+
+namespace {
+
+std::vector<Json> lines_of(const std::string& text, const std::string& kind) {
+    std::vector<Json> lines;
+    std::istringstream stream(text);
+    for (std::string line; std::getline(stream, line);) {
+        Json json = Json::parse(line);
+        if (json.at("kind") == kind) lines.push_back(std::move(json));
+    }
+    return lines;
+}
+
+bool has_d3() {
+    return bool(read_d3());
+}
+
+/// $RAYLEX_KEEP_REPORT keeps the page, for looking at it.
+void keep_report(const Folder& folder, const std::string& name) {
+    const char* to = std::getenv("RAYLEX_KEEP_REPORT");
+    if (to != nullptr)
+        run_shell(folder, "mkdir -p '" + std::string(to) + "/" + name +
+                              "' && cp -r study/report.html study/plots study/results.* '" + to + "/" + name + "'");
+}
+
+/// The page after its scripts have run in a real browser, with what they complained about. Tall, so that everything is
+/// in view.
+Outcome in_browser(const Folder& folder, const std::string& page) {
+    return run_shell(
+        folder,
+        "timeout 60 chromium --headless --no-sandbox --disable-gpu --user-data-dir='" + folder.path("browser") +
+            "' --enable-logging=stderr --window-size=1400,12000 --virtual-time-budget=15000 --dump-dom 'file://" +
+            folder.path(page) + "'");
+}
+
+}  // namespace
+
+TEST_CASE("a study's report says what is true of it", "[study][report]") {
+    if (!has_d3()) RAYLEX_SKIP("needs the package libjs-d3");
+    const Folder folder;
+    const Experiment experiment = write_synthetic_study(folder, {});
+    REQUIRE(write_study_report(experiment) == 0);
+    keep_report(folder, "small");
+    const std::string jsonl = folder.read("study/results.jsonl");
+
+    // Only the method with the planted error is accused, in its channel and not in the one that is right.
+    for (const Json& line : lines_of(jsonl, "bias")) {
+        CAPTURE(line.dump());
+        REQUIRE(line["tested"] == true);
+        const bool wrong =
+            line["variant"] == "clamped" || (line["variant"] == "skewed" && line["channel"] != "bounce1");
+        CHECK(line["differs"] == wrong);
+        if (line["variant"] == "skewed" && line["channel"] == "bounce2")
+            CHECK(line["mean_difference"].get<double>() == Approx(0.05).margin(0.005));
+    }
+    bool named = false;
+    for (const Json& line : lines_of(jsonl, "first_words"))
+        if (line["variant"] == "skewed") {
+            named = true;
+            CHECK(line["channel"] == "bounce2");
+            // Camera, two scatterings, light: four events.
+            CHECK(std::regex_match(line["path"].get<std::string>(), std::regex("C\\S* \\S+ \\S+ [LO]\\S*")));
+        }
+    CHECK(named);
+
+    // One sample's relative deviation is 0.4 where a pixel is bright, so path has a relative error near 0.4 / sqrt(256)
+    // in bounce1.
+    for (const Json& line : lines_of(jsonl, "budget"))
+        if (line["variant"] == "path max_depth=4" && line["channel"] == "bounce1" && line["budget"] == 256) {
+            CHECK(line["relative_error"]["value"].get<double>() == Approx(0.4 / 16).epsilon(0.02));
+            CHECK(line["relative_error"]["low"] < line["relative_error"]["value"]);
+            CHECK_FALSE(line["relative_error"].contains("note"));
+        }
+    for (const Json& line : lines_of(jsonl, "slope")) {
+        CAPTURE(line.dump());
+        if (line["variant"] == "path max_depth=4")
+            CHECK(line["against_samples"]["slope"].get<double>() == Approx(-1).margin(0.05));
+        if (line["variant"] == "skewed" && line["channel"] == "bounce2") CHECK(line["too_shallow"] == true);
+        if (line["variant"] == "clamped") CHECK(line["too_shallow"] == false);  // it never claimed otherwise
+    }
+    for (const Json& line : lines_of(jsonl, "time_to_error"))
+        if (line["variant"] == "path max_depth=4" && line["channel"] == "bounce1" && line["relative_error"] == 0.01) {
+            // 0.4^2 / 0.01^2 = 1600 samples of 0.01 s, and 0.06 s of setup.
+            CHECK(line["seconds"]["value"].get<double>() == Approx(16.06).epsilon(0.05));
+            CHECK(line["extrapolated"] == true);
+        }
+    REQUIRE(lines_of(jsonl, "omission").size() == 2);
+
+    const std::string csv = folder.read("study/results.csv");
+    CHECK(std::count(csv.begin(), csv.end(), '\n') == 1 + 5 * 6 * 3 * 3);
+    CHECK(csv.find("\"relmse-mean: mean((a-b)^2 / (b^2 + (0.1 m)^2)), m = mean(|b|)\"") != std::string::npos);
+    for (const char* plot : {"ramp.beauty.svg", "ramp.bounce1.svg", "ramp.bounce2.svg", "ramp.pareto.svg"}) {
+        CAPTURE(plot);
+        const std::string svg = folder.read("study/plots/" + std::string(plot));
+        CHECK(svg.starts_with("<svg xmlns="));
+        CHECK(svg.find("NaN") == std::string::npos);
+        CHECK(svg.find("clamped") != std::string::npos);
+    }
+
+    const std::string page = folder.read("study/report.html");
+    CHECK(page.find("killed by the &lt;system&gt;") != std::string::npos);
+    CHECK(page.find("ramp.path.999.r0") != std::string::npos);
+    CHECK(page.find("# &lt;/script&gt; &amp; more") != std::string::npos);
+    CHECK(page.find("mean((a-b)^2 / (b^2 + (0.1 m)^2))") != std::string::npos);
+    CHECK(page.find("is first wrong at the path") != std::string::npos);
+    for (const char* fetch : {"src=\"http", "href=\"http", "<link", "@import", "url(http"})
+        CHECK(page.find(fetch) == std::string::npos);
+}
+
+TEST_CASE("a study's page works in a browser", "[study][report]") {
+    if (!has_d3()) RAYLEX_SKIP("needs the package libjs-d3");
+    const Folder folder;
+    if (run_shell(folder, "command -v chromium").code != 0) RAYLEX_SKIP("needs the package chromium");
+    const Experiment experiment = write_synthetic_study(folder, {32, 24, 1, 3, 3, 3, 2, 0.4});
+    REQUIRE(write_study_report(experiment) == 0);
+    const Outcome page = in_browser(folder, "study/report.html");
+    CAPTURE(page.err);
+    REQUIRE(page.code == 0);
+    CHECK(page.err.find("Uncaught") == std::string::npos);
+    CHECK(page.out.find("data-painted=\"a\"") != std::string::npos);  // the viewer decoded and drew
+    CHECK(page.out.find("data-read=\"yes\"") != std::string::npos);   // and read a pixel of every channel
+    const std::regex share("100\\.0 %");                              // the beauty's share of itself, in A and in B
+    CHECK(std::distance(std::sregex_iterator(page.out.begin(), page.out.end(), share), {}) >= 2);
+    // The plot in the page is the one in the file but for the colour of text and paper.
+    const std::string file = folder.read("study/plots/ramp.beauty.svg");
+    const std::string line = file.substr(file.find("<path d=\"M", file.find("class=\"series\"")), 60);
+    CHECK(page.out.find(line) != std::string::npos);
+}
+
+TEST_CASE("pictures keep half precision, and are reduced when a page would be too large", "[study][report]") {
+    const PixelArray image{2, 4, 3, {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 1, 1, 1, 1, 1, 1, 1e6, -1e6, 0, 0, 0, 0}};
+    const PixelArray half = reduced(image, 2);
+    CHECK(half.width == 2);
+    CHECK(half.height == 1);
+    CHECK(half.values[0] == (1 + 4 + 1 + 1) / 4.0);
+    CHECK(half.values[3] == (7 + 10 + 1e6 + 0) / 4.0);
+    CHECK(encode_picture(image).size() % 4 == 0);
+    const std::string text = "any carnal pleasure";  // RFC 4648's alphabet with each padding
+    const auto bytes = [&](std::size_t n) {
+        return base64(std::span(reinterpret_cast<const unsigned char*>(text.data()), n));
+    };
+    CHECK(bytes(19) == "YW55IGNhcm5hbCBwbGVhc3VyZQ==");
+    CHECK(bytes(18) == "YW55IGNhcm5hbCBwbGVhc3Vy");
+    CHECK(bytes(17) == "YW55IGNhcm5hbCBwbGVhc3U=");
+}
+
+TEST_CASE("a report without d3 names the package", "[study][report]") {
+    setenv("RAYLEX_D3", "/no/such/d3.js", 1);
+    const auto d3 = read_d3();
+    unsetenv("RAYLEX_D3");
+    REQUIRE_FALSE(d3);
+    CHECK(d3.error().file == "/no/such/d3.js");
+    CHECK(d3.error().message.find("libjs-d3") != std::string::npos);
+}
+
+TEST_CASE("a report of 200 cells with images stays small and opens soon", "[.full][study]") {
+    if (!has_d3()) RAYLEX_SKIP("needs the package libjs-d3");
+    const Folder folder;
+    // 3 scenes x 6 variants x 4 budgets x 3 replicates = 216 cells of 480 x 320 pixels and 6 channels.
+    const Experiment experiment = write_synthetic_study(folder, {480, 320, 3, 4, 3, 6, 6, 0.4});
+    REQUIRE(write_study_report(experiment) == 0);
+    keep_report(folder, "large");
+    const std::string page = folder.read("study/report.html");
+    std::printf("%zu cells: report.html %.1f MB\n", experiment.cells.size(), static_cast<double>(page.size()) * 1e-6);
+    CHECK(page.size() < 60'000'000);
+}
