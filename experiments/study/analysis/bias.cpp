@@ -59,42 +59,32 @@ double degrees_of(const BiasSide& side) {
     return static_cast<double>(side.replicates.size() - 1);
 }
 
-/// Quantiles of the difference of two means, in standard errors. Welch's own degrees of freedom are found from the same
-/// variances as the statistic, and far out in the tails, where Sidak's correction looks, that makes alarms four times
-/// as frequent as stated (eight replicates, level 1e-4). Cochran's weights, the sides' quantiles weighted by the sides'
-/// variances, keep the level there.
-struct Quantiles {
-    double method = 0, reference = 0;
-    [[nodiscard]] double at(double method_variance, double reference_variance) const {
-        return (method_variance * method + reference_variance * reference) / (method_variance + reference_variance);
-    }
-};
-
-Quantiles critical_values(const BiasSide& method, const BiasSide& reference, double level) {
-    return {-student_t_quantile(level / 2, degrees_of(method)), -student_t_quantile(level / 2, degrees_of(reference))};
+/// Quantiles are Student's t with the fewer degrees of freedom of the two sides. Welch's own degrees are found from the
+/// same variances as the statistic, and Cochran's weights use them too: when a few replicates happen to agree closely,
+/// both take the other side's many degrees for granted, and out in the tails, where Sidak's correction looks, alarms
+/// come several times as often as stated. With the fewer degrees the level is never exceeded, since the sum of an
+/// estimated and a known variance scatters less than chi squared.
+double least_degrees(const BiasSide& method, const BiasSide& reference) {
+    return std::min(degrees_of(method), degrees_of(reference));
 }
 
 struct Test {
     std::size_t block = 0;
     double difference = 0, reference = 0, standard_error = 0;
-    double method_variance = 0, reference_variance = 0;
     /// |difference| in critical values; above 1 rejects. Infinite where nothing is random and the sides differ.
     double excess = 0;
 };
 
-/// The level at which the test would just reject.
-double p_value(const Test& test, const BiasSide& method, const BiasSide& reference) {
-    if (!(test.standard_error > 0) || std::isinf(test.excess)) return 0;
-    const double t = std::abs(test.difference) / test.standard_error;
-    double low = std::log(1e-300), high = 0;  // logs of levels: more significant, less
-    for (int i = 0; i < 60; ++i) {
-        const double middle = (low + high) / 2;
-        const double critical =
-            critical_values(method, reference, std::exp(middle)).at(test.method_variance, test.reference_variance);
-        (critical > t ? low : high) = middle;
+/// Half of the level goes to the whole images of all channels, half to their blocks: a bias of everything is then not
+/// drowned by the number of blocks.
+struct Family {
+    Family(const BiasOptions& options, double number, double degrees) : tests(std::max(1.0, number)) {
+        const double level = sidak_level(options.level / 2, tests);
+        critical = -student_t_quantile(level / 2, degrees);
+        shift = detectable_shift(level, options.power, degrees);
     }
-    return std::exp(high);
-}
+    double tests, critical = 0, shift = 0;
+};
 
 double relative(double difference, double reference) {
     return reference != 0    ? difference / std::abs(reference)
@@ -106,7 +96,7 @@ std::vector<Test> make_tests(const BiasSide& method, const BiasSide& reference, 
     std::vector<Test> tests;
     for (std::size_t block = 0; block < method.replicates.front().size(); ++block) {
         const Estimate a = estimate(method, block), b = estimate(reference, block);
-        Test test{block, a.mean - b.mean, b.mean, std::sqrt(a.variance + b.variance), a.variance, b.variance};
+        Test test{block, a.mean - b.mean, b.mean, std::sqrt(a.variance + b.variance)};
         if (!std::isfinite(test.standard_error) || !std::isfinite(test.difference)) continue;
         // Below the rounding of the images no difference is seen, and a spread below it is no spread.
         const double rounding = options.rounding * std::max(std::abs(a.mean), std::abs(b.mean));
@@ -163,39 +153,39 @@ BiasVerdict test_bias(const BiasSide& method, const BiasSide& reference, const B
         return verdict;
     }
     verdict.tested = true;
-    verdict.tests = static_cast<double>(tests.size()) * options.channels;
-    const double level = sidak_level(options.level, verdict.tests);
-    const Quantiles critical = critical_values(method, reference, level);
-    const Quantiles shift{detectable_shift(level, options.power, degrees_of(method)),
-                          detectable_shift(level, options.power, degrees_of(reference))};
     const std::size_t whole = method.replicates.front().size() - 1;
+    const auto has_whole = static_cast<std::size_t>(tests.back().block == whole);
+    const double blocks = static_cast<double>(tests.size() - has_whole);
+    verdict.tests = static_cast<double>(tests.size()) * options.channels;
+    const double degrees = least_degrees(method, reference);
+    const Family of_whole(options, options.channels, degrees), of_block(options, blocks * options.channels, degrees);
+    const auto family_of = [&](const Test& test) -> const Family& { return test.block == whole ? of_whole : of_block; };
     const auto detectable = [&](const Test& test) {
-        return std::abs(
-            relative(shift.at(test.method_variance, test.reference_variance) * test.standard_error, test.reference));
+        return std::abs(relative(family_of(test).shift * test.standard_error, test.reference));
     };
     const Test* worst = &tests.front();
-    std::vector<const Test*> of_blocks;
+    std::vector<const Test*> in_blocks;
     for (Test& test : tests) {
         if (!std::isinf(test.excess))
-            test.excess = std::abs(test.difference) /
-                          (critical.at(test.method_variance, test.reference_variance) * test.standard_error);
+            test.excess = std::abs(test.difference) / (family_of(test).critical * test.standard_error);
         if (test.excess > worst->excess) worst = &test;
         if (test.block != whole) {
-            of_blocks.push_back(&test);
+            in_blocks.push_back(&test);
             continue;
         }
         if (test.standard_error > 0) verdict.detectable_whole = detectable(test);
         verdict.mean_difference = relative(test.difference, test.reference);
     }
-    verdict.worst_p = p_value(*worst, method, reference);
-    verdict.adjusted_p = sidak_adjusted(verdict.worst_p, verdict.tests);
+    verdict.worst_p =
+        std::isinf(worst->excess) ? 0 : student_t_two_sided(worst->difference / worst->standard_error, degrees);
+    verdict.adjusted_p = std::min(1.0, 2 * sidak_adjusted(verdict.worst_p, family_of(*worst).tests));
     verdict.differs = worst->excess > 1;
     verdict.worst = worst->block;
     verdict.worst_is_whole = worst->block == whole;
     verdict.worst_difference = relative(worst->difference, worst->reference);
-    if (!of_blocks.empty()) {
-        const auto middle = of_blocks.begin() + static_cast<std::ptrdiff_t>(of_blocks.size() / 2);
-        std::nth_element(of_blocks.begin(), middle, of_blocks.end(), [](const Test* a, const Test* b) {
+    if (!in_blocks.empty()) {
+        const auto middle = in_blocks.begin() + static_cast<std::ptrdiff_t>(in_blocks.size() / 2);
+        std::nth_element(in_blocks.begin(), middle, in_blocks.end(), [](const Test* a, const Test* b) {
             return a->standard_error * std::abs(b->reference) < b->standard_error * std::abs(a->reference);
         });
         if ((*middle)->standard_error > 0) verdict.detectable_block = detectable(**middle);

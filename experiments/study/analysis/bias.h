@@ -33,9 +33,9 @@ struct BiasSide {
 };
 
 struct BiasOptions {
-    double level = 0.01;  ///< of all tests together
+    double level = 0.01;  ///< of all tests together: half for whole images, half for blocks
     double power = 0.9;   ///< at which the minimum detectable bias is found
-    double channels = 1;  ///< tested together: Sidak's correction is over blocks x channels
+    double channels = 1;  ///< tested together: Sidak's correction is over channels, and blocks x channels
     /// Differences up to this share of the mean are rounding: images are kept as sums of floats.
     double rounding = 1e-6;
 };

@@ -242,7 +242,7 @@ std::string bias_table(const Study& study, const SceneInfo& scene) {
     }
     if (rows.empty()) return "<p class=\"faint\">Nothing could be tested.</p>\n";
     return table("<th>Variant</th><th>Channel</th><th>Replicates of budget</th><th>Verdict</th>" +
-                     formula_header("p, corrected", "1 - (1 - least p)^tests") +
+                     formula_header("p, corrected", "2 (1 - (1 - p)^tests), whole images and blocks apart") +
                      formula_header("Difference of the mean", "mean(a) / mean(b) - 1") + "<th>Most significant</th>" +
                      formula_header("Found with 90 %, whole", "(t_(a'/2) + t_90%) s / sqrt(n) / mean(b)") +
                      formula_header("in a median block", "the same for blocks of 16 x 16 pixels") + "<th></th>",
