@@ -11,8 +11,8 @@ namespace raylex::test {
 struct SyntheticStudy {
     int width = 64, height = 48;
     int scenes = 1;
-    int budgets = 5;  ///< 16, 32, ... samples per pixel
-    int replicates = 6;
+    int budgets = 4;  ///< 16, 32, ... samples per pixel
+    int replicates = 5;
     int channels = 3;    ///< beauty, then channels by bounce whose sum it is: 1, 2, ... scatterings
     int variants = 3;    ///< path; skewed, whose two-bounce light is 5 % too bright; clamped, declared biased, 10 % too
                          ///< dark; more paths

@@ -133,6 +133,7 @@ class Measurer {
     /// Images in the order of `group.cells`; an unreadable or misshapen one is empty, and an omission.
     std::vector<PixelArray> read_group(const Group& group, const ChannelInfo& channel, const PixelArray& shape) {
         std::vector<PixelArray> images;
+        std::vector<Omission> omissions;
         for (const Cell* cell : group.cells) {
             Result<PixelArray> image = read_mean(cell->directory, channel.name);
             std::string reason;
@@ -141,9 +142,13 @@ class Measurer {
                 reason = "channel " + channel.name + " has " + std::to_string(image->width) + " x " +
                          std::to_string(image->height) + " pixels; the reference has " + std::to_string(shape.width) +
                          " x " + std::to_string(shape.height);
-            if (!reason.empty()) study_.omissions.push_back({"cell " + cell->id, reason});
+            if (!reason.empty()) omissions.push_back({"channel " + channel.name + " of cell " + cell->id, reason});
             images.push_back(reason.empty() ? std::move(*image) : PixelArray{});
         }
+        // A renderer that does not write a channel writes it in no replicate: said once.
+        if (omissions.size() == group.cells.size() && omissions.size() > 1)
+            omissions = {{omissions.front().what + " and its other replicates", omissions.front().reason}};
+        study_.omissions.insert(study_.omissions.end(), omissions.begin(), omissions.end());
         return images;
     }
 

@@ -67,18 +67,23 @@ Pictures encode_all(const Study& study, const std::vector<Source>& sources, std:
             if (source.scene != s) continue;
             PictureSet set{source.name, {}};
             std::string problem;
+            bool any = false;
             for (const ChannelInfo& channel : scene.channels) {
                 Result<PixelArray> image = read_mean(source.directory, channel.name);
-                if (!image) problem = image.error().to_string();
-                else if (image->width != static_cast<std::size_t>(scene.width) || image->components != 3 ||
-                         image->height != static_cast<std::size_t>(scene.height))
-                    problem = channel.name + " in " + source.directory + " is not of the scene's size";
-                if (!problem.empty()) break;
+                const bool fits = image && image->width == static_cast<std::size_t>(scene.width) &&
+                                  image->components == 3 && image->height == static_cast<std::size_t>(scene.height);
+                if (!fits) {
+                    problem = image ? channel.name + " in " + source.directory + " is not of the scene's size"
+                                    : image.error().to_string();
+                    set.ids.push_back(std::nullopt);
+                    continue;
+                }
+                any = true;
                 set.ids.push_back(result.encoded.size());
                 result.encoded.push_back(encode_picture(reduced(*image, block)));
                 result.bytes += result.encoded.back().size();
             }
-            if (problem.empty()) pictures.images.push_back(std::move(set));
+            if (any) pictures.images.push_back(std::move(set));
             else result.left_out.push_back(source.name + ": " + problem);
         }
         if (!pictures.images.empty()) result.scenes.push_back(std::move(pictures));

@@ -1,6 +1,7 @@
 // Images small enough for a page, at half precision, for the viewer in study_page.js.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,8 +11,8 @@ namespace raylex::experiments {
 
 /// A variant's image (or the reference) on a scene: one picture per channel.
 struct PictureSet {
-    std::string name;  ///< "path, 1024 samples", "reference"
-    std::vector<std::size_t> ids;
+    std::string name;                             ///< "path, 1024 samples", "reference"
+    std::vector<std::optional<std::size_t>> ids;  ///< none where the image has no such channel (external renderers)
 };
 
 struct ScenePictures {
@@ -26,7 +27,7 @@ struct Pictures {
     std::vector<ScenePictures> scenes;
     std::vector<std::string> encoded;  ///< by id: base64
     std::size_t bytes = 0;
-    std::vector<std::string> left_out;  ///< images that could not be read: why
+    std::vector<std::string> left_out;  ///< images of which no channel could be read: why
 };
 
 /// The first replicate of every variant's largest budget. All pictures are reduced by one whole factor until they fit

@@ -133,6 +133,24 @@ std::string results_jsonl(const Study& study) {
     Json formulas{{"kind", "formulas"}};
     for (const display::ErrorMetricInfo& each : display::error_metrics()) formulas[each.name] = each.formula;
     lines.add(formulas);
+    for (const Cell& cell : study.experiment->cells) {
+        Json json{{"kind", "run"},
+                  {"cell", cell.id},
+                  {"scene", cell.scene},
+                  {"variant", variant_name(cell)},
+                  {"budget_kind", budget_kind_name(cell.budget_kind)},
+                  {"budget", number(cell.budget)},
+                  {"replicate", cell.replicate},
+                  {"seed", cell.seed},
+                  {"samples_per_pixel", cell.samples_per_pixel},
+                  {"wall_seconds", number(cell.wall_seconds)},
+                  {"cpu_seconds", number(cell.cpu_seconds)},
+                  {"rays", cell.rays},
+                  {"invalid_samples", cell.invalid_samples},
+                  {"peak_memory_bytes", cell.peak_memory_bytes}};
+        if (cell.failed) json["failure"] = cell.failure;
+        lines.add(json);
+    }
     for (const CellErrors& row : study.cells) {
         Json json{{"kind", "cell"},         {"cell", row.cell->id},   {"scene", row.cell->scene},
                   {"variant", row.variant}, {"channel", row.channel}, {"region", row.region}};

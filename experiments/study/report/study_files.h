@@ -11,7 +11,7 @@ namespace raylex::experiments {
 /// One row per cell, channel and region with every metric; a header row with each metric's formula. RFC 4180.
 std::string results_csv(const Study& study);
 
-/// One JSON object per line, told apart by "kind": formulas, cell, budget, slope, time_to_error, prediction, bias,
+/// One JSON object per line, told apart by "kind": formulas, run, cell, budget, slope, time_to_error, prediction, bias,
 /// first_words, setting, split, omission. Numbers that are not finite are null.
 std::string results_jsonl(const Study& study);
 

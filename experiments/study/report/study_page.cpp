@@ -168,7 +168,11 @@ Json picture_index(const Pictures& pictures) {
     Json json = Json::array();
     for (const ScenePictures& scene : pictures.scenes) {
         Json images = Json::array();
-        for (const PictureSet& set : scene.images) images.push_back(Json{{"name", set.name}, {"ids", set.ids}});
+        for (const PictureSet& set : scene.images) {
+            Json ids = Json::array();
+            for (const std::optional<std::size_t>& id : set.ids) ids.push_back(id ? Json(*id) : Json(nullptr));
+            images.push_back(Json{{"name", set.name}, {"ids", std::move(ids)}});
+        }
         json.push_back(Json{{"scene", scene.scene},
                             {"width", scene.width},
                             {"height", scene.height},

@@ -64,7 +64,7 @@
     curve[i] = Math.round(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055));
   }
   const shown = v => v > 0 ? curve[Math.min(4096, Math.round(v * 4096))] : 0;
-  const digits = v => Number.isFinite(v) ? +v.toPrecision(3) : String(v);
+  const digits = v => Number.isFinite(v) ? +v.toPrecision(3) : Number.isNaN(v) ? '\u2013' : String(v);
 
   document.querySelectorAll('.bench').forEach(bench => {
     const scene = study.pictures[+bench.dataset.scene], { width, height } = scene, count = width * height;
@@ -75,11 +75,15 @@
     canvas.width = width;
     canvas.height = height;
     const image = context.createImageData(width, height);
-    const of = (select, channel) => scene.images[select.value].ids[channel];
+    const none = new Float32Array(3 * count).fill(NaN);  // an image without this channel: black, and no numbers
+    const channel = (select, index) => {
+      const id = scene.images[select.value].ids[index];
+      return id === null ? Promise.resolve(none) : picture(id);
+    };
     let turn = 0;
     const paint = async () => {
       const mine = ++turn;
-      const [va, vb] = await Promise.all([picture(of(a, state.channel)), picture(of(b, state.channel))]);
+      const [va, vb] = await Promise.all([channel(a, state.channel), channel(b, state.channel)]);
       if (mine !== turn) return;
       const gain = 2 ** +exposure.value, data = image.data, split = Math.round(state.divide * width);
       let mean = 0;
@@ -119,17 +123,17 @@
     const read = async () => {
       const mine = ++reading, index = state.y * width + state.x;
       if (!(index >= 0 && index < count)) return;
-      const load = select => Promise.all(scene.channels.map((_, i) => picture(of(select, i))));
+      const load = select => Promise.all(scene.channels.map((_, i) => channel(select, i)));
       const [la, lb] = await Promise.all([load(a), load(b)]);
       if (mine !== reading) return;
       const value = (list, i) => [0, 1, 2].map(c => list[i][c * count + index]);
       const sum = v => v[0] + v[1] + v[2];
       part(bench, '.where').textContent = scene.block > 1
         ? `mean of ${scene.block} x ${scene.block} pixels from (${state.x * scene.block}, ${state.y * scene.block})` : `pixel (${state.x}, ${state.y})`;
-      part(bench, '.readout tbody').replaceChildren(...scene.channels.map((channel, i) => {
+      part(bench, '.readout tbody').replaceChildren(...scene.channels.map((label, i) => {
         const row = document.createElement('tr'), va = value(la, i), vb = value(lb, i);
-        const share = (v, list) => sum(value(list, 0)) ? (100 * sum(v) / sum(value(list, 0))).toFixed(1) + ' %' : '';
-        for (const [cell, number] of [[channel, false], [va.map(digits).join('  '), true], [share(va, la), true],
+        const share = (v, list) => sum(v) === sum(v) && sum(value(list, 0)) ? (100 * sum(v) / sum(value(list, 0))).toFixed(1) + ' %' : '';
+        for (const [cell, number] of [[label, false], [va.map(digits).join('  '), true], [share(va, la), true],
                                       [vb.map(digits).join('  '), true], [share(vb, lb), true]]) {
           const td = row.insertCell();
           td.textContent = cell;
