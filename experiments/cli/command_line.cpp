@@ -66,6 +66,7 @@ int run_command_line(int argc, const char* const* argv) {
     add_verify_command(app, context);
     add_compare_command(app, context);
     add_report_command(app, context);
+    add_experiment_command(app, context);
     add_plugins_command(app, context);
     try {
         app.parse(argc, argv);

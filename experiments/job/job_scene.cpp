@@ -32,7 +32,8 @@ Result<std::unique_ptr<JobScene>> load_job_scene(const Job& job) {
     if (!scene) return scene.error();
     loaded->scene = std::move(*scene);
     for (const Error& warning : loaded->scene.warnings) loaded->warnings.push_back(warning.to_string());
-    if (Status labelled = transport::apply_label_rules(loaded->scene, job.label_rules); !labelled) return labelled.error();
+    if (Status labelled = transport::apply_label_rules(loaded->scene, job.label_rules); !labelled)
+        return labelled.error();
     auto primaries = choose_rendering_space(job, loaded->color, loaded->scene);
     if (!primaries) return primaries.error();
     loaded->primaries = *primaries;
@@ -40,16 +41,18 @@ Result<std::unique_ptr<JobScene>> load_job_scene(const Job& job) {
 }
 
 display::RecordIdentity checkpoint_identity(const Job& job, const ColorSetup& color) {
-    display::RecordIdentity identity{{"raylex", raylex_version() + " " + raylex_revision() + ", " + build_description()},
-                                     {"colour config", color.description},
-                                     {"texture rules", job.texture_rules ? "true" : "false"}};
+    display::RecordIdentity identity{
+        {"raylex", raylex_version() + " " + raylex_revision() + ", " + build_description()},
+        {"colour config", color.description},
+        {"texture rules", job.texture_rules ? "true" : "false"}};
     for (const transport::LoadedPlugin& each : transport::loaded_plugins())
         identity.emplace_back("plugin " + std::filesystem::path(each.path).filename().string(), file_hash(each.path));
     for (const lpe::LobeOption& each : job.lobe_options) identity.emplace_back("lobe slot " + each.slot, each.names);
     return identity;
 }
 
-display::ImageDescription image_description(const Job& job, const JobScene& scene, const transport::RenderOutput& output,
+display::ImageDescription image_description(const Job& job, const JobScene& scene,
+                                            const transport::RenderOutput& output,
                                             const std::vector<display::PartitionDeclaration>& partitions,
                                             const std::map<std::string, std::string>& attributes) {
     display::ImageDescription description;

@@ -83,9 +83,8 @@ void read_resolution(TomlTable& render, Job& job) {
                       number(1) <= 65536;
     if (fits) job.settings.resolution = {{static_cast<int>(number(0)), static_cast<int>(number(1))}};
     else
-        render.source().fail(
-            where,
-            "'resolution' in " + render.description() + " is no pair of pixel counts; expected [width, height], each from 1 to 65536");
+        render.source().fail(where, "'resolution' in " + render.description() +
+                                        " is no pair of pixel counts; expected [width, height], each from 1 to 65536");
 }
 
 void read_method_settings(TomlTable& table, transport::RenderSettings& settings) {
@@ -95,15 +94,15 @@ void read_method_settings(TomlTable& table, transport::RenderSettings& settings)
     if (table.read("filter_mode", mode)) {
         settings.splat = mode == "splat";
         if (mode != "splat" && mode != "importance")
-            table.source().fail(table.location_of("filter_mode"),
-                               "'filter_mode' in " + table.description() + " is '" + mode + "'; expected \"importance\" or \"splat\"");
+            table.source().fail(table.location_of("filter_mode"), "'filter_mode' in " + table.description() + " is '" +
+                                                                      mode + "'; expected \"importance\" or \"splat\"");
     }
     std::string lobes;
     if (table.read("lobes", lobes)) {
         settings.picked_lobes = lobes == "picked";
         if (lobes != "picked" && lobes != "exact")
-            table.source().fail(table.location_of("lobes"),
-                               "'lobes' in " + table.description() + " is '" + lobes + "'; expected \"exact\" or \"picked\"");
+            table.source().fail(table.location_of("lobes"), "'lobes' in " + table.description() + " is '" + lobes +
+                                                                "'; expected \"exact\" or \"picked\"");
     }
 }
 

@@ -1,7 +1,10 @@
 // .npy, version 1.0 and 2.0: NumPy's own format for one array.
 // Source: numpy.lib.format, https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html
+#include <fcntl.h>
+#include <unistd.h>
 #include <algorithm>
 #include <bit>
+#include <cerrno>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -38,7 +41,16 @@ std::string npy_header(const char* type, const std::vector<std::size_t>& shape) 
     return header + dictionary;
 }
 
-Status write_array(const std::string& path, const std::string& header, const void* values, std::size_t bytes) {
+Status write_array(const std::string& path, const std::string& header, const void* values, std::size_t bytes,
+                   FileSync sync) {
+    if (sync == FileSync::later) {
+        std::ofstream file(path, std::ios::binary | std::ios::trunc);
+        file.write(header.data(), static_cast<std::streamsize>(header.size()));
+        file.write(static_cast<const char*>(values), static_cast<std::streamsize>(bytes));
+        file.close();
+        if (file) return success();
+        return error_at({path, 0, 0}, "cannot write this file: " + std::string(std::strerror(errno)));
+    }
     auto file = display::AtomicFile::create(path);
     if (!file) return file.error();
     if (!file->write(header.data(), header.size()) || !file->write(values, bytes)) return file->failure();
@@ -112,7 +124,8 @@ Result<PixelArray> read_npy(const std::string& path) {
     if (!file) return error_at({path, 0, 0}, "cannot read this file; expected a .npy array");
     const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
     const auto byte = [&](std::size_t at) { return static_cast<std::size_t>(static_cast<unsigned char>(bytes[at])); };
-    if (bytes.size() < magic.size() + 6 || !bytes.starts_with(magic)) return npy_error(path, "it does not begin as one");
+    if (bytes.size() < magic.size() + 6 || !bytes.starts_with(magic))
+        return npy_error(path, "it does not begin as one");
     const std::size_t version = byte(6);
     if (version < 1 || version > 3) return npy_error(path, "version " + std::to_string(version) + "; expected 1 to 3");
     std::size_t start = 10, length = byte(8) | byte(9) << 8;
@@ -123,15 +136,18 @@ Result<PixelArray> read_npy(const std::string& path) {
     if (start + length > bytes.size()) return npy_error(path, "it ends within its header");
     const std::string_view dictionary(bytes.data() + start, length);
     const NumberType* type = number_type(entry(dictionary, "descr"));
-    if (type == nullptr) return npy_error(path, "its numbers are neither little-endian integers nor float32 nor float64");
-    if (!entry(dictionary, "fortran_order").starts_with("False")) return npy_error(path, "it is in Fortran order; expected C order");
+    if (type == nullptr)
+        return npy_error(path, "its numbers are neither little-endian integers nor float32 nor float64");
+    if (!entry(dictionary, "fortran_order").starts_with("False"))
+        return npy_error(path, "it is in Fortran order; expected C order");
     const auto shape = shape_of(entry(dictionary, "shape"));
     if (!shape || shape->size() < 2 || shape->size() > 3)
         return npy_error(path, "it does not have two or three dimensions: height, width, components");
     PixelArray array{(*shape)[0], (*shape)[1], shape->size() == 3 ? (*shape)[2] : 1, {}};
     std::size_t count = type->size;
     for (const std::size_t each : {array.height, array.width, array.components}) {
-        if (each != 0 && count > std::numeric_limits<std::size_t>::max() / each) return npy_error(path, "its shape is out of range");
+        if (each != 0 && count > std::numeric_limits<std::size_t>::max() / each)
+            return npy_error(path, "its shape is out of range");
         count *= each;
     }
     if (bytes.size() - start - length != count)
@@ -142,14 +158,33 @@ Result<PixelArray> read_npy(const std::string& path) {
     return array;
 }
 
-Status write_npy(const std::string& path, const PixelArray& array) {
+Status write_npy(const std::string& path, const PixelArray& array, FileSync sync) {
     return write_array(path, npy_header("<f8", {array.height, array.width, array.components}), array.values.data(),
-                       array.values.size() * sizeof(double));
+                       array.values.size() * sizeof(double), sync);
 }
 
 Status write_npy_counts(const std::string& path, std::size_t height, std::size_t width,
-                        const std::vector<std::uint64_t>& counts) {
-    return write_array(path, npy_header("<u8", {height, width}), counts.data(), counts.size() * sizeof(std::uint64_t));
+                        const std::vector<std::uint64_t>& counts, FileSync sync) {
+    return write_array(path, npy_header("<u8", {height, width}), counts.data(), counts.size() * sizeof(std::uint64_t),
+                       sync);
+}
+
+Status sync_files(const std::vector<std::string>& paths) {
+    std::vector<int> files;
+    Status status = success();
+    // All writes are begun before the first is waited for, so that the file system commits them together.
+    for (const std::string& path : paths) {
+        const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+        files.push_back(file);
+        if (file >= 0) sync_file_range(file, 0, 0, SYNC_FILE_RANGE_WRITE);  // a hint: what counts is fsync
+    }
+    for (std::size_t i = 0; i < files.size(); ++i) {
+        // Some file systems cannot sync (EINVAL); that is no reason to lose the file.
+        if (files[i] < 0 || (fsync(files[i]) != 0 && errno != EINVAL))
+            status = error_at({paths[i], 0, 0}, "cannot write this file: " + std::string(std::strerror(errno)));
+        if (files[i] >= 0) close(files[i]);
+    }
+    return status;
 }
 
 namespace {
@@ -169,8 +204,9 @@ Result<PixelArray> read_mean(const std::string& directory, const std::string& ch
 }
 
 Result<PixelArray> read_m2(const std::string& directory, const std::string& channel) {
-    return read_plane(directory, channel + ".m2.npy",
-                      "methods that splat, external renderers and images from elsewhere leave no statistics of their pixels");
+    return read_plane(
+        directory, channel + ".m2.npy",
+        "methods that splat, external renderers and images from elsewhere leave no statistics of their pixels");
 }
 
 Result<PixelArray> read_samples(const std::string& directory) {

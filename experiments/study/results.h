@@ -29,11 +29,14 @@ struct PixelArray {
 /// machine's byte order, in C order. Integers beyond 2^53 are rounded. Errors: no such file, another format, a length that
 /// is not what the header says.
 Result<PixelArray> read_npy(const std::string& path);
-/// float64 of shape (height, width, components); replaces the file whole or not at all.
-Status write_npy(const std::string& path, const PixelArray& array);
+/// Whether a file is safe on disk when the call returns, or only after sync_files(): many at once cost little more than one.
+enum class FileSync : std::uint8_t { now, later };
+/// float64 of shape (height, width, components). Replaces the file whole or not at all, unless it is synced later.
+Status write_npy(const std::string& path, const PixelArray& array, FileSync sync = FileSync::now);
 /// uint64 of shape (height, width).
 Status write_npy_counts(const std::string& path, std::size_t height, std::size_t width,
-                        const std::vector<std::uint64_t>& counts);
+                        const std::vector<std::uint64_t>& counts, FileSync sync = FileSync::now);
+Status sync_files(const std::vector<std::string>& paths);
 
 enum class BudgetKind : std::uint8_t { samples, seconds, error };
 /// "samples", "seconds" or "error".

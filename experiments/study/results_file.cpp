@@ -110,7 +110,8 @@ Cell cell_of(const Json& json) {
 Json scene_json(const SceneInfo& scene) {
     Json channels = Json::array();
     for (const ChannelInfo& each : scene.channels)
-        channels.push_back({{"name", each.name}, {"expression", each.expression}, {"dialect", each.dialect}, {"beauty", each.beauty}});
+        channels.push_back(
+            {{"name", each.name}, {"expression", each.expression}, {"dialect", each.dialect}, {"beauty", each.beauty}});
     return {{"name", scene.name},
             {"file", scene.file},
             {"hash", scene.hash},
@@ -145,7 +146,8 @@ SceneInfo scene_of(const Json& json, const std::string& directory) {
 SceneInfo within(SceneInfo scene, const std::string& directory) {
     if (scene.reference.empty()) return scene;
     const fs::path relative = fs::path(scene.reference).lexically_relative(directory);
-    scene.reference = relative.empty() || *relative.begin() == ".." ? fs::absolute(scene.reference).string() : relative.string();
+    scene.reference =
+        relative.empty() || *relative.begin() == ".." ? fs::absolute(scene.reference).string() : relative.string();
     return scene;
 }
 
@@ -157,7 +159,8 @@ Json experiment_json(const Experiment& experiment) {
     json["config_file"] = experiment.config_file;
     json["overrides"] = experiment.overrides;
     json["provenance"] = values_json(experiment.provenance);
-    Json scenes = Json::array(), methods = Json::array(), regions = Json::array(), partitions = Json::array(), cells = Json::array();
+    Json scenes = Json::array(), methods = Json::array(), regions = Json::array(), partitions = Json::array(),
+         cells = Json::array();
     for (const SceneInfo& each : experiment.scenes) scenes.push_back(scene_json(within(each, experiment.directory)));
     for (const MethodInfo& each : experiment.methods)
         methods.push_back({{"name", each.name},
@@ -166,7 +169,8 @@ Json experiment_json(const Experiment& experiment) {
                            {"unbiased", each.unbiased},
                            {"settings", values_json(each.settings)}});
     for (const Region& each : experiment.regions)
-        regions.push_back({{"name", each.name}, {"scene", each.scene}, {"crop", each.crop}, {"mask_file", each.mask_file}});
+        regions.push_back(
+            {{"name", each.name}, {"scene", each.scene}, {"crop", each.crop}, {"mask_file", each.mask_file}});
     for (const PartitionInfo& each : experiment.partitions)
         partitions.push_back({{"name", each.name}, {"of", each.of}, {"channels", each.channels}});
     for (const Cell& each : experiment.planned) cells.push_back(plan_json(each));
@@ -195,9 +199,11 @@ Experiment experiment_of(const Json& json, const std::string& directory) {
         experiment.methods.push_back({each.at("name"), each.at("integrator"), each.at("command"), each.at("unbiased"),
                                       values_of(each.at("settings"))});
     for (const Json& each : json.at("regions"))
-        experiment.regions.push_back({each.at("name"), each.at("scene"), each.at("crop").get<std::array<int, 4>>(), each.at("mask_file")});
+        experiment.regions.push_back(
+            {each.at("name"), each.at("scene"), each.at("crop").get<std::array<int, 4>>(), each.at("mask_file")});
     for (const Json& each : json.at("partitions"))
-        experiment.partitions.push_back({each.at("name"), each.at("of"), each.at("channels").get<std::vector<std::string>>()});
+        experiment.partitions.push_back(
+            {each.at("name"), each.at("of"), each.at("channels").get<std::vector<std::string>>()});
     const Json& runner = json.at("runner");
     experiment.time = {runner.at("total_seconds"), runner.at("render_seconds"), runner.at("reference_seconds")};
     for (const Json& each : json.at("cells")) experiment.planned.push_back(planned_of(each));
@@ -254,7 +260,8 @@ Result<Cell> read_cell_file(const std::string& path) {
 }
 
 Status write_experiment_files(const Experiment& experiment) {
-    if (Status s = display::write_text_file(experiment.directory + "/config.toml", experiment.config_text); !s) return s;
+    if (Status s = display::write_text_file(experiment.directory + "/config.toml", experiment.config_text); !s)
+        return s;
     return display::write_text_file(experiment_file(experiment.directory), text_of(experiment_json(experiment)));
 }
 
@@ -263,11 +270,14 @@ Result<Experiment> read_experiment(const std::string& directory) {
     std::error_code failed;
     if (!fs::exists(path, failed))
         return error_at({directory, 0, 0}, "this is no results directory of an experiment: it has no experiment.json");
-    auto format = read_json(path, "an experiment.json", [](const Json& json) { return json.at("format").get<std::string>(); });
+    auto format =
+        read_json(path, "an experiment.json", [](const Json& json) { return json.at("format").get<std::string>(); });
     if (!format) return format.error();
     if (*format != experiment_format)
-        return error_at({path, 0, 0}, "the results have the format '" + *format + "'; expected '" + experiment_format + "'");
-    auto experiment = read_json(path, "an experiment.json", [&](const Json& json) { return experiment_of(json, directory); });
+        return error_at({path, 0, 0},
+                        "the results have the format '" + *format + "'; expected '" + experiment_format + "'");
+    auto experiment =
+        read_json(path, "an experiment.json", [&](const Json& json) { return experiment_of(json, directory); });
     if (!experiment) return experiment;
     experiment->config_text = file_text(directory + "/config.toml");
     for (const Cell& planned : experiment->planned) {

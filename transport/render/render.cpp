@@ -103,10 +103,11 @@ Status resolve_limit(const RenderSettings& settings, RenderJob& job) {
                                                      "do not have the same number of samples",
                         "leave out [adaptive]");
     if (!settings.limit) return success();
-    if (settings.limit->error > 0 && (settings.splat || !settings.beauty))
-        return error_at({}, settings.splat ? "an end by error in filter mode splat: samples are shared by neighbouring pixels, "
-                                             "whose errors they cannot tell; expected filter mode importance"
-                                           : "an end by error without a beauty; expected one");
+    const bool tells_error = job.beauty >= 0 && job.channels[static_cast<std::size_t>(job.beauty)].statistics;
+    if (settings.limit->error > 0 && !tells_error)
+        return error_at({}, "an end by error of a render that cannot tell it: there is no beauty, or neighbouring pixels share "
+                            "samples, as in filter mode splat and with integrators whose light paths land anywhere",
+                        "expected an end by samples or time");
     job.limit = &*settings.limit;
     if (!settings.samples_per_pixel) job.samples_per_pixel = most_limited_samples;
     return success();

@@ -10,7 +10,8 @@ namespace raylex::experiments {
 namespace {
 
 constexpr std::size_t most_values = 10'000;
-constexpr const char* forms = "expected a value, a list of values, a range such as \"1..8\" or \"1..9 step 2\", or \"pow2(0..10)\"";
+constexpr const char* forms =
+    "expected a value, a list of values, a range such as \"1..8\" or \"1..9 step 2\", or \"pow2(0..10)\"";
 
 std::optional<AxisValue> scalar(const toml::node& node) {
     if (const auto* flag = node.as_boolean()) return AxisValue{flag->get()};
@@ -54,13 +55,16 @@ Result<std::optional<std::vector<AxisValue>>> expand(const std::string& text, co
     if (powers) inner = inner.substr(5, inner.size() - 6);
     const std::optional<Range> range = parse_range(inner);
     if (!range) {
-        if (powers || text.find("..") != std::string::npos) return error_at(where, "'" + text + "' is no range; " + forms);
+        if (powers || text.find("..") != std::string::npos)
+            return error_at(where, "'" + text + "' is no range; " + forms);
         return std::optional<std::vector<AxisValue>>();
     }
     if (range->step <= 0 || range->last < range->first)
-        return error_at(where, "'" + text + "' is empty; expected a first value not above the last, and a step above 0");
+        return error_at(where,
+                        "'" + text + "' is empty; expected a first value not above the last, and a step above 0");
     if (powers && (range->first < 0 || range->last > 62 || range->step != 1))
-        return error_at(where, "'" + text + "' has exponents out of range; expected whole ones from 0 to 62, such as pow2(0..10)");
+        return error_at(
+            where, "'" + text + "' has exponents out of range; expected whole ones from 0 to 62, such as pow2(0..10)");
     std::vector<AxisValue> values;
     for (std::int64_t at = range->first; at <= range->last; at += range->step) {
         if (values.size() == most_values) return error_at(where, "'" + text + "' has more than 10000 values");
@@ -85,7 +89,8 @@ Result<std::vector<AxisValue>> read_axis(const TomlSource& source, const toml::n
     if (const toml::array* list = node.as_array()) {
         for (const toml::node& each : *list) {
             auto value = scalar(each);
-            if (!value) return error_at(source.location(each), "an entry of '" + what + "' is no single value; " + forms);
+            if (!value)
+                return error_at(source.location(each), "an entry of '" + what + "' is no single value; " + forms);
             values.push_back(std::move(*value));
         }
         if (values.empty()) return error_at(where, "'" + what + "' is empty; " + forms);

@@ -15,7 +15,7 @@ namespace raylex::experiments {
 struct AxisValue {
     std::variant<bool, std::int64_t, double, std::string> value;
 
-    [[nodiscard]] std::string text() const;   ///< for names and tables: "8", "0.5", "sobol"
+    [[nodiscard]] std::string text() const;  ///< for names and tables: "8", "0.5", "sobol"
 };
 
 /// A single value, a list of values, a range "1..8" or "1..9 step 2" (both ends count), or "pow2(0..10)". Errors at the

@@ -36,8 +36,9 @@ void read_method_table(TomlTable& table, MethodRequest& method) {
     table.take("sweep");
     if (!method.command.empty()) return;
     if (table.has("timeout"))
-        table.source().fail(table.location_of("timeout"), "'timeout' is for external commands; a method of this program ends "
-                                                          "by its budget");
+        table.source().fail(table.location_of("timeout"),
+                            "'timeout' is for external commands; a method of this program ends "
+                            "by its budget");
     read_method_settings(table, method.settings);
     read_entity(table, "integrator", method.settings.integrator);
     read_entity(table, "sampler", method.settings.sampler);
@@ -97,6 +98,11 @@ class ConfigReader {
         if (source_.error()) return *source_.error();
         for (std::size_t i = 0; i < config_.methods.size(); ++i)
             if (Status made = make_variants(i); !made) return made.error();
+        for (std::size_t i = 0; i < config_.methods.size(); ++i) {
+            if (config_.methods[i].name != config_.reference.method) continue;
+            config_.reference.variant = config_.variants.size();
+            config_.variants.push_back({i, {}, config_.methods[i].settings, false});
+        }
         if (Status checked = check_config(config_); !checked) return checked.error();
         return std::move(config_);
     }
@@ -106,7 +112,8 @@ class ConfigReader {
         config_.name = fs::path(config_.file).stem().string();
         root.read("name", config_.name);
         std::int64_t number = 0;
-        if (root.read("seed", number, 0, std::numeric_limits<std::int64_t>::max())) config_.seed = static_cast<std::uint64_t>(number);
+        if (root.read("seed", number, 0, std::numeric_limits<std::int64_t>::max()))
+            config_.seed = static_cast<std::uint64_t>(number);
         if (root.read("replicates", number, 1, 100'000)) config_.replicates = static_cast<unsigned>(number);
         if (root.read("threads", number, 0, 4096)) config_.base.settings.threads = static_cast<int>(number);
         root.read("isa", config_.base.settings.isa);
@@ -134,18 +141,21 @@ class ConfigReader {
             table.close();
             for (const SceneRequest& known : config_.scenes)
                 if (known.name == scene.name)
-                    source_.fail(table.location_of("name"), "the scene name '" + scene.name + "' is used twice; expected another");
+                    source_.fail(table.location_of("name"),
+                                 "the scene name '" + scene.name + "' is used twice; expected another");
             config_.scenes.push_back(std::move(scene));
         }
         if (config_.scenes.empty())
-            source_.fail(SourceLocation{config_.file, 1, 1}, "the config names no scene; expected [[scene]] with name and file");
+            source_.fail(SourceLocation{config_.file, 1, 1},
+                         "the config names no scene; expected [[scene]] with name and file");
     }
 
     std::vector<SweepAxis> read_sweep(TomlTable& root) {
         std::vector<SweepAxis> axes;
         if (const toml::table* table = root.take_table("sweep")) {
             if (table->empty())
-                source_.fail(root.location_of("sweep"), "the sweep is empty; expected KEY = values, such as max_depth = [2, 4, 8]");
+                source_.fail(root.location_of("sweep"),
+                             "the sweep is empty; expected KEY = values, such as max_depth = [2, 4, 8]");
             read_axes(*table, "", axes);
         }
         return axes;
@@ -184,11 +194,13 @@ class ConfigReader {
             table.close();
             for (const MethodRequest& known : config_.methods)
                 if (known.name == method.name)
-                    source_.fail(table.location_of("name"), "the method name '" + method.name + "' is used twice; expected another");
+                    source_.fail(table.location_of("name"),
+                                 "the method name '" + method.name + "' is used twice; expected another");
             config_.methods.push_back(std::move(method));
         }
         if (config_.methods.empty())
-            source_.fail(SourceLocation{config_.file, 1, 1}, "the config names no method; expected [[method]] with a name");
+            source_.fail(SourceLocation{config_.file, 1, 1},
+                         "the config names no method; expected [[method]] with a name");
     }
 
     /// All combinations of the method's axes, the last axis fastest.
@@ -198,7 +210,8 @@ class ConfigReader {
         for (const SweepAxis& axis : method.sweep) {
             combinations *= axis.values.size();
             if (combinations > 100'000)
-                return error_at(axis.location, "method '" + method.name + "' has more than 100000 combinations of settings");
+                return error_at(axis.location,
+                                "method '" + method.name + "' has more than 100000 combinations of settings");
         }
         for (std::size_t i = 0; i < combinations; ++i) {
             auto root = text_.parse();
@@ -253,7 +266,8 @@ Job ExperimentConfig::job(std::size_t scene, const Variant& variant) const {
 
 Result<ExperimentConfig> read_experiment_config(const std::string& path, const std::vector<std::string>& overrides) {
     std::error_code failed;
-    if (fs::is_directory(path, failed)) return error_at({path, 0, 0}, "this is a directory; expected a TOML config of an experiment");
+    if (fs::is_directory(path, failed))
+        return error_at({path, 0, 0}, "this is a directory; expected a TOML config of an experiment");
     std::ifstream file(path, std::ios::binary);
     if (!file) return error_at({path, 0, 0}, "cannot read the config of the experiment");
     const ConfigText text(path, {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()}, overrides);

@@ -62,7 +62,8 @@ Result<double> budget_value(BudgetKind kind, const AxisValue& value, const Sourc
             break;
     }
     if (fits) return *number;
-    return error_at(where, "'" + value.text() + "' is no budget of " + budget_kind_name(kind) + "; expected " + expected);
+    return error_at(where,
+                    "'" + value.text() + "' is no budget of " + budget_kind_name(kind) + "; expected " + expected);
 }
 
 std::string listed(const std::vector<std::string>& names) {
@@ -71,7 +72,8 @@ std::string listed(const std::vector<std::string>& names) {
     return list;
 }
 
-Status require_name(const char* what, const std::string& name, const std::vector<std::string>& known, const SourceLocation& where) {
+Status require_name(const char* what, const std::string& name, const std::vector<std::string>& known,
+                    const SourceLocation& where) {
     if (std::find(known.begin(), known.end(), name) != known.end()) return success();
     const std::string near = nearest_name(name, known);
     return error_at(where, std::string("there is no ") + what + " '" + name + "'; expected one of: " + listed(known),
@@ -110,10 +112,12 @@ Status check_command(const MethodRequest& method, bool replicates) {
         at = end;
     }
     if (!has_place(command, "out") || !has_place(command, "scene"))
-        return error_at(method.location, "the command of method '" + method.name + "' lacks {scene} or {out}; expected both");
+        return error_at(method.location,
+                        "the command of method '" + method.name + "' lacks {scene} or {out}; expected both");
     if (replicates && !has_place(command, "seed"))
-        return error_at(method.location, "the command of method '" + method.name + "' lacks {seed}: its replicates would be "
-                                         "the same image; expected it, or replicates = 1");
+        return error_at(method.location, "the command of method '" + method.name +
+                                             "' lacks {seed}: its replicates would be "
+                                             "the same image; expected it, or replicates = 1");
     return success();
 }
 
@@ -124,22 +128,26 @@ void check_short_name(TomlTable& table, std::string_view key, const std::string&
         return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
     });
     if (!fits || name.size() > 64)
-        table.source().fail(table.location_of(key), "'" + name + "' cannot be a part of file names; expected at most 64 letters, "
-                                                                 "digits, _ and -");
+        table.source().fail(table.location_of(key),
+                            "'" + name +
+                                "' cannot be a part of file names; expected at most 64 letters, "
+                                "digits, _ and -");
 }
 
 void require_file(TomlTable& table, std::string_view key, const std::string& path, const char* what) {
     std::error_code failed;
     if (!std::filesystem::is_regular_file(path, failed))
-        table.source().fail(table.location_of(key), std::string("cannot find ") + what + " '" + path + "'; expected a file");
+        table.source().fail(table.location_of(key),
+                            std::string("cannot find ") + what + " '" + path + "'; expected a file");
 }
 
 void read_budgets(TomlTable& root, std::vector<Budget>& budgets) {
     const toml::table* table = root.take_table("budget");
     if (table == nullptr) {
         if (!root.has("budget"))
-            root.source().fail(root.location(), "the config has no [budget]; expected such as samples = \"pow2(0..8)\", "
-                                                "seconds = [1, 4] or error = [\"5%\", \"1%\"]");
+            root.source().fail(root.location(),
+                               "the config has no [budget]; expected such as samples = \"pow2(0..8)\", "
+                               "seconds = [1, 4] or error = [\"5%\", \"1%\"]");
         return;
     }
     TomlTable reader(root.source(), *table, "[budget]");
@@ -170,22 +178,26 @@ void read_reference(TomlTable& root, ExperimentConfig& config) {
     ReferenceRequest& reference = config.reference;
     reference.location = reader.location();
     if (reader.require("method", reference.method))
-        fail_unless(root.source(), require_name("method", reference.method, method_names(config), reader.location_of("method")));
+        fail_unless(root.source(),
+                    require_name("method", reference.method, method_names(config), reader.location_of("method")));
     std::int64_t number = 0;
-    if (reader.read("spp", number, 1, std::numeric_limits<std::int32_t>::max())) reference.samples = static_cast<std::uint64_t>(number);
+    if (reader.read("spp", number, 1, std::numeric_limits<std::int32_t>::max()))
+        reference.samples = static_cast<std::uint64_t>(number);
     if (const toml::node* node = reader.take("error")) {
         auto values = read_axis(root.source(), *node, "error");
         if (values && values->size() != 1)
             root.source().fail(reader.location_of("error"), "a reference has one error; expected such as \"0.2%\"");
-        auto value = values ? budget_value(BudgetKind::error, values->front(), reader.location_of("error")) : Result<double>(values.error());
+        auto value = values ? budget_value(BudgetKind::error, values->front(), reader.location_of("error"))
+                            : Result<double>(values.error());
         if (value) reference.error = *value;
         else root.source().fail(value.error());
     }
     if (reader.read("cache", reference.cache)) reference.cache = beside_job(config.file, reference.cache);
     reader.close();
     if (reference.samples == 0 && reference.error == 0)
-        root.source().fail(reader.location(), "[reference] does not say how good references are; expected error = \"0.2%\" or "
-                                              "spp = 4096, or both, of which the first reached counts");
+        root.source().fail(reader.location(),
+                           "[reference] does not say how good references are; expected error = \"0.2%\" or "
+                           "spp = 4096, or both, of which the first reached counts");
 }
 
 void read_regions(TomlTable& root, ExperimentConfig& config) {
@@ -194,7 +206,8 @@ void read_regions(TomlTable& root, ExperimentConfig& config) {
         Region region;
         if (table.require("name", region.name)) check_short_name(table, "name", region.name);
         if (table.read("scene", region.scene))
-            fail_unless(root.source(), require_name("scene", region.scene, scene_names(config), table.location_of("scene")));
+            fail_unless(root.source(),
+                        require_name("scene", region.scene, scene_names(config), table.location_of("scene")));
         if (table.read("mask", region.mask_file)) {
             region.mask_file = beside_job(config.file, region.mask_file);
             require_file(table, "mask", region.mask_file, "the mask");
@@ -208,11 +221,13 @@ void read_regions(TomlTable& root, ExperimentConfig& config) {
                 if (fits) region.crop[i] = static_cast<int>(*number);
             }
             if (!fits || region.crop[0] >= region.crop[2] || region.crop[1] >= region.crop[3])
-                root.source().fail(table.location_of("crop"), "'crop' is no rectangle; expected [x0, y0, x1, y1] in pixels, with "
-                                                              "x0 below x1 and y0 below y1");
+                root.source().fail(table.location_of("crop"),
+                                   "'crop' is no rectangle; expected [x0, y0, x1, y1] in pixels, with "
+                                   "x0 below x1 and y0 below y1");
         }
         if (table.has("crop") == table.has("mask"))
-            root.source().fail(table.location(), "a [[region]] has either a crop or a mask; expected exactly one of them");
+            root.source().fail(table.location(),
+                               "a [[region]] has either a crop or a mask; expected exactly one of them");
         table.close();
         config.regions.push_back(std::move(region));
     }
@@ -228,9 +243,11 @@ void read_exclusions(TomlTable& root, ExperimentConfig& config) {
         Exclusion exclusion;
         exclusion.location = table.location();
         if (table.read("scene", exclusion.scene))
-            fail_unless(source, require_name("scene", exclusion.scene, scene_names(config), table.location_of("scene")));
+            fail_unless(source,
+                        require_name("scene", exclusion.scene, scene_names(config), table.location_of("scene")));
         if (table.read("method", exclusion.method))
-            fail_unless(source, require_name("method", exclusion.method, method_names(config), table.location_of("method")));
+            fail_unless(source,
+                        require_name("method", exclusion.method, method_names(config), table.location_of("method")));
         for (const BudgetKind kind : budget_kinds) {
             const std::string key = budget_kind_name(kind);
             const toml::node* node = table.take(key);
@@ -265,15 +282,21 @@ void read_exclusions(TomlTable& root, ExperimentConfig& config) {
 Status check_config(ExperimentConfig& config) {
     for (const MethodRequest& method : config.methods) {
         if (method.command.empty()) continue;
+        if (method.name == config.reference.method)
+            return error_at(config.reference.location,
+                            "references cannot be made by the external command '" + method.name +
+                                "'; expected a method of this program, or reference = \"FILE.exr\" in a "
+                                "[[scene]]");
         if (Status s = check_command(method, config.replicates > 1); !s) return s;
         const bool usable = std::any_of(config.budgets.begin(), config.budgets.end(), [&](const Budget& budget) {
             return (budget.kind == BudgetKind::samples && has_place(method.command, "spp")) ||
                    (budget.kind == BudgetKind::seconds && has_place(method.command, "seconds"));
         });
         if (!usable)
-            return error_at(method.location, "no budget fits the command of method '" + method.name +
-                                                 "': it needs {spp} for budgets of samples or {seconds} for those of time, and cannot "
-                                                 "be given an error");
+            return error_at(method.location,
+                            "no budget fits the command of method '" + method.name +
+                                "': it needs {spp} for budgets of samples or {seconds} for those of time, and cannot "
+                                "be given an error");
     }
     return success();
 }

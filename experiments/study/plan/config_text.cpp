@@ -26,7 +26,7 @@ void put_node(toml::table& root, const std::vector<std::string>& path, std::size
     toml::table* table = &root;
     for (; at + 1 < path.size(); ++at) {
         toml::node* next = table->get(path[at]);
-        if (next != nullptr && next->is_string() ) {
+        if (next != nullptr && next->is_string()) {
             toml::table made;
             made.insert("type", std::move(*next->as_string()));
             table->insert_or_assign(toml::key(path[at], region_of(origin)), std::move(made));
@@ -36,9 +36,8 @@ void put_node(toml::table& root, const std::vector<std::string>& path, std::size
         table = table->get(path[at])->as_table();
     }
     table->erase(path[at]);
-    value.get("v")->visit([&](auto&& node) {
-        table->insert_or_assign(toml::key(path[at], region_of(origin)), std::move(node));
-    });
+    value.get("v")->visit(
+        [&](auto&& node) { table->insert_or_assign(toml::key(path[at], region_of(origin)), std::move(node)); });
 }
 
 /// VALUE as TOML, or else as a plain word.
@@ -98,7 +97,8 @@ Status ConfigText::apply(const std::string& override, toml::table& root) const {
     const SourceLocation where{origin, 0, 0};
     const std::size_t equals = override.find('=');
     if (equals == std::string::npos || equals == 0 || equals + 1 == override.size())
-        return error_at(where, "this sets nothing; expected KEY=VALUE, such as replicates=2 or method.path.max_depth=4");
+        return error_at(where,
+                        "this sets nothing; expected KEY=VALUE, such as replicates=2 or method.path.max_depth=4");
     const std::vector<std::string> path = split_key(std::string_view(override).substr(0, equals));
     const std::string value = override.substr(equals + 1);
     for (const std::string& each : path)
@@ -120,15 +120,17 @@ Status ConfigText::apply(const std::string& override, toml::table& root) const {
         if (path[1] != "*" && path[1] != name) continue;
         found = true;
         if (path.size() < 3)
-            return error_at(where, "'" + path[0] + "." + path[1] + "' is a table; expected the key of one of its values, such as " +
-                                       path[0] + "." + path[1] + ".file");
+            return error_at(where, "'" + path[0] + "." + path[1] +
+                                       "' is a table; expected the key of one of its values, such as " + path[0] + "." +
+                                       path[1] + ".file");
         toml::table node = parse_value(value, origin);
         put_node(*each.as_table(), path, 2, node, origin);
     }
     if (found) return success();
     const std::string near = nearest_name(path[1], names);
-    return error_at(where, "there is no [[" + path[0] + "]] with the name '" + path[1] + "'; expected one of: " + known + ", or *",
-                    near.empty() ? std::string() : "did you mean '" + near + "'?");
+    return error_at(
+        where, "there is no [[" + path[0] + "]] with the name '" + path[1] + "'; expected one of: " + known + ", or *",
+        near.empty() ? std::string() : "did you mean '" + near + "'?");
 }
 
 }  // namespace raylex::experiments

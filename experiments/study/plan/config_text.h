@@ -20,8 +20,8 @@ class ConfigText {
 
     /// The whole config, overrides applied. Errors: no valid TOML (with its place), a KEY that leads nowhere.
     Result<toml::table> parse() const;
-    /// Puts a value under a dotted key of a table, making tables on the way. Where there is a plain word already, such as
-    /// integrator = "path" before integrator.strategy, it becomes that table's type.
+    /// Puts a value under a dotted key of a table, making tables on the way. Where there is a plain word already, such
+    /// as integrator = "path" before integrator.strategy, it becomes that table's type.
     static void put(toml::table& table, const std::string& key, const AxisValue& value);
 
     /// For the errors of all that reads it.

@@ -13,7 +13,8 @@ namespace {
 std::string file_text(const std::string& text) {
     std::string result;
     for (const char c : text) {
-        const bool fits = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_' || c == '.';
+        const bool fits = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+                          c == '_' || c == '.';
         result += fits ? c : '_';
     }
     return result.substr(0, 40);
@@ -29,7 +30,8 @@ std::string cell_id(const Cell& cell) {
 std::string identity(const Cell& cell) {
     std::string text = cell.scene + "\n" + cell.method;
     for (const auto& [key, value] : cell.settings) text += "\n" + key + "=" + value;
-    return text + "\n" + budget_kind_name(cell.budget_kind) + " " + number_text(cell.budget, 17) + "\n" + std::to_string(cell.replicate);
+    return text + "\n" + budget_kind_name(cell.budget_kind) + " " + number_text(cell.budget, 17) + "\n" +
+           std::to_string(cell.replicate);
 }
 
 bool matches(const Exclusion& exclusion, const Cell& cell) {
@@ -73,7 +75,8 @@ std::string refusal(const MethodRequest& method, BudgetKind kind) {
 
 }  // namespace
 
-std::uint64_t seed_for(std::uint64_t config_seed, const std::string& purpose, const std::string& what, unsigned attempt) {
+std::uint64_t seed_for(std::uint64_t config_seed, const std::string& purpose, const std::string& what,
+                       unsigned attempt) {
     return hash64(purpose + "\n" + what + "\n" + std::to_string(attempt), config_seed) >> 1;
 }
 
@@ -97,14 +100,17 @@ Result<Plan> make_plan(const ExperimentConfig& config) {
     std::set<std::string> ids;
     for (const MethodRequest& method : config.methods)
         for (const BudgetKind kind : {BudgetKind::samples, BudgetKind::seconds, BudgetKind::error}) {
-            const bool asked = std::any_of(config.budgets.begin(), config.budgets.end(), [&](const Budget& each) { return each.kind == kind; });
+            const bool asked = std::any_of(config.budgets.begin(), config.budgets.end(),
+                                           [&](const Budget& each) { return each.kind == kind; });
             if (const std::string why = refusal(method, kind); asked && !why.empty())
-                plan.notes.push_back("method '" + method.name + "' has no cells with budgets of " + budget_kind_name(kind) + ": " + why);
+                plan.notes.push_back("method '" + method.name + "' has no cells with budgets of " +
+                                     budget_kind_name(kind) + ": " + why);
         }
     for (unsigned replicate = 0; replicate < config.replicates; ++replicate)
         for (std::size_t scene = 0; scene < config.scenes.size(); ++scene)
             for (const Budget& budget : config.budgets)
                 for (std::size_t variant = 0; variant < config.variants.size(); ++variant) {
+                    if (!config.variants[variant].planned) continue;
                     const MethodRequest& method = config.methods[config.variants[variant].method];
                     PlannedCell planned{{}, scene, variant};
                     Cell& cell = planned.cell;
@@ -129,14 +135,15 @@ Result<Plan> make_plan(const ExperimentConfig& config) {
                     cell.seed = seeds.next("cell", identity(cell));
                     plan.cells.push_back(std::move(planned));
                     if (plan.cells.size() > most_cells)
-                        return error_at(budget.location, "the plan has more than 1000000 cells; expected fewer values, methods or "
-                                                         "replicates");
+                        return error_at(budget.location,
+                                        "the plan has more than 1000000 cells; expected fewer values, methods or "
+                                        "replicates");
                 }
     for (std::size_t i = 0; i < excluded.size(); ++i)
         if (excluded[i] == 0)
-            return error_at(config.exclusions[i].location, "this [[exclude]] matches no cell; expected values that the plan has");
-    if (plan.cells.empty())
-        return error_at({config.file, 1, 1}, "every cell is excluded; expected at least one");
+            return error_at(config.exclusions[i].location,
+                            "this [[exclude]] matches no cell; expected values that the plan has");
+    if (plan.cells.empty()) return error_at({config.file, 1, 1}, "every cell is excluded; expected at least one");
     return plan;
 }
 

@@ -1,0 +1,145 @@
+#include "experiments/study/run/cell_files.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "display/checkpoint/record_file.h"
+#include "display/output/exr_reader.h"
+#include "display/output/exr_writer.h"
+#include "display/output/split_check.h"
+#include "display/services/parameters.h"
+#include "experiments/job/provenance.h"
+
+namespace raylex::experiments {
+namespace {
+
+std::size_t size_of(int side) {
+    return static_cast<std::size_t>(side);
+}
+
+/// The arrays of one channel of light.
+Status write_channel(const std::string& directory, const std::string& name, const display::FrameBuffer& buffer,
+                     display::ChannelId id, const std::vector<std::uint64_t>& samples,
+                     std::vector<std::string>& files) {
+    const display::FrameBufferLayout& layout = buffer.layout();
+    PixelArray array{size_of(layout.height), size_of(layout.width), 3,
+                     buffer.resolve(id, {0, 0, layout.width, layout.height})};
+    files.push_back(directory + "/" + name + ".mean.npy");
+    if (Status s = write_npy(files.back(), array, FileSync::later); !s) return s;
+    std::vector<double> variance = buffer.resolve_variance_of_mean(id);
+    if (variance.empty()) return success();
+    for (std::size_t i = 0; i < variance.size(); ++i) {
+        const auto n = static_cast<double>(samples[i / 3]);
+        variance[i] *= n * (n - 1);
+    }
+    array.values = std::move(variance);
+    files.push_back(directory + "/" + name + ".m2.npy");
+    return write_npy(files.back(), array, FileSync::later);
+}
+
+bool is_light(const display::ChannelDefinition& channel) {
+    return channel.style == display::ChannelStyle::expression && display::takes_samples(channel) &&
+           display::keeps_pixels(channel) && channel.rule == display::FilterRule::filter;
+}
+
+}  // namespace
+
+std::vector<ChannelInfo> channel_infos(const ChannelPlan& plan) {
+    std::vector<ChannelInfo> infos{{"beauty", "C.*", "renderman", true}};
+    for (const display::ChannelDefinition& each : plan.channels)
+        if (is_light(each))
+            infos.push_back(
+                {each.name, each.expression, each.dialect == lpe::Dialect::osl ? "osl" : "renderman", false});
+    return infos;
+}
+
+Result<std::vector<PartitionVerdict>> write_render_files(const std::string& directory, const Rendered& rendered,
+                                                         const JobScene& scene,
+                                                         const std::map<std::string, std::string>& attributes) {
+    const transport::RenderOutput& output = rendered.output;
+    const display::FrameBuffer& buffer = output.frame_buffer;
+    const std::string image = directory + "/image.exr";
+    if (Status s = display::write_exr(image, buffer, output.beauty,
+                                      image_description(rendered.job, scene, output, rendered.partitions, attributes));
+        !s)
+        return s.error();
+    std::vector<std::uint64_t> samples;
+    samples.reserve(size_of(output.width) * size_of(output.height));
+    for (int y = 0; y < output.height; ++y)
+        for (int x = 0; x < output.width; ++x) samples.push_back(buffer.sample_count(x, y));
+    std::vector<std::string> files{directory + "/samples.npy"};
+    if (Status s =
+            write_npy_counts(files.back(), size_of(output.height), size_of(output.width), samples, FileSync::later);
+        !s)
+        return s.error();
+    const auto channels = buffer.channels();
+    for (std::size_t i = 0; i < channels.size(); ++i) {
+        const auto id = static_cast<display::ChannelId>(i);
+        if (!is_light(channels[i])) continue;
+        const std::string name = id == output.beauty ? "beauty" : channels[i].name;
+        if (Status s = write_channel(directory, name, buffer, id, samples, files); !s) return s.error();
+    }
+    display::RecordFile record;
+    record.identity = {{"scene", rendered.job.scene_file},
+                       {"seed", std::to_string(output.seed)},
+                       {"samples per pixel", std::to_string(output.samples_per_pixel)},
+                       {"instruction set", output.isa}};
+    buffer.append_record(record.add("frame buffer"));
+    if (Status s = display::write_record_file(directory + "/record.bin", record); !s) return s.error();
+    if (Status s = sync_files(files); !s) return s.error();
+    std::vector<PartitionVerdict> verdicts;
+    if (rendered.partitions.empty()) return verdicts;
+    auto written = display::read_exr(image);
+    if (!written) return written.error();
+    if (written->partitions.empty()) return verdicts;
+    auto splits = display::check_declared_splits(*written);
+    if (!splits) return splits.error();
+    for (const display::SplitVerdict& each : *splits)
+        verdicts.push_back({each.partition, each.holds, each.largest_relative});
+    return verdicts;
+}
+
+Status write_image_files(const std::string& directory, const std::string& path, int width, int height,
+                         const std::vector<ChannelInfo>& channels) {
+    auto image = display::read_exr(path);
+    if (!image) return image.error();
+    if (image->width != width || image->height != height)
+        return error_at({path, 0, 0}, "the image has " + std::to_string(image->width) + "x" +
+                                          std::to_string(image->height) + " pixels; expected " + std::to_string(width) +
+                                          "x" + std::to_string(height));
+    for (const ChannelInfo& channel : channels) {
+        const display::ImageLayer* layer = image->layer(channel.beauty ? "" : channel.name);
+        if (layer == nullptr || layer->triple()[0] == nullptr) {
+            if (!channel.beauty) continue;
+            return error_at({path, 0, 0}, "the image has no colours; expected R, G and B");
+        }
+        PixelArray array{size_of(height), size_of(width), 3, std::vector<double>(3 * size_of(height) * size_of(width))};
+        for (std::size_t c = 0; c < 3; ++c) {
+            const std::vector<float>& values = layer->triple()[c]->values;
+            for (std::size_t i = 0; i < values.size(); ++i) {
+                if (!std::isfinite(values[i]))
+                    return error_at({path, 0, 0}, "layer '" + channel.name + "' is not finite at pixel (" +
+                                                      std::to_string(i % size_of(width)) + ", " +
+                                                      std::to_string(i / size_of(width)) + ")");
+                array.values[3 * i + c] = static_cast<double>(values[i]);
+            }
+        }
+        if (Status s = write_npy(directory + "/" + channel.name + ".mean.npy", array); !s) return s;
+    }
+    return success();
+}
+
+Result<display::FrameBuffer> read_record(const std::string& directory) {
+    const std::string path = directory + "/record.bin";
+    auto record = display::read_record_file(path);
+    if (!record) return record.error();
+    const display::RecordSection* section = record->find("frame buffer");
+    if (section == nullptr) return error_at({path, 0, 0}, "the record holds no frame buffer");
+    auto buffer = display::FrameBuffer::from_record(section->content);
+    if (buffer) return buffer;
+    Error error = buffer.error();
+    error.file = path;
+    return error;
+}
+
+}  // namespace raylex::experiments

@@ -1,0 +1,51 @@
+// One cell from its plan to its directory, and one reference likewise.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "experiments/study/plan/plan.h"
+#include "experiments/study/results.h"
+#include "experiments/study/run/scene_store.h"
+#include "lpe/result.h"
+
+namespace raylex::experiments {
+
+/// How far the render at hand is. `error` is relative, negative while it is not known.
+struct WorkProgress {
+    double share = 0, seconds = 0, error = -1;
+};
+
+struct WorkContext {
+    const ExperimentConfig& config;
+    const Plan& plan;
+    SceneStore& scenes;
+    std::string directory;  ///< of the results
+    std::function<void(const WorkProgress&)> progress;
+    const std::atomic<bool>* stop = nullptr;
+};
+
+/// What became of a cell: done, failed, or stopped by an interrupt, of which a checkpoint may be left.
+struct CellOutcome {
+    Cell cell;
+    bool stopped = false;
+    double relative_error = -1;  ///< by the render's own estimate; negative: not known
+    double outside_seconds = 0;  ///< wall, within an external renderer
+};
+
+/// Renders into cells/ID.partial and renames that to cells/ID, or writes failed/ID.json. `seconds_per_sample` is what a
+/// sample of the whole image is expected to take, 0 when not known. Errors end the experiment: a disk that takes
+/// nothing, a checkpoint that is damaged or of another program. A render that cannot be done is no Error but a failed
+/// cell.
+Result<CellOutcome> run_cell(const WorkContext& context, const PlannedCell& planned, double seconds_per_sample);
+
+/// The same pixels again, without files: for comparing bits.
+Result<Rendered> render_again(const WorkContext& context, const PlannedCell& planned, const Cell& done);
+
+/// Makes the scene's reference, or finds it: sets the scene's fields. Nothing when the config asks for none; false when
+/// an interrupt came first. `seconds` is increased by what it took.
+Result<bool> provide_reference(const WorkContext& context, std::size_t scene, SceneInfo& info, double& seconds);
+
+}  // namespace raylex::experiments

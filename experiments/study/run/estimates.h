@@ -1,0 +1,41 @@
+// What cells will take: from a short render of every scene by every variant, and from the cells that have been run.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "experiments/study/run/cell_runner.h"
+
+namespace raylex::experiments {
+
+class Estimates {
+  public:
+    explicit Estimates(const ExperimentConfig& config) : config_(config) {}
+
+    /// Renders each scene by each variant of this program for a fifth of a second or 64 samples, which also warms up
+    /// caches and clocks. Renders that fail are left to their cells. False when an interrupt came first.
+    bool calibrate(const WorkContext& context);
+    /// Takes note of a cell that is done.
+    void learn(const PlannedCell& planned, const Cell& done, double relative_error);
+
+    /// Wall seconds of the cell's render; nothing where nothing like it has been run.
+    [[nodiscard]] std::optional<double> seconds(const PlannedCell& planned) const;
+    /// Of one sample of the whole image; 0 where not known.
+    [[nodiscard]] double seconds_per_sample(const PlannedCell& planned) const;
+    /// Of the scene's reference.
+    [[nodiscard]] std::optional<double> reference_seconds(std::size_t scene) const;
+
+  private:
+    struct Rate {
+        double seconds = 0, samples = 0;  ///< sums
+        double error_root = -1;           ///< relative error times the root of the samples; negative: not known
+    };
+    [[nodiscard]] std::optional<double> seconds_of(std::size_t scene, std::size_t variant, double samples,
+                                                   double error) const;
+    const ExperimentConfig& config_;
+    std::map<std::pair<std::size_t, std::size_t>, Rate> rates_;
+};
+
+}  // namespace raylex::experiments

@@ -1,0 +1,335 @@
+#include "experiments/study/run/runner.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <filesystem>
+#include <set>
+#include <thread>
+
+#include "display/services/parameters.h"
+#include "experiments/cli/console.h"
+#include "experiments/job/provenance.h"
+#include "experiments/study/results_file.h"
+#include "experiments/study/run/cell_files.h"
+#include "experiments/study/run/cell_runner.h"
+#include "experiments/study/run/estimates.h"
+#include "experiments/study/run/method_settings.h"
+#include "experiments/study/run/results_state.h"
+#include "experiments/study/run/run_progress.h"
+#include "transport/render/clock.h"
+
+namespace raylex::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What stands in the directory already; nothing when it is new or empty.
+Result<std::optional<Experiment>> earlier_results(const ExperimentConfig& config, const RunRequest& request) {
+    std::error_code failed;
+    const std::string& directory = request.directory;
+    if (!fs::exists(experiment_file(directory), failed)) {
+        if (request.resume)
+            return directory_error(directory, "there are no results to go on with: no experiment.json",
+                                   "'raylex experiment run' begins");
+        if (fs::exists(directory, failed) && (!fs::is_directory(directory, failed) || !fs::is_empty(directory, failed)))
+            return directory_error(directory,
+                                   "this is neither empty nor a results directory; expected a new directory for -o");
+        return std::optional<Experiment>();
+    }
+    auto results = read_experiment(directory);
+    if (!results) return results.error();
+    if (Status same = check_same_config(*results, config); !same) return same.error();
+    if (!request.resume && !results->cells.empty())
+        return directory_error(
+            directory, "there are " + std::to_string(results->cells.size()) + " finished cells of this config already",
+            "'raylex experiment resume' goes on with them; to begin again, remove the directory or choose another");
+    for (const std::string& id : results->missing)
+        if (const std::string cell = cell_directory(directory, id); fs::exists(cell, failed))
+            return directory_error(cell, "this cell is half-written: it has no cell.json",
+                                   "remove this directory to have the cell rendered again; all others stay");
+    return std::optional(std::move(*results));
+}
+
+NamedValues provenance(const ExperimentConfig& config) {
+    const unsigned cores = std::thread::hardware_concurrency();
+    const int threads = config.base.settings.threads;
+    return {{"version", raylex_version()},
+            {"revision", raylex_revision()},
+            {"compiler", build_description()},
+            {"machine", host_description()},
+            {"cores", std::to_string(cores)},
+            {"threads", std::to_string(threads > 0 ? static_cast<unsigned>(threads) : cores)},
+            {"started", utc_time()},
+            {"seed", std::to_string(config.seed)}};
+}
+
+class Run {
+  public:
+    Run(const ExperimentConfig& config, const RunRequest& request, const std::atomic<bool>* stop)
+        : config_(config), request_(request), stop_(stop), scenes_(config), estimates_(config) {}
+
+    Result<RunOutcome> run() {
+        for (Status (Run::*step)() :
+             {&Run::open, &Run::describe, &Run::warm_up, &Run::make_references, &Run::run_cells}) {
+            if (Status s = (this->*step)(); !s) return s.error();
+            if (stopped()) break;
+        }
+        return finish();
+    }
+
+  private:
+    [[nodiscard]] bool stopped() const { return stop_ != nullptr && stop_->load(); }
+    [[nodiscard]] WorkContext context() {
+        return {config_, plan_, scenes_, request_.directory, [this](const WorkProgress& now) { progress_.update(now); },
+                stop_};
+    }
+
+    Status open() {
+        auto plan = make_plan(config_);
+        if (!plan) return plan.error();
+        plan_ = std::move(*plan);
+        auto earlier = earlier_results(config_, request_);
+        if (!earlier) return earlier.error();
+        earlier_ = std::move(*earlier);
+        std::error_code failed;
+        fs::create_directories(request_.directory + "/cells", failed);
+        if (failed) return directory_error(request_.directory, "cannot make this directory: " + failed.message());
+        for (const std::string& note : plan_.notes) print_note(note);
+        return success();
+    }
+
+    /// Everything of experiment.json but what references come to.
+    Status describe() {
+        experiment_.name = config_.name;
+        experiment_.directory = request_.directory;
+        experiment_.config_text = config_.text;
+        experiment_.config_hash = config_.hash;
+        experiment_.config_file = fs::absolute(config_.file).lexically_normal().string();
+        experiment_.overrides = config_.overrides;
+        experiment_.provenance = earlier_ ? earlier_->provenance : provenance(config_);
+        experiment_.regions = config_.regions;
+        for (Region& region : experiment_.regions)
+            if (!region.mask_file.empty())
+                region.mask_file = fs::absolute(region.mask_file).lexically_normal().string();
+        if (earlier_) {
+            experiment_.time = earlier_->time;
+            for (const auto& [name, value] : provenance(config_))
+                for (const auto& [known, before] : experiment_.provenance)
+                    if (known == name && before != value && (name == "revision" || name == "machine"))
+                        print_warning("the results were begun with another " + name + ": " + before +
+                                      "; times do not compare");
+        }
+        for (const PlannedCell& each : plan_.cells) experiment_.planned.push_back(each.cell);
+        for (const MethodRequest& each : config_.methods) {
+            const std::string integrator = each.settings.integrator ? each.settings.integrator->type : "";
+            experiment_.methods.push_back(
+                {each.name, integrator, each.command, each.unbiased, settings_text(each.settings)});
+        }
+        for (std::size_t i = 0; i < config_.scenes.size(); ++i)
+            if (Status s = describe_scene(i); !s) return s;
+        return write_experiment_files(experiment_);
+    }
+
+    Status describe_scene(std::size_t index) {
+        auto scene = scenes_.scene(index);
+        if (!scene) return scene.error();
+        SceneInfo info;
+        info.name = config_.scenes[index].name;
+        info.file = fs::absolute(config_.scenes[index].job.scene_file).lexically_normal().string();
+        info.hash = (*scene)->hash;
+        info.width = (*scene)->width;
+        info.height = (*scene)->height;
+        if (earlier_)
+            for (const SceneInfo& known : earlier_->scenes)
+                if (known.name == info.name &&
+                    (known.hash != info.hash || known.width != info.width || known.height != info.height))
+                    return error_at(config_.scenes[index].location,
+                                    "scene '" + info.name + "' is not what it was when the results in '" +
+                                        request_.directory + "' were begun: its files have changed",
+                                    "choose another directory with -o, or bring the scene's files back");
+        const auto planned = std::find_if(plan_.cells.begin(), plan_.cells.end(),
+                                          [&](const PlannedCell& each) { return each.scene == index; });
+        if (planned != plan_.cells.end()) {
+            auto channels = scenes_.channels(index, planned->variant);
+            if (!channels) return channels.error();
+            info.channels = channel_infos(**channels);
+            for (const display::PartitionDeclaration& each : (*channels)->partitions) {
+                const bool known = std::any_of(experiment_.partitions.begin(), experiment_.partitions.end(),
+                                               [&](const PartitionInfo& other) { return other.name == each.name; });
+                if (!known)
+                    experiment_.partitions.push_back({each.name, each.of.empty() ? "beauty" : each.of, each.layers});
+            }
+        }
+        experiment_.scenes.push_back(std::move(info));
+        return success();
+    }
+
+    Status warm_up() {
+        // Nothing that is done already is measured again.
+        if (earlier_ && earlier_->missing.empty() && !request_.retry) return success();
+        estimates_.calibrate(context());
+        return success();
+    }
+
+    Status make_references() {
+        for (std::size_t i = 0; i < experiment_.scenes.size(); ++i) {
+            const bool wanted = std::any_of(plan_.cells.begin(), plan_.cells.end(), [&](const PlannedCell& each) {
+                return each.scene == i && request_.shard.has(static_cast<std::size_t>(&each - plan_.cells.data()));
+            });
+            if (!wanted) continue;
+            SceneInfo& info = experiment_.scenes[i];
+            progress_.begin("reference of " + info.name, -1, 0);
+            double seconds = 0;
+            const double rendered = scenes_.seconds();
+            auto made = provide_reference(context(), i, info, seconds);
+            if (!made) return made.error();
+            references_ += seconds;
+            reference_render_ += scenes_.seconds() - rendered;
+            if (stopped() || !*made) return success();
+            if (info.reference.empty()) continue;
+            std::string text = "reference of " + info.name + ": " + info.reference_method;
+            if (info.reference_samples > 0) text += ", " + std::to_string(info.reference_samples) + " spp";
+            if (info.reference_relative_error >= 0)
+                text += ", error " + number_text(100 * info.reference_relative_error, 2) + " %";
+            progress_.line(text + (seconds > 0 ? ", " + duration_text(seconds) : ", known"));
+        }
+        return write_experiment_files(experiment_);
+    }
+
+    [[nodiscard]] bool is_settled(const std::string& id) const { return settled_.contains(id); }
+
+    Status run_cells() {
+        if (earlier_)
+            for (const Cell& each : earlier_->cells) {
+                if (each.failed && request_.retry) continue;
+                settled_.insert(each.id);
+            }
+        for (std::size_t i = 0; i < plan_.cells.size(); ++i) {
+            const PlannedCell& planned = plan_.cells[i];
+            if (!request_.shard.has(i) || is_settled(planned.cell.id)) continue;
+            const std::string title =
+                "[" + std::to_string(i + 1) + "/" + std::to_string(plan_.cells.size()) + "] " + planned.cell.id;
+            expect(i + 1);
+            progress_.begin(title, left_seconds_, left_unknown_);
+            auto outcome = run_cell(context(), planned, estimates_.seconds_per_sample(planned));
+            if (!outcome) return outcome.error();
+            outside_ += outcome->outside_seconds;
+            if (outcome->stopped) return success();
+            estimates_.learn(planned, outcome->cell, outcome->relative_error);
+            settled_.insert(planned.cell.id);
+            report(title, *outcome);
+            if (stopped()) return success();
+        }
+        return success();
+    }
+
+    /// What follows the cell at hand. Of long plans added up anew about once a second, so that a million cells cost
+    /// nothing.
+    void expect(std::size_t from) {
+        constexpr std::size_t short_plan = 2000;
+        if (plan_.cells.size() > short_plan && expected_.wall() < 1 && left_seconds_ >= 0) return;
+        expected_ = transport::Stopwatch();
+        left_seconds_ = 0;
+        left_unknown_ = 0;
+        for (std::size_t i = from; i < plan_.cells.size(); ++i) {
+            if (!request_.shard.has(i) || is_settled(plan_.cells[i].cell.id)) continue;
+            const auto seconds = estimates_.seconds(plan_.cells[i]);
+            if (seconds) left_seconds_ += *seconds;
+            else ++left_unknown_;
+        }
+    }
+
+    void report(const std::string& title, const CellOutcome& outcome) {
+        const Cell& cell = outcome.cell;
+        if (cell.failed) {
+            progress_.line(title + ": FAILED: " + cell.failure);
+            return;
+        }
+        std::string text = title + ": ";
+        if (cell.samples_per_pixel > 0) text += std::to_string(cell.samples_per_pixel) + " spp, ";
+        text += duration_text(cell.wall_seconds) + " (" + duration_text(cell.cpu_seconds) + " CPU)";
+        if (outcome.relative_error >= 0) text += ", error " + number_text(100 * outcome.relative_error, 2) + " %";
+        for (const PartitionVerdict& each : cell.splits)
+            if (!each.holds)
+                text +=
+                    "; split '" + each.partition + "' DOES NOT HOLD (" + number_text(each.worst_relative_error) + ")";
+        progress_.line(text + "; " + time_left_text(left_seconds_, left_unknown_) + " left");
+    }
+
+    Result<RunOutcome> finish() {
+        RunnerTime& time = experiment_.time;
+        time.total += total_.wall();
+        time.references += references_;
+        time.render += scenes_.seconds() - reference_render_ + outside_;
+        if (!experiment_.scenes.empty())
+            if (Status s = write_experiment_files(experiment_); !s) return s.error();
+        RunOutcome outcome;
+        outcome.interrupted = stopped();
+        auto results = read_experiment(request_.directory);
+        if (!results) return outcome.interrupted ? Result<RunOutcome>(outcome) : Result<RunOutcome>(results.error());
+        for (const Cell& each : results->cells) {
+            ++(each.failed ? outcome.failed : outcome.done);
+            outcome.splits_broken += static_cast<std::size_t>(std::any_of(
+                each.splits.begin(), each.splits.end(), [](const PartitionVerdict& split) { return !split.holds; }));
+        }
+        outcome.left = results->missing.size();
+        summarise(*results, outcome);
+        return outcome;
+    }
+
+    void summarise(const Experiment& results, const RunOutcome& outcome) {
+        progress_.line(request_.directory + ": " + std::to_string(outcome.done) + " of " +
+                       std::to_string(plan_.cells.size()) + " cells done" +
+                       (outcome.failed > 0 ? ", " + std::to_string(outcome.failed) + " FAILED" : "") +
+                       (outcome.left > 0 ? ", " + std::to_string(outcome.left) + " not run yet" : ""));
+        for (const Cell& each : results.cells)
+            if (each.failed) progress_.line("  failed: " + each.id + ": " + each.failure);
+        if (outcome.splits_broken > 0)
+            progress_.line("  " + std::to_string(outcome.splits_broken) +
+                           " cells have a split that does not sum to what it splits");
+        const RunnerTime& time = results.time;
+        if (time.render > 0)
+            progress_.line("  " + duration_text(time.render) + " of rendering, " + duration_text(time.references) +
+                           " for references, " + duration_text(time.overhead()) + " beside them (" +
+                           number_text(100 * time.overhead() / time.render, 2) + " % of render time)");
+        if (outcome.left > 0 && request_.shard.parts == 1)
+            progress_.line("  'raylex experiment resume' with the same config and directory goes on from here");
+    }
+
+    const ExperimentConfig& config_;
+    const RunRequest& request_;
+    const std::atomic<bool>* stop_;
+    transport::Stopwatch total_, expected_;
+    Plan plan_;
+    SceneStore scenes_;
+    Estimates estimates_;
+    RunProgress progress_;
+    std::optional<Experiment> earlier_;
+    Experiment experiment_;
+    std::set<std::string> settled_;
+    double references_ = 0, reference_render_ = 0, outside_ = 0;
+    double left_seconds_ = -1;
+    std::size_t left_unknown_ = 0;
+};
+
+}  // namespace
+
+Result<Shard> parse_shard(const std::string& text, const SourceLocation& where) {
+    Shard shard;
+    const char* at = text.data();
+    const char* const end = at + text.size();
+    const auto [slash, no_part] = std::from_chars(at, end, shard.part);
+    if (no_part == std::errc() && slash != end && *slash == '/') {
+        const auto [last, no_parts] = std::from_chars(slash + 1, end, shard.parts);
+        if (no_parts == std::errc() && last == end && shard.part >= 1 && shard.part <= shard.parts) return shard;
+    }
+    return error_at(where, "'" + text + "' is no shard; expected PART/PARTS, such as 2/4, with PART from 1 to PARTS");
+}
+
+Result<RunOutcome> run_experiment(const ExperimentConfig& config, const RunRequest& request,
+                                  const std::atomic<bool>* stop) {
+    return Run(config, request, stop).run();
+}
+
+}  // namespace raylex::experiments

@@ -1,0 +1,55 @@
+// An experiment from its config to a directory of results.
+#pragma once
+
+#include <atomic>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "experiments/study/plan/config.h"
+#include "experiments/study/plan/plan.h"
+#include "experiments/study/results.h"
+#include "lpe/result.h"
+
+namespace raylex::experiments {
+
+/// Cells whose index in the plan is `part` - 1 modulo `parts`.
+struct Shard {
+    unsigned part = 1, parts = 1;
+    [[nodiscard]] bool has(std::size_t index) const { return index % parts == part - 1; }
+};
+/// "2/4".
+Result<Shard> parse_shard(const std::string& text, const SourceLocation& where);
+
+struct RunRequest {
+    std::string directory;
+    bool resume = false;  ///< go on with results that are there
+    bool retry = false;   ///< run failed cells again
+    Shard shard;
+};
+
+/// Prints the cells, the expected time and how it was got, and the memory. Nothing is written. `calibrate`: see
+/// Estimates.
+Status print_plan(const ExperimentConfig& config, const std::string& directory, const Shard& shard, bool calibrate,
+                  const std::atomic<bool>* stop);
+
+struct RunOutcome {
+    std::size_t done = 0, failed = 0, left = 0, splits_broken = 0;
+    bool interrupted = false;
+};
+
+/// Makes references, then runs the cells. Errors: results of another config or with finished cells (unless `resume`),
+/// scenes that are not those of the results any more, half-written cells, a disk that takes nothing. Finished cells
+/// stay.
+Result<RunOutcome> run_experiment(const ExperimentConfig& config, const RunRequest& request,
+                                  const std::atomic<bool>* stop);
+
+struct ReplayOutcome {
+    bool same = false;
+    std::string difference;  ///< what is not the same
+};
+/// Renders a finished cell again, to the samples it reached, and compares every bit of its record.
+Result<ReplayOutcome> replay_cell(ExperimentConfig config, const std::string& directory, const std::string& id,
+                                  const std::atomic<bool>* stop);
+
+}  // namespace raylex::experiments

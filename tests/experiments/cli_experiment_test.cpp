@@ -1,0 +1,317 @@
+// raylex experiment, as a user runs it: small scenes, every step from plan to merge, and what goes wrong.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "display/output/exr_reader.h"
+#include "experiments/study/results.h"
+#include "support.h"
+
+using namespace raylex::experiments;
+using raylex::test::Folder;
+using raylex::test::Outcome;
+using raylex::test::run_raylex;
+using raylex::test::run_shell;
+using raylex::test::small_scene;
+
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::string config = R"(replicates = 2
+threads = 2
+[[scene]]
+name = "room"
+file = "room.pbrt"
+[[method]]
+name = "deep"
+[[method]]
+name = "shallow"
+max_depth = 2
+[budget]
+samples = [4, 24]
+[reference]
+method = "deep"
+spp = 64
+[[channel]]
+name = "direct"
+lpe = "CDL"
+)";
+
+void prepare(const Folder& folder, const std::string& text = config) {
+    folder.write("room.pbrt", small_scene());
+    folder.write("c.toml", text);
+}
+
+Outcome succeed(const Folder& folder, const std::string& arguments, int code = 0) {
+    Outcome outcome = run_raylex(folder, arguments);
+    INFO(arguments << "\n" << outcome.out << outcome.err);
+    REQUIRE(outcome.code == code);
+    return outcome;
+}
+
+Experiment results_of(const Folder& folder, const std::string& name) {
+    auto read = read_experiment(folder.path(name));
+    INFO((read ? std::string() : read.error().to_string()));
+    REQUIRE(read);
+    return *std::move(read);
+}
+
+/// What must be the same of a cell wherever and whenever it is run.
+std::string bits_of(const Folder& folder, const std::string& results, const std::string& id) {
+    std::string bits;
+    for (const char* file :
+         {"record.bin", "beauty.mean.npy", "beauty.m2.npy", "direct.mean.npy", "direct.m2.npy", "samples.npy"})
+        bits += folder.read(results + "/cells/" + id + "/" + file) + "\n";
+    return bits;
+}
+
+}  // namespace
+
+TEST_CASE("an experiment leaves every cell's image and sums, and refuses to begin twice") {
+    const Folder folder;
+    prepare(folder);
+    const Outcome plan = succeed(folder, "experiment plan c.toml");
+    CHECK(plan.out.find("room.shallow.24spp.r1  seed ") != std::string::npos);
+    CHECK(plan.out.find("8 cells: 1 scenes") != std::string::npos);
+    CHECK(plan.out.find("from a short render of every scene by every setting") != std::string::npos);
+    CHECK(plan.out.find("memory: ") != std::string::npos);
+    CHECK(folder.names() == std::vector<std::string>{"c.toml", "room.pbrt"});
+
+    const Outcome run = succeed(folder, "experiment run c.toml -o out");
+    CHECK(run.out.find("out: 8 of 8 cells done") != std::string::npos);
+    CHECK(run.out.find("% of render time") != std::string::npos);
+    const Experiment results = results_of(folder, "out");
+    REQUIRE(results.cells.size() == 8);
+    CHECK(results.missing.empty());
+    REQUIRE(results.scenes.size() == 1);
+    const SceneInfo& scene = results.scenes.front();
+    CHECK(scene.width == 16);
+    REQUIRE(scene.channels.size() == 3);  // beauty, direct, rest
+    CHECK(scene.channels[1].expression == "CDL");
+    CHECK(scene.reference_samples == 64);
+    CHECK(scene.reference_relative_error > 0);
+    REQUIRE(read_mean(scene.reference, "beauty"));
+    REQUIRE(read_m2(scene.reference, "direct"));
+    for (const Cell& cell : results.cells) {
+        CAPTURE(cell.id);
+        CHECK(cell.samples_per_pixel == static_cast<std::uint64_t>(cell.budget));
+        CHECK(cell.wall_seconds > 0);
+        CHECK(cell.cpu_seconds > 0);
+        CHECK(cell.rays > 0);
+        REQUIRE(cell.phases.size() == 6);
+        REQUIRE(cell.splits.size() == 1);
+        CHECK(cell.splits.front().holds);
+        // The arrays are the image: float rounds a double to 2^-24 of it.
+        auto image = raylex::display::read_exr(cell.directory + "/image.exr");
+        auto mean = read_mean(cell.directory, "direct");
+        auto m2 = read_m2(cell.directory, "direct");
+        auto samples = read_samples(cell.directory);
+        REQUIRE(image);
+        REQUIRE(mean);
+        REQUIRE(m2);
+        REQUIRE(samples);
+        REQUIRE(mean->values.size() == 16 * 16 * 3);
+        const auto* layer = image->layer("direct");
+        REQUIRE(layer != nullptr);
+        double sum = 0, squares = 0;
+        for (std::size_t i = 0; i < mean->values.size(); ++i) {
+            const double value = mean->values[i];
+            const auto stored = static_cast<double>(layer->triple()[i % 3]->values[i / 3]);
+            CHECK(std::abs(stored - value) <= std::ldexp(std::abs(value), -24));
+            CHECK(samples->values[i / 3] == cell.budget);
+            sum += value;
+            squares += m2->values[i];
+        }
+        CHECK(sum > 0);
+        CHECK(squares > 0);
+    }
+    // A checkpoint, a partial directory or anything else that is no result is not left.
+    for (const auto& entry : fs::directory_iterator(folder.path("out/cells")))
+        CHECK(fs::exists(entry.path() / "cell.json"));
+
+    const Outcome again = succeed(folder, "experiment run c.toml -o out", 2);
+    CHECK(again.err.find("out: there are 8 finished cells of this config already") != std::string::npos);
+    CHECK(again.err.find("experiment resume") != std::string::npos);
+    succeed(folder, "experiment report c.toml -o out");
+    for (const char* file : {"out/report.html", "out/results.csv", "out/results.jsonl"}) CHECK(folder.has(file));
+    CHECK(succeed(folder, "experiment report c.toml -o out --set replicates=3", 2).err.find("are of another config") != std::string::npos);
+    const Outcome other = succeed(folder, "experiment resume c.toml -o out --set replicates=3", 2);
+    CHECK(other.err.find("are of another config") != std::string::npos);
+    CHECK(succeed(folder, "experiment replay c.toml room.deep.24spp.r1 -o out").out.find("the same bits again") !=
+          std::string::npos);
+    CHECK(succeed(folder, "experiment replay c.toml room.deep.24spp.r2 -o out", 2)
+              .err.find("did you mean 'room.deep.24spp.r") != std::string::npos);
+    // A cell that was tampered with is not the same.
+    fs::copy_file(folder.path("out/cells/room.deep.24spp.r0/record.bin"),
+                  folder.path("out/cells/room.deep.24spp.r1/record.bin"), fs::copy_options::overwrite_existing);
+    CHECK(succeed(folder, "experiment replay c.toml room.deep.24spp.r1 -o out", 1).out.find("DIFFERS") !=
+          std::string::npos);
+    // A half-written cell is named and refused.
+    fs::remove(folder.path("out/cells/room.deep.4spp.r1/cell.json"));
+    CHECK(succeed(folder, "experiment resume c.toml -o out", 2)
+              .err.find("room.deep.4spp.r1: this cell is half-written") != std::string::npos);
+    fs::remove_all(folder.path("out/cells/room.deep.4spp.r1"));
+    succeed(folder, "experiment resume c.toml -o out");
+    CHECK(results_of(folder, "out").cells.size() == 8);
+    // Nor does it go on when the scene is another.
+    fs::remove_all(folder.path("out/cells/room.deep.4spp.r1"));
+    std::string changed = small_scene();
+    changed.replace(changed.find("I\" [3 3 3]"), 10, "I\" [4 3 3]");
+    folder.write("room.pbrt", changed);
+    CHECK(succeed(folder, "experiment resume c.toml -o out", 2).err.find("its files have changed") !=
+          std::string::npos);
+}
+
+TEST_CASE("shards merge to the unsharded run bit for bit, in any order; what overlaps is refused [law3]") {
+    const Folder folder;
+    prepare(folder);
+    succeed(folder, "experiment run c.toml -o whole");
+    for (const char* part : {"1", "2", "3"})
+        succeed(folder, std::string("experiment run c.toml -o part") + part + " --shard " + part + "/3");
+    succeed(folder, "experiment merge part1 part2 part3 -o merged");
+    succeed(folder, "experiment merge part3 part1 part2 -o again");
+    const Experiment whole = results_of(folder, "whole"), merged = results_of(folder, "merged");
+    REQUIRE(merged.cells.size() == whole.cells.size());
+    for (const Cell& cell : whole.cells) {
+        CAPTURE(cell.id);
+        CHECK((bits_of(folder, "whole", cell.id) == bits_of(folder, "merged", cell.id)));
+        CHECK((folder.read("merged/cells/" + cell.id + "/cell.json") ==
+               folder.read("again/cells/" + cell.id + "/cell.json")));
+    }
+    CHECK((folder.read("merged/experiment.json") == folder.read("again/experiment.json")));
+    CHECK(fs::exists(merged.scenes.front().reference + "/reference.json"));
+
+    CHECK(succeed(folder, "experiment merge part1 whole -o bad", 2).err.find("is finished here and in") !=
+          std::string::npos);
+    CHECK(succeed(folder, "experiment merge part1 part2 -o merged", 2).err.find("expected a new directory") !=
+          std::string::npos);
+    succeed(folder, "experiment run c.toml -o other --set replicates=1");
+    CHECK(succeed(folder, "experiment merge part1 other -o bad", 2).err.find("results of another config") !=
+          std::string::npos);
+    // A seed that two cells share makes them one.
+    auto edit = [&](const std::string& file, const std::string& list) {
+        auto json = nlohmann::ordered_json::parse(folder.read(file));
+        if (list.empty()) json["seed"] = 7;
+        else
+            for (auto& each : json[list]) each["seed"] = 7;
+        folder.write(file, json.dump());
+    };
+    for (const Cell& each : results_of(folder, "part1").cells) edit("part1/cells/" + each.id + "/cell.json", "");
+    edit("part1/experiment.json", "cells");
+    CHECK(succeed(folder, "experiment merge part1 part2 -o bad", 2).err.find("have the same seed 7") !=
+          std::string::npos);
+    CHECK_FALSE(folder.has("bad"));
+}
+
+TEST_CASE("a killed experiment goes on inside the cell, to the same bits [law3]", "[release-only]") {
+    const Folder folder;
+    prepare(folder, "checkpoint = '0.02s'\n" + config);
+    const std::string budget = " --set budget.samples=20000 --set replicates=1 --set reference.spp=16";
+    succeed(folder, "experiment run c.toml -o whole" + budget);
+    const Outcome killed = run_shell(
+        folder,
+        "\"$RAYLEX\" experiment run c.toml -o out" + budget +
+            " & pid=$!\nfor i in $(seq 1500); do [ -e out/cells/room.deep.20000spp.r0.partial/render.checkpoint ] && "
+            "break; sleep 0.02; done\nkill -9 $pid || exit 7\nwait $pid\n[ $? = 137 ]");
+    CAPTURE(killed.out, killed.err);
+    REQUIRE(killed.code == 0);
+    REQUIRE(folder.has("out/cells/room.deep.20000spp.r0.partial/render.checkpoint"));
+    // Ctrl-C in the second session, and then to the end.
+    const Outcome stopped = run_shell(folder, "\"$RAYLEX\" experiment resume c.toml -o out" + budget +
+                                                  " & pid=$!\nsleep 0.4\nkill -INT $pid\nwait $pid");
+    CAPTURE(stopped.out, stopped.err);
+    CHECK((stopped.code == 130 || stopped.code == 0));
+    succeed(folder, "experiment resume c.toml -o out" + budget);
+    const Experiment results = results_of(folder, "out");
+    REQUIRE(results.cells.size() == 2);
+    for (const Cell& cell : results.cells)
+        CHECK((bits_of(folder, "out", cell.id) == bits_of(folder, "whole", cell.id)));
+    CHECK(results.time.total > 0);
+    for (const auto& entry : fs::recursive_directory_iterator(folder.path("out")))
+        CHECK(entry.path().extension() != ".checkpoint");
+}
+
+TEST_CASE("budgets of time and error store the samples they reached, and replay") {
+    const Folder folder;
+    prepare(folder);
+    succeed(folder,
+            "experiment run c.toml -o out --set replicates=1 --set budget.samples=1 --set budget.seconds=0.1 --set "
+            "'budget.error=[\"20%\"]'");
+    const Experiment results = results_of(folder, "out");
+    REQUIRE(results.cells.size() == 6);
+    for (const Cell& cell : results.cells) {
+        CAPTURE(cell.id);
+        if (cell.budget_kind == BudgetKind::seconds) CHECK(cell.samples_per_pixel > 1);
+        if (cell.budget_kind == BudgetKind::error) CHECK(cell.samples_per_pixel >= 64);
+        if (cell.budget_kind != BudgetKind::samples && cell.method == "deep")
+            succeed(folder, "experiment replay c.toml " + cell.id +
+                                " -o out --set replicates=1 --set budget.samples=1 --set budget.seconds=0.1 --set "
+                                "'budget.error=[\"20%\"]'");
+    }
+}
+
+TEST_CASE("external renderers are run, timed and judged; failures are listed with what they said") {
+    const Folder folder;
+    prepare(folder, R"(replicates = 2
+[[scene]]
+name = "room"
+file = "room.pbrt"
+reference = "truth.exr"
+[[method]]
+name = "self"
+command = "\"$RAYLEX\" render {scene} --seed {seed} --spp {spp} --lpe direct=CDL --threads 1 -o {out}"
+[[method]]
+name = "broken"
+command = "echo 'no licence' >&2; exit 3; : {scene} {seed} {out} {spp}"
+[[method]]
+name = "silent"
+command = ": {scene} {seed} {out} {spp}"
+[[method]]
+name = "endless"
+command = "sleep 60; : {scene} {seed} {out} {spp}"
+timeout = "0.2s"
+[[exclude]]
+method = "endless"
+samples = 8
+[[channel]]
+name = "direct"
+lpe = "CDL"
+[budget]
+samples = [2, 8]
+)");
+    succeed(folder, "render room.pbrt --spp 64 -o truth.exr");
+    const Outcome run = run_shell(folder, "export RAYLEX\nexec \"$RAYLEX\" experiment run c.toml -o out");
+    CAPTURE(run.out, run.err);
+    REQUIRE(run.code == 2);
+    CHECK(run.out.find("4 of 14 cells done, 10 FAILED") != std::string::npos);
+    const Experiment results = results_of(folder, "out");
+    for (const Cell& cell : results.cells) {
+        CAPTURE(cell.id, cell.failure);
+        CHECK(cell.failed == (cell.method != "self"));
+        if (cell.method == "broken")
+            CHECK(cell.failure.find("ended with exit code 3; it said: no licence") != std::string::npos);
+        if (cell.method == "broken") CHECK(cell.failure.find("c.toml:9:") != std::string::npos);
+        if (cell.method == "silent") CHECK(cell.failure.find("wrote no image to {out}") != std::string::npos);
+        if (cell.method == "endless") CHECK(cell.failure.find("after its timeout of 0.2") != std::string::npos);
+        if (cell.failed) continue;
+        CHECK(cell.cpu_seconds > 0);
+        CHECK(cell.wall_seconds > 0);
+        REQUIRE(read_mean(cell.directory, "direct"));
+        CHECK_FALSE(read_m2(cell.directory, "direct"));
+    }
+    CHECK(results.scenes.front().reference_relative_error < 0);
+    REQUIRE(read_mean(results.scenes.front().reference, "beauty"));
+    // The same renders as a method of this program: an image holds its means as floats.
+    auto first = read_mean(folder.path("out/cells/room.self.2spp.r0"), "beauty"),
+         second = read_mean(folder.path("out/cells/room.self.2spp.r1"), "beauty");
+    REQUIRE(first);
+    REQUIRE(second);
+    CHECK(first->values != second->values);
+    // Failed cells stay as they are unless they are to be tried again.
+    CHECK(run_shell(folder, "export RAYLEX\nexec \"$RAYLEX\" experiment resume c.toml -o out").code == 2);
+    CHECK(results_of(folder, "out").cells.size() == 14);
+}
