@@ -11,20 +11,6 @@
 
 namespace raylex::experiments {
 
-Error directory_error(const std::string& path, std::string message, std::string hint) {
-    return error_at({path, 0, 0}, std::move(message), std::move(hint));
-}
-
-Status check_same_config(const Experiment& results, const ExperimentConfig& config) {
-    if (results.config_hash == config.hash) return success();
-    std::string there;
-    for (const std::string& each : results.overrides) there += " --set " + each;
-    return error_at({config.file, 1, 1},
-                    "the results in '" + results.directory + "' are of another config: hash " + results.config_hash +
-                        (there.empty() ? "" : " (with" + there + ")") + ", this one has " + config.hash,
-                    "choose another directory with -o, or give the config and the --set that they were made with");
-}
-
 Result<ReplayOutcome> replay_cell(ExperimentConfig config, const std::string& directory, const std::string& id,
                                   const std::atomic<bool>* stop) {
     auto results = read_experiment(directory);

@@ -24,6 +24,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Empty, or left by a run that ended before it began: with nothing in it but locks and a place for cells.
+bool is_fresh(const std::string& directory) {
+    std::error_code failed;
+    if (!fs::is_directory(directory, failed)) return false;
+    for (const fs::directory_entry& each : fs::directory_iterator(directory, failed)) {
+        const std::string name = each.path().filename().string();
+        if (!name.starts_with(".running") && !(name == "cells" && fs::is_empty(each.path(), failed))) return false;
+    }
+    return true;
+}
+
 /// What stands in the directory already; nothing when it is new or empty.
 Result<std::optional<Experiment>> earlier_results(const ExperimentConfig& config, const RunRequest& request) {
     std::error_code failed;
@@ -32,7 +43,7 @@ Result<std::optional<Experiment>> earlier_results(const ExperimentConfig& config
         if (request.resume)
             return directory_error(directory, "there are no results to go on with: no experiment.json",
                                    "'raylex experiment run' begins");
-        if (fs::exists(directory, failed) && (!fs::is_directory(directory, failed) || !fs::is_empty(directory, failed)))
+        if (fs::exists(directory, failed) && !is_fresh(directory))
             return directory_error(directory,
                                    "this is neither empty nor a results directory; expected a new directory for -o");
         return std::optional<Experiment>();
@@ -95,6 +106,8 @@ class Run {
         std::error_code failed;
         fs::create_directories(request_.directory + "/cells", failed);
         if (failed) return directory_error(request_.directory, "cannot make this directory: " + failed.message());
+        const std::string shard = request_.shard.parts > 1 ? "-" + std::to_string(request_.shard.part) : std::string();
+        if (Status s = lock_.take(request_.directory, ".running" + shard); !s) return s;
         for (const std::string& note : plan_.notes) print_note(note);
         return success();
     }
@@ -254,7 +267,8 @@ class Run {
             if (!each.holds)
                 text +=
                     "; split '" + each.partition + "' DOES NOT HOLD (" + number_text(each.worst_relative_error) + ")";
-        progress_.line(text + "; " + time_left_text(left_seconds_, left_unknown_) + " left");
+        const bool last = left_seconds_ <= 0 && left_unknown_ == 0;
+        progress_.line(text + (last ? "" : "; " + time_left_text(left_seconds_, left_unknown_) + " left"));
     }
 
     Result<RunOutcome> finish() {
@@ -301,6 +315,7 @@ class Run {
     const RunRequest& request_;
     const std::atomic<bool>* stop_;
     transport::Stopwatch total_, expected_;
+    DirectoryLock lock_;
     Plan plan_;
     SceneStore scenes_;
     Estimates estimates_;

@@ -1,0 +1,40 @@
+#include "experiments/study/run/results_state.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+#include <cerrno>
+#include <utility>
+
+#include "display/services/parameters.h"
+
+namespace raylex::experiments {
+
+Error directory_error(const std::string& path, std::string message, std::string hint) {
+    return error_at({path, 0, 0}, std::move(message), std::move(hint));
+}
+
+Status check_same_config(const Experiment& results, const ExperimentConfig& config) {
+    if (results.config_hash == config.hash) return success();
+    std::string there;
+    for (const std::string& each : results.overrides) there += " --set " + each;
+    return error_at({config.file, 1, 1},
+                    "the results in '" + results.directory + "' are of another config: hash " + results.config_hash +
+                        (there.empty() ? "" : " (with" + there + ")") + ", this one has " + config.hash,
+                    "choose another directory with -o, or give the config and the --set that they were made with");
+}
+
+DirectoryLock::~DirectoryLock() {
+    if (file_ >= 0) close(file_);
+}
+
+Status DirectoryLock::take(const std::string& directory, const std::string& name) {
+    const std::string path = directory + "/" + name;
+    file_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+    // Where a file system knows no locks, one run at a time is the user's to see to.
+    if (file_ < 0 || flock(file_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return success();
+    return directory_error(directory, "another process is running cells into this directory",
+                           "wait for it, or choose another directory with -o");
+}
+
+}  // namespace raylex::experiments
