@@ -85,7 +85,8 @@ TEST_CASE("an experiment leaves every cell's image and sums, and refuses to begi
     CHECK(succeed(folder, "experiment run c.toml -o out --set method.deep.integrator=nothing-like-it", 2).out.empty());
     fs::create_directory(folder.path("mine"));
     folder.write("mine/thesis.tex", "");
-    CHECK(succeed(folder, "experiment run c.toml -o mine", 2).err.find("neither empty nor a results directory") != std::string::npos);
+    CHECK(succeed(folder, "experiment run c.toml -o mine", 2).err.find("neither empty nor a results directory") !=
+          std::string::npos);
 
     const Outcome run = succeed(folder, "experiment run c.toml -o out");
     CHECK(run.out.find("out: 8 of 8 cells done") != std::string::npos);
@@ -147,8 +148,10 @@ TEST_CASE("an experiment leaves every cell's image and sums, and refuses to begi
     CAPTURE(report.out, report.err);
     const bool has_d3 = report.err.find("libjs-d3") == std::string::npos;
     CHECK(report.code == (has_d3 ? 0 : 2));
-    for (const char* file : {"out/report.html", "out/results.csv", "out/results.jsonl"}) CHECK(folder.has(file) == has_d3);
-    CHECK(succeed(folder, "experiment report c.toml -o out --set replicates=3", 2).err.find("are of another config") != std::string::npos);
+    for (const char* file : {"out/report.html", "out/results.csv", "out/results.jsonl"})
+        CHECK(folder.has(file) == has_d3);
+    CHECK(succeed(folder, "experiment report c.toml -o out --set replicates=3", 2).err.find("are of another config") !=
+          std::string::npos);
     const Outcome other = succeed(folder, "experiment resume c.toml -o out --set replicates=3", 2);
     CHECK(other.err.find("are of another config") != std::string::npos);
     CHECK(succeed(folder, "experiment replay c.toml room.deep.24spp.r1 -o out").out.find("the same bits again") !=
@@ -243,6 +246,24 @@ TEST_CASE("a killed experiment goes on inside the cell, to the same bits [law3]"
     CHECK(results.time.total > 0);
     for (const auto& entry : fs::recursive_directory_iterator(folder.path("out")))
         CHECK(entry.path().extension() != ".checkpoint");
+}
+
+TEST_CASE("no two processes run cells into one directory") {
+    const Folder folder;
+    prepare(folder);
+    const std::string endless = " c.toml -o out --set replicates=1 --set budget.seconds=60 --set reference.spp=1";
+    const Outcome outcome =
+        run_shell(folder, "\"$RAYLEX\" experiment run" + endless +
+                              " >first.txt 2>&1 & pid=$!\n"
+                              "for i in $(seq 1500); do [ -e out/experiment.json ] && break; sleep 0.02; done\n"
+                              "\"$RAYLEX\" experiment resume" +
+                              endless + "; code=$?\nkill -INT $pid\nwait $pid\nexit $code");
+    CAPTURE(outcome.out);
+    CHECK(outcome.code == 2);
+    CHECK(outcome.err.find("another process is running cells into this directory") != std::string::npos);
+    CHECK(folder.read("first.txt")
+              .find("'raylex experiment resume' with the same config and directory goes on from here") !=
+          std::string::npos);
 }
 
 TEST_CASE("budgets of time and error store the samples they reached, and replay") {

@@ -1,5 +1,6 @@
 #include "experiments/study/analysis/distributions.h"
 
+#include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/non_central_t.hpp>
 #include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
@@ -17,6 +18,7 @@ using Policy =
                                   boost::math::policies::promote_double<false>>;
 using Normal = boost::math::normal_distribution<double, Policy>;
 using StudentT = boost::math::students_t_distribution<double, Policy>;
+using ChiSquared = boost::math::chi_squared_distribution<double, Policy>;
 using NoncentralT = boost::math::non_central_t_distribution<double, Policy>;
 
 constexpr double normal_from = 1e9;  // degrees from which t and normal quantiles agree to 1e-8 for any p used here
@@ -48,6 +50,9 @@ double detectable_shift(double alpha, double power, double degrees) {
     const double critical = -student_t_quantile(alpha / 2, degrees);
     // Above this many degrees the noncentral series is slow and the normal shift is exact to 1e-3 of a standard error.
     if (degrees > 2000) return critical + normal_quantile(power);
+    // With a degree or two the critical value runs to millions. Beside so large a shift the numerator's own noise, 1, is
+    // nothing: T is shift / sqrt(chi^2 / degrees), to a relative 1 / critical; and the series would leave 32 bits.
+    if (critical > 1000) return critical * std::sqrt(boost::math::quantile(ChiSquared(degrees), power) / degrees);
     double low = 0, high = 2 * critical + 10;
     while (1 - boost::math::cdf(NoncentralT(degrees, high), critical) < power) high *= 2;
     for (int i = 0; i < 60 && high - low > 1e-9 * high; ++i) {
