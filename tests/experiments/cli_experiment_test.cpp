@@ -248,6 +248,35 @@ TEST_CASE("a killed experiment goes on inside the cell, to the same bits [law3]"
         CHECK(entry.path().extension() != ".checkpoint");
 }
 
+TEST_CASE("a split that does not hold is rendered and measured, with the path that shows it") {
+    const Folder folder;
+    prepare(folder, config + R"([[channel]]
+name = "lit"
+lpe = "C.+L"
+[[channel]]
+name = "seen"
+lpe = "CL"
+[[partition]]
+name = "double"
+channels = ["lit", "seen", "direct"]
+)");
+    const Outcome run = succeed(folder, "experiment run c.toml -o out --set replicates=1 --set budget.samples=4", 1);
+    CHECK(run.out.find("split 'double' DOES NOT HOLD") != std::string::npos);
+    const Experiment results = results_of(folder, "out");
+    REQUIRE(results.cells.size() == 2);
+    for (const Cell& cell : results.cells) {
+        REQUIRE(cell.splits.size() == 1);
+        CHECK_FALSE(cell.splits.front().holds);
+        // Where all light is direct it is counted twice: |2 b - b| of 2 b + b. With more of it the share is smaller.
+        CHECK(cell.splits.front().worst_relative_error == Approx(1.0 / 3).epsilon(1e-6));
+        REQUIRE_FALSE(cell.warnings.empty());
+        CHECK(std::any_of(cell.warnings.begin(), cell.warnings.end(), [](const std::string& each) {
+            return each.find("partition 'double' does not hold: 'direct' and 'lit' both count") != std::string::npos ||
+                   each.find("partition 'double' does not hold: 'lit' and 'direct' both count") != std::string::npos;
+        }));
+    }
+}
+
 TEST_CASE("no two processes run cells into one directory") {
     const Folder folder;
     prepare(folder);
