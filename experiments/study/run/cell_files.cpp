@@ -59,10 +59,12 @@ Result<std::vector<PartitionVerdict>> write_render_files(const std::string& dire
     const transport::RenderOutput& output = rendered.output;
     const display::FrameBuffer& buffer = output.frame_buffer;
     const std::string image = directory + "/image.exr";
-    if (Status s = display::write_exr(image, buffer, output.beauty,
-                                      image_description(rendered.job, scene, output, rendered.partitions, attributes));
-        !s)
-        return s.error();
+    display::ImageDescription description =
+        image_description(rendered.job, scene, output, rendered.partitions, attributes);
+    // A cell's image is one of thousands, beside sums many times its size: what counts is the time it takes.
+    for (const char* kind : {"light", "color"})
+        if (Status s = display::override_exr_storage(description.storage, kind, "float rle", {}); !s) return s.error();
+    if (Status s = display::write_exr(image, buffer, output.beauty, description); !s) return s.error();
     std::vector<std::uint64_t> samples;
     samples.reserve(size_of(output.width) * size_of(output.height));
     for (int y = 0; y < output.height; ++y)
