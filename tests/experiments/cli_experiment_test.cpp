@@ -326,7 +326,7 @@ name = "self"
 command = "\"$RAYLEX\" render {scene} --seed {seed} --spp {spp} --lpe direct=CDL --threads 1 -o {out}"
 [[method]]
 name = "broken"
-command = "echo 'no licence' >&2; exit 3; : {scene} {seed} {out} {spp}"
+command = "[ -e licence ] || { echo 'no licence' >&2; exit 3; }; \"$RAYLEX\" render {scene} --seed {seed} --spp {spp} -o {out}"
 [[method]]
 name = "silent"
 command = ": {scene} {seed} {out} {spp}"
@@ -374,4 +374,11 @@ samples = [2, 8]
     // Failed cells stay as they are unless they are to be tried again.
     CHECK(run_shell(folder, "export RAYLEX\nexec \"$RAYLEX\" experiment resume c.toml -o out").code == 2);
     CHECK(results_of(folder, "out").cells.size() == 14);
+    folder.write("licence", "");
+    CHECK(run_shell(folder, "export RAYLEX\nexec \"$RAYLEX\" experiment resume c.toml -o out --retry").code == 2);
+    const Experiment retried = results_of(folder, "out");
+    CHECK(std::count_if(retried.cells.begin(), retried.cells.end(), [](const Cell& cell) { return cell.failed; }) == 6);
+    for (const Cell& cell : retried.cells)
+        if (cell.method == "broken") CHECK_FALSE(cell.failed);
+    CHECK_FALSE(folder.has("out/failed/room.broken.2spp.r0.json"));
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <string_view>
 
 #include "experiments/job/sampling_requests.h"
 #include "experiments/study/results_file.h"
@@ -100,16 +101,23 @@ bool has_place(const std::string& command, const char* place) {
     return command.find(std::string("{") + place + "}") != std::string::npos;
 }
 
-/// Every {word} of a command is one that the runner fills in.
+bool is_word(std::string_view text) {
+    return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '.';
+    });
+}
+
+/// Every {word} of a command is one that the runner fills in. Other braces, and ${word}, are the shell's.
 Status check_command(const MethodRequest& method, bool replicates) {
     std::vector<std::string> known{"scene", "seed", "spp", "seconds", "out", "width", "height", "threads"};
     for (const SweepAxis& axis : method.sweep) known.push_back(axis.key);
     const std::string& command = method.command;
-    for (std::size_t at = 0; (at = command.find('{', at)) != std::string::npos;) {
+    for (std::size_t at = 0; (at = command.find('{', at)) != std::string::npos; ++at) {
         const std::size_t end = command.find('}', at);
-        const std::string word = command.substr(at + 1, end == std::string::npos ? end : end - at - 1);
+        if (end == std::string::npos) break;
+        const std::string word = command.substr(at + 1, end - at - 1);
+        if (!is_word(word) || (at > 0 && command[at - 1] == '$')) continue;
         if (Status s = require_name("placeholder", word, known, method.location); !s) return s;
-        at = end;
     }
     if (!has_place(command, "out") || !has_place(command, "scene"))
         return error_at(method.location,

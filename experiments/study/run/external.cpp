@@ -54,7 +54,7 @@ std::string fill_command(const std::string& command, const NamedValues& places) 
         bool found = false;
         for (const auto& [name, value] : places) {
             const std::string place = "{" + name + "}";
-            if (command.compare(at, place.size(), place) != 0) continue;
+            if (command.compare(at, place.size(), place) != 0 || (at > 0 && command[at - 1] == '$')) continue;
             filled += shell_command({value});
             at += place.size();
             found = true;

@@ -13,7 +13,7 @@
 
 namespace raylex::experiments {
 
-/// {scene} and so on, each value quoted for a shell.
+/// {scene} and so on, each value quoted for a shell; ${scene} is the shell's own.
 std::string fill_command(const std::string& command, const NamedValues& places);
 
 struct ProcessOutcome {
