@@ -198,7 +198,7 @@ TEST_CASE("a heavy tail is told from pixels that are always hard [statistical]",
             for (std::size_t i = 0; i < a.size(); ++i) {
                 const double z = normal(random);
                 a[i] = spread[i] * z * z;
-                b[i] = std::pow(1 - uniform(random), -1 / 0.9);  // Pareto with index 0.9: no mean to speak of
+                b[i] = spread[i] * std::pow(1 - uniform(random), -1 / 0.9);  // Pareto with index 0.9: it has no mean
             }
             light.add(a);
             heavy.add(b);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "experiments/study/analysis/distributions.h"
@@ -181,23 +182,25 @@ Interval speed_up_interval(const Measured& a, const Measured& b, const IntervalO
 }
 
 void TailMonitor::add(std::span<const double> terms) {
-    mean_.resize(terms.size(), 0.0);
-    m2_.resize(terms.size(), 0.0);
-    count_ += 1;
-    for (std::size_t i = 0; i < terms.size(); ++i) {
-        const double step = terms[i] - mean_[i];
-        mean_[i] += step / count_;
-        m2_[i] += step * (terms[i] - mean_[i]);
-    }
+    std::vector<double> positive;
+    positive.reserve(terms.size());
+    for (const double term : terms)
+        if (term > 0) positive.push_back(term);
+    count_ += static_cast<double>(positive.size());
+    const auto kept = static_cast<std::size_t>(std::ceil(kept_share * static_cast<double>(positive.size())));
+    const auto end = positive.begin() + static_cast<std::ptrdiff_t>(kept);
+    if (end != positive.end()) std::nth_element(positive.begin(), end, positive.end(), std::greater<>());
+    largest_.insert(largest_.end(), positive.begin(), end);
 }
 
-double TailMonitor::effective_values() const {
-    double sum = 0, squares = 0;
-    for (const double value : m2_) {
-        sum += value;
-        squares += value * value;
-    }
-    return count_ >= 2 && squares > 0 ? sum * sum / squares : std::numeric_limits<double>::infinity();
+double TailMonitor::index() const {
+    std::vector<double> sorted = largest_;
+    std::sort(sorted.begin(), sorted.end(), std::greater<>());
+    const auto count = static_cast<std::size_t>(share_of_terms * count_);
+    if (count < 5 || count >= sorted.size()) return std::numeric_limits<double>::infinity();
+    double logs = 0;
+    for (std::size_t i = 0; i < count; ++i) logs += std::log(sorted[i] / sorted[count]);
+    return logs > 0 ? static_cast<double>(count) / logs : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace raylex::experiments

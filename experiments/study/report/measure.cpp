@@ -195,7 +195,7 @@ class Measurer {
         IntervalOptions options;
         options.confidence = study_.options.confidence;
         point.squared = error_interval(measured, point.excess, options);
-        point.effective_values = tail.effective_values();
+        point.tail_index = tail.index();
         point.group.heavy_tail = tail.heavy();
         point.group.at_floor = point.excess > 0 && point.squared.value < point.excess;
         if (point.group.heavy_tail && point.squared.valid()) point.squared.note = heavy_tail_note;

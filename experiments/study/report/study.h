@@ -37,7 +37,7 @@ struct BudgetPoint {
     double excess = 0;                                 ///< of the reference in relmse-mean
     Interval efficiency;                               ///< 1 / (relmse-mean x seconds)
     double seconds = 0, cpu_seconds = 0, samples = 0;  ///< means
-    double effective_values = 0;                       ///< of TailMonitor
+    double tail_index = 0;                             ///< of TailMonitor
 };
 
 /// A variant's error on a channel and region of a scene over its budgets.

@@ -73,7 +73,7 @@ void add_curve(Lines& lines, const Curve& curve) {
         json["wall_seconds"] = number(point.seconds);
         json["cpu_seconds"] = number(point.cpu_seconds);
         json["samples_per_pixel"] = number(point.samples);
-        json["effective_values"] = number(point.effective_values);
+        json["tail_index"] = number(point.tail_index);
         lines.add(json);
     }
     Json slope = curve_key("slope", curve);
