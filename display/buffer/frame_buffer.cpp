@@ -55,6 +55,19 @@ Status check_splat(std::span<const ChannelDefinition> channels) {
     return success();
 }
 
+Status check_raster(std::span<const ChannelDefinition> channels) {
+    for (const ChannelDefinition& channel : channels) {
+        if (channel.statistics || !keeps_pixels(channel))
+            return error_at({}, "channel '" + channel.name + "' has statistics, and splats that land anywhere do not tell a "
+                                "pixel's error; expected channels without");
+        const ChannelDefinition& source = takes_samples(channel) ? channel : channels[static_cast<std::size_t>(channel.source)];
+        if (source.style == ChannelStyle::expression && channel.rule != FilterRule::filter)
+            return error_at({}, "channel '" + channel.name + "' takes splats that land anywhere, which have no rule but the "
+                                "pixel filter; expected rule filter");
+    }
+    return success();
+}
+
 }  // namespace
 
 int splat_reach(float radius) {
@@ -62,10 +75,11 @@ int splat_reach(float radius) {
 }
 
 FrameBuffer::FrameBuffer(const FrameBufferLayout& layout, std::span<const ChannelDefinition> channels,
-                         const PixelFilter* splat)
+                         const PixelFilter* splat, const PixelFilter* raster)
     : storage_(std::make_unique<Storage>()) {
     Storage& storage = *storage_;
-    if (splat != nullptr) storage.kernel = *splat;
+    if (splat != nullptr) storage.set_kernel(*splat);
+    if (raster != nullptr) storage.set_raster_kernel(*raster);
     storage.layout = layout;
     storage.definitions.assign(channels.begin(), channels.end());
     const std::size_t pixels = storage.pixel_count();
@@ -92,6 +106,10 @@ FrameBuffer::FrameBuffer(const FrameBufferLayout& layout, std::span<const Channe
         } else {
             channel.sum.allocate(values);
         }
+        if (raster != nullptr && kernel && expression) {
+            channel.raster_sum.allocate(values);
+            storage.raster_channels.push_back(index);
+        }
         if (!kernel) channel.seen.allocate(pixels);
         if (kept.moments) {
             channel.plain_sum.allocate(values);
@@ -109,6 +127,7 @@ FrameBuffer::FrameBuffer(const FrameBufferLayout& layout, std::span<const Channe
             }
         }
     }
+    if (raster != nullptr) storage.light_paths.allocate(1);
     storage.rejected = std::make_unique<std::atomic<std::uint64_t>[]>(channels.size() + 1);
 }
 
@@ -117,13 +136,15 @@ FrameBuffer::FrameBuffer(FrameBuffer&&) noexcept = default;
 FrameBuffer& FrameBuffer::operator=(FrameBuffer&&) noexcept = default;
 
 Result<FrameBuffer> FrameBuffer::create(const FrameBufferLayout& layout, std::span<const ChannelDefinition> channels,
-                                        const PixelFilter* splat) {
+                                        const PixelFilter* splat, const PixelFilter* raster) {
     if (splat != nullptr)
         if (const Status status = check_splat(channels); !status) return status.error();
     if (const Status status = check_layout(layout); !status) return status.error();
     if (const Status status = check_outputs(channels); !status) return status.error();
+    if (raster != nullptr)
+        if (const Status status = check_raster(channels); !status) return status.error();
     try {
-        return FrameBuffer(layout, channels, splat);
+        return FrameBuffer(layout, channels, splat, raster);
     } catch (const std::bad_alloc&) {
         return error_at({}, "not enough memory for a frame buffer of " + std::to_string(layout.width) + " x " +
                                 std::to_string(layout.height) + " pixels and " + std::to_string(channels.size()) +

@@ -13,6 +13,13 @@
 // then share samples, so a pixel's own scatter says nothing of its error: statistics are refused. Rules other than
 // `filter` take the samples of the pixel itself in both modes.
 //
+// Raster splats: light that a path brings to a raster position of its own (a light tracer's, a Markov chain's). create()
+// is given the kernel by which it counts for the pixels in reach; a pixel of an expression channel that is filtered then is
+//     what its camera samples come to, by either mode + sum(kernel x value) / light paths a pixel,
+// the kernel being of integral 1 and the light paths those that count_light_paths() was told. Each splat goes to each pixel in one
+// exact addition, so splats have no order at all (Law 3). A light path may reach a pixel more than once or never: what one
+// pixel's splats scatter by says nothing of its error without the paths that missed it, and statistics are refused.
+//
 // What a channel's samples become:
 //   filter     sum of weight x value over the sum of weights, both kept exactly (weight: CameraRow::filter_weight)
 //   average    mean of the rows that were written, unweighted
@@ -59,9 +66,10 @@ class PixelFilter;
 class FrameBuffer final : public PixelImage {
   public:
     /// Throws std::bad_alloc when the system refuses the address space; create() is the checked door.
-    /// `splat` is copied; null for importance mode.
+    /// `splat`, the kernel of splat mode, is copied; null for importance mode. So is `raster`, the kernel of raster splats;
+    /// null when there will be none.
     FrameBuffer(const FrameBufferLayout& layout, std::span<const ChannelDefinition> channels,
-                const PixelFilter* splat = nullptr);
+                const PixelFilter* splat = nullptr, const PixelFilter* raster = nullptr);
     ~FrameBuffer() override;
     FrameBuffer(FrameBuffer&&) noexcept;
     FrameBuffer& operator=(FrameBuffer&&) noexcept;
@@ -69,12 +77,19 @@ class FrameBuffer final : public PixelImage {
     /// A frame buffer, or an error: a layout that makes no sense, statistics that the mode does not allow, or not enough
     /// memory.
     static Result<FrameBuffer> create(const FrameBufferLayout& layout, std::span<const ChannelDefinition> channels,
-                                      const PixelFilter* splat = nullptr);
+                                      const PixelFilter* splat = nullptr, const PixelFilter* raster = nullptr);
 
     /// Takes in one batch: every run of rows of one pixel must be (part of) one aligned block, whole unless it is the last
     /// of the budget. A run that reaches into the next block is cut there. Threads may call at once for different pixels;
     /// in splat mode, for pixels farther apart than twice splat_reach().
     void accumulate(const SampleTable& table);
+
+    /// Takes in raster splats: of every row in `rows`, what its expression channels hold, times CameraRow::filter_weight and
+    /// the kernel about CameraRow::screen_x and screen_y. Threads may call at once for different pixels. Needs a raster kernel.
+    void splat(const SampleTable& table, std::span<const int> rows);
+    /// That many more light paths are in, whether or not they splatted anything. Any thread, any time.
+    void count_light_paths(std::uint64_t paths);
+    [[nodiscard]] std::uint64_t light_path_count() const;
 
     /// Adds the record of another buffer of the same layout and channels: exact, in any order (Law 3). The samples of the
     /// two must be disjoint and whole blocks. On error this buffer is unchanged.
@@ -85,7 +100,10 @@ class FrameBuffer final : public PixelImage {
     void append_record(std::string& bytes) const;
     /// The frame buffer that append_record() was called on: the same bits in every respect. An Error when the bytes are no
     /// record of this version or end too early; damage within is for the file around them to find (checkpoint/).
+    /// The kernels of splat mode and raster splats are there by name only: what is to take in samples again adopts them.
     static Result<FrameBuffer> from_record(std::string_view bytes);
+    /// After from_record(): the kernels of a buffer from which this one does not differ.
+    void adopt_kernels(const FrameBuffer& other);
 
     /// What of layout and channels is not the same, or empty: merge() takes equals only.
     [[nodiscard]] std::string difference_from(const FrameBuffer& other) const;

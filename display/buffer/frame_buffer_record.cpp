@@ -7,7 +7,7 @@ namespace raylex::display {
 namespace {
 
 /// Raise it with every change of what stands in a record, but for planes: those have names.
-constexpr std::uint32_t record_version = 1;
+constexpr std::uint32_t record_version = 2;
 
 /// A binding that no longer fits says that ChannelDefinition has a member which no record holds yet.
 void write_channel(RecordWriter& writer, const ChannelDefinition& definition) {
@@ -87,6 +87,8 @@ void FrameBuffer::append_record(std::string& bytes) const {
     writer.number(storage.layout.height);
     writer.number(storage.layout.block_size);
     writer.number(storage.layout.quantum_exponent);
+    writer.text(storage.kernel_name);
+    writer.text(storage.raster_kernel_name);
     writer.number(static_cast<std::uint64_t>(storage.channels.size()));
     for (const ChannelDefinition& definition : storage.definitions) write_channel(writer, definition);
     for (std::size_t i = 0; i <= storage.channels.size(); ++i) writer.number(storage.rejected[i].load());
@@ -107,13 +109,19 @@ Result<FrameBuffer> FrameBuffer::from_record(std::string_view bytes) {
     layout.quantum_exponent = reader.number<int>();
     constexpr int longest_side = 1 << 20;  // so that no size below overflows
     if (layout.width > longest_side || layout.height > longest_side) return record_error("its size is out of range");
+    const std::string kernel = reader.text(), raster_kernel = reader.text();
     const auto count = reader.number<std::uint64_t>();
     std::vector<ChannelDefinition> channels;
     for (std::uint64_t i = 0; i < count && reader.ok(); ++i) channels.push_back(read_channel(reader));
     if (!reader.ok()) return record_error("it ends or goes wrong among the channels");
-    auto buffer = create(layout, channels);
+    // Planes and checks are those of the mode, whatever the kernel.
+    const FilterProfile box([](double) { return 1.0; }, 0.5, 1);
+    const PixelFilter any("box", box, box);
+    auto buffer = create(layout, channels, kernel.empty() ? nullptr : &any, raster_kernel.empty() ? nullptr : &any);
     if (!buffer) return buffer.error();
     Storage& storage = *buffer->storage_;
+    storage.kernel_name = kernel;
+    storage.raster_kernel_name = raster_kernel;
     for (std::size_t i = 0; i <= channels.size(); ++i) storage.rejected[i].store(reader.number<std::uint64_t>());
     visit_planes(storage, [&](const std::string& name, auto& plane) {
         if (reader.text() != name) reader.fail();
@@ -121,6 +129,11 @@ Result<FrameBuffer> FrameBuffer::from_record(std::string_view bytes) {
     });
     if (!reader.at_end()) return record_error("its planes are others, end too early or go on too long");
     return buffer;
+}
+
+void FrameBuffer::adopt_kernels(const FrameBuffer& other) {
+    storage_->kernel = other.storage_->kernel;
+    storage_->raster_kernel = other.storage_->raster_kernel;
 }
 
 }  // namespace raylex::display

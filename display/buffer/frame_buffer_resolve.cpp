@@ -62,12 +62,16 @@ std::vector<double> FrameBuffer::resolve(ChannelId id, const PixelRegion& region
     const double miss =
         channel.definition.style == ChannelStyle::name ? static_cast<double>(channel.definition.miss_value) : 0;
     std::vector<double> result(pixel_count(region) * components);
+    const long double raster_scale = channel.raster_sum.empty() ? 0 : storage.raster_scale();
     for_each_pixel(region, storage.layout.width, [&](std::size_t at, std::size_t pixel) {
         double* out = &result[at * components];
         const std::size_t in = pixel * components;
         if (rule == FilterRule::filter) {
             const Divisor divisor(storage.weight[pixel], storage.samples[pixel], exponent);
             for (std::size_t c = 0; c < components; ++c) out[c] = divisor.mean_of(channel.sum[in + c]);
+            if (raster_scale == 0) return;
+            for (std::size_t c = 0; c < components; ++c)
+                out[c] += static_cast<double>(as_long_double(channel.raster_sum[in + c]) * raster_scale);
         } else if (channel.seen[pixel] == 0) {
             std::fill_n(out, components, miss);
         } else if (is_z_rule(rule) || is_extremum(rule)) {
@@ -95,9 +99,8 @@ std::string FrameBuffer::difference_from(const FrameBuffer& other) const {
     const Storage& mine = *storage_;
     const Storage& theirs = *other.storage_;
     if (!(mine.layout == theirs.layout)) return "different size, block size or quantum";
-    if (mine.kernel.has_value() != theirs.kernel.has_value() ||
-        (mine.kernel && mine.kernel->name() != theirs.kernel->name()))
-        return "different pixel filters or filter modes";
+    if (mine.kernel_name != theirs.kernel_name || mine.raster_kernel_name != theirs.raster_kernel_name)
+        return "different pixel filters, filter modes or ways of splatting";
     if (mine.channels.size() != theirs.channels.size())
         return std::to_string(mine.channels.size()) + " and " + std::to_string(theirs.channels.size()) + " channels";
     for (std::size_t i = 0; i < mine.channels.size(); ++i)

@@ -12,6 +12,7 @@
 #include <new>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace raylex::display {
@@ -104,6 +105,7 @@ struct FrameBuffer::Channel {
     int components = 1;
     bool reads_untouched = false;     // whether a batch in which nothing was sent to it still changes it
     Plane<Int128> sum;                // [pixel, component] filter: weighted; average, sum: unweighted
+    Plane<Int128> raster_sum;         // [pixel, component] raster splats: by the kernel
     Plane<Int128> plain_sum;          // [pixel, component] statistics: unweighted
     Plane<Int128> square_sum;         // [pixel, component] statistics: squares, quantum 2^square_exponent
     Plane<Int128> even_sum, odd_sum;  // [pixel, component] half buffers: weighted, of the samples of that parity
@@ -116,6 +118,7 @@ struct FrameBuffer::Channel {
     template <class Visit>
     static void for_each_plane(Visit visit) {
         visit("sum", &Channel::sum);
+        visit("raster_sum", &Channel::raster_sum);
         visit("plain_sum", &Channel::plain_sum);
         visit("square_sum", &Channel::square_sum);
         visit("even_sum", &Channel::even_sum);
@@ -132,6 +135,9 @@ struct FrameBuffer::Storage {
 
     FrameBufferLayout layout;
     std::optional<PixelFilter> kernel;        // splat mode
+    std::optional<PixelFilter> raster_kernel; // raster splats
+    std::string kernel_name, raster_kernel_name;   // empty without; of a record, all that there is
+    std::vector<std::size_t> raster_channels;      // which have a raster_sum
     std::vector<ChannelDefinition> definitions;
     std::vector<Channel> channels;
     Plane<std::uint64_t> samples;       // [pixel]
@@ -139,6 +145,7 @@ struct FrameBuffer::Storage {
     Plane<Int128> weight_square;        // [pixel] only when a channel keeps statistics
     Plane<std::uint64_t> even_samples, odd_samples;   // [pixel] only when a channel keeps half buffers
     Plane<Int128> even_weight, odd_weight;
+    Plane<std::uint64_t> light_paths;   // one number: how many the raster splats are of
     std::unique_ptr<std::atomic<std::uint64_t>[]> rejected;   // [channel], the last entry for weight and alpha
 
     /// The same list for what all channels share.
@@ -152,8 +159,19 @@ struct FrameBuffer::Storage {
         visit("odd_samples", &Storage::odd_samples);
         visit("even_weight", &Storage::even_weight);
         visit("odd_weight", &Storage::odd_weight);
+        visit("light_paths", &Storage::light_paths);
     }
 
+    void set_kernel(const PixelFilter& filter) {
+        kernel = filter;
+        kernel_name = filter.name();
+    }
+    void set_raster_kernel(const PixelFilter& filter) {
+        raster_kernel = filter;
+        raster_kernel_name = filter.name();
+    }
+    /// What makes a pixel of a raster sum; 0 before there are light paths.
+    [[nodiscard]] long double raster_scale() const;
     void reject(std::size_t channel) { rejected[channel].fetch_add(1, std::memory_order_relaxed); }
     /// sum[at ..] += the terms, all of them or (counted against `channel`) none.
     void add(Plane<Int128>& sum, std::size_t at, const double* terms, int count, int exponent, std::size_t channel) {

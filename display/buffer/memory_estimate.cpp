@@ -11,15 +11,22 @@
 namespace raylex::display {
 namespace {
 
+bool of_expression(std::span<const ChannelDefinition> channels, std::size_t index) {
+    const ChannelDefinition& channel = channels[index];
+    const ChannelDefinition& source = takes_samples(channel) ? channel : channels[static_cast<std::size_t>(channel.source)];
+    return source.style == ChannelStyle::expression;
+}
+
 /// As FrameBuffer's constructor lays it out.
-std::uint64_t bytes_per_pixel(std::span<const ChannelDefinition> channels, std::size_t index) {
+std::uint64_t bytes_per_pixel(std::span<const ChannelDefinition> channels, std::size_t index, bool raster) {
     const ChannelDefinition& channel = channels[index];
     if (!keeps_pixels(channel)) return 0;
     const KeptStatistics kept = kept_statistics(channels, index);
     const auto components = static_cast<std::uint64_t>(component_count(channel.type));
     const FilterRule rule = channel.rule;
     if (rule == FilterRule::filter)
-        return components * sizeof(Int128) * (1 + (kept.moments ? 2u : 0u) + (kept.halves ? 2u : 0u));
+        return components * sizeof(Int128) *
+               (1 + (raster && of_expression(channels, index) ? 1u : 0u) + (kept.moments ? 2u : 0u) + (kept.halves ? 2u : 0u));
     if (is_extremum(rule)) return components * sizeof(double) + sizeof(std::uint64_t);
     if (is_z_rule(rule)) return components * sizeof(double) + sizeof(std::uint64_t) + sizeof(float);
     return components * sizeof(Int128) + sizeof(std::uint64_t);
@@ -28,7 +35,7 @@ std::uint64_t bytes_per_pixel(std::span<const ChannelDefinition> channels, std::
 }  // namespace
 
 std::vector<MemoryItem> frame_buffer_memory(const FrameBufferLayout& layout,
-                                            std::span<const ChannelDefinition> channels) {
+                                            std::span<const ChannelDefinition> channels, bool raster) {
     const std::uint64_t pixels = static_cast<std::uint64_t>(layout.width) * static_cast<std::uint64_t>(layout.height);
     KeptStatistics any;
     for (std::size_t i = 0; i < channels.size(); ++i) {
@@ -39,7 +46,7 @@ std::vector<MemoryItem> frame_buffer_memory(const FrameBufferLayout& layout,
                                   (any.halves ? 2 * (sizeof(std::uint64_t) + sizeof(Int128)) : 0u);
     std::vector<MemoryItem> items{{"weights", pixels * weights}};
     for (std::size_t i = 0; i < channels.size(); ++i)
-        items.push_back({channels[i].name, pixels * bytes_per_pixel(channels, i)});
+        items.push_back({channels[i].name, pixels * bytes_per_pixel(channels, i, raster)});
     return items;
 }
 

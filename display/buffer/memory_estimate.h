@@ -18,8 +18,9 @@ struct MemoryItem {
 
 /// One item per channel, in order, after "weights" for what they share. The sum is an upper bound that is reached when
 /// every pixel of every channel gets something: pages that nothing touches are never taken from the system.
+/// `raster`: with room for raster splats.
 std::vector<MemoryItem> frame_buffer_memory(const FrameBufferLayout& layout,
-                                            std::span<const ChannelDefinition> channels);
+                                            std::span<const ChannelDefinition> channels, bool raster = false);
 
 /// Bytes in all.
 [[nodiscard]] std::uint64_t total_bytes(std::span<const MemoryItem> items);

@@ -71,6 +71,23 @@ void SampleTable::begin(std::span<const CameraRow> rows) {
     std::fill_n(invalid_.begin(), count, 0u);
 }
 
+int SampleTable::add_camera_row(const CameraRow& camera) {
+    assert(row_count_ == camera_row_count_);
+    if (camera_row_count_ == max_rows_) return -1;
+    const int row = camera_row_count_++;
+    row_count_ = camera_row_count_;
+    const auto index = static_cast<std::size_t>(row);
+    camera_rows_[index] = camera;
+    originals_[index] = row;
+    depth[index] = std::numeric_limits<float>::infinity();
+    is_volume[index] = 0;
+    opacity[index] = RgbD{};
+    surface[index] = 0;
+    valid[index] = 1;
+    invalid_[index] = 0;
+    return row;
+}
+
 void SampleTable::count_invalid(int row, ChannelId channel, const Rgb& value) {
     ++invalid_[static_cast<std::size_t>(original(row))];
     ++invalid_total_;

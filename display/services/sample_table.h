@@ -46,6 +46,9 @@ class SampleTable {
     /// Empties the table for a new batch of at most max_rows() rays: rows are cleared only where the last batch touched
     /// them.
     void begin(std::span<const CameraRow> rows);
+    /// One more camera row, at the end of those there are: for rows that become known one by one. No extra row may stand
+    /// there yet. -1 when the table is full.
+    int add_camera_row(const CameraRow& camera);
     /// Drops everything sent since begin(); the batch then leaves no trace in the frame buffer.
     void discard();
     [[nodiscard]] bool discarded() const { return discarded_; }

@@ -244,7 +244,7 @@ void add_options(CLI::App& command, RenderOptions& options) {
         ->check(CLI::Range(0, 4096));
     command.add_option("--resolution", options.resolution, "image size in pixels; default: as the scene says")
         ->option_text("WxH");
-    command.add_option("--integrator", options.integrator, "integrator; default: as the scene says")
+    command.add_option("--integrator", options.integrator, "path, lighttracer, pssmlt or a plugin's; default: as the scene says")
         ->option_text("NAME");
     command.add_option("--max-depth", options.max_depth, "at most N scattering events on a path")
         ->option_text("N")

@@ -77,6 +77,9 @@ Status RenderOutputs::make_deep(const transport::RenderPlan& plan) {
     if (plan.splat)
         return error_at(request.location, "a deep image is made of samples that belong to one pixel, and filter mode splat "
                                           "shares them; expected filter mode importance");
+    if (plan.raster)
+        return error_at(request.location, "a deep image is made of samples that belong to one pixel, and the light paths of this "
+                                          "integrator land anywhere; expected another integrator, such as path");
     std::vector<display::ChannelId> chosen;
     if (plan.beauty >= 0) chosen.push_back(plan.beauty);
     std::vector<std::string> names;

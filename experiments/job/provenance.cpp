@@ -96,6 +96,8 @@ std::map<std::string, std::string> header_attributes(const Job& job, const trans
         std::string& list = attributes["raylex/plugins"];
         list += (list.empty() ? "" : "\n") + plugin.path;
     }
+    if (const std::uint64_t paths = output.frame_buffer.light_path_count(); paths > 0)
+        attributes["raylex/light_paths"] = std::to_string(paths);
     if (job.settings.adaptive) attributes["raylex/adaptive"] = describe(*job.settings.adaptive);
     if (output.resumed_samples > 0) attributes["raylex/resumed_samples"] = std::to_string(output.resumed_samples);
     if (!job.job_text.empty()) attributes["raylex/job"] = job.job_text;

@@ -209,6 +209,47 @@ LightSource "infinite" "rgb L" [0.5 0.5 0.5]
         }
 }
 
+TEST_CASE("splits sum and means agree with every strategy where one of them does badly", "[render][law1]") {
+    // Veach's plates: small lights in rough plates favour light samples, large ones in smooth plates scattering.
+    const auto scene = scene_of(film + R"(
+LookAt 0 2 6  0 0.6 0  0 1 0
+Camera "perspective" "float fov" 32
+WorldBegin
+Material "conductor" "rgb reflectance" [0.9 0.9 0.9] "float roughness" 0.08
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-2 0.7 -0.5 2 0.7 -0.5 2 1.1 -1.4 -2 1.1 -1.4]
+Material "conductor" "rgb reflectance" [0.9 0.9 0.9] "float roughness" 0.3
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-2 0 1 2 0 1 2 0.3 0 -2 0.3 0]
+Material "diffuse" "rgb reflectance" [0.4 0.4 0.4]
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-4 -0.2 4 4 -0.2 4 4 -0.2 -4 -4 -0.2 -4]
+AttributeBegin AreaLightSource "diffuse" "rgb L" [4 4 4] Translate 1 2.5 -1.5 Shape "sphere" "float radius" 0.5 AttributeEnd
+AttributeBegin AreaLightSource "diffuse" "rgb L" [60 60 60] Translate -1 2.5 -1.5 Shape "sphere" "float radius" 0.12 AttributeEnd
+LightSource "point" "rgb I" [2 2 2] "point3 from" [0 3 2]
+)");
+    transport::RenderSettings settings;
+    settings.samples_per_pixel = 128;
+    settings.max_depth = 2;
+    settings.channels = {lpe("plates", "C<RS>[<L.>O]"), lpe("floor", "C<RD>.*[<L.>O]"), lpe("rest", "")};
+    settings.channels[2].rest_of = {0, 1};
+    std::vector<transport::RenderOutput> outputs;
+    for (const char* strategy : {"mis", "light", "scattering"}) {
+        CAPTURE(strategy);
+        settings.integrator = path_with(text_parameter("strategy", strategy));
+        ++settings.seed;
+        outputs.push_back(render_of(scene, settings));
+        const display::FrameBuffer& buffer = outputs.back().frame_buffer;
+        const std::vector<double> whole = buffer.resolve(0), a = buffer.resolve(1), b = buffer.resolve(2), c = buffer.resolve(3);
+        for (std::size_t i = 0; i < whole.size(); ++i)
+            CHECK(std::abs(a[i] + b[i] + c[i] - whole[i]) <= 1e-12 * (a[i] + b[i] + c[i] + whole[i]));
+    }
+    for (display::ChannelId id = 0; id <= 2; ++id)
+        for (std::size_t other = 1; other < 3; ++other) {
+            const Estimate a = estimate(outputs[0], id), b = estimate(outputs[other], id);
+            INFO("channel " << id << " strategy " << other << ": " << a.mean << " +- " << a.error << ", " << b.mean << " +- " << b.error);
+            CHECK(deviation(a, b) < 4.5);
+            CHECK(b.error < 0.1 * b.mean);
+        }
+}
+
 TEST_CASE("a render that is stopped returns what it has, marked incomplete", "[render]") {
     std::atomic<bool> stop{true};
     auto output = transport::render(scene_of(room), {}, {}, &stop);

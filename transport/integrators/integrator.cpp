@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
+#include "transport/integrators/light_tracer.h"
 #include "transport/integrators/path.h"
+#include "transport/integrators/pssmlt.h"
 
 namespace raylex::transport {
 
@@ -85,9 +87,25 @@ Registry<IntegratorFactory>& integrator_registry() {
     static Registry<IntegratorFactory> registry = [] {
         Registry<IntegratorFactory> r("integrator");
         r.add(path_integrator_entry());
+        auto media_too = path_integrator_entry();
+        media_too.name = "volpath";
+        media_too.help = "another name for path, which takes participating media as they come";
+        r.add(media_too);
+        r.add(light_tracer_entry());
+        r.add(pssmlt_entry());
         return r;
     }();
     return registry;
+}
+
+Result<std::uint32_t> read_max_depth(const SceneEntity& entity, std::optional<std::int64_t> max_depth) {
+    auto depth = entity.parameters.integer_or("maxdepth", 5);
+    if (!depth) return depth.error();
+    if (max_depth) *depth = *max_depth;
+    if (*depth < 0)
+        return error_at(entity.location,
+                        "'maxdepth' is " + std::to_string(*depth) + "; expected 0 or more scattering events");
+    return static_cast<std::uint32_t>(std::min<std::int64_t>(*depth, 1'000'000));
 }
 
 Result<ChosenIntegrator> choose_integrator(const SceneEntity& entity, std::optional<std::int64_t> max_depth) {
@@ -96,7 +114,7 @@ Result<ChosenIntegrator> choose_integrator(const SceneEntity& entity, std::optio
     if (asked.type.empty()) asked.type = "path";
     static const std::vector<std::string> of_pbrt = {
         "ambientocclusion", "bdpt",       "function",      "lightpath", "mlt",
-        "randomwalk",       "simplepath", "simplevolpath", "sppm",      "volpath"};
+        "randomwalk",       "simplepath", "simplevolpath", "sppm"};
     if (!integrator_registry().find(asked.type) &&
         std::find(of_pbrt.begin(), of_pbrt.end(), asked.type) != of_pbrt.end()) {
         chosen.warnings.push_back(

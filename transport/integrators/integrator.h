@@ -10,6 +10,8 @@
 //   factory(parameters)          typed, located parameters; an Error here names file and line
 //   prepare(context)             once, single-threaded, before any ray: tables of its own, channel ids to cache
 //   make_thread_state()          once per thread
+//   start-up                     if starts_up(): one integrate() per tile with CameraBatch::startup, whose samples must be
+//                                discarded (display.discard_iteration()); then end_startup(), single-threaded
 //   begin_iteration(i)           single-threaded; photon maps, guiding structures, chains are shared state made here
 //     integrate(batch, ...)      many threads at once; const: shared state is read-only while rays fly
 //   end_iteration(i)             single-threaded: take in what the threads' states gathered
@@ -19,8 +21,8 @@
 // per block of samples of the whole image, all threads waiting for one another in between.
 //
 // Randomness comes from the batch's samplers, keyed by named dimensions; pick dimensions from first_free_dimension up.
-// An integrator whose light paths land on any pixel (light tracing, Metropolis) will splat through ThreadServices too:
-// a raster-position sink joins display and lpe there.
+// An integrator whose light paths land on any pixel (light tracing, Metropolis) says so in its traits and reports them
+// through ThreadServices::raster. A batch of n camera rays then is n light paths too, whatever each of them brings.
 #pragma once
 
 #include <algorithm>
@@ -36,6 +38,7 @@
 
 #include "display/services/display_services.h"
 #include "display/services/lpe_services.h"
+#include "display/services/raster_splats.h"
 #include "display/services/registry.h"
 #include "geoaovs/geoaovs.h"
 #include "lpe/channels/lobe_slots.h"
@@ -46,6 +49,8 @@
 #include "transport/samplers/pixel_sampler.h"
 
 namespace raylex::transport {
+
+class PerspectiveCamera;
 
 /// Sampler dimensions that the engine uses itself: pixel filter, lens, shutter time.
 inline constexpr std::uint32_t filter_dimension = 0, lens_dimension = 1, time_dimension = 2, first_free_dimension = 8;
@@ -125,17 +130,29 @@ struct IntegratorContext {
     Vec2 pixel_size;                   ///< of a pixel on the plane at distance 1 before the camera
     bool beauty = true;                ///< false: what no channel can accept need not be simulated (Law 4)
     int batch_capacity = 0;            ///< most rays of one batch
+    const PerspectiveCamera* camera = nullptr;
+    int width = 0, height = 0;         ///< of the image
+    Vec2 filter_radius;                ///< how far around the image light still counts, in pixels
+    std::uint32_t tiles = 1;           ///< that CameraBatch::tile counts
+    std::uint64_t seed = 0;
+    const display::LpeSetup* lpe = nullptr;   ///< for LPE services of its own, on a table of its own
+    display::LpeServices::Attribution attribution = display::LpeServices::Attribution::exact;
 };
 
 /// Camera rays of one call. ray i belongs to row i and draws from samplers[i].
 struct CameraBatch {
     std::span<const Ray> rays;
     std::span<const PixelSampler> samplers;
+    std::span<const display::CameraRow> rows;
+    /// Whose pixels they are. Within an iteration of a synchronous integrator, no two threads hold batches of one tile.
+    std::uint32_t tile = 0;
+    bool startup = false;   ///< not of the image: see Integrator::starts_up
 };
 
 struct ThreadServices {
     display::DisplayServices& display;
     display::LpeServices& lpe;
+    display::RasterSplats* raster = nullptr;  ///< for integrators with the trait raster_splats; else null
 };
 
 /// Work done, for statistics. Added up over threads at the end.
@@ -167,6 +184,10 @@ struct IntegratorTraits {
     std::optional<std::int64_t> max_depth;  ///< scattering events of a path at most
     bool media = false;            ///< takes paths through participating media
     SavedState saved_state = SavedState::unknown;
+    /// Light lands at raster positions of its own (ThreadServices::raster). What needs samples that belong to a pixel is
+    /// refused then: layers of statistics, adaptive sampling, sample filters, deep images, other rules than the pixel filter
+    /// for light. Moments (ChannelDefinition::statistics) are not kept.
+    bool raster_splats = false;
 };
 
 class Integrator {
@@ -174,10 +195,15 @@ class Integrator {
     virtual ~Integrator() = default;
     [[nodiscard]] virtual IntegratorTraits traits() const { return {}; }
     virtual Status prepare(const IntegratorContext& context) = 0;
+    /// After prepare(): what of this scene the integrator does not find, as warnings for the user.
+    [[nodiscard]] virtual std::vector<std::string> omissions() const { return {}; }
     [[nodiscard]] virtual std::unique_ptr<IntegratorThread> make_thread_state() const {
         return std::make_unique<IntegratorThread>();
     }
     [[nodiscard]] virtual bool synchronous() const { return false; }
+    /// Whether there are samples to take before the image: a Metropolis integrator's bootstrap.
+    [[nodiscard]] virtual bool starts_up() const { return false; }
+    virtual void end_startup() {}
     virtual void begin_iteration(std::uint64_t /*iteration*/) {}
     virtual void integrate(const CameraBatch& batch, IntegratorThread& thread, ThreadServices& services) const = 0;
     virtual void end_iteration(std::uint64_t /*iteration*/, std::span<IntegratorThread* const> /*threads*/) {}
@@ -192,15 +218,19 @@ class Integrator {
 using IntegratorFactory =
     std::function<Result<std::unique_ptr<Integrator>>(const SceneEntity&, std::optional<std::int64_t> max_depth)>;
 
-/// path; plugins add theirs.
+/// path (volpath is another name for it), lighttracer, pssmlt; plugins add theirs.
 Registry<IntegratorFactory>& integrator_registry();
+
+/// The parameter "maxdepth" of in-tree integrators, `max_depth` first; 5 without, at most a million.
+Result<std::uint32_t> read_max_depth(const SceneEntity& entity, std::optional<std::int64_t> max_depth);
 
 struct ChosenIntegrator {
     std::unique_ptr<Integrator> integrator;
     std::string name;
     std::vector<Error> warnings;
 };
-/// pbrt's integrators that are not here fall back to `path` with a warning; a name nobody knows is an Error. An empty
+/// pbrt's integrators that are not here fall back to `path` with a warning; `volpath` means `path`, which takes media as they
+/// come; a name nobody knows is an Error. An empty
 /// type means `path`.
 Result<ChosenIntegrator> choose_integrator(const SceneEntity& entity, std::optional<std::int64_t> max_depth);
 

@@ -87,7 +87,7 @@ void PathIntegrator::deliver(PathThread& thread, ThreadServices& services, std::
                              float light_pdf, std::uint32_t light) const {
     const PathState& path = thread.paths[row];
     const float weight = scattering_weight(path, light_pdf);
-    if (!(weight > 0)) return;
+    if (!(weight > 0) || path.depth < parameters_.first_depth) return;
     display::Tracker tracker = thread.trackers[row];
     services.lpe.move(tracker, context_.events->terminal(light));
     const Rgb value = path.beta * emitted * weight;

@@ -26,7 +26,11 @@ struct PathParameters {
     std::uint32_t max_depth = 5;  ///< scattering events at most; emission after the last still counts
     PathStrategy strategy = PathStrategy::mis;
     bool roulette = true;
+    std::uint32_t first_depth = 0;  ///< light found before so many scattering events is left to others (not a parameter)
 };
+
+/// The integrator itself, for others that are made of it.
+std::unique_ptr<Integrator> make_path_integrator(const PathParameters& parameters);
 
 /// The registry's entry: parameters maxdepth, strategy, roulette.
 Registry<IntegratorFactory>::Entry path_integrator_entry();

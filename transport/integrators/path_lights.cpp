@@ -1,26 +1,9 @@
-// The path integrator's light samples: drawing them, and what cutouts and media on their way let through.
-#include <algorithm>
-
+// The path integrator's light samples.
 #include "transport/integrators/path_state.h"
+#include "transport/integrators/straight.h"
 #include "transport/math/sampling.h"
 
 namespace raylex::transport {
-
-float PathIntegrator::emitter_opacity(const LightSample& sample, const Vec3& from) const {
-    const Light& light = context_.scene.lights->lights()[sample.light];
-    if (!light.is_area() || light.hidden) return 1;
-    const ShapeGeometry& shape = context_.scene.geometry->shapes()[light.shape];
-    if (shape.alpha < 0 || shape.interface) return 1;
-    Ray ray[1];
-    ray[0].origin = from;
-    ray[0].direction = sample.target - from;
-    const Hit hit[1] = {{1, sample.uv.x, sample.uv.y, light.shape, light.primitive, Hit::none}};
-    SurfacePoint point[1];
-    SurfaceSource source[1];
-    context_.scene.geometry->surfaces(ray, hit, point, source);
-    return std::clamp(context_.scene.textures->real(shape.alpha, {point[0].u, point[0].v, point[0].position}), 0.0f,
-                      1.0f);
-}
 
 void PathIntegrator::sample_lights(PathThread& thread, ThreadServices& services) const {
     thread.pending_count = 0;
@@ -41,7 +24,7 @@ void PathIntegrator::sample_lights(PathThread& thread, ThreadServices& services)
                            sampler.get_2d(dimension(path, light_dimension)), sample))
             continue;
         if (parameters_.strategy == PathStrategy::scattering && !sample.delta) continue;
-        if (cutouts) sample.radiance *= emitter_opacity(sample, v.points[j].position);
+        if (cutouts) sample.radiance *= emitter_opacity(context_.scene, sample, v.points[j].position);
         const BsdfEvaluation f = v.bsdfs[j].evaluate(v.points[j].wo, sample.wi);
         if (f.value.is_black()) continue;
         float weight = 1;
@@ -79,51 +62,13 @@ void PathIntegrator::sample_lights(PathThread& thread, ThreadServices& services)
     thread.counters.shadow_rays += thread.pending_count;
 }
 
-float PathIntegrator::straight_transmittance(Ray ray, float visible, std::int32_t medium, display::Tracker& tracker,
-                                             ThreadServices& services, IntegratorCounters& counters,
-                                             Rgb& through) const {
-    const EmbreeScene& geometry = *context_.scene.geometry;
-    const bool finite_end = ray.t_max < infinity;
-    const bool to_the_end = in_media_ && services.lpe.wants_emitter_samples();  // `through` counts without shadows too
-    const Vec3 end = ray.origin + ray.direction;
-    for (;;) {
-        Hit hit;
-        if (geometry.has_alpha()) {
-            geometry.intersect_alpha(ray, hit);
-            ++counters.shadow_rays;
-        }
-        if (medium >= 0) {
-            const float whole = finite_end ? length(ray.direction) : infinity;
-            const float distance = !hit.valid() ? whole : finite_end ? hit.t * whole : hit.t;
-            through *= transmittance((*context_.scene.media)[medium], distance);
-        }
-        if (!hit.valid()) return visible;
-        const Hit hits[1] = {hit};
-        const Ray rays[1] = {ray};
-        SurfacePoint point[1];
-        SurfaceSource source[1];
-        geometry.surfaces(rays, hits, point, source);
-        const ShapeGeometry& shape = geometry.shapes()[hit.shape];
-        visible *= 1 - std::clamp(context_.scene.textures->real(shape.alpha, {point[0].u, point[0].v, point[0].position}),
-                                  0.0f, 1.0f);
-        if (visible > 0) services.lpe.move(tracker, context_.events->straight(source[0].label));
-        else if (!to_the_end) return 0;
-        if (shape.interface) medium = shape.medium_towards(point[0].geometric_normal, ray.direction, medium);
-        ray.origin = leave_surface(point[0].position, point[0].geometric_normal, source[0].offset, ray.direction);
-        if (finite_end) {
-            const Vec3 rest = end - ray.origin;
-            if (!(dot(rest, ray.direction) > 0)) return visible;
-            ray.direction = rest;
-        }
-    }
-}
-
 void PathIntegrator::add_lights(PathThread& thread, ThreadServices& services) const {
     if (thread.pending_count == 0) return;
     const EmbreeScene& geometry = *context_.scene.geometry;
     geometry.occluded({thread.shadow_rays.data(), thread.pending_count}, {thread.blocked.data(), thread.pending_count});
     const bool with_emitters = services.lpe.wants_emitter_samples();
     const bool straight = geometry.has_alpha() || in_media_;
+    const bool to_the_end = in_media_ && with_emitters;  // `through` counts without shadows too
     for (std::size_t i = 0; i < thread.pending_count; ++i) {
         if (thread.blocked[i] && !with_emitters) continue;
         const PendingLight& pending = thread.pending[i];
@@ -134,8 +79,8 @@ void PathIntegrator::add_lights(PathThread& thread, ThreadServices& services) co
         Rgb value = pending.value, through(1);
         float visible = thread.blocked[i] ? 0.0f : 1.0f;
         if (straight && (!thread.blocked[i] || in_media_)) {
-            visible = straight_transmittance(thread.shadow_rays[i], visible, media.along, tracker, services,
-                                             thread.counters, through);
+            visible = straight_transmittance({context_.scene, *context_.events, services.lpe, thread.counters, to_the_end},
+                                             thread.shadow_rays[i], visible, media.along, tracker, through);
             if (!(visible > 0) && !with_emitters) continue;
             value *= visible;
             if (in_media_) value *= through;

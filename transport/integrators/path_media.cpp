@@ -8,6 +8,7 @@
 // opacity. A medium that only absorbs stops none: an extra sample takes the share it absorbs. Opacity of coloured media
 // is right in the mean over the colours, as alpha is.
 #include "transport/integrators/path_state.h"
+#include "transport/integrators/straight.h"
 #include "transport/media/phase.h"
 
 namespace raylex::transport {
@@ -50,7 +51,7 @@ bool PathIntegrator::fly(PathThread& thread, ThreadServices& services, std::uint
     const Medium& m = (*context_.scene.media)[medium];
     PathState& path = thread.paths[row];
     const display::Tracker& tracker = thread.trackers[row];
-    if (m.emits) {
+    if (m.emits && path.depth >= parameters_.first_depth) {
         display::Tracker at_glow = tracker;
         services.lpe.move(at_glow, context_.events->emission());
         const Rgb emitted = emission_along(m, distance);
@@ -101,7 +102,7 @@ void PathIntegrator::sample_lights_in_media(PathThread& thread, ThreadServices& 
                            sampler.get_2d(dimension(path, light_dimension)), sample))
             continue;
         if (parameters_.strategy == PathStrategy::scattering && !sample.delta) continue;
-        sample.radiance *= emitter_opacity(sample, c.positions[k]);
+        sample.radiance *= emitter_opacity(context_.scene, sample, c.positions[k]);
         const float phase = phase_pdf((*context_.scene.media)[medium].g, c.forward[k], sample.wi);
         float weight = 1;
         if (!sample.delta && parameters_.strategy == PathStrategy::mis) weight = power_heuristic(sample.pdf, phase);

@@ -10,13 +10,9 @@ namespace {
 
 Result<std::unique_ptr<Integrator>> make_path(const SceneEntity& entity, std::optional<std::int64_t> max_depth) {
     PathParameters p;
-    auto depth = entity.parameters.integer_or("maxdepth", 5);
+    auto depth = read_max_depth(entity, max_depth);
     if (!depth) return depth.error();
-    if (max_depth) *depth = *max_depth;
-    if (*depth < 0)
-        return error_at(entity.location,
-                        "'maxdepth' is " + std::to_string(*depth) + "; expected 0 or more scattering events");
-    p.max_depth = static_cast<std::uint32_t>(std::min<std::int64_t>(*depth, 1'000'000));
+    p.max_depth = *depth;
     auto strategy = entity.parameters.string_or("strategy", "mis");
     if (!strategy) return strategy.error();
     const std::vector<std::string> names = {"mis", "light", "scattering"};
@@ -33,10 +29,14 @@ Result<std::unique_ptr<Integrator>> make_path(const SceneEntity& entity, std::op
     if (*regularize)
         return error_at(entity.location, "'regularize' is not supported: it would blur specular lobes; remove it");
     static_cast<void>(entity.parameters.find("lightsampler"));  // changes noise, never the image
-    return std::unique_ptr<Integrator>(std::make_unique<PathIntegrator>(p));
+    return make_path_integrator(p);
 }
 
 }  // namespace
+
+std::unique_ptr<Integrator> make_path_integrator(const PathParameters& parameters) {
+    return std::make_unique<PathIntegrator>(parameters);
+}
 
 Registry<IntegratorFactory>::Entry path_integrator_entry() {
     using T = ParameterType;

@@ -177,13 +177,7 @@ class PathIntegrator final : public Integrator {
     void report_hidden_environments(PathThread& thread, ThreadServices& services, std::size_t j) const;
     // path_lights.cpp
     void sample_lights(PathThread& thread, ThreadServices& services) const;
-    /// What an emitter with a cutout keeps at the sampled point: as much as scattering finds there on average.
-    [[nodiscard]] float emitter_opacity(const LightSample& sample, const Vec3& from) const;
     void add_lights(PathThread& thread, ThreadServices& services) const;
-    /// What the cutouts along a shadow ray let through of `visible`, 0 behind an opaque surface; moves `tracker` past them.
-    /// `through` takes what the media on the way let pass, `medium` being the first; opaque surfaces are no borders to it.
-    float straight_transmittance(Ray ray, float visible, std::int32_t medium, display::Tracker& tracker,
-                                 ThreadServices& services, IntegratorCounters& counters, Rgb& through) const;
     // path_media.cpp; these run only in scenes with media
     /// As trace(): paths that collide with particles on their way go to the collisions instead.
     void trace_in_media(PathThread& thread, ThreadServices& services) const;

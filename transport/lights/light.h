@@ -1,6 +1,7 @@
 // A light as plain data, evaluated by a switch on its kind.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "display/services/rgb.h"
@@ -43,6 +44,14 @@ struct Light {
     [[nodiscard]] bool is_area() const { return kind < LightKind::point; }
 };
 
+/// What a spot light sends at this cosine to its axis, as a share of its intensity: a smoothstep between the two angles.
+inline float spot_falloff(const Light& light, float cosine) {
+    const float x = (cosine - light.cos_zero) / (light.cos_full - light.cos_zero);
+    if (!(x > 0)) return 0;
+    const float t = std::min(x, 1.0f);
+    return t * t * (3 - 2 * t);
+}
+
 /// A direction towards a light, and what would arrive from there if nothing is in between.
 struct LightSample {
     Rgb radiance;             ///< delta lights: intensity / d^2 or irradiance, to be divided by `pdf` like the others
@@ -54,6 +63,14 @@ struct LightSample {
     Vec2 uv;                  ///< area lights: where on the primitive, as Hit has it
     std::uint32_t light = 0;
     bool delta = false, infinite = false;
+};
+
+/// Where a light path begins.
+struct EmissionSample {
+    LightSample from;    ///< target, target_normal, target_offset, uv and light of where it leaves; of infinite lights the light
+    Vec3 origin;         ///< off the surface
+    Vec3 direction;      ///< unit
+    Rgb power;           ///< radiance times cosine over the density of all choices: what the light emits, in the mean
 };
 
 /// The ray that tests whether `sample` is visible from `position`.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "transport/lights/area_points.h"
 #include "transport/lights/light_table.h"
 #include "transport/math/sampling.h"
 
@@ -24,48 +25,17 @@ bool finish_area_sample(const Light& light, const Vec3& from, float area_density
     return true;
 }
 
-float point_offset(const Vec3& n, const Vec3& p, const Vec3& extent) {
-    return gamma_bound(8) * (std::abs(n.x) * (std::abs(p.x) + extent.x) + std::abs(n.y) * (std::abs(p.y) + extent.y) +
-                             std::abs(n.z) * (std::abs(p.z) + extent.z));
-}
-
-Vec3 magnitudes(const Vec3& a, const Vec3& b) {
-    return {std::abs(a.x) + std::abs(b.x), std::abs(a.y) + std::abs(b.y), std::abs(a.z) + std::abs(b.z)};
-}
-
 bool sample_triangle(const Light& light, const Vec3& from, const Vec2& u, LightSample& s) {
-    const Vec2 b = sample_uniform_triangle(u);
-    s.uv = {b.y, 1 - b.x - b.y};
-    s.target = light.position + light.edge1 * b.y + light.edge2 * (1 - b.x - b.y);
-    s.target_normal = light.direction;
-    s.target_offset = point_offset(light.direction, light.position, magnitudes(light.edge1, light.edge2));
-    return finish_area_sample(light, from, 1 / light.area, s);
+    return finish_area_sample(light, from, sample_triangle_point(light, u, s), s);
 }
 
 bool sample_patch(const Light& light, const ShapeGeometry& shape, const Vec3& from, const Vec2& u, LightSample& s) {
-    const BilinearPatch patch = shape.patch(light.primitive);
-    const DVec3 n = cross(patch.dpdu(u.y), patch.dpdv(u.x));
-    const double area = length(n);
-    if (!(area > 0)) return false;
-    s.uv = u;
-    s.target = patch.point(u.x, u.y).to_float();
-    s.target_normal = (n * ((shape.flip_normal && shape.normals.empty() ? -1 : 1) / area)).to_float();
-    if (!shape.normals.empty())
-        s.target_normal = face_forward(
-            s.target_normal, shape.normals[shape.patch_indices[4 * static_cast<std::size_t>(light.primitive)]]);
-    s.target_offset = point_offset(s.target_normal, s.target, {});
-    return finish_area_sample(light, from, static_cast<float>(1 / area), s);
+    const float density = sample_patch_point(light, shape, u, s);
+    return density > 0 && finish_area_sample(light, from, density, s);
 }
 
 bool sample_quadric(const Light& light, const Quadric& quadric, const Vec3& from, const Vec2& u, LightSample& s) {
-    double a, b;
-    quadric.sample_area(u.x, u.y, a, b);
-    const Quadric::Point point = quadric.world_point(a, b);
-    s.uv = {static_cast<float>(a), static_cast<float>(b)};
-    s.target = point.position.to_float();
-    s.target_normal = point.normal.to_float();
-    s.target_offset = point_offset(s.target_normal, s.target, {});
-    return finish_area_sample(light, from, static_cast<float>(1 / (quadric.object_area() * point.area_scale)), s);
+    return finish_area_sample(light, from, sample_quadric_point(quadric, u, s), s);
 }
 
 struct Cone {
@@ -130,10 +100,8 @@ bool sample_point(const Light& light, const Vec3& from, LightSample& s) {
     s.delta = true;
     float falloff = 1;
     if (light.kind == LightKind::spot) {
-        const float x = (-dot(light.direction, s.wi) - light.cos_zero) / (light.cos_full - light.cos_zero);
-        if (!(x > 0)) return false;
-        const float t = std::min(x, 1.0f);
-        falloff = t * t * (3 - 2 * t);  // smoothstep
+        falloff = spot_falloff(light, -dot(light.direction, s.wi));
+        if (!(falloff > 0)) return false;
     }
     s.radiance = light.emission * (falloff / d2);
     return true;

@@ -54,6 +54,12 @@ class LightTable {
     /// False when nothing can arrive at `from`. u in [0, 1)^2; u_choice in [0, 1), read only if needs_choice_number().
     bool sample(LightChoice choice, const EmbreeScene& geometry, const Vec3& from, float u_choice, Vec2 u,
                 LightSample& sample) const;
+    /// Draws where and in what direction light leaves: a light by its power, then a point and a cosine-weighted direction of an
+    /// area light, a direction of a point or spot, a direction of an infinite light and a point of the disk that covers the
+    /// scene across it. False when nothing leaves. All u in [0, 1); u_choice is read only if
+    /// needs_choice_number(LightChoice::light_sampling).
+    bool sample_emission(const EmbreeScene& geometry, float u_choice, Vec2 u_position, Vec2 u_direction,
+                         EmissionSample& sample) const;
     /// Whether a ray can find any light: if not, a path's last scattering need not be traced.
     [[nodiscard]] bool any_to_hit() const { return any_to_hit_; }
 

@@ -60,6 +60,9 @@ Result<PerspectiveCamera> PerspectiveCamera::build(const SceneEntity& entity, co
     camera.step_y_ = DVec3{0, (screen[2] - screen[3]) * tangent / height, 0}.to_float();
 
     camera.world_to_camera_ = camera_to_world.inverse().matrix();
+    camera.to_camera_ = Matrix34(camera.world_to_camera_);
+    camera.raster_density_ = std::abs(camera.to_camera_.determinant() /
+                                      (static_cast<double>(camera.step_x_.x) * static_cast<double>(camera.step_y_.y)));
     const double near = 1e-2, far = 1e3;
     const double sx = 2 / ((screen[1] - screen[0]) * tangent), sy = 2 / ((screen[3] - screen[2]) * tangent);
     const double ox = -(screen[1] + screen[0]) / (screen[1] - screen[0]),
@@ -84,6 +87,31 @@ Ray PerspectiveCamera::generate(float x, float y, const Vec2& lens) const {
     ray.origin = camera_to_world_.point(on_lens);
     ray.direction = normalize(camera_to_world_.vector(through * focal_distance_ - on_lens));
     return ray;
+}
+
+// A raster position r and a point of the lens o give the direction D(r) = M (f q(r) - o), where q(r) lies on the plane at
+// distance 1, f is the focal distance and M the linear part of camera to world. Then d(omega)/d(r) = |det(D, D_x, D_y)| / |D|^3 =
+// |det M| f^3 pixel_area / |D|^3, and a point at p in camera space, seen from o, lies on D at |D| = distance f / (p - o)_z.
+// The measurement is a mean over the lens, from which o is drawn, so that densities of o cancel.
+bool PerspectiveCamera::connect(const Vec3& point, const Vec2& lens, CameraConnection& connection) const {
+    DVec3 seen = to_camera_.point(DVec3(point));
+    if (!(seen.z > 0)) return false;
+    double at_x = seen.x / seen.z, at_y = seen.y / seen.z;
+    connection.position = origin_;
+    if (has_lens()) {
+        const Vec2 d = sample_disk(lens);
+        const Vec3 on_lens{d.x * lens_radius_, d.y * lens_radius_, 0};
+        connection.position = camera_to_world_.point(on_lens);
+        seen = seen - DVec3(on_lens);
+        const double focal = static_cast<double>(focal_distance_);
+        at_x = seen.x / seen.z + static_cast<double>(on_lens.x) / focal;
+        at_y = seen.y / seen.z + static_cast<double>(on_lens.y) / focal;
+    }
+    connection.x = static_cast<float>((at_x - static_cast<double>(corner_.x)) / static_cast<double>(step_x_.x));
+    connection.y = static_cast<float>((at_y - static_cast<double>(corner_.y)) / static_cast<double>(step_y_.y));
+    const double distance = length(DVec3(point) - DVec3(connection.position));
+    connection.importance = static_cast<float>(raster_density_ * distance / (seen.z * seen.z * seen.z));
+    return true;
 }
 
 void PerspectiveCamera::rigid_world_to_camera(float (&matrix)[3][4]) const {

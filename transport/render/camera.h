@@ -5,10 +5,20 @@
 #include <optional>
 
 #include "lpe/result.h"
+#include "transport/geometry/matrix34.h"
 #include "transport/geometry/ray.h"
 #include "transport/scene/scene_description.h"
 
 namespace raylex::transport {
+
+/// How a point in front of the camera is seen: from where, and where on the raster.
+struct CameraConnection {
+    Vec3 position;         ///< world: the pinhole, or a point of the lens
+    float x = 0, y = 0;    ///< raster position; it may lie outside the image
+    /// Raster area (pixels) for each area at the point that faces the camera: what radiance from there times |cos| at the
+    /// point counts for, per area at the point and raster area. Mean over the lens.
+    float importance = 0;
+};
 
 class PerspectiveCamera {
   public:
@@ -18,6 +28,8 @@ class PerspectiveCamera {
 
     /// The ray through raster position (x, y); `lens` in [0, 1)^2. Its direction is unit, in world space.
     [[nodiscard]] Ray generate(float x, float y, const Vec2& lens) const;
+    /// How the camera sees a point in world space through `lens` in [0, 1)^2; false for what is not in front of it.
+    [[nodiscard]] bool connect(const Vec3& point, const Vec2& lens, CameraConnection& connection) const;
     [[nodiscard]] bool has_lens() const { return lens_radius_ > 0; }
 
     /// Width and height of a pixel on the plane at distance 1 before the camera.
@@ -33,6 +45,8 @@ class PerspectiveCamera {
     Vec3 corner_, step_x_, step_y_;  // camera space, at z = 1: raster (0, 0) and one pixel right and down
     Vec3 origin_;                    // world
     float lens_radius_ = 0, focal_distance_ = 1e6f;
+    Matrix34 to_camera_;
+    double raster_density_ = 0;      // pixels for each area on the plane at distance 1, in volume units of the world
     Matrix4 world_to_camera_{}, world_to_screen_{};
 };
 

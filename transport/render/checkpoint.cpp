@@ -115,6 +115,7 @@ RecordIdentity render_identity(const RenderJob& job, const RenderSettings& setti
     add("samples per pixel", std::to_string(job.samples_per_pixel));
     add("sampler", job.sampler == SamplerKind::sobol ? "sobol" : "independent");
     add("pixel filter", job.filter->name() + (settings.filter ? " " + entity_text(*settings.filter) : std::string()));
+    add("filter mode", job.splat ? "splat" : "importance");
     if (settings.integrator) add("integrator", entity_text(*settings.integrator));
     if (settings.max_depth) add("max depth", std::to_string(*settings.max_depth));
     for (std::size_t i = 0; i < settings.sample_filters.size(); ++i)
@@ -144,9 +145,6 @@ Status check_checkpoint(const CheckpointSettings& settings, const RenderJob& job
                                 "checkpoints",
                             "leave out --checkpoint and --resume, or the deep image");
     }
-    if (job.splat)
-        return error_at({}, "filter mode splat is not saved in checkpoints",
-                        "leave out --checkpoint and --resume, or choose filter mode importance");
     if (settings.file.empty()) return error_at({}, "a checkpoint without a file; expected its name");
     return success();
 }
@@ -201,6 +199,7 @@ Result<RenderPosition> restore_checkpoint(const CheckpointSettings& settings, co
     if (!progress.at_end()) return damaged("progress");
     auto restored = display::FrameBuffer::from_record(content("frame buffer"));
     if (!restored || !restored->difference_from(frame_buffer).empty()) return damaged("frame buffer");
+    restored->adopt_kernels(frame_buffer);
     frame_buffer = *std::move(restored);
     for (geoaovs::Cryptomatte& matte : job.cryptomatte)
         if (!matte.coverage().restore_record(content(matte.name()))) return damaged(matte.name());

@@ -26,7 +26,7 @@ Status resolve_channels(const RenderSettings& settings, std::span<const display:
         beauty.style = display::ChannelStyle::expression;
         beauty.expression = "C.*";
         beauty.space = "rendering colour space";
-        beauty.statistics = !settings.splat;
+        beauty.statistics = !settings.splat && !job.raster;
         job.beauty = 0;
         job.channels.push_back(beauty);
         names.insert(beauty.name);
@@ -41,6 +41,7 @@ Status resolve_channels(const RenderSettings& settings, std::span<const display:
             known->statistics = channel.statistics;
             channel = *std::move(known);
         }
+        if (job.raster) channel.statistics = false;  // nothing to keep; layers of it are refused
         for (std::size_t& index : channel.rest_of) index += shift;
         job.channels.push_back(std::move(channel));
     }
@@ -80,6 +81,10 @@ Status resolve_adaptive(const RenderSettings& settings, const ChosenIntegrator& 
                                            "errors they cannot tell",
                         "leave out --until-error and [adaptive], or choose filter mode importance");
     if (Status s = display::AdaptiveSampler::check(adaptive, job.channels, job.beauty); !s) return s;
+    if (job.raster)
+        return error_at(adaptive.location, "light paths of integrator '" + chosen.name + "' land anywhere on the image, so it "
+                                           "cannot sample adaptively",
+                        "leave out --until-error and [adaptive], or choose another integrator, such as path");
     if (chosen.integrator->synchronous())
         return error_at(adaptive.location, "integrator '" + chosen.name + "' samples the whole image at once, so it cannot "
                                            "sample adaptively",
@@ -102,6 +107,10 @@ Status resolve_limit(const RenderSettings& settings, RenderJob& job) {
         return error_at(settings.adaptive->location, "adaptive sampling in a render that ends by itself or is a shard: pixels "
                                                      "do not have the same number of samples",
                         "leave out [adaptive]");
+    if (job.first_sample > 0 && job.integrator->starts_up())
+        return error_at({}, "a shard of a render by Markov chains: those of every shard would begin alike, so shards are no parts "
+                            "of one render",
+                        "render with other seeds instead, or choose another integrator, such as path");
     if (!settings.limit) return success();
     const bool tells_error = job.beauty >= 0 && job.channels[static_cast<std::size_t>(job.beauty)].statistics;
     if (settings.limit->error > 0 && !tells_error)
@@ -158,6 +167,37 @@ Status check_splat(const RenderSettings& settings, const SourceLocation& filter,
                                                                "' keeps statistics, which filter mode splat has none of; " + hint);
     if (!settings.cryptomatte.empty())
         return error_at({}, "cryptomatte in filter mode splat: coverage is of samples that belong to one pixel; " + hint);
+    return success();
+}
+
+/// What needs samples that belong to a pixel is refused for light that lands anywhere. After the channels are resolved.
+Status check_raster(const RenderSettings& settings, const ChosenIntegrator& chosen, const SourceLocation& filter,
+                    const RenderJob& job) {
+    if (!job.raster) return success();
+    const std::string who = "integrator '" + chosen.name + "', whose light paths land anywhere on the image, ";
+    const std::string hint = "or choose another integrator, such as path";
+    if (std::max(job.filter->radius_x(), job.filter->radius_y()) + 1 > static_cast<float>(RenderLoop::tile_size))
+        return error_at(filter, "pixel filter '" + job.filter->name() + "' reaches farther than " +
+                                    std::to_string(RenderLoop::tile_size - 1) + " pixels, too far for " + who + "to splat",
+                        "choose a smaller one, " + hint);
+    if (!settings.statistics.empty())
+        return error_at(settings.statistics.front().location,
+                        who + "has no statistics of '" + settings.statistics.front().channel +
+                            "': a pixel's samples are not its own and cannot tell its error",
+                        "leave them out, " + hint);
+    if (!settings.sample_filters.empty())
+        return error_at(settings.sample_filters.front().location,
+                        who + "takes no sample filters ('" + settings.sample_filters.front().type +
+                            "'): they change the samples of camera rays",
+                        "leave them out, " + hint);
+    for (const display::ChannelDefinition& channel : job.channels) {
+        const display::ChannelDefinition& source =
+            display::takes_samples(channel) ? channel : job.channels[static_cast<std::size_t>(channel.source)];
+        if (source.style == display::ChannelStyle::expression && channel.rule != display::FilterRule::filter)
+            return error_at(display::location_of(channel),
+                            who + "knows no rule but the pixel filter; channel '" + channel.name + "' has another",
+                            "leave it out, " + hint);
+    }
     return success();
 }
 
@@ -279,14 +319,19 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
                                    warnings);
         !s)
         return s.error();
-    if (Status s = resolve_channels(settings, scene.pattern_channels(), job); !s) return s.error();
-    if (Status s = make_sample_filters(settings, job); !s) return s.error();
-    if (Status s = display::add_layers(settings.layers, job.channels); !s) return s.error();
-    if (Status s = display::add_statistics(settings.statistics, job.channels); !s) return s.error();
     auto chosen = choose_integrator(settings.integrator ? *settings.integrator : scene.integrator, settings.max_depth);
     if (!chosen) return chosen.error();
     warnings.insert(warnings.end(), chosen->warnings.begin(), chosen->warnings.end());
     job.integrator = chosen->integrator.get();
+    job.raster = job.integrator->traits().raster_splats;
+    if (job.only && job.integrator->starts_up())
+        return error_at({}, "integrator '" + chosen->name + "' cannot render one sample alone: its paths follow from one another",
+                        "leave out --replay, or choose another integrator, such as path");
+    if (Status s = resolve_channels(settings, scene.pattern_channels(), job); !s) return s.error();
+    if (Status s = make_sample_filters(settings, job); !s) return s.error();
+    if (Status s = display::add_layers(settings.layers, job.channels); !s) return s.error();
+    if (Status s = display::add_statistics(settings.statistics, job.channels); !s) return s.error();
+    if (Status s = check_raster(settings, *chosen, filter.location, job); !s) return s.error();
     if (Status s = resolve_adaptive(settings, *chosen, job); !s) return s.error();
     if (Status s = resolve_limit(settings, job); !s) return s.error();
     auto lpe = display::LpeSetup::build(job.channels, job.beauty);
@@ -310,8 +355,20 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
     context.pixel_size = job.camera->pixel_size();
     context.beauty = job.beauty >= 0;
     context.batch_capacity = RenderLoop::batch_capacity;
+    context.camera = job.camera.get();
+    context.width = film->width;
+    context.height = film->height;
+    context.filter_radius = {job.filter->radius_x(), job.filter->radius_y()};
+    const auto tiles_of = [](int size, int padding) {
+        return static_cast<std::uint32_t>((size + 2 * padding + RenderLoop::tile_size - 1) / RenderLoop::tile_size);
+    };
+    context.tiles = tiles_of(film->width, job.padding_x) * tiles_of(film->height, job.padding_y);
+    context.seed = job.seed;
+    context.lpe = job.lpe.get();
+    context.attribution = job.attribution;
     context.pattern_channels = asks_for(job.channels, scene.pattern_channels());
     if (Status s = job.integrator->prepare(context); !s) return s.error();
+    for (std::string& omission : job.integrator->omissions()) warnings.push_back(error_at({}, std::move(omission)));
 
     display::FrameBufferLayout layout;
     layout.width = film->width;
@@ -325,8 +382,9 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
                         .beauty = job.beauty,
                         .filter = job.filter.get(),
                         .splat = job.splat,
+                        .raster = job.raster,
                         .altered = job.sample_filters.alters(),
-                        .memory = display::frame_buffer_memory(layout, job.channels)};
+                        .memory = display::frame_buffer_memory(layout, job.channels, job.raster)};
         for (const geoaovs::MatteKind kind : settings.cryptomatte)
             plan.memory.push_back({geoaovs::matte_layer(kind),
                                    display::RankedCoverage::expected_bytes(film->width, film->height)});
@@ -338,7 +396,8 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
     }
     display::RecordIdentity identity;
     if (settings.checkpoint) identity = render_identity(job, settings, scene.isa());
-    auto frame_buffer = display::FrameBuffer::create(layout, job.channels, job.splat ? job.filter.get() : nullptr);
+    auto frame_buffer = display::FrameBuffer::create(layout, job.channels, job.splat ? job.filter.get() : nullptr,
+                                                     job.raster ? job.filter.get() : nullptr);
     if (!frame_buffer) return frame_buffer.error();
 
     if (Status s = make_cryptomatte(settings, scene, job, warnings); !s) return s.error();

@@ -35,6 +35,7 @@ struct RenderPlan {
     display::ChannelId beauty = display::invalid_channel;
     const display::PixelFilter* filter = nullptr;
     bool splat = false;
+    bool raster = false;                                    ///< the integrator's light lands anywhere on the image
     std::vector<display::ChannelId> altered;                ///< by sample filters: partitions with these do not sum
     std::vector<display::MemoryItem> memory;                ///< of the frame buffer, layer by layer, and cryptomattes
 };

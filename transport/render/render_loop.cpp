@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <exception>
 #include <new>
@@ -37,12 +38,41 @@ TileLocks::Group TileLocks::group(std::uint64_t x, std::uint64_t y, std::uint64_
     return group;
 }
 
-RenderWorker::RenderWorker(const RenderJob& job, display::FrameBuffer& frame_buffer)
+void SplatGate::take(const display::SampleTable& table) {
+    const int tile = RenderLoop::tile_size;
+    // Where a splat's footprint ends may be off by a rounding; half a pixel more makes up for it.
+    const float reach_x = job_.filter->radius_x() + 1, reach_y = job_.filter->radius_y() + 1;
+    order_.clear();
+    for (int row = 0; row < table.camera_row_count(); ++row) {
+        const display::CameraRow& splat = table.camera_row(row);
+        const int x = std::clamp(static_cast<int>(std::floor(splat.screen_x)), 0, job_.film.width - 1) + grid_.padding_x,
+                  y = std::clamp(static_cast<int>(std::floor(splat.screen_y)), 0, job_.film.height - 1) + grid_.padding_y;
+        const float in_x = static_cast<float>(x % tile), in_y = static_cast<float>(y % tile), end = static_cast<float>(tile) - 1;
+        const bool around = in_x < reach_x || in_y < reach_y || in_x > end - reach_x || in_y > end - reach_y;
+        const std::uint64_t number = static_cast<std::uint64_t>(y / tile) * grid_.columns + static_cast<std::uint64_t>(x / tile);
+        order_.emplace_back(2 * number + (around ? 1 : 0), row);
+    }
+    std::sort(order_.begin(), order_.end());
+    for (std::size_t begin = 0, end = 0; begin < order_.size(); begin = end) {
+        rows_.clear();
+        for (; end < order_.size() && order_[end].first == order_[begin].first; ++end) rows_.push_back(order_[end].second);
+        const std::uint64_t number = order_[begin].first / 2;
+        TileLocks::Group adding =
+            locks_.group(number % grid_.columns, number / grid_.columns, grid_.columns, order_[begin].first % 2 != 0);
+        const std::lock_guard lock(adding);
+        frame_buffer_.splat(table, rows_);
+    }
+}
+
+RenderWorker::RenderWorker(const RenderJob& job, const TileGrid& grid, TileLocks& locks, display::FrameBuffer& frame_buffer)
     : job_(job),
       frame_buffer_(frame_buffer),
       table_(job.channels, RenderLoop::batch_capacity, job.has_extra_rows ? 4 * RenderLoop::batch_capacity : 0),
       display_(table_),
       lpe_(*job.lpe, table_, job.seed, job.attribution),
+      gate_(job, grid, locks, frame_buffer),
+      raster_(job.raster ? std::make_unique<display::RasterSplats>(*job.lpe, job.channels, job.seed, job.attribution, gate_)
+                         : nullptr),
       state_(job.integrator->make_thread_state()),
       rows_(RenderLoop::batch_capacity),
       rays_(RenderLoop::batch_capacity),
@@ -55,6 +85,14 @@ void RenderWorker::render_tile(int x0, int y0, int x1, int y1, std::uint64_t fir
         if (x0 + dx < x1 && y0 + dy < y1) add_pixel(x0 + dx, y0 + dy, first, count, adding);
     }
     flush(adding);
+}
+
+void RenderWorker::start_up(int x0, int y0, std::uint32_t of, TileLocks::Group& adding) {
+    tile = of;
+    startup_ = true;
+    add_pixel(x0, y0, 0, 1, adding);
+    flush(adding);
+    startup_ = false;
 }
 
 void RenderWorker::render_open_pixels(int x0, int y0, int x1, int y1, std::uint64_t blocks, TileLocks::Group& adding) {
@@ -109,15 +147,21 @@ void RenderWorker::flush(TileLocks::Group& adding) {
     if (count_ == 0) return;
     table_.begin({rows_.data(), count_});
     const double begin = job_.aovs->wants_time() ? thread_cpu_seconds() : 0;
-    ThreadServices services{display_, lpe_};
-    job_.integrator->integrate({{rays_.data(), count_}, {samplers_.data(), count_}}, *state_, services);
+    ThreadServices services{display_, lpe_, raster_.get()};
+    job_.integrator->integrate({{rays_.data(), count_}, {samplers_.data(), count_}, {rows_.data(), count_}, tile, startup_},
+                               *state_, services);
+    if (raster_ && table_.discarded()) raster_->discard();
     if (!table_.discarded()) {
+        if (raster_) {
+            raster_->flush();
+            frame_buffer_.count_light_paths(count_);
+        }
         finish_samples(begin);
         const std::lock_guard lock(adding);
         frame_buffer_.accumulate(table_);
         for (display::SampleSink* sink : job_.sinks) sink->accumulate(table_);
     }
-    samples += count_;
+    if (!startup_) samples += count_;
     count_ = 0;
 }
 
@@ -152,7 +196,9 @@ RenderLoop::RenderLoop(const RenderJob& job, display::FrameBuffer& frame_buffer)
     if (job.limit != nullptr)
         limited_ = std::make_unique<LimitedPasses>(*job.limit, job.samples_per_pixel, block_size, job.integrator->synchronous(),
                                                    job.channels, job.beauty, frame_buffer.layout());
-    for (int i = 0; i < job.threads; ++i) workers_.push_back(std::make_unique<RenderWorker>(job, frame_buffer));
+    const TileGrid grid{job.padding_x, job.padding_y, tiles_x_, tiles_ / tiles_x_};
+    for (int i = 0; i < job.threads; ++i)
+        workers_.push_back(std::make_unique<RenderWorker>(job, grid, locks_, frame_buffer));
 }
 
 void RenderLoop::resume(RenderPosition position) {
@@ -173,6 +219,11 @@ void RenderLoop::render_task(RenderWorker& worker, std::uint64_t task) {
     const int x1 = std::min(x0 + tile_size, job_.film.width + job_.padding_x),
               y1 = std::min(y0 + tile_size, job_.film.height + job_.padding_y);
     TileLocks::Group adding = locks_.group(tile % tiles_x_, tile / tiles_x_, tiles_x_, job_.splat);
+    if (starting_) {
+        worker.start_up(x0, y0, static_cast<std::uint32_t>(tile), adding);
+        return;
+    }
+    worker.tile = static_cast<std::uint32_t>(tile);
     if (job_.adaptive) {
         worker.render_open_pixels(x0, y0, x1, y1, job_.adaptive->blocks(), adding);
         return;
@@ -285,6 +336,18 @@ void RenderLoop::choose_pass() {
     samples_per_pixel_ = pass_end_;
 }
 
+Status RenderLoop::start_up(const std::function<void()>& report) {
+    const RenderPosition begin = position_;
+    position_.task = 0;
+    tasks_ = tiles_;
+    starting_ = true;
+    const Status status = run_tasks(report);
+    starting_ = false;
+    position_.task = begin.task;
+    if (status && !stopped()) job_.integrator->end_startup();
+    return status;
+}
+
 bool RenderLoop::finished() const {
     if (limited_) return limit_reached_;
     return job_.adaptive ? job_.adaptive->done() : position_.phase >= phases_;
@@ -350,6 +413,8 @@ Status RenderLoop::run(const std::function<void(const RenderProgress&)>& progres
     };
     std::vector<IntegratorThread*> states;
     for (auto& worker : workers_) states.push_back(&worker->state());
+    if (job_.integrator->starts_up())
+        if (Status s = start_up(report); !s) return s;
     if (limited_) choose_pass();
     while (!finished()) {
         begin_phase();
@@ -413,12 +478,18 @@ void RenderLoop::collect(RenderStatistics& statistics) const {
         statistics.camera_samples += worker->samples;
         statistics.render_cpu_seconds += worker->cpu_seconds;
         statistics.attribution_overflow += worker->lpe().overflow_count();
-        const display::SampleTable& table = worker->table();
-        statistics.invalid_samples += table.invalid_total();
         statistics.invalid_by_channel.resize(job_.channels.size());
-        for (std::size_t i = 0; i < job_.channels.size(); ++i)
-            statistics.invalid_by_channel[i] += table.invalid_by_channel()[i];
-        statistics.invalid_log.insert(statistics.invalid_log.end(), table.invalid_log().begin(), table.invalid_log().end());
+        const auto add_invalid = [&](const display::SampleTable& table) {
+            statistics.invalid_samples += table.invalid_total();
+            for (std::size_t i = 0; i < job_.channels.size(); ++i)
+                statistics.invalid_by_channel[i] += table.invalid_by_channel()[i];
+            statistics.invalid_log.insert(statistics.invalid_log.end(), table.invalid_log().begin(), table.invalid_log().end());
+        };
+        add_invalid(worker->table());
+        if (worker->raster() != nullptr) {
+            statistics.attribution_overflow += worker->raster()->lpe().overflow_count();
+            add_invalid(worker->raster()->table());
+        }
         const std::span<const display::RefusalCounts> refusals = worker->display().refusals();
         statistics.refusals.resize(refusals.size());
         for (std::size_t i = 0; i < refusals.size(); ++i) {

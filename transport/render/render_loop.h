@@ -42,6 +42,7 @@ struct RenderJob {
     int threads = 1;
     std::optional<SampleChoice> only;
     bool splat = false;
+    bool raster = false;                ///< the integrator splats at raster positions of its own
     int padding_x = 0, padding_y = 0;   ///< pixels around the image whose samples reach into it
     std::vector<display::ChannelDefinition> channels;
     display::ChannelId beauty = display::invalid_channel;
@@ -86,16 +87,41 @@ class TileLocks {
     std::array<std::mutex, 256> mutexes_;
 };
 
+/// Tiles of an image with padding around it.
+struct TileGrid {
+    int padding_x = 0, padding_y = 0;
+    std::uint64_t columns = 0, rows = 0;
+    [[nodiscard]] std::uint64_t count() const { return columns * rows; }
+};
+
+/// One thread's splats on their way to the frame buffer: sorted by tiles, so that a lock serves many.
+class SplatGate final : public display::RasterSink {
+  public:
+    SplatGate(const RenderJob& job, const TileGrid& grid, TileLocks& locks, display::FrameBuffer& frame_buffer)
+        : job_(job), grid_(grid), locks_(locks), frame_buffer_(frame_buffer) {}
+    void take(const display::SampleTable& table) override;
+
+  private:
+    const RenderJob& job_;
+    TileGrid grid_;
+    TileLocks& locks_;
+    display::FrameBuffer& frame_buffer_;
+    std::vector<std::pair<std::uint64_t, int>> order_;   // tile and whether its neighbours are reached, row
+    std::vector<int> rows_;
+};
+
 /// One thread's tables and buffers.
 class RenderWorker {
   public:
-    RenderWorker(const RenderJob& job, display::FrameBuffer& frame_buffer);
+    RenderWorker(const RenderJob& job, const TileGrid& grid, TileLocks& locks, display::FrameBuffer& frame_buffer);
     RenderWorker(const RenderWorker&) = delete;
     RenderWorker& operator=(const RenderWorker&) = delete;
 
     /// Renders samples [first, first + count) of the tile with pixels [x0, x1) x [y0, y1). `adding` is held while the
     /// frame buffer takes a batch in.
     void render_tile(int x0, int y0, int x1, int y1, std::uint64_t first, int count, TileLocks::Group& adding);
+    /// One call of the integrator for the tile, of no sample of the image.
+    void start_up(int x0, int y0, std::uint32_t tile, TileLocks::Group& adding);
     /// Renders the next `blocks` blocks of each open pixel of that tile, up to the adaptive sampler's maximum. No other
     /// thread may add to these pixels meanwhile.
     void render_open_pixels(int x0, int y0, int x1, int y1, std::uint64_t blocks, TileLocks::Group& adding);
@@ -107,10 +133,13 @@ class RenderWorker {
 
     [[nodiscard]] const display::SampleTable& table() const { return table_; }
     [[nodiscard]] const display::LpeServices& lpe() const { return lpe_; }
+    /// Null unless the integrator splats.
+    [[nodiscard]] const display::RasterSplats* raster() const { return raster_.get(); }
     [[nodiscard]] const display::DisplayServices& display() const { return display_; }
     [[nodiscard]] IntegratorThread& state() { return *state_; }
     std::uint64_t samples = 0;
     double cpu_seconds = 0;
+    std::uint32_t tile = 0;   ///< whose pixels come next
 
   private:
     void add_pixel(int x, int y, std::uint64_t first, int count, TileLocks::Group& adding);
@@ -121,12 +150,15 @@ class RenderWorker {
     display::SampleTable table_;
     display::DisplayServices display_;
     display::LpeServices lpe_;
+    SplatGate gate_;
+    std::unique_ptr<display::RasterSplats> raster_;
     std::unique_ptr<IntegratorThread> state_;
     std::vector<display::CameraRow> rows_;
     std::vector<Ray> rays_;
     geoaovs::RayBatch camera_rays_;          // of `rays_`, when an AOV asks for depth
     std::vector<PixelSampler> samplers_;
     std::size_t count_ = 0;
+    bool startup_ = false;
 };
 
 class RenderLoop : public LiveImage {
@@ -157,6 +189,7 @@ class RenderLoop : public LiveImage {
     }
 
   private:
+    Status start_up(const std::function<void()>& report);
     void begin_phase();
     /// Limited renders: where the next pass ends.
     void choose_pass();
@@ -177,13 +210,13 @@ class RenderLoop : public LiveImage {
                                                Read read) const;
     const RenderJob& job_;
     std::vector<std::unique_ptr<RenderWorker>> workers_;
+    display::FrameBuffer& frame_buffer_;
+    mutable TileLocks locks_;
     std::uint64_t tiles_x_ = 0, tiles_ = 0, rounds_ = 0, phases_ = 1;   // the padding is tiled too
     std::uint64_t samples_per_pixel_ = 0;
     std::unique_ptr<LimitedPasses> limited_;
     std::uint64_t pass_end_ = 0;              // samples per pixel after the pass, when limited
     bool limit_reached_ = false;
-    display::FrameBuffer& frame_buffer_;
-    mutable TileLocks locks_;
     RenderPosition position_;                 // its statistics are those of earlier sessions
     std::uint64_t tasks_ = 0;                 // of this phase
     std::vector<std::uint32_t> open_tiles_;   // of this phase, when sampling is adaptive
@@ -192,7 +225,7 @@ class RenderLoop : public LiveImage {
     std::atomic<bool> failed_{false}, pause_{false};
     std::mutex failure_mutex_;
     std::string failure_;
-    bool complete_ = true;
+    bool complete_ = true, starting_ = false;
     Stopwatch watch_;
     const CheckpointSettings* checkpoint_ = nullptr;
     display::RecordIdentity identity_;

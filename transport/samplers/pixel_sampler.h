@@ -1,5 +1,7 @@
 // Counter-based sample numbers: every number is a pure function of (seed, pixel, sample, dimension).
 //
+// A Markov chain's numbers (primary_samples.h) come through the same door: an integrator then makes its samplers itself.
+//
 // Nothing is carried from one call to the next, so a path may skip numbers, threads may take any block of samples, and
 // a run with fewer rays sees the same numbers at the same places (Laws 3 and 4).
 //
@@ -13,9 +15,11 @@
 // reversals cancel. The second dimension's matrix is Pascal's triangle modulo 2: five shift-and-xor steps.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 
 #include "transport/math/vec.h"
+#include "transport/samplers/primary_samples.h"
 
 namespace raylex::transport {
 
@@ -70,25 +74,29 @@ class PixelSampler {
         const auto pixel =
             (static_cast<std::uint64_t>(static_cast<std::uint32_t>(y)) << 32) | static_cast<std::uint32_t>(x);
         const std::uint64_t pixel_key = sampler_detail::mix(sampler_detail::mix(seed + 0x9e3779b97f4a7c15ull) ^ pixel);
-        sobol_ = kind == SamplerKind::sobol;
-        const std::uint64_t copy = sobol_ ? sample >> 32 : sample;
+        source_ = kind == SamplerKind::sobol ? Source::sobol : Source::independent;
+        const std::uint64_t copy = kind == SamplerKind::sobol ? sample >> 32 : sample;
         key_ = sampler_detail::mix(pixel_key + copy * 0x9e3779b97f4a7c15ull);
         reversed_index_ = sampler_detail::reverse_bits(static_cast<std::uint32_t>(sample));
     }
 
+    /// The numbers of a chain's mutation, which must outlive every copy. What is asked for changes it: one thread.
+    explicit PixelSampler(PrimarySamples& chain)
+        : key_(reinterpret_cast<std::uintptr_t>(&chain)), source_(Source::chain) {}
+
     /// `dimension` names a use (lens, light choice of the third vertex, ...): the same name, the same number.
     [[nodiscard]] float get_1d(std::uint32_t dimension) const {
+        if (source_ != Source::sobol) [[unlikely]] return plain_1d(dimension);
         const std::uint64_t h = hash(dimension);
-        if (!sobol_) return sampler_detail::unit_float(static_cast<std::uint32_t>(h >> 32));
         using namespace sampler_detail;
         const std::uint32_t index = reverse_bits(owen_hash(reversed_index_, static_cast<std::uint32_t>(h)));
         return unit_float(reverse_bits(owen_hash(index, static_cast<std::uint32_t>(h >> 32))));
     }
     [[nodiscard]] Vec2 get_2d(std::uint32_t dimension) const {
+        if (source_ != Source::sobol) [[unlikely]] return plain_2d(dimension);
         const std::uint64_t h = hash(dimension);
         const auto low = static_cast<std::uint32_t>(h), high = static_cast<std::uint32_t>(h >> 32);
         using namespace sampler_detail;
-        if (!sobol_) return {unit_float(low), unit_float(high)};
         const std::uint32_t index = reverse_bits(owen_hash(reversed_index_, low));
         const std::uint32_t second = reversed_sobol_1(index);
         return {unit_float(reverse_bits(owen_hash(index, high))),
@@ -96,25 +104,41 @@ class PixelSampler {
     }
     /// Independent of every other number, whatever the sampler: for choices of which few are made per path.
     [[nodiscard]] float get_random(std::uint32_t dimension) const {
-        return sampler_detail::unit_float(static_cast<std::uint32_t>(random_bits(dimension) >> 32));
+        if (source_ == Source::chain) [[unlikely]] return chain().get(dimension, false);
+        return sampler_detail::unit_float(static_cast<std::uint32_t>(
+            sampler_detail::mix(hash(dimension) ^ reversed_index_) >> 32));
     }
-    [[nodiscard]] std::uint64_t random_bits(std::uint32_t dimension) const {
-        return sampler_detail::mix(hash(dimension) ^ reversed_index_);
-    }
-
     /// A key for somebody else's hash: distinct per (pixel, sample, dimension), not itself random enough to use.
     [[nodiscard]] std::uint32_t key(std::uint32_t dimension) const {
+        if (source_ == Source::chain) [[unlikely]] return std::bit_cast<std::uint32_t>(chain().get(dimension, false));
         return static_cast<std::uint32_t>(
             ((key_ ^ reversed_index_) + dimension * 0x9e3779b97f4a7c15ull) * 0xbf58476d1ce4e5b9ull >> 32);
     }
 
   private:
+    enum class Source : std::uint8_t { independent, sobol, chain };
+    [[nodiscard]] PrimarySamples& chain() const {
+        return *reinterpret_cast<PrimarySamples*>(static_cast<std::uintptr_t>(key_));
+    }
+    [[nodiscard]] float plain_1d(std::uint32_t dimension) const {
+        if (source_ == Source::chain) return chain().get(dimension, false);
+        return sampler_detail::unit_float(static_cast<std::uint32_t>(hash(dimension) >> 32));
+    }
+    [[nodiscard]] Vec2 plain_2d(std::uint32_t dimension) const {
+        if (source_ == Source::chain) {
+            const float first = chain().get(dimension, false);
+            return {first, chain().get(dimension, true)};
+        }
+        const std::uint64_t h = hash(dimension);
+        return {sampler_detail::unit_float(static_cast<std::uint32_t>(h)),
+                sampler_detail::unit_float(static_cast<std::uint32_t>(h >> 32))};
+    }
     [[nodiscard]] std::uint64_t hash(std::uint32_t dimension) const {
         return sampler_detail::mix(key_ ^ (dimension * 0xd1342543de82ef95ull));
     }
     std::uint64_t key_ = 0;
     std::uint32_t reversed_index_ = 0;
-    bool sobol_ = false;
+    Source source_ = Source::independent;
 };
 
 }  // namespace raylex::transport

@@ -1,0 +1,76 @@
+// Raster splats: light that lands where its path says, not where a camera sample was drawn.
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+
+#include "display/buffer/frame_buffer_storage.h"
+
+namespace raylex::display {
+namespace {
+
+/// What of one axis a splat reaches: the first and last pixel, and the kernel's offset from a pixel's centre.
+struct Footprint {
+    int first, last;
+
+    Footprint(float position, float radius, int size)
+        : first(std::max(0, static_cast<int>(std::floor(position - radius - 0.5f)))),
+          last(std::min(size - 1, static_cast<int>(std::ceil(position + radius - 0.5f)))) {}
+};
+
+/// A splat just on a kernel's edge belongs to the pixel on its right, so that a box loses none: float positions lie on
+/// edges more often than never.
+float offset_of(float position, int pixel, float radius) {
+    const float offset = position - (static_cast<float>(pixel) + 0.5f);
+    return offset == -radius ? std::nextafter(offset, 0.0f) : offset;
+}
+
+}  // namespace
+
+long double FrameBuffer::Storage::raster_scale() const {
+    if (light_paths.empty()) return 0;
+    // Live views read while threads count; atomic_ref wants no const.
+    const std::uint64_t paths =
+        std::atomic_ref(const_cast<std::uint64_t&>(light_paths[0])).load(std::memory_order_relaxed);
+    if (paths == 0) return 0;
+    return std::ldexp(static_cast<long double>(pixel_count()) / static_cast<long double>(paths), layout.quantum_exponent);
+}
+
+void FrameBuffer::count_light_paths(std::uint64_t paths) {
+    std::atomic_ref(storage_->light_paths[0]).fetch_add(paths, std::memory_order_relaxed);
+}
+
+std::uint64_t FrameBuffer::light_path_count() const {
+    return storage_->light_paths.empty() ? 0 : std::atomic_ref(storage_->light_paths[0]).load(std::memory_order_relaxed);
+}
+
+void FrameBuffer::splat(const SampleTable& table, std::span<const int> rows) {
+    Storage& storage = *storage_;
+    const PixelFilter& kernel = *storage.raster_kernel;
+    const FrameBufferLayout& layout = storage.layout;
+    for (const int row : rows) {
+        const CameraRow& splat = table.camera_row(row);
+        const Footprint across(splat.screen_x, kernel.radius_x(), layout.width),
+            down(splat.screen_y, kernel.radius_y(), layout.height);
+        for (int y = down.first; y <= down.last; ++y)
+            for (int x = across.first; x <= across.last; ++x) {
+                const double weight =
+                    static_cast<double>(kernel.evaluate(offset_of(splat.screen_x, x, kernel.radius_x()),
+                                                        offset_of(splat.screen_y, y, kernel.radius_y()))) *
+                    static_cast<double>(splat.filter_weight);
+                if (weight == 0) continue;
+                const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(layout.width) +
+                                          static_cast<std::size_t>(x);
+                for (const std::size_t index : storage.raster_channels) {
+                    Channel& channel = storage.channels[index];
+                    if (!table.touched(channel.samples_of)) continue;
+                    const double* values = table.values(channel.samples_of) + 3 * static_cast<std::size_t>(row);
+                    if (values[0] == 0 && values[1] == 0 && values[2] == 0) continue;
+                    const std::array<double, 3> terms{weight * values[0], weight * values[1], weight * values[2]};
+                    storage.add(channel.raster_sum, 3 * pixel, terms.data(), 3, layout.quantum_exponent, index);
+                }
+            }
+    }
+}
+
+}  // namespace raylex::display

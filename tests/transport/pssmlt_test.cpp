@@ -1,0 +1,191 @@
+// The Metropolis integrator against the path tracer, and the laws; the numbers that its chains walk over.
+#include <set>
+
+#include "transport/replicates.h"
+#include "transport/samplers/primary_samples.h"
+
+using namespace render_test;
+using transport::PrimarySamples;
+
+namespace {
+
+Parameter number_parameter(const std::string& name, double value) {
+    Parameter p;
+    p.name = name;
+    p.type = ParameterType::integer;
+    p.numbers = {value};
+    return p;
+}
+
+transport::SceneEntity metropolis(int chains, int bootstrap_samples) {
+    transport::SceneEntity entity = integrator_named("pssmlt");
+    entity.parameters.parameters = {number_parameter("chains", chains), number_parameter("bootstrapsamples", bootstrap_samples)};
+    return entity;
+}
+
+}  // namespace
+
+TEST_CASE("primary samples are a chain whose stationary numbers are uniform", "[pssmlt][samplers]") {
+    PrimarySamples chain;
+    chain.restart(5);
+    chain.propose(true, 0.05f);
+    static_cast<void>(chain.get(0, false));
+    chain.accept();
+    // A rejected step leaves no trace, in numbers first seen in it neither.
+    const auto state = [&] {
+        chain.propose(false, 1e-6f);
+        const std::array<float, 3> now{chain.get(0, false), chain.get(0, true), chain.get(9, false)};
+        chain.reject();
+        return now;
+    };
+    const float before = state()[0];
+    for (int i = 0; i < 10; ++i) {
+        chain.propose(i % 2 == 0, 0.3f);
+        CHECK(chain.get(0, false) != before);
+        CHECK(chain.get(0, false) == chain.get(0, false));
+        chain.reject();
+    }
+    CHECK(std::abs(state()[0] - before) < 1e-5f);  // six deviations of the step of state() itself
+
+    // All steps accepted: each number walks over [0, 1) evenly, those that are asked for every seventh step only as well, and two
+    // numbers of one step are independent. Chi-square over 16 cells; small steps of half the range mix at once, so n / 2 counts.
+    constexpr int steps = 40000, cells = 16;
+    std::array<std::array<int, cells>, 2> often{}, rare{};
+    std::array<int, cells> joint{};
+    for (int i = 0; i < steps; ++i) {
+        chain.propose(i % 11 == 0, 0.5f);
+        const float u = chain.get(3, false), v = chain.get(3, true);
+        ++often[0][static_cast<std::size_t>(u * cells)];
+        ++often[1][static_cast<std::size_t>(v * cells)];
+        ++joint[4 * static_cast<std::size_t>(u * 4) + static_cast<std::size_t>(v * 4)];
+        if (i % 7 == 0) {
+            ++rare[0][static_cast<std::size_t>(chain.get(1u << 24, false) * cells)];
+            ++rare[1][static_cast<std::size_t>(chain.get(1u << 25, true) * cells)];
+        }
+        chain.accept();
+    }
+    const auto chi_square = [](const std::array<int, cells>& counts) {
+        int total = 0;
+        double sum = 0;
+        for (const int each : counts) total += each;
+        for (const int each : counts) sum += std::pow(each - total / double(cells), 2) / (total / double(cells));
+        return sum;
+    };
+    // 15 degrees of freedom: beyond 2 x 50 once in 10^5, the factor 2 for the steps' correlation.
+    for (const auto* counts : {&often[0], &often[1], &rare[0], &rare[1], &joint}) CHECK(chi_square(*counts) < 100);
+}
+
+TEST_CASE("primary samples do not depend on the order of questions", "[pssmlt][samplers][law3]") {
+    PrimarySamples a, b;
+    a.restart(3);
+    b.restart(3);
+    for (int i = 0; i < 200; ++i) {
+        const bool large = i % 10 == 0, accepted = i % 3 != 0;
+        a.propose(large, 0.1f);
+        b.propose(large, 0.1f);
+        for (std::uint32_t d = 0; d < 100; ++d) static_cast<void>(a.get(d, d % 2 == 0));
+        for (std::uint32_t d = 100; d-- > 0;) CHECK(b.get(d, d % 2 == 0) == a.get(d, d % 2 == 0));
+        accepted ? a.accept() : a.reject();
+        accepted ? b.accept() : b.reject();
+    }
+}
+
+TEST_CASE("the Metropolis integrator finds the path tracer's image, word by word", "[pssmlt][render][statistical]") {
+    transport::RenderSettings settings;
+    settings.max_depth = 5;
+    settings.samples_per_pixel = 256;
+    settings.resolution = {{18, 18}};
+    compare_with_path(room, settings, metropolis(40, 40000), 12, 128,
+                      {"C.*", "CL", "C<RD>L", "C<.S>+B", "C<RD><.S>+L", "C<RD><RD>+[LB]", "C<RG>.*L", "C<RD><.G>.*[LB]"});
+    // Media, a lens and a filter that reaches over the image's border.
+    compare_with_path(film + R"(
+PixelFilter "gaussian" "float xradius" 2 "float yradius" 2 "float sigma" 0.7
+LookAt 0 0 4  0 0 0  0 1 0
+Camera "perspective" "float fov" 40 "float lensradius" 0.1 "float focaldistance" 4
+WorldBegin
+MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_s" [0.4 0.5 0.6] "rgb sigma_a" [0.1 0.1 0.1] "float g" 0.3
+LightSource "point" "rgb I" [4 4 4] "point3 from" [1.5 2 1]
+LightSource "infinite" "rgb L" [0.2 0.2 0.2]
+AttributeBegin MediumInterface "fog" "" Material "interface" Shape "sphere" "float radius" 1.2 AttributeEnd
+Material "diffuse" "rgb reflectance" [0.6 0.6 0.6]
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-3 -1.3 3 3 -1.3 3 3 -1.3 -3 -3 -1.3 -3]
+)",
+                      settings, metropolis(8, 20000), 12, 128, {"C.*", "C<Ts>V<Ts>[LB]", "C<Ts>VV+<Ts>[LB]", "C<RD>[LB]", "C<RD><Ts>V.*"});
+}
+
+TEST_CASE("Metropolis keeps the laws: splits sum, asking changes nothing, threads neither", "[pssmlt][render][law1][law2][law3]") {
+    const auto scene = scene_of(room);
+    transport::RenderSettings settings;
+    settings.samples_per_pixel = 20;
+    settings.integrator = metropolis(30, 5000);
+    settings.threads = 3;
+    const auto alone = render_of(scene, settings);
+    settings.channels = {osl("direct", "C<RD>L"), osl("caustic", "C<RD><.S>+L"), osl("seen", "C[LB]"), osl("rest", "")};
+    settings.channels[3].rest_of = {0, 1, 2};
+    const auto three = render_of(scene, settings);
+    settings.threads = 1;
+    const auto one = render_of(scene, settings);
+    // The start-up's 5000 paths are in none of it.
+    CHECK(one.frame_buffer.light_path_count() == 24 * 24 * 20);
+    CHECK(one.statistics.camera_samples == 24 * 24 * 20);
+    for (display::ChannelId id = 0; id < 5; ++id) CHECK(one.frame_buffer.resolve(id) == three.frame_buffer.resolve(id));
+    CHECK(one.frame_buffer.resolve(0) == alone.frame_buffer.resolve(0));
+    std::array<std::vector<double>, 5> layers;
+    for (std::size_t id = 0; id < 5; ++id) layers[id] = one.frame_buffer.resolve(static_cast<display::ChannelId>(id));
+    std::array<double, 5> light{};
+    for (std::size_t i = 0; i < layers[0].size(); ++i) {
+        double sum = 0, magnitude = layers[0][i];
+        for (std::size_t id = 0; id < 5; ++id) light[id] += layers[id][i];
+        for (std::size_t id = 1; id < 5; ++id) {
+            sum += layers[id][i];
+            magnitude += layers[id][i];
+        }
+        CHECK(std::abs(sum - layers[0][i]) <= 1e-12 * magnitude);
+    }
+    for (const double each : light) CHECK(each > 0);
+}
+
+TEST_CASE("a Metropolis start-up that finds no light, and one of which nothing is left over", "[pssmlt][render]") {
+    transport::RenderSettings settings;
+    settings.samples_per_pixel = 4;
+    settings.integrator = metropolis(4, 1000);
+    const auto dark = render_of(scene_of(film + R"(
+WorldBegin
+Material "diffuse"
+Shape "sphere" "float radius" 1
+)"),
+                                settings);
+    for (const double value : dark.frame_buffer.resolve(0)) CHECK(value == 0);
+    // What scatters nowhere is the camera rays' alone: bit for bit the path tracer's image, had the start-up left nothing.
+    const auto scene = scene_of(room);
+    settings.max_depth = 0;
+    const auto metropolis_image = render_of(scene, settings);
+    settings.integrator = integrator_named("path");
+    CHECK(metropolis_image.frame_buffer.resolve(0) == render_of(scene, settings).frame_buffer.resolve(0));
+}
+
+TEST_CASE("what Metropolis cannot do is refused by name", "[pssmlt][render][law7]") {
+    const auto scene = scene_of(room);
+    transport::RenderSettings settings;
+    settings.integrator = metropolis(4, 1000);
+    const auto error = [&] {
+        const auto output = transport::render(scene, settings);
+        return output.ok() ? std::string() : output.error().to_string();
+    };
+    settings.only = transport::SampleChoice{3, 3, 0};
+    CHECK(error().find("'pssmlt' cannot render one sample alone") != std::string::npos);
+    settings.only.reset();
+    settings.samples_per_pixel = 32;
+    settings.first_sample = 16;
+    CHECK(error().find("a shard of a render by Markov chains") != std::string::npos);
+    settings.first_sample = 0;
+    settings.limit = transport::SampleLimit{};
+    settings.limit->error = 0.1;
+    CHECK(error().find("light paths land anywhere") != std::string::npos);
+    settings.limit.reset();
+    settings.checkpoint = transport::CheckpointSettings{"pssmlt.checkpoint", 60, false, {}};
+    CHECK(error().find("'pssmlt' does not say how its state is saved") != std::string::npos);
+    settings.checkpoint.reset();
+    settings.integrator = metropolis(0, 1000);
+    CHECK(error().find("'chains' is 0") != std::string::npos);
+}

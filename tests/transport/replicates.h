@@ -1,0 +1,154 @@
+// Renders by different integrators compared through replicates: independent seeds give the standard errors, so that nothing
+// is assumed of how samples of one render hang together (light paths reach many pixels, chains are correlated).
+#pragma once
+
+#include <algorithm>
+#include <array>
+
+#include "transport/render_support.h"
+
+namespace render_test {
+
+/// Means of every expression channel over blocks of pixels, by seed.
+struct Replicates {
+    std::vector<std::vector<double>> of_seed;   // [seed][channel * blocks + block]
+
+    [[nodiscard]] double mean(std::size_t i) const {
+        double sum = 0;
+        for (const auto& each : of_seed) sum += each[i];
+        return sum / static_cast<double>(of_seed.size());
+    }
+    /// Variance of that mean.
+    [[nodiscard]] double variance(std::size_t i) const {
+        const double m = mean(i);
+        double squares = 0;
+        for (const auto& each : of_seed) squares += (each[i] - m) * (each[i] - m);
+        const double n = static_cast<double>(of_seed.size());
+        return squares / (n * (n - 1));
+    }
+};
+
+inline constexpr int blocks_across = 3;
+
+/// `channels` expression channels from id 0 on, green. The seeds are first_seed, first_seed + 1, ...
+inline Replicates replicates(const transport::BuiltScene& scene, transport::RenderSettings settings, int channels, int seeds,
+                             std::uint64_t first_seed) {
+    Replicates result;
+    for (int i = 0; i < seeds; ++i) {
+        settings.seed = first_seed + static_cast<std::uint64_t>(i);
+        auto output = transport::render(scene, settings);
+        INFO((output ? std::string() : output.error().to_string()));
+        REQUIRE(output.ok());
+        CHECK(output->statistics.invalid_samples == 0);
+        std::vector<double>& means = result.of_seed.emplace_back(
+            static_cast<std::size_t>(channels * blocks_across * blocks_across));
+        for (int channel = 0; channel < channels; ++channel) {
+            const std::vector<double> image = output->frame_buffer.resolve(channel);
+            std::vector<double> sum(blocks_across * blocks_across), count(blocks_across * blocks_across);
+            for (int y = 0; y < output->height; ++y)
+                for (int x = 0; x < output->width; ++x) {
+                    const auto block = static_cast<std::size_t>(y * blocks_across / output->height * blocks_across +
+                                                                x * blocks_across / output->width);
+                    sum[block] += image[3 * static_cast<std::size_t>(y * output->width + x) + 1];
+                    ++count[block];
+                }
+            for (std::size_t b = 0; b < sum.size(); ++b)
+                means[static_cast<std::size_t>(channel) * sum.size() + b] = sum[b] / count[b];
+        }
+    }
+    return result;
+}
+
+/// Blocks in which some seed found nothing at all, too rare for errors to be told from a dozen seeds, are counted with the
+/// brightest block of their channel.
+inline void pool_rare_blocks(Replicates& a, Replicates& b) {
+    constexpr std::size_t blocks = blocks_across * blocks_across;
+    for (std::size_t first = 0; first < a.of_seed[0].size(); first += blocks) {
+        std::size_t brightest = first;
+        for (std::size_t i = first; i < first + blocks; ++i)
+            if (a.mean(i) > a.mean(brightest)) brightest = i;
+        for (std::size_t i = first; i < first + blocks; ++i) {
+            const auto nothing = [i](const std::vector<double>& each) { return each[i] == 0; };
+            if (i == brightest || (std::none_of(a.of_seed.begin(), a.of_seed.end(), nothing) &&
+                                   std::none_of(b.of_seed.begin(), b.of_seed.end(), nothing)))
+                continue;
+            for (Replicates* side : {&a, &b})
+                for (std::vector<double>& each : side->of_seed) {
+                    each[brightest] += each[i];
+                    each[i] = 0;
+                }
+        }
+    }
+}
+
+/// Welch's t for each channel and block of two equally long sets of replicates. With n = 12 seeds it has 11 to 22 degrees of
+/// freedom: |t| beyond 7 once in 44,000 comparisons at the worst, and t^2 has a mean of at most 11 / 9.
+inline void check_agreement(Replicates a, Replicates b, const std::vector<std::string>& names) {
+    pool_rare_blocks(a, b);
+    constexpr std::size_t blocks = blocks_across * blocks_across;
+    double squares = 0;
+    int compared = 0;
+    for (std::size_t i = 0; i < a.of_seed[0].size(); ++i) {
+        const double variance = a.variance(i) + b.variance(i), difference = a.mean(i) - b.mean(i);
+        INFO(names[i / blocks] << " block " << i % blocks << ": " << a.mean(i) << " +- " << std::sqrt(a.variance(i)) << " and "
+                               << b.mean(i) << " +- " << std::sqrt(b.variance(i)));
+        if (variance == 0) {
+            CHECK(difference == 0);
+            continue;
+        }
+        const double t = difference / std::sqrt(variance);
+        CHECK(std::abs(t) < 7);
+        squares += t * t;
+        ++compared;
+    }
+    REQUIRE(compared > 0);
+    CAPTURE(compared);
+    // Blocks and channels share paths, so the mean square of t scatters more than that of independent ones; twice its variance
+    // of 2 and a half at the 11 degrees of freedom of one side alone.
+    CHECK(squares / compared < 11.0 / 9 + 4.5 * std::sqrt(2 * 2.5 / compared));
+}
+
+inline transport::SceneEntity integrator_named(const std::string& type) {
+    transport::SceneEntity entity;
+    entity.type = type;
+    return entity;
+}
+
+/// Without statistics, which light that lands anywhere has none of.
+inline display::ChannelDefinition osl(const std::string& name, const std::string& expression) {
+    display::ChannelDefinition channel = lpe(name, expression);
+    channel.dialect = raylex::lpe::Dialect::osl;
+    channel.statistics = false;
+    return channel;
+}
+
+/// Channel by channel against the path tracer, which takes settings.samples_per_pixel. Every expression must find something.
+inline void compare_with_path(const std::string& text, transport::RenderSettings settings, const transport::SceneEntity& other,
+                              int seeds, std::uint64_t other_samples, const std::vector<std::string>& expressions) {
+    const auto scene = scene_of(text);
+    auto built = transport::BuiltScene::build(scene);
+    REQUIRE(built.ok());
+    const int channels = static_cast<int>(expressions.size());
+    settings.threads = 2;
+    settings.beauty = false;
+    settings.channels.clear();
+    for (const std::string& each : expressions)
+        settings.channels.push_back(osl("c" + std::to_string(settings.channels.size()), each));
+    settings.integrator = integrator_named("path");
+    const Replicates path = replicates(**built, settings, channels, seeds, 100);
+    settings.integrator = other;
+    settings.samples_per_pixel = other_samples;
+    const Replicates tested = replicates(**built, settings, channels, seeds, 500);
+    check_agreement(path, tested, expressions);
+    for (std::size_t c = 0; c < expressions.size(); ++c) {  // a channel that is black everywhere would agree with anything
+        double sum = 0, error = 0;
+        for (std::size_t b = 0; b < blocks_across * blocks_across; ++b) {
+            sum += tested.mean(c * blocks_across * blocks_across + b);
+            error += tested.variance(c * blocks_across * blocks_across + b);
+        }
+        CAPTURE(expressions[c], sum, error);
+        CHECK(sum > 10 * std::sqrt(error));
+    }
+}
+
+}  // namespace render_test

@@ -1,0 +1,100 @@
+// The Metropolis integrator's parameters, and what it says of itself.
+#include <algorithm>
+
+#include "transport/integrators/pssmlt_state.h"
+
+namespace raylex::transport {
+namespace {
+
+Result<std::unique_ptr<Integrator>> make_pssmlt(const SceneEntity& entity, std::optional<std::int64_t> max_depth) {
+    PssmltParameters p;
+    auto depth = read_max_depth(entity, max_depth);
+    if (!depth) return depth.error();
+    p.max_depth = *depth;
+    auto large = entity.parameters.real_or("largestepprobability", 0.3), sigma = entity.parameters.real_or("sigma", 0.01);
+    if (!large) return large.error();
+    if (!sigma) return sigma.error();
+    if (!(*large > 0 && *large <= 1))
+        return error_at(entity.location, "'largestepprobability' is " + std::to_string(*large) +
+                                             "; expected more than 0 and at most 1: without large steps a chain may never "
+                                             "leave where it began");
+    if (!(*sigma > 0 && *sigma <= 1))
+        return error_at(entity.location, "'sigma' is " + std::to_string(*sigma) + "; expected more than 0 and at most 1");
+    p.large_step_probability = static_cast<float>(*large);
+    p.sigma = static_cast<float>(*sigma);
+    auto chains = entity.parameters.integer_or("chains", 1000), samples = entity.parameters.integer_or("bootstrapsamples", 100'000);
+    if (!chains) return chains.error();
+    if (!samples) return samples.error();
+    if (*chains < 1 || *chains > 1'000'000)
+        return error_at(entity.location, "'chains' is " + std::to_string(*chains) + "; expected 1 to a million");
+    if (*samples < 1 || *samples > 1'000'000'000)
+        return error_at(entity.location, "'bootstrapsamples' is " + std::to_string(*samples) + "; expected 1 to a thousand million");
+    p.chains = static_cast<std::uint32_t>(*chains);
+    p.bootstrap_samples = static_cast<std::uint32_t>(*samples);
+    auto roulette = entity.parameters.boolean_or("roulette", true);
+    if (!roulette) return roulette.error();
+    p.roulette = *roulette;
+    return std::unique_ptr<Integrator>(std::make_unique<Pssmlt>(p));
+}
+
+}  // namespace
+
+Registry<IntegratorFactory>::Entry pssmlt_entry() {
+    using T = ParameterType;
+    return {"pssmlt",
+            "Metropolis light transport in primary sample space, over the path tracer",
+            {{"maxdepth", T::integer, "5", "scattering events at most; emission seen after the last still counts"},
+             {"largestepprobability", T::real, "0.3", "share of steps that draw a new path"},
+             {"sigma", T::real, "0.01", "standard deviation of the other steps, in each number of the path"},
+             {"chains", T::integer, "1000", "Markov chains; at least one is run for each 16 x 16 tile"},
+             {"bootstrapsamples", T::integer, "100000", "paths drawn before the image, for its brightness and where chains begin"},
+             {"roulette", T::boolean, "true", "end weak paths at random from the second bounce"}},
+            make_pssmlt};
+}
+
+Pssmlt::Pssmlt(const PssmltParameters& parameters) : parameters_(parameters) {
+    PathParameters seen, found;
+    seen.max_depth = 0;
+    camera_ = make_path_integrator(seen);
+    found.max_depth = parameters.max_depth;
+    found.first_depth = 1;
+    found.roulette = parameters.roulette;
+    path_ = make_path_integrator(found);
+}
+
+IntegratorTraits Pssmlt::traits() const {
+    IntegratorTraits traits;
+    traits.max_depth = parameters_.max_depth;
+    traits.media = true;
+    traits.raster_splats = true;
+    return traits;
+}
+
+Status Pssmlt::prepare(const IntegratorContext& context) {
+    context_ = context;
+    splatted_.clear();
+    for (std::size_t i = 0; i < context.channels.size(); ++i)
+        if (context.channels[i].style == display::ChannelStyle::expression && display::takes_samples(context.channels[i]))
+            splatted_.push_back(static_cast<display::ChannelId>(i));
+    const Vec2 reach{std::max(context.filter_radius.x - 0.5f, 0.0f), std::max(context.filter_radius.y - 0.5f, 0.0f)};
+    left_ = -reach.x;
+    top_ = -reach.y;
+    across_ = static_cast<float>(context.width) + 2 * reach.x;
+    down_ = static_cast<float>(context.height) + 2 * reach.y;
+    area_share_ = static_cast<double>(across_) * static_cast<double>(down_) /
+                  (static_cast<double>(context.width) * static_cast<double>(context.height));
+    groups_ = std::vector<ChainGroup>(context.tiles);
+    const std::size_t each = std::max<std::size_t>(1, (parameters_.chains + context.tiles / 2) / context.tiles);
+    for (ChainGroup& group : groups_) group.chains.resize(each);
+    if (Status camera = camera_->prepare(context); !camera) return camera;
+    IntegratorContext of_paths = context;  // chains bring light and nothing else
+    of_paths.aovs = &no_aovs_;
+    of_paths.pattern_channels = false;
+    return path_->prepare(of_paths);
+}
+
+std::unique_ptr<IntegratorThread> Pssmlt::make_thread_state() const {
+    return std::make_unique<PssmltThread>(context_, *camera_, *path_);
+}
+
+}  // namespace raylex::transport

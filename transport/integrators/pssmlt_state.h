@@ -1,0 +1,96 @@
+// Chains and per-thread state of the Metropolis integrator: private to pssmlt*.cpp.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "transport/integrators/path.h"
+#include "transport/integrators/pssmlt.h"
+#include "transport/samplers/primary_samples.h"
+
+namespace raylex::transport {
+
+/// One chain and the state that it is in.
+struct MarkovChain {
+    PrimarySamples numbers;
+    float x = 0, y = 0;              // raster position of the state
+    double f = 0;                    // what the state brings
+    double weight = 0;               // with which it is still to be splatted
+    bool large = false;              // the proposal at hand
+    std::vector<double> values;      // of the state: of every channel that takes splats, three numbers each
+};
+
+/// The chains of one tile: advanced by one thread at a time.
+struct ChainGroup {
+    std::vector<MarkovChain> chains;
+    std::vector<double> bootstrap;   // f of its bootstrap paths
+    double large_sum = 0;            // of f over large steps
+    std::uint64_t large_count = 0;
+    std::size_t next = 0;            // chain whose turn it is
+    bool started = false;
+};
+
+struct PssmltThread final : IntegratorThread {
+    PssmltThread(const IntegratorContext& context, const Integrator& camera_part, const Integrator& path_part)
+        : table(context.channels, context.batch_capacity, 0),
+          display(table),
+          lpe(*context.lpe, table, context.seed, context.attribution),
+          camera(camera_part.make_thread_state()),
+          path(path_part.make_thread_state()),
+          rows(static_cast<std::size_t>(context.batch_capacity)),
+          rays(rows.size()),
+          samplers(rows.size()),
+          bootstrap_numbers(rows.size()) {}
+
+    // Paths of the chains on trial: they reach the image by splats only.
+    display::SampleTable table;
+    display::DisplayServices display;
+    display::LpeServices lpe;
+    std::unique_ptr<IntegratorThread> camera, path;
+    std::vector<display::CameraRow> rows;
+    std::vector<Ray> rays;
+    std::vector<PixelSampler> samplers;
+    std::vector<PrimarySamples> bootstrap_numbers;
+    std::vector<double> proposal;    // values of one that was not accepted
+};
+
+class Pssmlt final : public Integrator {
+  public:
+    explicit Pssmlt(const PssmltParameters& parameters);
+    [[nodiscard]] IntegratorTraits traits() const override;
+    Status prepare(const IntegratorContext& context) override;
+    [[nodiscard]] std::unique_ptr<IntegratorThread> make_thread_state() const override;
+    [[nodiscard]] bool synchronous() const override { return true; }
+    [[nodiscard]] bool starts_up() const override { return true; }
+    void end_startup() override;
+    void integrate(const CameraBatch& batch, IntegratorThread& thread, ThreadServices& services) const override;
+    void end_iteration(std::uint64_t iteration, std::span<IntegratorThread* const> threads) override;
+
+  private:
+    void bootstrap(ChainGroup& group, std::uint32_t tile, PssmltThread& thread) const;
+    /// The first state of each chain of the group.
+    void start(ChainGroup& group, std::uint32_t tile, PssmltThread& thread) const;
+    /// One step of `count` chains from group.next on.
+    void step(ChainGroup& group, std::uint32_t tile, std::size_t count, PssmltThread& thread, ThreadServices& services) const;
+    /// Row i of the thread's table gets the path of `numbers`.
+    void place(PssmltThread& thread, std::size_t row, PrimarySamples& numbers, std::uint32_t tile, std::uint64_t chain) const;
+    void trace(PssmltThread& thread, std::size_t count) const;
+    /// What row i brought: mean size of the three colours of beauty, or of all channels when there is none.
+    [[nodiscard]] double brought(const PssmltThread& thread, std::size_t row) const;
+    void take(const PssmltThread& thread, std::size_t row, std::vector<double>& values) const;
+    void splat(display::RasterSplats& raster, const display::CameraRow& where, double weight, const double* values) const;
+    [[nodiscard]] std::uint64_t stream(std::uint64_t purpose, std::uint64_t number) const;
+    [[nodiscard]] std::size_t bootstrap_share() const;
+
+    PssmltParameters parameters_;
+    IntegratorContext context_;
+    std::unique_ptr<Integrator> camera_, path_;
+    std::vector<display::ChannelId> splatted_;   // expression channels
+    geoaovs::GeometricAovs no_aovs_{std::span<const display::ChannelDefinition>()};
+    float left_ = 0, top_ = 0, across_ = 0, down_ = 0;   // of the raster where light still counts
+    double area_share_ = 1;                              // of it over the image
+    double mean_ = 0, bootstrap_mean_ = 0;               // b, and what the bootstrap alone made of it
+    mutable std::vector<ChainGroup> groups_;             // [tile]; each has one thread at a time
+};
+
+}  // namespace raylex::transport

@@ -1,0 +1,60 @@
+#include "transport/integrators/straight.h"
+
+#include <algorithm>
+
+namespace raylex::transport {
+
+float emitter_opacity(const SceneView& scene, const LightSample& sample, const Vec3& from) {
+    const Light& light = scene.lights->lights()[sample.light];
+    if (!light.is_area() || light.hidden) return 1;
+    const ShapeGeometry& shape = scene.geometry->shapes()[light.shape];
+    if (shape.alpha < 0 || shape.interface) return 1;
+    Ray ray[1];
+    ray[0].origin = from;
+    ray[0].direction = sample.target - from;
+    const Hit hit[1] = {{1, sample.uv.x, sample.uv.y, light.shape, light.primitive, Hit::none}};
+    SurfacePoint point[1];
+    SurfaceSource source[1];
+    scene.geometry->surfaces(ray, hit, point, source);
+    return std::clamp(scene.textures->real(shape.alpha, {point[0].u, point[0].v, point[0].position}), 0.0f,
+                      1.0f);
+}
+
+float straight_transmittance(const StraightWalk& walk, Ray ray, float visible, std::int32_t medium,
+                             display::Tracker& tracker, Rgb& through) {
+    const EmbreeScene& geometry = *walk.scene.geometry;
+    const bool finite_end = ray.t_max < infinity;
+    const Vec3 end = ray.origin + ray.direction;
+    for (;;) {
+        Hit hit;
+        if (geometry.has_alpha()) {
+            geometry.intersect_alpha(ray, hit);
+            ++walk.counters.shadow_rays;
+        }
+        if (medium >= 0) {
+            const float whole = finite_end ? length(ray.direction) : infinity;
+            const float distance = !hit.valid() ? whole : finite_end ? hit.t * whole : hit.t;
+            through *= transmittance((*walk.scene.media)[medium], distance);
+        }
+        if (!hit.valid()) return visible;
+        const Hit hits[1] = {hit};
+        const Ray rays[1] = {ray};
+        SurfacePoint point[1];
+        SurfaceSource source[1];
+        geometry.surfaces(rays, hits, point, source);
+        const ShapeGeometry& shape = geometry.shapes()[hit.shape];
+        visible *= 1 - std::clamp(walk.scene.textures->real(shape.alpha, {point[0].u, point[0].v, point[0].position}),
+                                  0.0f, 1.0f);
+        if (visible > 0) walk.lpe.move(tracker, walk.events.straight(source[0].label));
+        else if (!walk.to_the_end) return 0;
+        if (shape.interface) medium = shape.medium_towards(point[0].geometric_normal, ray.direction, medium);
+        ray.origin = leave_surface(point[0].position, point[0].geometric_normal, source[0].offset, ray.direction);
+        if (finite_end) {
+            const Vec3 rest = end - ray.origin;
+            if (!(dot(rest, ray.direction) > 0)) return visible;
+            ray.direction = rest;
+        }
+    }
+}
+
+}  // namespace raylex::transport

@@ -1,0 +1,100 @@
+// How light leaves the lights: for paths that begin there.
+#include <cmath>
+
+#include "transport/lights/area_points.h"
+#include "transport/lights/light_table.h"
+
+namespace raylex::transport {
+namespace {
+
+/// Of the disk that covers the scene: a little more than the sphere about its bounds, so that rounding cuts nothing off.
+float covering_radius(const EmbreeScene& geometry) {
+    return std::max(geometry.bounds().radius(), 1e-30f) * (1 + 1e-5f);
+}
+
+bool emit_from_area(const Light& light, float area_density, Vec2 u, EmissionSample& s) {
+    if (!(area_density > 0)) return false;
+    Vec3 n = s.from.target_normal;
+    if (light.two_sided) {
+        const bool back = u.x >= 0.5f;
+        u.x = back ? remap_above(u.x, 0.5f) : remap_below(u.x, 0.5f);
+        if (back) n = -n;
+        area_density *= 0.5f;
+    }
+    const Vec3 local = sample_cosine_hemisphere(u);
+    if (!(local.z > 0)) return false;
+    s.direction = normalize(Frame::from_normal(n).to_world(local));
+    s.origin = leave_surface(s.from.target, s.from.target_normal, s.from.target_offset, s.direction);
+    s.power = light.emission * (pi / (s.from.pdf * area_density));
+    return true;
+}
+
+bool emit_from_point(const Light& light, const Vec2& u, EmissionSample& s) {
+    s.origin = light.position;
+    if (light.kind == LightKind::point) {
+        s.direction = sample_uniform_sphere(u);
+        s.power = light.emission * (4 * pi / s.from.pdf);
+        return true;
+    }
+    const float one_minus_cos = 1 - light.cos_zero;
+    if (!(one_minus_cos > 0)) return false;
+    const Vec3 local = sample_uniform_cone(u, one_minus_cos);
+    s.direction = normalize(Frame::from_normal(light.direction).to_world(local));
+    const float falloff = spot_falloff(light, local.z);
+    s.power = light.emission * (falloff * 2 * pi * one_minus_cos / s.from.pdf);
+    return falloff > 0;
+}
+
+}  // namespace
+
+bool LightTable::sample_emission(const EmbreeScene& geometry, float u_choice, Vec2 u_position, Vec2 u_direction,
+                                 EmissionSample& s) const {
+    const AliasTable& table = selection(LightChoice::light_sampling);
+    if (table.empty()) return false;
+    s = EmissionSample();
+    LightSample& from = s.from;
+    from.light = table.size() > shared_choice_limit ? table.choose(u_choice) : table.choose_and_remap(u_position.x);
+    from.pdf = table.probability(from.light);
+    const Light& light = lights_[from.light];
+    switch (light.kind) {
+        case LightKind::triangle:
+            return emit_from_area(light, sample_triangle_point(light, u_position, from), u_direction, s);
+        case LightKind::patch:
+            return emit_from_area(light, sample_patch_point(light, geometry.shapes()[light.shape], u_position, from),
+                                  u_direction, s);
+        case LightKind::quadric:
+        case LightKind::sphere:
+            return emit_from_area(light, sample_quadric_point(geometry.shapes()[light.shape].quadric, u_position, from),
+                                  u_direction, s);
+        case LightKind::point:
+        case LightKind::spot:
+            return emit_from_point(light, u_direction, s);
+        case LightKind::distant:
+            from.wi = light.direction;
+            s.power = light.emission;
+            break;
+        case LightKind::uniform_environment:
+            from.wi = sample_uniform_sphere(u_direction);
+            from.pdf *= uniform_sphere_pdf();
+            s.power = light.emission;
+            break;
+        case LightKind::image_environment: {
+            float pdf = 0;
+            Rgb radiance;
+            if (!images_[static_cast<std::size_t>(light.environment)].sample(u_direction, from.wi, radiance, pdf)) return false;
+            from.pdf *= pdf;
+            s.power = radiance * light.emission;
+            break;
+        }
+    }
+    const float radius = covering_radius(geometry);
+    const Vec2 d = sample_disk(u_position);
+    const Frame frame = Frame::from_normal(from.wi);
+    from.infinite = true;
+    s.direction = -from.wi;
+    s.origin = geometry.bounds().center() + (frame.s * d.x + frame.t * d.y + from.wi) * radius;
+    s.power *= pi * radius * radius / from.pdf;
+    return true;
+}
+
+}  // namespace raylex::transport

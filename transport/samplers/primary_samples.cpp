@@ -1,0 +1,103 @@
+#include "transport/samplers/primary_samples.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "transport/math/sampling.h"
+
+namespace raylex::transport {
+namespace {
+
+constexpr std::uint64_t choices = std::uint64_t{1} << 40;   // names no dimension has
+
+/// A standard normal number (Box and Muller) of 64 random bits.
+float normal_number(std::uint64_t bits) {
+    const float u = (static_cast<float>(bits >> 40) + 0.5f) * 0x1p-24f, v = static_cast<float>(bits & 0xffffff) * 0x1p-24f;
+    return std::sqrt(-2 * std::log(u)) * std::cos(2 * pi * v);
+}
+
+/// Back into [0, 1), as if its ends were joined.
+float wrap(float x) {
+    x -= std::floor(x);
+    return std::min(x, one_minus_epsilon);
+}
+
+}  // namespace
+
+void PrimarySamples::restart(std::uint64_t stream) {
+    stream_ = stream;
+    mutation_ = step_ = last_large_ = 0;
+    large_ = true;
+    numbers_.clear();
+    std::fill(slots_.begin(), slots_.end(), 0u);
+}
+
+void PrimarySamples::propose(bool large, float sigma) {
+    ++mutation_;
+    ++step_;
+    large_ = large;
+    sigma_ = sigma;
+}
+
+void PrimarySamples::accept() {
+    if (large_) last_large_ = step_;
+}
+
+void PrimarySamples::reject() {
+    for (Number& number : numbers_) {
+        if (number.changed != step_) continue;
+        number.value = number.kept;
+        number.changed = number.kept_changed;
+    }
+    --step_;
+}
+
+std::uint64_t PrimarySamples::bits(std::uint64_t name) const {
+    return mix_bits(mix_bits(stream_ + mutation_ * 0x9e3779b97f4a7c15ull) ^ (name * 0xd1342543de82ef95ull));
+}
+
+float PrimarySamples::choose(std::uint32_t use) const { return unit_float(bits(2 * choices + use)); }
+
+void PrimarySamples::grow() {
+    slots_.assign(std::max<std::size_t>(64, 2 * slots_.size()), 0u);
+    for (std::size_t i = 0; i < numbers_.size(); ++i) {
+        std::size_t at = mix_bits(numbers_[i].name) & (slots_.size() - 1);
+        while (slots_[at] != 0) at = (at + 1) & (slots_.size() - 1);
+        slots_[at] = static_cast<std::uint32_t>(i + 1);
+    }
+}
+
+PrimarySamples::Number& PrimarySamples::find(std::uint64_t name) {
+    if (2 * (numbers_.size() + 1) > slots_.size()) grow();
+    std::size_t at = mix_bits(name) & (slots_.size() - 1);
+    for (; slots_[at] != 0; at = (at + 1) & (slots_.size() - 1))
+        if (Number& number = numbers_[slots_[at] - 1]; number.name == name) return number;
+    slots_[at] = static_cast<std::uint32_t>(numbers_.size() + 1);
+    Number& fresh = numbers_.emplace_back();
+    fresh.name = name;
+    return fresh;
+}
+
+float PrimarySamples::get(std::uint32_t dimension, bool second) {
+    const std::uint64_t name = 2 * std::uint64_t{dimension} + (second ? 2 : 1);
+    Number& number = find(name);
+    if (number.changed == step_) return number.value;
+    if (number.changed <= last_large_ && number.changed != last_large_) {
+        // Not there at the last large step, or older than it: as that step would have drawn it. The draw is of now, which
+        // is as good: nobody has seen another.
+        number.value = unit_float(bits(name + choices));
+        number.changed = last_large_;
+    }
+    number.kept = number.value;
+    number.kept_changed = number.changed;
+    if (large_) {
+        number.value = unit_float(bits(name));
+    } else {
+        const auto missed = static_cast<float>(step_ - number.changed);
+        number.value = wrap(number.value + normal_number(bits(name)) * sigma_ * std::sqrt(missed));
+    }
+    number.changed = step_;
+    return number.value;
+}
+
+}  // namespace raylex::transport
