@@ -114,22 +114,41 @@ std::vector<const BudgetGroup*> last_octaves(const std::vector<const BudgetGroup
     return last;
 }
 
-std::vector<const BudgetGroup*> first_octaves(const std::vector<const BudgetGroup*>& groups, double octaves) {
+std::vector<const BudgetGroup*> first_octaves(const std::vector<const BudgetGroup*>& groups, Against against,
+                                              double octaves) {
     std::vector<const BudgetGroup*> first;
     for (const BudgetGroup* group : groups)
-        if (mean_abscissa(*group, Against::seconds) <=
-            mean_abscissa(*groups.front(), Against::seconds) * std::exp2(octaves) * 1.05)
+        if (mean_abscissa(*group, against) <= mean_abscissa(*groups.front(), against) * std::exp2(octaves) * 1.05)
             first.push_back(group);
     return first;
 }
 
 /// The fitted line, its slope replaced by -1 where the data do not speak against it. They must do so at 99 %: every
 /// false departure from -1 costs the time's interval its coverage.
-std::optional<Line> plain_line(const std::vector<const BudgetGroup*>& groups, double confidence) {
-    const std::optional<Line> strict = least_squares(groups, Against::seconds, 0.99);
+std::optional<Line> plain_line(const std::vector<const BudgetGroup*>& groups, Against against, double confidence) {
+    const std::optional<Line> strict = least_squares(groups, against, 0.99);
     if (strict && (strict->slope_low > -1 || strict->slope_high < -1))
-        return least_squares(groups, Against::seconds, confidence);
-    return least_squares(groups, Against::seconds, confidence, -1.0);
+        return least_squares(groups, against, confidence);
+    return least_squares(groups, against, confidence, -1.0);
+}
+
+/// log of the seconds that a sample of every pixel takes beyond the setup, at one budget.
+struct Price {
+    double log_value = 0, standard_error = 0;
+};
+
+Price price_of_sample(const BudgetGroup& group) {
+    std::vector<double> logs;
+    for (std::size_t i = 0; i < group.seconds.size(); ++i) {
+        const double seconds = group.seconds[i] - group.setup_seconds;
+        if (seconds > 0) logs.push_back(std::log(seconds / group.samples[i]));
+    }
+    Price price{mean_of(logs), 0};
+    double squares = 0;
+    for (const double each : logs) squares += (each - price.log_value) * (each - price.log_value);
+    const auto count = static_cast<double>(logs.size());
+    if (count > 1) price.standard_error = std::sqrt(squares / (count - 1) / count);
+    return price;
 }
 
 /// Index of the first of two neighbours between whose mean errors the target lies.
@@ -178,25 +197,33 @@ TimeToError time_to_error(std::span<const BudgetGroup> groups, double relative_e
     result.relative_error = relative_error;
     result.seconds = {nan, nan, nan, {}, {}};
     const double squared = relative_error * relative_error;
-    const std::vector<const BudgetGroup*> usable = usable_groups(groups, Against::seconds);
+    // Short renders take the time of their start-up and of whatever else the machine does: errors are followed over
+    // samples, and samples cost what they do at the nearest large budget.
+    const bool sampled = std::all_of(groups.begin(), groups.end(), [](const BudgetGroup& group) {
+        return group.samples.size() == group.errors.size() && mean_of(group.samples) > 0;
+    });
+    const Against against = sampled ? Against::samples : Against::seconds;
+    const std::vector<const BudgetGroup*> usable = usable_groups(groups, against);
     if (usable.empty()) {
         result.seconds.note = "no errors above the reference's own";
         return result;
     }
     std::optional<Line> line;
+    const BudgetGroup* priced = usable.back();
     const std::optional<std::size_t> at = bracket(usable, squared);
     if (at) {
         const std::size_t first = *at > 0 ? *at - 1 : 0, last = std::min(usable.size() - 1, *at + 2);
         const std::vector<const BudgetGroup*> near(usable.begin() + static_cast<std::ptrdiff_t>(first),
                                                    usable.begin() + static_cast<std::ptrdiff_t>(last) + 1);
-        line = least_squares(near, Against::seconds, confidence);
-        if (!line) line = plain_line(near, confidence);
+        line = least_squares(near, against, confidence);
+        priced = usable[*at + 1];
+        if (!line) line = plain_line(near, against, confidence);
     } else {
         result.extrapolated = true;
         const bool early = squared > mean_of(usable.front()->errors);
         line = plain_line(
-            early ? first_octaves(usable, slope_octaves) : last_octaves(usable, Against::seconds, slope_octaves),
-            confidence);
+            early ? first_octaves(usable, against, slope_octaves) : last_octaves(usable, against, slope_octaves),
+            against, confidence);
     }
     if (!line) {
         result.seconds.note = "no positive errors to go by";
@@ -213,17 +240,24 @@ TimeToError time_to_error(std::span<const BudgetGroup> groups, double relative_e
         result.seconds.note = "beyond 1000 x what was measured";
         return result;
     }
-    const double setup = usable.back()->setup_seconds;
-    result.seconds.value = std::exp(log_x) + setup;
+    const double setup = priced->setup_seconds;
+    const Price price = sampled ? price_of_sample(*priced) : Price{};
+    if (!std::isfinite(price.log_value)) {
+        result.seconds.note = "no time beyond the setup was measured";
+        return result;
+    }
+    const double log_seconds = log_x + price.log_value;
+    result.seconds.value = std::exp(log_seconds) + setup;
     if (!(line->degrees >= 1)) {
         result.seconds.note = "one replicate";
         return result;
     }
     const double error = line->residual / std::abs(line->slope) *
                          std::sqrt(1 / line->count + (fixed ? 0 : distance * distance / line->sxx));
-    const double half = student_t_quantile(1 - (1 - confidence) / 2, line->degrees) * error;
-    result.seconds.low = std::exp(log_x - half) + setup;
-    result.seconds.high = std::exp(log_x + half) + setup;
+    const double half =
+        student_t_quantile(1 - (1 - confidence) / 2, line->degrees) * std::hypot(error, price.standard_error);
+    result.seconds.low = std::exp(log_seconds - half) + setup;
+    result.seconds.high = std::exp(log_seconds + half) + setup;
     result.seconds.how = fixed ? "slope -1" : "fitted slope";
     for (const BudgetGroup* group : usable)
         if (group->heavy_tail) result.seconds.note = heavy_tail_note;
