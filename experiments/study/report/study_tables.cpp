@@ -183,7 +183,7 @@ std::string predictions_text(const Study& study) {
     std::sort(off.begin(), off.end());
     const double median = off[off.size() / 2];
     return "<p>From every curve's earlier budgets the time to the error of its last one was predicted: off by " +
-           percent_text(median, 2) + " in the median and " + percent_text(off.back(), 2) + " at worst, over " +
+           percent_text(median) + " in the median and " + percent_text(off.back()) + " at worst, over " +
            std::to_string(off.size()) + " curves of methods declared unbiased.</p>\n";
 }
 
