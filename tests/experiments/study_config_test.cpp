@@ -124,6 +124,7 @@ TEST_CASE("what is wrong in a config is told with its place [law7]") {
         {with("name = \"shallow\"", "name = \"a/b\""), "cannot be a part of file names", 10},
         {base + "[sweep]\nmax_dept = [1, 2]\n", "unknown key 'max_dept'", 15},
         {base + "[sweep]\n", "the sweep is empty", 14},
+        {base + "[sweep]\n'filter.xradius' = [1, 2]\n", "[filter] has no 'type'", 15},
         {base + "[[exclude]]\nmethod = 'pth'\n", "there is no method 'pth'", 15},
         {base + "[reference]\nmethod = 'path'\n", "does not say how good", 14},
         {base + "[[region]]\nname = 'a'\ncrop = [4, 0, 4, 4]\n", "'crop' is no rectangle", 16},

@@ -54,7 +54,7 @@ Status check_method(const MethodRequest& method) {
 
 /// The error of a value that a sweep put in stands where the sweep does.
 Error at_axis(Error error, const MethodRequest& method) {
-    if (!error.file.empty() || method.sweep.empty()) return error;
+    if (error.line != 0 || error.file.starts_with("--set") || method.sweep.empty()) return error;
     std::string message = error.message + " (swept by";
     for (const SweepAxis& axis : method.sweep) message += " " + axis.key;
     const SourceLocation& where = method.sweep.front().location;
