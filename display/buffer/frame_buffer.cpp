@@ -99,7 +99,6 @@ FrameBuffer::FrameBuffer(const FrameBufferLayout& layout, std::span<const Channe
         const bool kernel = rule == FilterRule::filter,
                    expression = channels[static_cast<std::size_t>(channel.samples_of)].style == ChannelStyle::expression;
         const float fill = expression ? 0.0f : definition.miss_value;
-        channel.reads_untouched = kernel ? fill != 0 && std::isfinite(fill) : expression && rule != FilterRule::sum;
         if (is_z_rule(rule) || is_extremum(rule)) {
             channel.picked.allocate(values);
             if (is_z_rule(rule)) channel.depth.allocate(pixels);
@@ -110,6 +109,10 @@ FrameBuffer::FrameBuffer(const FrameBufferLayout& layout, std::span<const Channe
             channel.raster_sum.allocate(values);
             storage.raster_channels.push_back(index);
         }
+        storage.takers.push_back({static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(channel.samples_of),
+                                  kernel ? fill != 0 && std::isfinite(fill) : expression && rule != FilterRule::sum,
+                                  static_cast<std::uint8_t>(channel.components),
+                                  channel.sum.empty() ? nullptr : &channel.sum[0]});
         if (!kernel) channel.seen.allocate(pixels);
         if (kept.moments) {
             channel.plain_sum.allocate(values);
@@ -223,10 +226,24 @@ void FrameBuffer::accumulate_run(const SampleTable& table, const Run& run) {
 
 void FrameBuffer::accumulate_channels(const SampleTable& table, const Run& run) {
     Storage& storage = *storage_;
-    for (std::size_t index = 0; index < storage.channels.size(); ++index) {
-        Channel& channel = storage.channels[index];
-        const auto from = static_cast<std::size_t>(channel.samples_of);
-        if ((!table.touched(channel.samples_of) && !channel.reads_untouched) || !keeps_pixels(channel.definition)) continue;
+    // Extra rows stand anywhere behind the camera rows.
+    const std::uint64_t stripes = run.extra != nullptr ? ~std::uint64_t{0} : table.stripes_of(run.begin, run.end);
+    const std::span<const std::uint64_t> touched = table.touched_stripes();
+    const auto takes = [&](const Storage::Taker& taker) {
+        return (touched[taker.from] & stripes) != 0 || taker.reads_untouched;
+    };
+    // A pixel of each channel lies on a memory page of its own. Asked for together they come together; one after another,
+    // each would be waited for.
+    for (const Storage::Taker& taker : storage.takers) {
+        if (taker.sum == nullptr || !takes(taker)) continue;
+        const Int128* const first = taker.sum + run.pixel * taker.components;
+        __builtin_prefetch(first, 1);
+        __builtin_prefetch(first + taker.components - 1, 1);
+    }
+    for (const Storage::Taker& taker : storage.takers) {
+        if (!takes(taker)) continue;
+        Channel& channel = storage.channels[taker.channel];
+        const std::size_t from = taker.from;
         if (channel.definition.rule == FilterRule::filter) storage.add_filtered(channel, from, table, run);
         else if (!run.inside) continue;
         else if (channel.definition.rule == FilterRule::average || channel.definition.rule == FilterRule::sum)

@@ -103,7 +103,6 @@ struct FrameBuffer::Channel {
     ChannelDefinition definition;
     ChannelId samples_of = invalid_channel;  // whose samples it takes in: its own, or its source's
     int components = 1;
-    bool reads_untouched = false;     // whether a batch in which nothing was sent to it still changes it
     Plane<Int128> sum;                // [pixel, component] filter: weighted; average, sum: unweighted
     Plane<Int128> raster_sum;         // [pixel, component] raster splats: by the kernel
     Plane<Int128> plain_sum;          // [pixel, component] statistics: unweighted
@@ -140,6 +139,15 @@ struct FrameBuffer::Storage {
     std::vector<std::size_t> raster_channels;      // which have a raster_sum
     std::vector<ChannelDefinition> definitions;
     std::vector<Channel> channels;
+    /// The channels that take samples in, close together: every run of samples goes through all of them, and most of many
+    /// channels get nothing from it.
+    struct Taker {
+        std::uint32_t channel, from;      // whose samples
+        bool reads_untouched;             // whether samples of which nothing was sent to it still change it
+        std::uint8_t components;
+        const Int128* sum;                // of the channel, null where its rule keeps none
+    };
+    std::vector<Taker> takers;
     Plane<std::uint64_t> samples;       // [pixel]
     Plane<Int128> weight, alpha;        // [pixel] sums of weight, weight x alpha
     Plane<Int128> weight_square;        // [pixel] only when a channel keeps statistics

@@ -95,7 +95,7 @@ bool DisplayServices::refuse_row_value(int row, const Rgb& value) {
 double* DisplayServices::entry(ChannelId id, int row, RowState state) {
     const int components = component_count(table_.channel(id).type);
     double* values = table_.values(id) + static_cast<std::size_t>(row) * static_cast<std::size_t>(components);
-    table_.touch(id);
+    table_.touch(id, row);
     if (table_.channel(id).style == ChannelStyle::expression) return values;
     // The first splat into a row replaces the miss value, which may be infinite.
     if (state == RowState::splatted && table_.row_state(id, row) == RowState::untouched && table_.fill_value(id) != 0)

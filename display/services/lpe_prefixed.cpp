@@ -119,7 +119,7 @@ void LpeServices::contribute_apart(const Report& report, const Tracker& tracker)
         values[0] += part.r;
         values[1] += part.g;
         values[2] += part.b;
-        table_.touch(id);
+        table_.touch(id, tracker.row_);
     };
     if (valid && !black && report.technique != nullptr) {
         ++contributions_[static_cast<std::size_t>(*report.technique)];
@@ -171,7 +171,7 @@ void LpeServices::splat_apart(const Report& report, const Tracker& tracker, bool
         double* values = table_.values(id) + 3 * static_cast<std::size_t>(tracker.row_);
         const RgbD part = RgbD(own) * shares_[channel];
         for (int c = 0; c < 3; ++c) values[c] = prefixes.overwrite ? part[c] : values[c] + part[c];
-        table_.touch(id);
+        table_.touch(id, tracker.row_);
     }
 }
 

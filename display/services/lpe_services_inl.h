@@ -103,7 +103,7 @@ inline void LpeServices::contribute(const Rgb& value, Technique technique, const
         beauty[0] += r;
         beauty[1] += g;
         beauty[2] += b;
-        table_.touch(setup_.beauty_);
+        table_.touch(setup_.beauty_, tracker.row_);
     }
     const std::size_t words = tracker.groups_;
     const lpe::ProgramView& program = setup_.program_.view();
@@ -116,7 +116,7 @@ inline void LpeServices::contribute(const Rgb& value, Technique technique, const
             values[0] += part.r;
             values[1] += part.g;
             values[2] += part.b;
-            table_.touch(id);
+            table_.touch(id, tracker.row_);
         };
         if (words == 1)
             for (const std::uint16_t channel : program.accepted(tracker.state_[branch])) splat(channel);

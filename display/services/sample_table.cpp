@@ -1,9 +1,11 @@
 #include "display/services/sample_table.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 namespace raylex::display {
 namespace {
@@ -26,7 +28,8 @@ SampleTable::SampleTable(std::span<const ChannelDefinition> channels, int max_ro
         fill_.push_back(channel.style == ChannelStyle::name ? static_cast<double>(channel.miss_value) : 0.0);
     }
     values_.resize(size);
-    touched_.assign(channels_.size(), 1);  // so that the first begin() fills in the miss values
+    while (row_capacity_ > std::size_t{64} << stripe_shift_) ++stripe_shift_;
+    touched_.assign(channels_.size(), ~std::uint64_t{0});  // so that the first begin() fills in the miss values
     row_states_.assign(channels_.size() * row_capacity_, RowState::untouched);
     camera_rows_.resize(static_cast<std::size_t>(max_rows));
     originals_.resize(row_capacity_);
@@ -45,13 +48,18 @@ SampleTable::SampleTable(std::span<const ChannelDefinition> channels, int max_ro
 void SampleTable::clear_rows(int count) {
     const auto rows = static_cast<std::size_t>(count);
     for (std::size_t channel = 0; channel < channels_.size(); ++channel) {
-        if (touched_[channel] == 0) continue;
-        touched_[channel] = 0;
-        double* first = values_.data() + offset_[channel];
-        std::fill(first, first + rows * values_per_row(channels_[channel]), fill_[channel]);
-        if (channels_[channel].style == ChannelStyle::name)
-            std::fill_n(row_states_.begin() + static_cast<std::ptrdiff_t>(channel * row_capacity_), rows,
-                        RowState::untouched);
+        const std::size_t values = values_per_row(channels_[channel]);
+        double* const first = values_.data() + offset_[channel];
+        RowState* const states = row_states_.data() + channel * row_capacity_;
+        for (std::uint64_t stripes = std::exchange(touched_[channel], 0); stripes != 0;) {
+            // Stripes in a row are cleared as one: a channel that everything is sent to has but one such run.
+            const int begin = std::countr_zero(stripes), end = begin + std::countr_one(stripes >> begin);
+            stripes = end == 64 ? 0 : stripes & (~std::uint64_t{0} << end);
+            const std::size_t from = std::min(static_cast<std::size_t>(begin) << stripe_shift_, rows);
+            const std::size_t to = std::min(static_cast<std::size_t>(end) << stripe_shift_, rows);
+            std::fill(first + from * values, first + to * values, fill_[channel]);
+            if (channels_[channel].style == ChannelStyle::name) std::fill(states + from, states + to, RowState::untouched);
+        }
     }
 }
 

@@ -68,8 +68,17 @@ class SampleTable {
     /// 0 in an expression channel and the channel's miss value in a plain one.
     [[nodiscard]] double* values(ChannelId id) { return values_.data() + offset_[static_cast<std::size_t>(id)]; }
     [[nodiscard]] const double* values(ChannelId id) const { return values_.data() + offset_[static_cast<std::size_t>(id)]; }
+    /// What was sent to is kept by stripes of rows: of many channels most get nothing from the samples of one pixel.
     [[nodiscard]] bool touched(ChannelId id) const { return touched_[static_cast<std::size_t>(id)] != 0; }
-    void touch(ChannelId id) { touched_[static_cast<std::size_t>(id)] = 1; }
+    void touch(ChannelId id, int row) { touched_[static_cast<std::size_t>(id)] |= std::uint64_t{1} << (row >> stripe_shift_); }
+    void touch(ChannelId id) { touched_[static_cast<std::size_t>(id)] = ~std::uint64_t{0}; }   ///< all rows
+    /// [channel] the stripes that were touched, to compare with stripes_of().
+    [[nodiscard]] std::span<const std::uint64_t> touched_stripes() const { return touched_; }
+    /// The stripes of rows [begin, end), which are not empty.
+    [[nodiscard]] std::uint64_t stripes_of(int begin, int end) const {
+        const int first = begin >> stripe_shift_, last = (end - 1) >> stripe_shift_;
+        return (~std::uint64_t{0} >> (63 - (last - first))) << first;
+    }
     /// What the channel's rows hold before anything is sent to them.
     [[nodiscard]] double fill_value(ChannelId id) const { return fill_[static_cast<std::size_t>(id)]; }
     /// Whether a Write or a Splat through DisplayServices set this row: rows without one keep the channel's miss value.
@@ -110,12 +119,12 @@ class SampleTable {
     std::vector<std::size_t> offset_;      // [channel] into values_
     std::vector<double> values_;
     std::vector<double> fill_;             // [channel]
-    std::vector<std::uint8_t> touched_;    // [channel]
+    std::vector<std::uint64_t> touched_;   // [channel] a bit for each stripe of 2^stripe_shift_ rows
     std::vector<RowState> row_states_;     // [channel * row_capacity_ + row]
     std::vector<CameraRow> camera_rows_;
     std::vector<std::int32_t> originals_;
     std::size_t row_capacity_ = 0;
-    int max_rows_ = 0, camera_row_count_ = 0, row_count_ = 0;
+    int max_rows_ = 0, camera_row_count_ = 0, row_count_ = 0, stripe_shift_ = 0;
     bool discarded_ = false;
 };
 
