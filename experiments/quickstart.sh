@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # From a clone to pictures: installs what is missing, builds raylex, renders two scenes, checks that their layers sum to
-# beauty, and leaves images, previews and one HTML page.
+# beauty, runs a small study of what accuracy costs, and leaves images, previews and two HTML pages.
 #
 #   bash experiments/quickstart.sh [OUT]     OUT defaults to build/quickstart in the clone
 #
@@ -21,6 +21,7 @@ out=${1:-$root/build/quickstart}
 # CPU seconds and megabytes, measured on a machine with two cores and a cold compiler cache.
 build_core_seconds=400
 render_core_seconds=120
+study_core_seconds=120
 needed_megabytes=200
 
 say() { printf '%s\n' "$*"; }
@@ -39,14 +40,17 @@ cores=$(nproc)
 
 # What a result depends on: the program, the job and the scene's files.
 stamp_of() { find "$program" "$here/quickstart/$1.toml" "$here/scenes/$1" -type f -print0 | sort -z | xargs -0 sha256sum | awk '{ print $1 }' | sha256sum | awk '{ print $1 }'; }
+study_stamp() { for scene in cornell-color mis-plates; do find "$program" "$here/studies/quickstart.toml" "$here/scenes/$scene" -type f -print0; done | sort -zu | xargs -0 sha256sum | awk '{ print $1 }' | sha256sum | awk '{ print $1 }'; }
+is_studied() { [ -x "$program" ] && [ "$(cat "$out/study.stamp" 2>/dev/null)" = "$(study_stamp)" ] && [ -f "$out/study/report.html" ]; }
 is_rendered() { [ -x "$program" ] && [ "$(cat "$out/$1.stamp" 2>/dev/null)" = "$(stamp_of "$1")" ] && [ -f "$out/$1.exr" ] && [ -f "$out/$1.png" ] && [ -f "$out/$1.json" ]; }
 
 # --- what it will take -------------------------------------------------------------------------------------------------
 pending=0
 for scene in "${scenes[@]}"; do is_rendered "$scene" || pending=$((pending + 1)); done
 estimate=$((render_core_seconds * pending / ${#scenes[@]} / cores))
-work="render $pending of ${#scenes[@]} scenes (about $(minutes "$estimate"))"
-[ "$pending" -gt 0 ] || work="both scenes are rendered; bring the build up to date and check them again"
+is_studied || estimate=$((estimate + study_core_seconds / cores))
+work="render $pending of ${#scenes[@]} scenes$(is_studied || printf ' and a study') (about $(minutes "$estimate"))"
+[ "$estimate" -gt 0 ] || work="all is rendered; bring the build up to date and check it again"
 if [ ! -x "$program" ]; then
     build=$((build_core_seconds / cores))
     estimate=$((estimate + build))
@@ -131,6 +135,28 @@ page=$out/index.html
 [ ${#made[@]} -eq 0 ] || keep_earlier "$page"
 "$program" report "${images[@]}" -o "$page" || stop "the page could not be made"
 
+# --- what accuracy costs --------------------------------------------------------------------------------------------------
+study=$out/study config=$here/studies/quickstart.toml
+started=$(date +%s.%N)
+if is_studied; then
+    say "study: already run from these inputs"
+    renders+=", study kept"
+else
+    step=run
+    # A study that was interrupted goes on, if nothing that it comes from has changed since.
+    if [ -f "$study/experiment.json" ] && [ "$(cat "$out/study.started" 2>/dev/null)" = "$(study_stamp)" ]; then step=resume; else keep_earlier "$study"; fi
+    study_stamp >"$out/study.started"
+    say "Running a study: what accuracy costs in time ..."
+    "$program" experiment "$step" "$config" -o "$study"
+    status=$?
+    [ $status -ne 130 ] || interrupted
+    [ $status -le 1 ] || stop "the study failed"
+    [ $status -eq 0 ] || failed=1
+    "$program" experiment report "$config" -o "$study" || stop "the study's report could not be made"
+    study_stamp >"$out/study.stamp"
+    renders+=", study $(seconds_since "$started") s"
+fi
+
 say ""
 if [ "$failed" -eq 0 ]; then say "VERDICT: every split sums to its beauty, pixel by pixel."; else say "VERDICT: a split does NOT sum to its beauty; see above."; fi
 say "Times: build $build_seconds s$renders."
@@ -140,6 +166,7 @@ for scene in "${scenes[@]}"; do
     say "  $out/$scene.png    beauty through the display's view"
 done
 say "  $page    every layer side by side"
+say "  $study/report.html    error against time, with intervals; its images and tables beside it"
 say ""
 say "Next, split a scene your own way, for example:"
 say "  $(printf '%q' "$program") render $(printf '%q' "$here/scenes/mis-plates/scene.pbrt") -o plates.exr --lpe mirrored='C<RS>L' --spp 32 && $(printf '%q' "$program") verify plates.exr"

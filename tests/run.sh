@@ -49,28 +49,35 @@ configure_and_build() {
     fi
 }
 
-# run_programs <preset> <label> <catch arguments...>: every test program of the build, with counts from Catch2's own report.
+# run_programs <preset> <label> <catch arguments...>: every test program of the build, as many at once as there are cores, with
+# counts from Catch2's own report.
 run_programs() {
     local preset=$1 label=$2
     shift 2
-    local program name report cases ok bad
+    local program name report log cases ok bad status
+    for program in "build/$preset"/test_*; do
+        [ -x "$program" ] || continue
+        report="$results/$preset-$label-$(basename "$program")"
+        while [ "$(jobs -rp | wc -l)" -ge "$(nproc)" ]; do wait -n; done
+        { "$program" -r xml -o "$report.xml" "$@" >"$report.log" 2>&1; echo $? >"$report.status"; } &
+    done
+    wait
     for program in "build/$preset"/test_*; do
         [ -x "$program" ] || continue
         name=$(basename "$program")
-        report="$results/$preset-$name.xml"
-        "$program" -r xml -o "$report" "$@" >"$results/out.log" 2>&1
-        local status=$?
+        report="$results/$preset-$label-$name.xml" log="$results/$preset-$label-$name.log"
+        status=$(cat "$results/$preset-$label-$name.status")
         cases=$(grep -o '<OverallResultsCases [^>]*>' "$report" 2>/dev/null | tail -n 1)
         ok=$(sed -n 's/.*successes="\([0-9]*\)".*/\1/p' <<<"$cases")
         bad=$(sed -n 's/.*failures="\([0-9]*\)".*/\1/p' <<<"$cases")
         if [ -z "$cases" ]; then
-            tail -n 40 "$results/out.log"
+            tail -n 40 "$log"
             fail "$name ($label): ended with status $status before its report was complete"
             continue
         fi
         local left_out
-        left_out=$(grep -c '^SKIPPED ' "$results/out.log")
-        grep '^SKIPPED ' "$results/out.log"
+        left_out=$(grep -c '^SKIPPED ' "$log")
+        grep '^SKIPPED ' "$log"
         passed=$((passed + ok - left_out))
         skipped=$((skipped + left_out))
         printf '%-22s %-10s %4d passed %4d failed %4d skipped\n' "$name" "$label" "$((ok - left_out))" "$bad" "$left_out"

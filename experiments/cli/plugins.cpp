@@ -6,6 +6,7 @@
 #include "experiments/cli/commands.h"
 #include "experiments/cli/console.h"
 #include "experiments/cli/plugin_options.h"
+#include "experiments/job/job_tables.h"
 #include "experiments/report/png_driver.h"
 #include "transport/materials/pattern.h"
 #include "transport/media/medium.h"
@@ -94,7 +95,8 @@ void add_plugin_option(CLI::App& command, std::vector<std::string>& files) {
 
 Status load_plugins(const std::vector<std::string>& files) {
     for (const std::string& file : files)
-        if (Status loaded = transport::load_plugin(file, {"--plugin", 0, 0}); !loaded) return loaded;
+        if (Status loaded = transport::load_plugin(is_shipped_plugin(file) ? shipped_plugin(file) : file, {"--plugin", 0, 0}); !loaded)
+            return loaded;
     return success();
 }
 

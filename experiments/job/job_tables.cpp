@@ -1,6 +1,7 @@
 #include "experiments/job/job_tables.h"
 
 #include <cstdint>
+#include <filesystem>
 #include <limits>
 #include <utility>
 
@@ -52,7 +53,20 @@ void read_plugins(TomlTable& root, const std::string& job_path, Job& job) {
     std::vector<SourceLocation> locations;
     if (!root.read("plugins", files, &locations)) return;
     for (std::size_t i = 0; i < files.size(); ++i)
-        job.plugins.push_back({beside_job(job_path, files[i]), locations[i]});
+        job.plugins.push_back({is_shipped_plugin(files[i]) ? shipped_plugin(files[i]) : beside_job(job_path, files[i]), locations[i]});
+}
+
+bool is_shipped_plugin(const std::string& name) {
+    return name.find('/') == std::string::npos && std::filesystem::path(name).extension() != ".so";
+}
+
+std::string shipped_plugin(const std::string& name) {
+    namespace fs = std::filesystem;
+    std::error_code failed;
+    const fs::path program = fs::read_symlink("/proc/self/exe", failed).parent_path();
+    const std::string file = "lib" + name + ".so";
+    const fs::path built = program / "plugins" / file, installed = program.parent_path() / RAYLEX_PLUGIN_FOLDER / file;
+    return (fs::exists(built, failed) ? built : installed).string();
 }
 
 void read_color_table(TomlTable& root, const std::string& job_path, Job& job) {

@@ -9,8 +9,12 @@
 
 namespace raylex::experiments {
 
-/// plugins = ["a.so"]; paths count from the folder of `job_path`.
+/// plugins = ["a.so", "planted_error"]; paths count from the folder of `job_path`.
 void read_plugins(TomlTable& root, const std::string& job_path, Job& job);
+/// A plugin by its name alone, neither a path nor lib*.so: one that comes with the program.
+bool is_shipped_plugin(const std::string& name);
+/// Its file: in plugins/ beside the program, or where the installed program has it.
+std::string shipped_plugin(const std::string& name);
 /// [color].
 void read_color_table(TomlTable& root, const std::string& job_path, Job& job);
 /// resolution = [width, height] or "WxH".
