@@ -22,7 +22,7 @@ out=${1:-$root/build/quickstart}
 build_core_seconds=400
 render_core_seconds=120
 study_core_seconds=120
-needed_megabytes=200
+needed_megabytes=600
 
 say() { printf '%s\n' "$*"; }
 stop() { printf 'quickstart.sh: %s\n' "$*" >&2; exit 2; }
