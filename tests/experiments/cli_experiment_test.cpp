@@ -269,12 +269,15 @@ channels = ["lit", "seen", "direct"]
         CHECK_FALSE(cell.splits.front().holds);
         // Where all light is direct it is counted twice: |2 b - b| of 2 b + b. With more of it the share is smaller.
         CHECK(cell.splits.front().worst_relative_error == Approx(1.0 / 3).epsilon(1e-6));
+        CHECK(std::filesystem::exists(cell.directory + "/double.residual.png"));
         REQUIRE_FALSE(cell.warnings.empty());
         CHECK(std::any_of(cell.warnings.begin(), cell.warnings.end(), [](const std::string& each) {
             return each.find("partition 'double' does not hold: 'direct' and 'lit' both count") != std::string::npos ||
                    each.find("partition 'double' does not hold: 'lit' and 'direct' both count") != std::string::npos;
         }));
     }
+    succeed(folder, "experiment report c.toml -o out --set replicates=1 --set budget.samples=4");
+    CHECK(folder.read("out/report.html").find("alt=\"where double fails\"") != std::string::npos);
 }
 
 TEST_CASE("no two processes run cells into one directory") {

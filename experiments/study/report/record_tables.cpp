@@ -1,7 +1,10 @@
 // What was run, with what, and what was not: the tables of a study's page that repeat its record.
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <map>
+#include <span>
 
 #include "experiments/cli/console.h"
 #include "experiments/report/html.h"
@@ -24,6 +27,21 @@ std::string table(const std::string& head, const std::string& rows) {
            "</tbody></table></div>\n";
 }
 
+/// Where a split fails: the map of its worst cell, when the cell's files are still there.
+std::string residual_picture(const Study& study, const std::string& scene, const std::string& partition,
+                             const std::string& cell_id) {
+    for (const Cell& cell : study.experiment->cells) {
+        if (cell.id != cell_id) continue;
+        std::ifstream file(cell.directory + "/" + partition + ".residual.png", std::ios::binary);
+        const std::vector<char> bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+        if (bytes.empty()) return {};
+        const std::span<const unsigned char> png(reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
+        return "<figure class=\"residual\"><img alt=\"where " + escape_html(partition) + " fails\" src=\"" +
+               data_uri(png) + "\"><figcaption>" + escape_html(scene + ", " + partition) + "</figcaption></figure>\n";
+    }
+    return {};
+}
+
 }  // namespace
 
 std::string splits_table(const Study& study) {
@@ -43,18 +61,24 @@ std::string splits_table(const Study& study) {
             }
         }
     if (counts.empty()) return "<p class=\"faint\">No cell declares a partition, so there is nothing to judge.</p>\n";
-    std::string rows;
-    for (const auto& [key, count] : counts)
+    std::string rows, pictures;
+    for (const auto& [key, count] : counts) {
         rows += "<tr>" + text_cell(key[0]) + text_cell(key[1]) + text_cell(key[2]) +
                 (count.fails == 0 ? "<td class=\"holds\">holds</td>" : "<td class=\"fails\">does not hold</td>") +
                 number_cell(std::to_string(count.holds) + " of " + std::to_string(count.holds + count.fails)) +
                 number_cell(number_text(count.worst)) + text_cell(count.worst_cell) + "</tr>\n";
+        if (count.fails > 0) pictures += residual_picture(study, key[0], key[1], count.worst_cell);
+    }
+    if (!pictures.empty())
+        pictures = "<p>Where splits fail, in their worst cell. Black to violet: within the bound of rounding; red to pale yellow: "
+                   "beyond it, light that is counted twice or missed.</p>\n<div class=\"residuals\">" + pictures + "</div>\n";
     return table(
-        "<th>Scene</th><th>Partition</th><th>Variant</th><th>Verdict</th><th>Cells in which it holds</th>"
-        "<th class=\"formula\">Worst pixel<code>|sum of layers - whole| / (sum of |layers| + "
-        "|whole|)</code></th><th>in "
-        "cell</th>",
-        rows);
+               "<th>Scene</th><th>Partition</th><th>Variant</th><th>Verdict</th><th>Cells in which it holds</th>"
+               "<th class=\"formula\">Worst pixel<code>|sum of layers - whole| / (sum of |layers| + "
+               "|whole|)</code></th><th>in "
+               "cell</th>",
+               rows) +
+           pictures;
 }
 
 std::string costs_table(const Study& study) {

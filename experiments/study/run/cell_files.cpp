@@ -96,8 +96,12 @@ Result<std::vector<PartitionVerdict>> write_render_files(const std::string& dire
     if (written->partitions.empty()) return verdicts;
     auto splits = display::check_declared_splits(*written);
     if (!splits) return splits.error();
-    for (const display::SplitVerdict& each : *splits)
+    for (const display::SplitVerdict& each : *splits) {
         verdicts.push_back({each.partition, each.holds, each.largest_relative});
+        if (each.holds) continue;
+        const std::string map = directory + "/" + each.partition + ".residual.png";
+        if (Status s = display::write_residual_png(map, each, written->width, written->height); !s) return s.error();
+    }
     return verdicts;
 }
 

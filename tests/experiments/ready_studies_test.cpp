@@ -1,0 +1,43 @@
+// The experiments that come with raylex: each is planned, and the mistake that one of them plants is found.
+#include <catch2/catch.hpp>
+
+#include <filesystem>
+
+#include "support.h"
+#include "tests/support/paths.h"
+
+using namespace raylex::test;
+
+namespace {
+
+const std::string studies = source_dir() + "/experiments/studies";
+
+}  // namespace
+
+TEST_CASE("every ready experiment can be planned") {
+    const Folder folder;
+    int count = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(studies)) {
+        CAPTURE(entry.path().string());
+        const Outcome plan = run_raylex(folder, "experiment plan '" + entry.path().string() + "' --no-calibration");
+        INFO(plan.err);
+        CHECK(plan.code == 0);
+        ++count;
+    }
+    CHECK(count == 5);
+}
+
+TEST_CASE("a planted mistake is found, and the first wrong path named", "[study][release-only]") {
+    const Folder folder;
+    const std::string common = " '" + studies + "/planted-error.toml' -o out --set replicates=4 --set budget.samples=64 "
+                                                "--set scene.*.resolution=32x32 --set reference.spp=1024";
+    const Outcome run = run_raylex(folder, "experiment run" + common);
+    INFO(run.err);
+    REQUIRE(run.code == 0);
+    REQUIRE(run_raylex(folder, "experiment report" + common).code == 0);
+    const std::string page = folder.read("out/report.html");
+    // Seeds are fixed, so this is no game of chance. Survivors of a roulette of 0.75 that are not weighted lose a quarter of
+    // the paths with three scatterings, and of those with fewer nothing.
+    CHECK(page.find("Declared unbiased but differs from the reference:</span> planted-error on cornell-grey.") != std::string::npos);
+    CHECK(page.find("is first wrong at the path <code>C,- R,D R,D R,D L,-</code>") != std::string::npos);
+}
