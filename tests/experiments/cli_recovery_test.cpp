@@ -74,13 +74,14 @@ int run_here(const std::vector<std::string>& arguments) {
     return code;
 }
 
-std::vector<std::string> short_run(const Folder& folder, bool resume) {
-    std::vector<std::string> arguments{"render", folder.path("room.pbrt"), "-o", folder.path("out.exr"), "--spp", "2048",
+std::vector<std::string> short_run(const std::string& folder, bool resume) {
+    std::vector<std::string> arguments{"render", folder + "/room.pbrt", "-o", folder + "/out.exr", "--spp", "2048",
                                        "--lpe", "direct=CDL", "--aov", "sampleCount", "--threads", "2", "--checkpoint",
                                        "0.02s"};
     if (resume) arguments.push_back("--resume");
     return arguments;
 }
+std::vector<std::string> short_run(const Folder& folder, bool resume) { return short_run(folder.path(), resume); }
 
 }  // namespace
 
@@ -305,10 +306,8 @@ TEST_CASE("this program as one that dies at a file call", "[.][recovery-child]")
         if (calls++ == last) std::raise(SIGKILL);
         return 0;
     });
-    const std::string base = folder;
-    const std::vector<std::string> arguments{"raylex", "render", base + "/room.pbrt", "-o", base + "/out.exr", "--spp", "512",
-                                             "--lpe", "direct=CDL", "--aov", "sampleCount", "--threads", "2",
-                                             "--checkpoint", "0.02s"};
+    std::vector<std::string> arguments = short_run(std::string(folder), false);   // what the parent resumes
+    arguments.insert(arguments.begin(), "raylex");
     std::vector<const char*> words;
     for (const std::string& each : arguments) words.push_back(each.c_str());
     std::_Exit(raylex::experiments::run_command_line(static_cast<int>(words.size()), words.data()));
