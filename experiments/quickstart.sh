@@ -21,7 +21,7 @@ out=${1:-$root/build/quickstart}
 # CPU seconds and megabytes, measured on a machine with two cores and a cold compiler cache.
 build_core_seconds=400
 render_core_seconds=120
-study_core_seconds=120
+study_core_seconds=50
 needed_megabytes=600
 
 say() { printf '%s\n' "$*"; }

@@ -74,10 +74,10 @@ void find_words(Study& study, const SceneInfo& scene, const Variant& variant) {
     bool any = false;
     for (const BiasEntry& entry : study.bias) {
         if (entry.scene != scene.name || entry.variant != variant.name || !entry.verdict.tested) continue;
-        any = any || entry.verdict.differs;
+        any = any || entry.convicts();
         for (const ChannelInfo& channel : scene.channels)
             if (channel.name == entry.channel && !channel.beauty)
-                channels.push_back({channel.name, channel.expression, channel.dialect, entry.verdict.differs,
+                channels.push_back({channel.name, channel.expression, channel.dialect, entry.convicts(),
                                     entry.verdict.adjusted_p});
     }
     if (!any) return;
@@ -92,6 +92,10 @@ void find_words(Study& study, const SceneInfo& scene, const Variant& variant) {
 }  // namespace
 
 void judge_curves(Study& study) {
+    for (BiasEntry& entry : study.bias)
+        if (const Curve* curve = study.curve(entry.scene, entry.variant, entry.channel))
+            for (const BudgetPoint& point : curve->points)
+                if (point.budget == entry.budget) entry.heavy_tail = point.group.heavy_tail;
     for (Curve& curve : study.curves) {
         std::stable_sort(curve.points.begin(), curve.points.end(),
                          [](const BudgetPoint& a, const BudgetPoint& b) { return a.seconds < b.seconds; });

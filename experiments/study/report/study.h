@@ -57,6 +57,8 @@ struct BiasEntry {
     double budget = 0;
     std::size_t replicates = 0;
     BiasVerdict verdict;
+    bool heavy_tail = false;  ///< a few rare samples decide: what the test assumes does not hold, and it convicts nobody
+    [[nodiscard]] bool convicts() const { return verdict.differs && !heavy_tail; }
 };
 
 struct WordsEntry {

@@ -170,6 +170,7 @@ std::string results_jsonl(const Study& study) {
                        {"replicates", entry.replicates},
                        {"tested", v.tested},
                        {"differs", v.differs},
+                       {"heavy_tail", entry.heavy_tail},
                        {"adjusted_p", number(v.adjusted_p)},
                        {"tests", v.tests},
                        {"mean_difference", number(v.mean_difference)},

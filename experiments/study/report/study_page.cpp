@@ -53,7 +53,7 @@ std::string summary(const Study& study) {
     if (splits > 0)
         text += mark(broken == 0, broken == 0 ? "Every split sums" : std::to_string(broken) + " splits do not sum") +
                 "to what it splits, in " + counted(splits, "verdict", "verdicts") + " over all cells.</li>\n";
-    std::vector<std::string> wrong;
+    std::vector<std::string> wrong, doubtful;
     std::size_t tested = 0;
     for (const BiasEntry& entry : study.bias) {
         tested += entry.verdict.tested ? 1 : 0;
@@ -61,8 +61,10 @@ std::string summary(const Study& study) {
         const auto variant = std::find_if(study.variants.begin(), study.variants.end(),
                                           [&](const Variant& each) { return each.name == entry.variant; });
         const std::string name = entry.variant + " on " + entry.scene;
-        if (variant->unbiased && std::find(wrong.begin(), wrong.end(), name) == wrong.end()) wrong.push_back(name);
+        std::vector<std::string>& list = entry.convicts() ? wrong : doubtful;
+        if (variant->unbiased && std::find(list.begin(), list.end(), name) == list.end()) list.push_back(name);
     }
+    std::erase_if(doubtful, [&](const std::string& name) { return std::find(wrong.begin(), wrong.end(), name) != wrong.end(); });
     if (!wrong.empty()) {
         text += mark(false, "Declared unbiased but differs from the reference:");
         for (const std::string& name : wrong) text += (&name == &wrong.front() ? "" : ", ") + escape_html(name);
@@ -70,6 +72,11 @@ std::string summary(const Study& study) {
     } else if (tested > 0) {
         text += mark(true, "No method declared unbiased") + "was found to differ from its reference, in " +
                 counted(tested, "test", "tests") + " of channels.</li>\n";
+    }
+    if (!doubtful.empty()) {
+        text += "<li><span class=\"warn\">No verdict on bias:</span> a few rare samples decide for ";
+        for (const std::string& name : doubtful) text += (&name == &doubtful.front() ? "" : ", ") + escape_html(name);
+        text += ".</li>\n";
     }
     std::vector<std::string> shallow;
     std::size_t heavy = 0;
