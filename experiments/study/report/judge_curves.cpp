@@ -36,14 +36,14 @@ Interval speed_up(const Curve& curve, const Curve& against, double confidence) {
     return result;
 }
 
-std::string others_of(const Variant& variant, const std::string& key) {
+std::string others_of(const MethodVariant& variant, const std::string& key) {
     std::string text = variant.method;
     for (const auto& [name, value] : variant.settings)
         if (name != key) text += " " + name + "=" + value;
     return text;
 }
 
-const std::string* setting(const Variant& variant, const std::string& key) {
+const std::string* setting(const MethodVariant& variant, const std::string& key) {
     for (const auto& [name, value] : variant.settings)
         if (name == key) return &value;
     return nullptr;
@@ -55,7 +55,7 @@ void find_effects(Study& study, const SceneInfo& scene) {
     // Each value of a key against the first value that stands with the same others.
     for (std::size_t j = 1; j < study.variants.size(); ++j)
         for (const auto& [key, value] : study.variants[j].settings) {
-            const Variant &to = study.variants[j], *from = nullptr;
+            const MethodVariant &to = study.variants[j], *from = nullptr;
             for (std::size_t i = 0; i < j && from == nullptr; ++i)
                 if (others_of(study.variants[i], key) == others_of(to, key) &&
                     setting(study.variants[i], key) != nullptr)
@@ -69,7 +69,7 @@ void find_effects(Study& study, const SceneInfo& scene) {
         }
 }
 
-void find_words(Study& study, const SceneInfo& scene, const Variant& variant) {
+void find_words(Study& study, const SceneInfo& scene, const MethodVariant& variant) {
     std::vector<JudgedChannel> channels;
     bool any = false;
     for (const BiasEntry& entry : study.bias) {
@@ -101,7 +101,7 @@ void judge_curves(Study& study) {
                          [](const BudgetPoint& a, const BudgetPoint& b) { return a.seconds < b.seconds; });
         const std::vector<BudgetGroup> groups = groups_of(curve);
         bool unbiased = true;
-        for (const Variant& variant : study.variants)
+        for (const MethodVariant& variant : study.variants)
             if (variant.name == curve.variant) unbiased = variant.unbiased;
         curve.slope = judge_slope(groups, unbiased);
         for (const double target : target_errors)
@@ -109,7 +109,7 @@ void judge_curves(Study& study) {
         curve.prediction = check_prediction(groups);
     }
     for (Curve& curve : study.curves)
-        for (const Variant& variant : study.variants)
+        for (const MethodVariant& variant : study.variants)
             if (const Curve* base = study.curve(curve.scene, variant.name, curve.channel, curve.region);
                 base != nullptr) {
                 curve.first = base == &curve;
@@ -118,7 +118,7 @@ void judge_curves(Study& study) {
             }
     for (const SceneInfo& scene : study.experiment->scenes) {
         find_effects(study, scene);
-        for (const Variant& variant : study.variants) find_words(study, scene, variant);
+        for (const MethodVariant& variant : study.variants) find_words(study, scene, variant);
     }
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 /// The cells of one scene, variant and budget that have images, by replicate.
 struct Group {
-    const Variant* variant = nullptr;
+    const MethodVariant* variant = nullptr;
     BudgetKind kind = BudgetKind::samples;
     double budget = 0;
     std::vector<const Cell*> cells;
@@ -74,7 +74,7 @@ class Measurer {
 
     [[nodiscard]] std::vector<Group> groups_of(const SceneInfo& scene) const {
         std::vector<Group> groups;
-        for (const Variant& variant : study_.variants)
+        for (const MethodVariant& variant : study_.variants)
             for (const Cell& cell : experiment_.cells) {
                 if (cell.failed || cell.scene != scene.name || variant_name(cell) != variant.name) continue;
                 const auto same = std::find_if(groups.begin(), groups.end(), [&](const Group& each) {
@@ -99,7 +99,7 @@ class Measurer {
         // Curves of one (region, variant) over budgets; `groups` come budget by budget.
         std::map<std::pair<std::string, std::string>, std::size_t> curves;
         for (const RegionPixels& region : regions)
-            for (const Variant& variant : study_.variants)
+            for (const MethodVariant& variant : study_.variants)
                 for (const Group& group : groups)
                     if (group.variant == &variant && !curves.contains({region.name, variant.name})) {
                         curves[{region.name, variant.name}] = study_.curves.size();
@@ -125,7 +125,7 @@ class Measurer {
             }
             offer(candidates, group, images);
         }
-        for (const Variant& variant : study_.variants)
+        for (const MethodVariant& variant : study_.variants)
             if (const auto found = candidates.find(variant.name); found != candidates.end())
                 test_channel(scene, channel, variant, found->second, reference);
     }
@@ -230,7 +230,7 @@ class Measurer {
         if (offered.weight > best.weight) best = std::move(offered);
     }
 
-    void test_channel(const SceneInfo& scene, const ChannelInfo& channel, const Variant& variant,
+    void test_channel(const SceneInfo& scene, const ChannelInfo& channel, const MethodVariant& variant,
                       const BiasCandidate& candidate, const Reference& reference) {
         BiasSide truth{{block_means(reference.mean)}, {}};
         if (reference.variance) truth.variance = block_variances(*reference.variance);
@@ -264,16 +264,16 @@ Result<Study> study_of(const Experiment& experiment, const StudyReportOptions& o
         }
         const std::string name = variant_name(cell);
         if (std::any_of(study.variants.begin(), study.variants.end(),
-                        [&](const Variant& each) { return each.name == name; }))
+                        [&](const MethodVariant& each) { return each.name == name; }))
             continue;
-        Variant variant{name, cell.method, cell.settings, true};
+        MethodVariant variant{name, cell.method, cell.settings, true};
         for (const MethodInfo& method : experiment.methods)
             if (method.name == cell.method) variant.unbiased = method.unbiased;
         study.variants.push_back(std::move(variant));
     }
     // In the order of the config's methods, not of the interleaved plan.
-    std::stable_sort(study.variants.begin(), study.variants.end(), [&](const Variant& a, const Variant& b) {
-        const auto rank = [&](const Variant& variant) {
+    std::stable_sort(study.variants.begin(), study.variants.end(), [&](const MethodVariant& a, const MethodVariant& b) {
+        const auto rank = [&](const MethodVariant& variant) {
             return std::find_if(experiment.methods.begin(), experiment.methods.end(),
                                 [&](const MethodInfo& method) { return method.name == variant.method; }) -
                    experiment.methods.begin();

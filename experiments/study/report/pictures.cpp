@@ -48,7 +48,7 @@ std::vector<Source> sources_of(const Study& study) {
     std::vector<Source> sources;
     for (std::size_t s = 0; s < study.experiment->scenes.size(); ++s) {
         const SceneInfo& scene = study.experiment->scenes[s];
-        for (const Variant& variant : study.variants)
+        for (const MethodVariant& variant : study.variants)
             if (const Cell* cell = shown_cell(study, scene.name, variant.name))
                 sources.push_back({s, cell->directory, variant.name + ", " + budget_text(*cell)});
         if (!scene.reference.empty()) sources.push_back({s, scene.reference, "reference"});

@@ -30,7 +30,7 @@ Json number(double value) {
 
 std::size_t slot_of(const Study& study, const std::string& variant) {
     const auto found = std::find_if(study.variants.begin(), study.variants.end(),
-                                    [&](const Variant& each) { return each.name == variant; });
+                                    [&](const MethodVariant& each) { return each.name == variant; });
     return static_cast<std::size_t>(found - study.variants.begin());
 }
 

@@ -85,7 +85,7 @@ std::string costs_table(const Study& study) {
     // Per variant and scene: where the time of its largest cells went.
     std::string rows;
     for (const SceneInfo& scene : study.experiment->scenes)
-        for (const Variant& variant : study.variants) {
+        for (const MethodVariant& variant : study.variants) {
             std::vector<std::pair<std::string, Phase>> phases;
             double wall = 0, cpu = 0, rays = 0, invalid = 0, memory = 0, count = 0;
             for (const Cell& cell : study.experiment->cells) {

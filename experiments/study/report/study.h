@@ -14,7 +14,7 @@
 namespace raylex::experiments {
 
 /// A method with one choice of the swept settings.
-struct Variant {
+struct MethodVariant {
     std::string name;  ///< "path max_depth=8"
     std::string method;
     NamedValues settings;
@@ -79,7 +79,7 @@ struct Omission {
 struct Study {
     const Experiment* experiment = nullptr;
     StudyReportOptions options;
-    std::vector<Variant> variants;
+    std::vector<MethodVariant> variants;
     std::vector<CellErrors> cells;
     std::vector<Curve> curves;  ///< scenes, then channels, regions and variants in the order of the config
     std::vector<BiasEntry> bias;

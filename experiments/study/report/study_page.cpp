@@ -59,7 +59,7 @@ std::string summary(const Study& study) {
         tested += entry.verdict.tested ? 1 : 0;
         if (!entry.verdict.differs) continue;
         const auto variant = std::find_if(study.variants.begin(), study.variants.end(),
-                                          [&](const Variant& each) { return each.name == entry.variant; });
+                                          [&](const MethodVariant& each) { return each.name == entry.variant; });
         const std::string name = entry.variant + " on " + entry.scene;
         std::vector<std::string>& list = entry.convicts() ? wrong : doubtful;
         if (variant->unbiased && std::find(list.begin(), list.end(), name) == list.end()) list.push_back(name);

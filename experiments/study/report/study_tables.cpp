@@ -173,7 +173,7 @@ std::string predictions_text(const Study& study) {
     std::vector<double> off;
     for (const Curve& curve : study.curves) {
         const auto variant = std::find_if(study.variants.begin(), study.variants.end(),
-                                          [&](const Variant& each) { return each.name == curve.variant; });
+                                          [&](const MethodVariant& each) { return each.name == curve.variant; });
         if (curve.prediction && curve.region.empty() && variant->unbiased)
             off.push_back(std::abs(curve.prediction->relative_difference()));
     }
@@ -219,7 +219,7 @@ std::string bias_table(const Study& study, const SceneInfo& scene) {
         if (entry.scene != scene.name) continue;
         const BiasVerdict& v = entry.verdict;
         bool unbiased = true;
-        for (const Variant& variant : study.variants)
+        for (const MethodVariant& variant : study.variants)
             if (variant.name == entry.variant) unbiased = variant.unbiased;
         std::string cells = text_cell(entry.variant) + text_cell(entry.channel) +
                             cell(std::to_string(entry.replicates) + " of " + number_text(entry.budget, 6));
