@@ -141,7 +141,11 @@ TEST_CASE("a study's page works in a browser", "[study][report]") {
     if (run_shell(folder, "command -v chromium").code != 0) RAYLEX_SKIP("needs the package chromium");
     const Experiment experiment = write_synthetic_study(folder, {32, 24, 1, 3, 3, 3, 2, 0.4});
     REQUIRE(write_study_report(experiment) == 0);
-    const Outcome page = in_browser(folder, "study/report.html");
+    // What --dump-dom waits for is the page's clock, and pictures are decoded on a thread beside it: a page that is dumped too
+    // early is asked again.
+    Outcome page;
+    for (int attempt = 0; attempt < 10 && page.out.find("data-read=\"yes\"") == std::string::npos; ++attempt)
+        page = in_browser(folder, "study/report.html");
     CAPTURE(page.err);
     REQUIRE(page.code == 0);
     CHECK(page.err.find("Uncaught") == std::string::npos);
