@@ -19,7 +19,7 @@ esac
 out=${1:-$root/build/quickstart}
 
 # CPU seconds and megabytes, measured on a machine with two cores and a cold compiler cache.
-build_core_seconds=400
+build_core_seconds=750
 render_core_seconds=120
 study_core_seconds=50
 needed_megabytes=600
