@@ -1,42 +1,12 @@
 // A render that is interrupted and resumed ends in the same bits as one that is not (Law 3), or is refused by name.
-#include <atomic>
 #include <cerrno>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <unistd.h>
 
 #include "display/output/atomic_file.h"
-#include "tests/transport/render_support.h"
+#include "tests/transport/interrupted_render.h"
 
 using namespace render_test;
 
 namespace {
-
-class ScratchFile {
-  public:
-    ScratchFile() {
-        std::string name = (std::filesystem::temp_directory_path() / "raylex checkpoint XXXXXX").string();
-        if (mkdtemp(name.data()) == nullptr) std::abort();
-        folder_ = name;
-    }
-    ~ScratchFile() {
-        std::error_code ignored;
-        std::filesystem::remove_all(folder_, ignored);
-    }
-    ScratchFile(const ScratchFile&) = delete;
-    ScratchFile& operator=(const ScratchFile&) = delete;
-    [[nodiscard]] std::string path() const { return folder_ + "/image.checkpoint"; }
-    [[nodiscard]] bool exists() const { return std::filesystem::exists(path()); }
-    [[nodiscard]] std::string bytes() const {
-        std::ifstream file(path(), std::ios::binary);
-        return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-    }
-    void write(const std::string& bytes) const { std::ofstream(path(), std::ios::binary) << bytes; }
-
-  private:
-    std::string folder_;
-};
 
 /// All that must be the same: every plane of the frame buffer and of the mattes, and the numbers that add up.
 std::string everything(const transport::RenderOutput& output) {
@@ -57,61 +27,9 @@ display::ChannelDefinition aov(const std::string& name) {
     return channel;
 }
 
-/// Stops a render from within, after so many camera samples: a clock would stop it anywhere or, on a fast machine, never.
-class Interruption {
-  public:
-    void begin(std::uint64_t samples, std::atomic<bool>* stop) {
-        left_.store(static_cast<std::int64_t>(samples));
-        stop_.store(stop);
-    }
-    void count(std::size_t samples) {
-        std::atomic<bool>* const stop = stop_.load();
-        if (stop != nullptr && left_.fetch_sub(static_cast<std::int64_t>(samples)) <= static_cast<std::int64_t>(samples))
-            stop->store(true);
-    }
-
-  private:
-    std::atomic<std::int64_t> left_{0};
-    std::atomic<std::atomic<bool>*> stop_{nullptr};
-};
-Interruption interruption;
-
-/// The path tracer, counting its camera rays there.
-class CountedPath final : public transport::Integrator {
-  public:
-    explicit CountedPath(std::unique_ptr<transport::Integrator> path) : path_(std::move(path)) {}
-    [[nodiscard]] transport::IntegratorTraits traits() const override { return path_->traits(); }
-    raylex::Status prepare(const transport::IntegratorContext& context) override { return path_->prepare(context); }
-    [[nodiscard]] std::unique_ptr<transport::IntegratorThread> make_thread_state() const override {
-        return path_->make_thread_state();
-    }
-    void integrate(const transport::CameraBatch& batch, transport::IntegratorThread& thread,
-                   transport::ThreadServices& services) const override {
-        path_->integrate(batch, thread, services);
-        interruption.count(batch.rays.size());
-    }
-
-  private:
-    std::unique_ptr<transport::Integrator> path_;
-};
-
-transport::SceneEntity counted_path() {
-    transport::integrator_registry().add(
-        {"countedpath", "for this test", {},
-         [](const transport::SceneEntity&,
-            std::optional<std::int64_t> max_depth) -> raylex::Result<std::unique_ptr<transport::Integrator>> {
-             auto chosen = transport::choose_integrator({}, max_depth);
-             if (!chosen) return chosen.error();
-             return std::unique_ptr<transport::Integrator>(std::make_unique<CountedPath>(std::move(chosen->integrator)));
-         }});
-    transport::SceneEntity entity;
-    entity.type = "countedpath";
-    return entity;
-}
-
 transport::RenderSettings room_settings() {
     transport::RenderSettings settings;
-    settings.integrator = counted_path();
+    settings.integrator = counted("path");
     settings.samples_per_pixel = 200;  // the last block is not whole
     settings.threads = 2;
     settings.channels = {lpe("direct", "CDL"), lpe("glossy", "C<.G>.*"), aov("Nn"), aov("id"), aov("sampleCount"), aov("z")};
@@ -126,9 +44,9 @@ transport::RenderOutput in_sessions(const transport::SceneDescription& scene, tr
     for (sessions = 1;; ++sessions) {
         std::atomic<bool> stop{false};
         settings.threads = 1 + sessions % 3;
-        interruption.begin(samples, &stop);
+        interruption().begin(samples, &stop);
         auto output = transport::render(scene, settings, {}, &stop);
-        interruption.begin(0, nullptr);
+        interruption().begin(0, nullptr);
         INFO((output ? std::string() : output.error().to_string()));
         REQUIRE(output.ok());
         REQUIRE(sessions < 1000);
@@ -319,7 +237,7 @@ class Counting final : public transport::Integrator {
     }
     void end_iteration(std::uint64_t, std::span<transport::IntegratorThread* const>) override {
         iterations_ = iterations_ * 3 % 1009;
-        interruption.count(1);  // amid an iteration there is nothing to save
+        interruption().count(1);  // amid an iteration there is nothing to save
     }
     void save_state(std::string& bytes) const override { bytes += std::to_string(iterations_); }
     raylex::Status restore_state(std::string_view bytes) override {

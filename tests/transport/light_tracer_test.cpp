@@ -1,6 +1,5 @@
 // The light tracer against the path tracer, word by word, and the laws.
-#include <filesystem>
-
+#include "transport/interrupted_render.h"
 #include "transport/replicates.h"
 
 using namespace render_test;
@@ -99,25 +98,24 @@ TEST_CASE("light tracing keeps the laws: splits sum, asking changes nothing, thr
         }
         for (const double each : light) CHECK(each > 0);
 
-        // Stopped after some tasks, saved, and gone on with.
-        const std::string file = (std::filesystem::temp_directory_path() / "raylex_light_tracer_test.checkpoint").string();
-        settings.checkpoint = transport::CheckpointSettings{file, 0.0, false, {}};
+        // Stopped after half the samples, saved, and gone on with.
+        const ScratchFile file;
+        settings.checkpoint = transport::CheckpointSettings{file.path(), 60, false, {}};
         settings.threads = 2;
+        settings.integrator = counted("lighttracer");
         std::atomic<bool> stop{false};
-        auto first = transport::render(scene, settings, [&](const transport::RenderProgress&) { stop = true; }, &stop);
+        interruption().begin(side * side * 10, &stop);
+        const auto first = transport::render(scene, settings, {}, &stop);
+        interruption().begin(0, nullptr);
         REQUIRE(first.ok());
+        REQUIRE_FALSE(first->complete);
         settings.checkpoint->resume = true;
-        auto resumed = transport::render(scene, settings);
-        if (first->complete) {  // too quick to be stopped: there is nothing to go on with
-            WARN("the render was not interrupted");
-        } else {
-            REQUIRE(resumed.ok());
-            CHECK(resumed->frame_buffer.light_path_count() == one.frame_buffer.light_path_count());
-            for (display::ChannelId id = 0; id < 5; ++id)
-                CHECK(one.frame_buffer.resolve(id) == resumed->frame_buffer.resolve(id));
-        }
+        const auto resumed = render_of(scene, settings);
+        CHECK(resumed.frame_buffer.light_path_count() == one.frame_buffer.light_path_count());
+        for (display::ChannelId id = 0; id < 5; ++id)
+            CHECK(one.frame_buffer.resolve(id) == resumed.frame_buffer.resolve(id));
+        settings.integrator = integrator_named("lighttracer");
         settings.checkpoint.reset();
-        std::filesystem::remove(file);
     }
 }
 

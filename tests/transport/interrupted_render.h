@@ -1,0 +1,98 @@
+// Renders that are stopped where a test says, and the files they leave.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <unistd.h>
+
+#include "transport/render_support.h"
+
+namespace render_test {
+
+class ScratchFile {
+  public:
+    ScratchFile() {
+        std::string name = (std::filesystem::temp_directory_path() / "raylex checkpoint XXXXXX").string();
+        if (mkdtemp(name.data()) == nullptr) std::abort();
+        folder_ = name;
+    }
+    ~ScratchFile() {
+        std::error_code ignored;
+        std::filesystem::remove_all(folder_, ignored);
+    }
+    ScratchFile(const ScratchFile&) = delete;
+    ScratchFile& operator=(const ScratchFile&) = delete;
+    [[nodiscard]] std::string path() const { return folder_ + "/image.checkpoint"; }
+    [[nodiscard]] bool exists() const { return std::filesystem::exists(path()); }
+    [[nodiscard]] std::string bytes() const {
+        std::ifstream file(path(), std::ios::binary);
+        return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    }
+    void write(const std::string& bytes) const { std::ofstream(path(), std::ios::binary) << bytes; }
+
+  private:
+    std::string folder_;
+};
+
+
+/// Stops a render from within, after so many camera samples: a clock would stop it anywhere or, on a fast machine, never.
+class Interruption {
+  public:
+    void begin(std::uint64_t samples, std::atomic<bool>* stop) {
+        left_.store(static_cast<std::int64_t>(samples));
+        stop_.store(stop);
+    }
+    void count(std::size_t samples) {
+        std::atomic<bool>* const stop = stop_.load();
+        if (stop != nullptr && left_.fetch_sub(static_cast<std::int64_t>(samples)) <= static_cast<std::int64_t>(samples))
+            stop->store(true);
+    }
+
+  private:
+    std::atomic<std::int64_t> left_{0};
+    std::atomic<std::atomic<bool>*> stop_{nullptr};
+};
+inline Interruption& interruption() {
+    static Interruption one;
+    return one;
+}
+
+/// Another integrator, its camera samples counted: for those without iterations and state between them.
+class CountedIntegrator final : public transport::Integrator {
+  public:
+    explicit CountedIntegrator(std::unique_ptr<transport::Integrator> counted) : counted_(std::move(counted)) {}
+    [[nodiscard]] transport::IntegratorTraits traits() const override { return counted_->traits(); }
+    raylex::Status prepare(const transport::IntegratorContext& context) override { return counted_->prepare(context); }
+    [[nodiscard]] std::unique_ptr<transport::IntegratorThread> make_thread_state() const override {
+        return counted_->make_thread_state();
+    }
+    void integrate(const transport::CameraBatch& batch, transport::IntegratorThread& thread,
+                   transport::ThreadServices& services) const override {
+        counted_->integrate(batch, thread, services);
+        interruption().count(batch.rays.size());
+    }
+
+  private:
+    std::unique_ptr<transport::Integrator> counted_;
+};
+
+inline transport::SceneEntity counted(const std::string& integrator) {
+    transport::SceneEntity entity;
+    entity.type = "counted " + integrator;
+    transport::integrator_registry().add(
+        {entity.type, "for this test", {},
+         [integrator](const transport::SceneEntity&,
+                      std::optional<std::int64_t> max_depth) -> raylex::Result<std::unique_ptr<transport::Integrator>> {
+             transport::SceneEntity inner;
+             inner.type = integrator;
+             auto chosen = transport::choose_integrator(inner, max_depth);
+             if (!chosen) return chosen.error();
+             return std::unique_ptr<transport::Integrator>(
+                 std::make_unique<CountedIntegrator>(std::move(chosen->integrator)));
+         }});
+    return entity;
+}
+
+}  // namespace render_test
