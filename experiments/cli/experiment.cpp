@@ -20,6 +20,7 @@ namespace {
 struct ExperimentOptions {
     std::string config, output, shard, cell, report_directory;
     std::vector<std::string> overrides, directories;
+    unsigned split_cells = 1;
     bool no_calibration = false, retry = false;
 };
 
@@ -35,6 +36,7 @@ int with_config(const ExperimentOptions& options, Work work) {
         if (!parsed) return report_error(parsed.error());
         shard = *parsed;
     }
+    shard.split_cells = options.split_cells;
     return work(std::move(*config), shard);
 }
 
@@ -112,6 +114,13 @@ void add_shard(CLI::App& command, ExperimentOptions& options) {
         .add_option("--shard", options.shard,
                     "only every PARTS-th cell of the plan, beginning with the PART-th; merge makes one of them again")
         ->option_text("PART/PARTS");
+    command
+        .add_option("--split-cells", options.split_cells,
+                    "renders the samples of each cell in N parts, which --shard shares out like cells; merge makes the cell of "
+                    "them, the same bits. Cells that end by time or by error, of external commands, of Markov chains or of few "
+                    "samples stay whole")
+        ->option_text("N")
+        ->check(CLI::Range(1U, 4096U));
 }
 
 }  // namespace

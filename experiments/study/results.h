@@ -73,6 +73,9 @@ struct Cell {
     std::vector<Phase> phases;                ///< load, plan, build, prepare, render, write; of external renderers: process
     std::uint64_t rays = 0, invalid_samples = 0, peak_memory_bytes = 0;  ///< 0 where not known (external renderers)
     std::vector<PartitionVerdict> splits;
+    std::string part_of;                      ///< the cell that this is a part of; empty: a whole cell
+    std::uint64_t first_sample = 0, end_sample = 0;  ///< of a part: its samples of each pixel, the last exclusive
+    unsigned parts = 0;                       ///< of a whole cell: how many parts it was merged from, whose times are added up
     std::string isa;                          ///< instruction set of the ray tracer; empty for external renderers
     unsigned threads = 0;
     std::vector<std::string> warnings;
@@ -132,6 +135,7 @@ struct Experiment {
     std::vector<PartitionInfo> partitions;
     std::vector<Cell> cells;                  ///< done and failed, in the order of the plan
     std::vector<std::string> missing;         ///< ids of planned cells that have no result yet
+    std::vector<Cell> parts;                  ///< of cells, done and failed, by name: what merge makes cells of
     std::vector<Cell> planned;                ///< all of the plan, as far as a plan says: no results in them
     RunnerTime time;
 };

@@ -1,11 +1,14 @@
 #include "experiments/study/results_file.h"
 
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "display/output/atomic_file.h"
 #include "display/services/parameters.h"
@@ -81,6 +84,12 @@ Json cell_json(const Cell& cell) {
                           {"holds", each.holds},
                           {"worst_relative_error", each.worst_relative_error}});
     json["splits"] = splits;
+    if (!cell.part_of.empty()) {
+        json["part_of"] = cell.part_of;
+        json["first_sample"] = cell.first_sample;
+        json["end_sample"] = cell.end_sample;
+    }
+    if (cell.parts > 0) json["parts"] = cell.parts;
     json["isa"] = cell.isa;
     json["threads"] = cell.threads;
     json["warnings"] = cell.warnings;
@@ -101,6 +110,10 @@ Cell cell_of(const Json& json) {
     cell.peak_memory_bytes = json.at("peak_memory_bytes");
     for (const Json& each : json.at("splits"))
         cell.splits.push_back({each.at("partition"), each.at("holds"), number_of(each.at("worst_relative_error"))});
+    cell.part_of = json.value("part_of", std::string());
+    cell.first_sample = json.value("first_sample", std::uint64_t{0});
+    cell.end_sample = json.value("end_sample", std::uint64_t{0});
+    cell.parts = json.value("parts", 0U);
     cell.isa = json.at("isa");
     cell.threads = json.at("threads");
     cell.warnings = json.at("warnings").get<std::vector<std::string>>();
@@ -232,6 +245,32 @@ std::string file_text(const std::string& path) {
     return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
+/// The parts of planned cells, in the order of their names.
+Status read_parts(Experiment& experiment) {
+    std::set<std::string> planned;
+    for (const Cell& each : experiment.planned) planned.insert(each.id);
+    std::map<std::string, std::string> files;  // by name: done rather than failed
+    std::error_code failed;
+    for (const char* folder : {"/failed", "/cells"})
+        for (const fs::directory_entry& entry : fs::directory_iterator(experiment.directory + folder, failed)) {
+            std::string name = entry.path().filename().string();
+            if (folder == std::string("/failed") && name.ends_with(".json")) name.resize(name.size() - 5);
+            if (!planned.contains(cell_of_part(name))) continue;
+            const std::string file =
+                folder == std::string("/failed") ? entry.path().string() : entry.path().string() + "/cell.json";
+            if (fs::exists(file, failed)) files[name] = file;
+        }
+    for (const auto& [name, file] : files) {
+        auto part = read_cell_file(file);
+        if (!part) return part.error();
+        if (part->id != name || part->part_of != cell_of_part(name) || part->first_sample >= part->end_sample)
+            return error_at({file, 0, 0}, "this is no part '" + name + "' of a cell");
+        if (!part->failed) part->directory = cell_directory(experiment.directory, name);
+        experiment.parts.push_back(std::move(*part));
+    }
+    return success();
+}
+
 }  // namespace
 
 std::string budget_kind_name(BudgetKind kind) {
@@ -249,6 +288,17 @@ std::string partial_directory(const std::string& directory, const std::string& i
 }
 std::string failed_file(const std::string& directory, const std::string& id) {
     return directory + "/failed/" + id + ".json";
+}
+
+std::string cell_of_part(const std::string& name) {
+    const std::size_t dot = name.rfind(".p");
+    if (dot == std::string::npos || dot == 0) return {};
+    unsigned part = 0, parts = 0;
+    const char* const end = name.data() + name.size();
+    const auto [of, no_part] = std::from_chars(name.data() + dot + 2, end, part);
+    if (no_part != std::errc() || end - of < 3 || of[0] != 'o' || of[1] != 'f') return {};
+    const auto [last, no_parts] = std::from_chars(of + 2, end, parts);
+    return no_parts == std::errc() && last == end && part >= 1 && part <= parts ? name.substr(0, dot) : std::string();
 }
 
 Status write_cell_file(const std::string& path, const Cell& cell) {
@@ -296,6 +346,7 @@ Result<Experiment> read_experiment(const std::string& directory) {
         if (is_done) cell->directory = done;
         experiment->cells.push_back(std::move(*cell));
     }
+    if (Status s = read_parts(*experiment); !s) return s.error();
     return experiment;
 }
 

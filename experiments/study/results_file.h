@@ -22,5 +22,7 @@ std::string experiment_file(const std::string& directory);
 std::string cell_directory(const std::string& directory, const std::string& id);
 std::string partial_directory(const std::string& directory, const std::string& id);
 std::string failed_file(const std::string& directory, const std::string& id);
+/// The cell's ID of a part called ID.pKofN; empty when the name is none of a part.
+std::string cell_of_part(const std::string& name);
 
 }  // namespace raylex::experiments

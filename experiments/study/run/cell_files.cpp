@@ -56,41 +56,53 @@ std::vector<ChannelInfo> channel_infos(const ChannelPlan& plan) {
 Result<std::vector<PartitionVerdict>> write_render_files(const std::string& directory, const Rendered& rendered,
                                                          const JobScene& scene,
                                                          const std::map<std::string, std::string>& attributes) {
+    return write_buffer_files(
+        directory, rendered.output.frame_buffer, rendered.output.beauty,
+        image_description(rendered.job, scene, rendered.output, rendered.partitions, attributes),
+        record_identity(rendered));
+}
+
+display::RecordIdentity record_identity(const Rendered& rendered) {
     const transport::RenderOutput& output = rendered.output;
-    const display::FrameBuffer& buffer = output.frame_buffer;
+    return {{"scene", rendered.job.scene_file},
+            {"seed", std::to_string(output.seed)},
+            {"samples per pixel", std::to_string(output.samples_per_pixel)},
+            {"instruction set", output.isa}};
+}
+
+Result<std::vector<PartitionVerdict>> write_buffer_files(const std::string& directory,
+                                                         const display::FrameBuffer& buffer, display::ChannelId beauty,
+                                                         display::ImageDescription description,
+                                                         display::RecordIdentity identity) {
     const std::string image = directory + "/image.exr";
-    display::ImageDescription description =
-        image_description(rendered.job, scene, output, rendered.partitions, attributes);
     // A cell's image is one of thousands, beside sums many times its size: what counts is the time it takes.
     for (const char* kind : {"light", "color"})
         if (Status s = display::override_exr_storage(description.storage, kind, "float rle", {}); !s) return s.error();
-    if (Status s = display::write_exr(image, buffer, output.beauty, description); !s) return s.error();
+    if (Status s = display::write_exr(image, buffer, beauty, description); !s) return s.error();
+    const int width = buffer.layout().width, height = buffer.layout().height;
     std::vector<std::uint64_t> samples;
-    samples.reserve(size_of(output.width) * size_of(output.height));
-    for (int y = 0; y < output.height; ++y)
-        for (int x = 0; x < output.width; ++x) samples.push_back(buffer.sample_count(x, y));
+    samples.reserve(size_of(width) * size_of(height));
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) samples.push_back(buffer.sample_count(x, y));
     std::vector<std::string> files{directory + "/samples.npy"};
     if (Status s =
-            write_npy_counts(files.back(), size_of(output.height), size_of(output.width), samples, FileSync::later);
+            write_npy_counts(files.back(), size_of(height), size_of(width), samples, FileSync::later);
         !s)
         return s.error();
     const auto channels = buffer.channels();
     for (std::size_t i = 0; i < channels.size(); ++i) {
         const auto id = static_cast<display::ChannelId>(i);
         if (!is_light(channels[i])) continue;
-        const std::string name = id == output.beauty ? "beauty" : channels[i].name;
+        const std::string name = id == beauty ? "beauty" : channels[i].name;
         if (Status s = write_channel(directory, name, buffer, id, samples, files); !s) return s.error();
     }
     display::RecordFile record;
-    record.identity = {{"scene", rendered.job.scene_file},
-                       {"seed", std::to_string(output.seed)},
-                       {"samples per pixel", std::to_string(output.samples_per_pixel)},
-                       {"instruction set", output.isa}};
+    record.identity = std::move(identity);
     buffer.append_record(record.add("frame buffer"));
     if (Status s = display::write_record_file(directory + "/record.bin", record); !s) return s.error();
     if (Status s = sync_files(files); !s) return s.error();
     std::vector<PartitionVerdict> verdicts;
-    if (rendered.partitions.empty()) return verdicts;
+    if (description.partitions.empty()) return verdicts;
     auto written = display::read_exr(image);
     if (!written) return written.error();
     if (written->partitions.empty()) return verdicts;
@@ -139,7 +151,11 @@ Result<display::FrameBuffer> read_record(const std::string& directory) {
     const std::string path = directory + "/record.bin";
     auto record = display::read_record_file(path);
     if (!record) return record.error();
-    const display::RecordSection* section = record->find("frame buffer");
+    return frame_buffer_of(*record, path);
+}
+
+Result<display::FrameBuffer> frame_buffer_of(const display::RecordFile& record, const std::string& path) {
+    const display::RecordSection* section = record.find("frame buffer");
     if (section == nullptr) return error_at({path, 0, 0}, "the record holds no frame buffer");
     auto buffer = display::FrameBuffer::from_record(section->content);
     if (buffer) return buffer;

@@ -18,6 +18,13 @@ Result<std::vector<PartitionVerdict>> write_render_files(const std::string& dire
                                                          const JobScene& scene,
                                                          const std::map<std::string, std::string>& attributes);
 
+/// The same of a frame buffer and what its image and its record say of themselves.
+Result<std::vector<PartitionVerdict>> write_buffer_files(const std::string& directory,
+                                                         const display::FrameBuffer& buffer, display::ChannelId beauty,
+                                                         display::ImageDescription description,
+                                                         display::RecordIdentity identity);
+display::RecordIdentity record_identity(const Rendered& rendered);
+
 /// The arrays of an image of another program: the beauty, and the layers that are called like channels. Errors: it
 /// cannot be read, has no colours, is not of this size, or has values that are not finite.
 Status write_image_files(const std::string& directory, const std::string& image, int width, int height,
@@ -25,6 +32,8 @@ Status write_image_files(const std::string& directory, const std::string& image,
 
 /// The frame buffer of record.bin.
 Result<display::FrameBuffer> read_record(const std::string& directory);
+/// That of a record which was read from `path`.
+Result<display::FrameBuffer> frame_buffer_of(const display::RecordFile& record, const std::string& path);
 
 /// The channels of light of a render, the beauty first.
 std::vector<ChannelInfo> channel_infos(const ChannelPlan& plan);

@@ -12,6 +12,7 @@
 #include "experiments/job/provenance.h"
 #include "experiments/study/results_file.h"
 #include "experiments/study/run/cell_files.h"
+#include "experiments/study/run/cell_parts.h"
 #include "experiments/study/run/external.h"
 #include "transport/render/clock.h"
 
@@ -68,7 +69,8 @@ void apply_budget(const Cell& cell, double seconds_per_sample, RenderOrder& orde
     order.seed = cell.seed;
     switch (cell.budget_kind) {
         case BudgetKind::samples:
-            order.samples = static_cast<std::uint64_t>(cell.budget);
+            order.samples = cell.part_of.empty() ? static_cast<std::uint64_t>(cell.budget) : cell.end_sample;
+            order.first_sample = cell.first_sample;
             break;
         case BudgetKind::seconds:
             order.limit = transport::SampleLimit{cell.budget, seconds_per_sample, 0};
@@ -104,7 +106,7 @@ std::map<std::string, std::string> attributes_of(const WorkContext& context, con
 void take_results(const Rendered& rendered, Cell& cell) {
     const transport::RenderOutput& output = rendered.output;
     const transport::RenderStatistics& statistics = output.statistics;
-    cell.samples_per_pixel = output.samples_per_pixel;
+    cell.samples_per_pixel = output.samples_per_pixel - cell.first_sample;
     cell.phases = rendered.phases;
     cell.wall_seconds = rendered.seconds;
     cell.cpu_seconds = rendered.cpu_seconds;
@@ -231,10 +233,15 @@ Result<CellOutcome> run_cell(const WorkContext& context, const PlannedCell& plan
     const transport::Stopwatch writing;
     auto scene = context.scenes.scene(planned.scene);
     if (!scene) return scene.error();
-    auto splits =
-        write_render_files(partial, *rendered, *(*scene)->loaded, attributes_of(context, *rendered, planned.cell.id));
-    if (!splits) return splits.error();
-    outcome.cell.splits = std::move(*splits);
+    if (const std::string& whole = planned.cell.part_of; !whole.empty()) {
+        const auto attributes = attributes_of(context, *rendered, whole);
+        if (Status s = write_part_record(partial, *rendered, *(*scene)->loaded, attributes); !s) return s.error();
+    } else {
+        auto splits = write_render_files(partial, *rendered, *(*scene)->loaded,
+                                         attributes_of(context, *rendered, planned.cell.id));
+        if (!splits) return splits.error();
+        outcome.cell.splits = std::move(*splits);
+    }
     outcome.relative_error = relative_error(rendered->output);
     outcome.cell.phases.push_back({"write", writing.wall(), writing.process_cpu()});
     return close_cell(context, std::move(outcome), partial);

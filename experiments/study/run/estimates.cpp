@@ -64,7 +64,9 @@ std::optional<double> Estimates::seconds(const PlannedCell& planned) const {
     const Cell& cell = planned.cell;
     if (cell.budget_kind == BudgetKind::seconds) return cell.budget;
     if (cell.budget_kind == BudgetKind::error) return seconds_of(planned.scene, planned.variant, 0, cell.budget);
-    return seconds_of(planned.scene, planned.variant, cell.budget, 0);
+    const bool is_part = !cell.part_of.empty();
+    const double samples = is_part ? static_cast<double>(cell.end_sample - cell.first_sample) : cell.budget;
+    return seconds_of(planned.scene, planned.variant, samples, 0);
 }
 
 std::optional<double> Estimates::reference_seconds(std::size_t scene) const {

@@ -7,6 +7,7 @@
 
 #include "display/services/parameters.h"
 #include "experiments/study/results_file.h"
+#include "experiments/study/run/cell_parts.h"
 
 namespace raylex::experiments {
 namespace {
@@ -35,7 +36,8 @@ Status check_one_experiment(const Experiment& first, const Experiment& other) {
 /// The directories in an order that does not depend on how they were given: of their first cells.
 std::string order_key(const Experiment& experiment) {
     std::string key;
-    for (const Cell& each : experiment.cells) key += each.id + (each.failed ? "!" : "") + "\n";
+    for (const auto* list : {&experiment.cells, &experiment.parts})
+        for (const Cell& each : *list) key += each.id + (each.failed ? "!" : "") + "\n";
     return key;
 }
 
@@ -74,6 +76,74 @@ Status merge_references(const std::vector<Experiment>& experiments, Experiment& 
     return success();
 }
 
+/// The parts of cells that no directory has whole, by cell; those that failed only where no directory has them done.
+Result<std::map<std::string, std::vector<const Cell*>>> parts_of(const std::vector<Experiment>& experiments,
+                                                                 const std::map<std::string, const Cell*>& cells) {
+    std::map<std::string, std::vector<const Cell*>> parts;
+    std::set<std::string> done;
+    for (const Experiment& each : experiments)
+        for (const Cell& part : each.parts)
+            if (!part.failed) done.insert(part.id);
+    for (const Experiment& each : experiments)
+        for (const Cell& part : each.parts) {
+            if (const auto whole = cells.find(part.part_of); whole != cells.end() && !whole->second->failed)
+                return merge_error(each.directory,
+                                   "part '" + part.id + "' is here, and its cell is finished in '" +
+                                       whole->second->directory + "'",
+                                   "merge takes every sample once: leave out one of the two, or remove it");
+            std::vector<const Cell*>& list = parts[part.part_of];
+            const bool listed =
+                std::any_of(list.begin(), list.end(), [&](const Cell* known) { return known->id == part.id; });
+            if (!part.failed || !(done.contains(part.id) || listed)) list.push_back(&part);
+        }
+    for (auto& [id, list] : parts) {
+        const auto& planned = experiments.front().planned;
+        const auto cell = std::find_if(planned.begin(), planned.end(), [&, &name = id](const Cell& each) { return each.id == name; });
+        if (Status s = check_parts(*cell, list); !s) return s.error();
+    }
+    return parts;
+}
+
+/// Parts add up to one render only where one program made them.
+Status check_one_program(const std::vector<Experiment>& experiments) {
+    const Experiment* first = nullptr;
+    const auto told = [](const Experiment& experiment, const char* what) {
+        for (const auto& [name, value] : experiment.provenance)
+            if (name == what) return value;
+        return std::string();
+    };
+    for (const Experiment& each : experiments) {
+        if (each.parts.empty()) continue;
+        if (first == nullptr) first = &each;
+        for (const char* what : {"revision", "compiler"})
+            if (told(*first, what) != told(each, what))
+                return merge_error(each.directory, std::string("its parts of cells were rendered by another program (") + what +
+                                                       " " + told(each, what) + ") than those in '" + first->directory +
+                                                       "' (" + told(*first, what) + ")",
+                                   "parts of one cell need one program; whole cells do not");
+    }
+    return success();
+}
+
+/// A cell of its parts, under its partial name until it is whole.
+Status write_merged_cell(const std::string& output, Cell cell, const std::vector<const Cell*>& parts) {
+    if (cell.failed) {
+        std::error_code failed;
+        fs::create_directories(output + "/failed", failed);
+        return write_cell_file(failed_file(output, cell.id), cell);
+    }
+    const std::string partial = partial_directory(output, cell.id);
+    std::error_code failed;
+    fs::create_directories(partial, failed);
+    if (failed) return merge_error(partial, "cannot make this directory: " + failed.message());
+    auto splits = write_merged_files(partial, cell, parts);
+    if (!splits) return splits.error();
+    cell.splits = std::move(*splits);
+    if (Status s = write_cell_file(partial + "/cell.json", cell); !s) return s;
+    fs::rename(partial, cell_directory(output, cell.id), failed);
+    return failed ? merge_error(partial, "cannot rename this: " + failed.message()) : success();
+}
+
 }  // namespace
 
 Result<MergeOutcome> merge_experiments(const std::vector<std::string>& directories, const std::string& output) {
@@ -108,6 +178,9 @@ Result<MergeOutcome> merge_experiments(const std::vector<std::string>& directori
         if (const auto [known, is_new] = seeds.emplace(cell->seed, id); !is_new)
             return merge_error(from[id], "cells '" + id + "' and '" + known->second + "' have the same seed " +
                                              std::to_string(cell->seed) + ", so they are no independent renders");
+    if (Status s = check_one_program(experiments); !s) return s.error();
+    auto parts = parts_of(experiments, cells);
+    if (!parts) return parts.error();
     Experiment merged = experiments.front();
     merged.directory = output;
     merged.time = {};
@@ -119,10 +192,18 @@ Result<MergeOutcome> merge_experiments(const std::vector<std::string>& directori
     if (Status s = merge_references(experiments, merged); !s) return s.error();
     MergeOutcome outcome;
     for (const auto& [id, cell] : cells) {
+        if (parts->contains(id)) continue;  // it failed as a whole
         const std::string source = cell->failed ? failed_file(from[id], id) : cell_directory(from[id], id);
         if (Status s = copy(source, cell->failed ? failed_file(output, id) : cell_directory(output, id)); !s)
             return s.error();
         ++(cell->failed ? outcome.failed : outcome.done);
+    }
+    for (const auto& [id, list] : *parts) {
+        const auto planned = std::find_if(merged.planned.begin(), merged.planned.end(),
+                                          [&, &name = id](const Cell& each) { return each.id == name; });
+        const Cell cell = merged_cell(*planned, list);
+        if (Status s = write_merged_cell(output, cell, list); !s) return s.error();
+        ++(cell.failed ? outcome.failed : outcome.done);
     }
     fs::create_directories(output, failed);
     // Last: without it the directory is no results, so a merge that broke off is seen.

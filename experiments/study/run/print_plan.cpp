@@ -4,6 +4,7 @@
 
 #include "display/buffer/memory_estimate.h"
 #include "experiments/cli/console.h"
+#include "experiments/study/run/cell_parts.h"
 #include "experiments/study/run/estimates.h"
 #include "experiments/study/run/run_progress.h"
 #include "experiments/study/run/runner.h"
@@ -30,10 +31,12 @@ Status print_plan(const ExperimentConfig& config, const std::string& directory, 
     const double measured = watch.wall();
     double total = 0;
     std::size_t unknown = 0, count = 0;
-    for (std::size_t i = 0; i < plan->cells.size(); ++i) {
+    auto work = split_cells(config, *plan, scenes, shard.split_cells);
+    if (!work) return work.error();
+    for (std::size_t i = 0; i < work->items.size(); ++i) {
         if (!shard.has(i)) continue;
         ++count;
-        const PlannedCell& each = plan->cells[i];
+        const PlannedCell& each = work->items[i];
         const auto seconds = estimates.seconds(each);
         if (seconds) total += *seconds;
         else ++unknown;
@@ -49,8 +52,10 @@ Status print_plan(const ExperimentConfig& config, const std::string& directory, 
             references += seconds.value_or(0);
             references_known = references_known && seconds;
         }
-    for (const std::string& note : plan->notes) print_line("note: " + note);
-    print_line(std::to_string(count) + " cells" + (shard.parts > 1 ? " of " + std::to_string(plan->cells.size()) : "") +
+    for (const auto* notes : {&plan->notes, &work->notes})
+        for (const std::string& note : *notes) print_line("note: " + note);
+    print_line(std::to_string(count) + (shard.split_cells > 1 ? " cells and parts of cells" : " cells") +
+               (shard.parts > 1 ? " of " + std::to_string(work->items.size()) : "") +
                ": " + std::to_string(config.scenes.size()) + " scenes, " + std::to_string(seen.size()) +
                " pairs of scene and settings, " + std::to_string(config.budgets.size()) + " budgets, " +
                std::to_string(config.replicates) + " replicates");

@@ -12,6 +12,7 @@
 #include "experiments/job/provenance.h"
 #include "experiments/study/results_file.h"
 #include "experiments/study/run/cell_files.h"
+#include "experiments/study/run/cell_parts.h"
 #include "experiments/study/run/cell_runner.h"
 #include "experiments/study/run/estimates.h"
 #include "experiments/study/run/method_settings.h"
@@ -36,7 +37,8 @@ bool is_fresh(const std::string& directory) {
 }
 
 /// What stands in the directory already; nothing when it is new or empty.
-Result<std::optional<Experiment>> earlier_results(const ExperimentConfig& config, const RunRequest& request) {
+Result<std::optional<Experiment>> earlier_results(const ExperimentConfig& config, const RunRequest& request,
+                                                  const WorkList& work) {
     std::error_code failed;
     const std::string& directory = request.directory;
     if (!fs::exists(experiment_file(directory), failed)) {
@@ -51,12 +53,22 @@ Result<std::optional<Experiment>> earlier_results(const ExperimentConfig& config
     auto results = read_experiment(directory);
     if (!results) return results.error();
     if (Status same = check_same_config(*results, config); !same) return same.error();
-    if (!request.resume && !results->cells.empty())
+    if (!request.resume && !(results->cells.empty() && results->parts.empty()))
         return directory_error(
-            directory, "there are " + std::to_string(results->cells.size()) + " finished cells of this config already",
+            directory, "there are " + std::to_string(results->cells.size() + results->parts.size()) +
+                           " finished cells of this config already",
             "'raylex experiment resume' goes on with them; to begin again, remove the directory or choose another");
-    for (const std::string& id : results->missing)
-        if (const std::string cell = cell_directory(directory, id); fs::exists(cell, failed))
+    std::set<std::string> items, settled;
+    for (const PlannedCell& each : work.items) items.insert(each.cell.id);
+    for (const Cell& each : results->parts) {
+        settled.insert(each.id);
+        if (!items.contains(each.id))
+            return directory_error(directory, "there is part '" + each.id + "', which is none of this run's",
+                                   "give the --split-cells that the directory was begun with, or choose another with -o");
+    }
+    for (const Cell& each : results->cells) settled.insert(each.id);
+    for (const std::string& id : items)
+        if (const std::string cell = cell_directory(directory, id); !settled.contains(id) && fs::exists(cell, failed))
             return directory_error(cell, "this cell is half-written: it has no cell.json",
                                    "remove this directory to have the cell rendered again; all others stay");
     return std::optional(std::move(*results));
@@ -100,7 +112,10 @@ class Run {
         auto plan = make_plan(config_);
         if (!plan) return plan.error();
         plan_ = std::move(*plan);
-        auto earlier = earlier_results(config_, request_);
+        auto work = split_cells(config_, plan_, scenes_, request_.shard.split_cells);
+        if (!work) return work.error();
+        work_ = std::move(*work);
+        auto earlier = earlier_results(config_, request_, work_);
         if (!earlier) return earlier.error();
         earlier_ = std::move(*earlier);
         std::error_code failed;
@@ -108,7 +123,8 @@ class Run {
         if (failed) return directory_error(request_.directory, "cannot make this directory: " + failed.message());
         const std::string shard = request_.shard.parts > 1 ? "-" + std::to_string(request_.shard.part) : std::string();
         if (Status s = lock_.take(request_.directory, ".running" + shard); !s) return s;
-        for (const std::string& note : plan_.notes) print_note(note);
+        for (const auto* notes : {&plan_.notes, &work_.notes})
+            for (const std::string& note : *notes) print_note(note);
         return success();
     }
 
@@ -187,8 +203,8 @@ class Run {
 
     Status make_references() {
         for (std::size_t i = 0; i < experiment_.scenes.size(); ++i) {
-            const bool wanted = std::any_of(plan_.cells.begin(), plan_.cells.end(), [&](const PlannedCell& each) {
-                return each.scene == i && request_.shard.has(static_cast<std::size_t>(&each - plan_.cells.data()));
+            const bool wanted = std::any_of(work_.items.begin(), work_.items.end(), [&](const PlannedCell& each) {
+                return each.scene == i && request_.shard.has(static_cast<std::size_t>(&each - work_.items.data()));
             });
             if (!wanted) continue;
             SceneInfo& info = experiment_.scenes[i];
@@ -210,19 +226,20 @@ class Run {
         return write_experiment_files(experiment_);
     }
 
-    [[nodiscard]] bool is_settled(const std::string& id) const { return settled_.contains(id); }
+    [[nodiscard]] bool is_settled(const Cell& cell) const {
+        return settled_.contains(cell.id) || settled_.contains(cell.part_of);
+    }
 
     Status run_cells() {
         if (earlier_)
-            for (const Cell& each : earlier_->cells) {
-                if (each.failed && request_.retry) continue;
-                settled_.insert(each.id);
-            }
-        for (std::size_t i = 0; i < plan_.cells.size(); ++i) {
-            const PlannedCell& planned = plan_.cells[i];
-            if (!request_.shard.has(i) || is_settled(planned.cell.id)) continue;
+            for (const auto* list : {&earlier_->cells, &earlier_->parts})
+                for (const Cell& each : *list)
+                    if (!each.failed || !request_.retry) settled_.insert(each.id);
+        for (std::size_t i = 0; i < work_.items.size(); ++i) {
+            const PlannedCell& planned = work_.items[i];
+            if (!request_.shard.has(i) || is_settled(planned.cell)) continue;
             const std::string title =
-                "[" + std::to_string(i + 1) + "/" + std::to_string(plan_.cells.size()) + "] " + planned.cell.id;
+                "[" + std::to_string(i + 1) + "/" + std::to_string(work_.items.size()) + "] " + planned.cell.id;
             expect(i + 1);
             progress_.begin(title, left_seconds_, left_unknown_);
             auto outcome = run_cell(context(), planned, estimates_.seconds_per_sample(planned));
@@ -241,13 +258,13 @@ class Run {
     /// nothing.
     void expect(std::size_t from) {
         constexpr std::size_t short_plan = 2000;
-        if (plan_.cells.size() > short_plan && expected_.wall() < 1 && left_seconds_ >= 0) return;
+        if (work_.items.size() > short_plan && expected_.wall() < 1 && left_seconds_ >= 0) return;
         expected_ = transport::Stopwatch();
         left_seconds_ = 0;
         left_unknown_ = 0;
-        for (std::size_t i = from; i < plan_.cells.size(); ++i) {
-            if (!request_.shard.has(i) || is_settled(plan_.cells[i].cell.id)) continue;
-            const auto seconds = estimates_.seconds(plan_.cells[i]);
+        for (std::size_t i = from; i < work_.items.size(); ++i) {
+            if (!request_.shard.has(i) || is_settled(work_.items[i].cell)) continue;
+            const auto seconds = estimates_.seconds(work_.items[i]);
             if (seconds) left_seconds_ += *seconds;
             else ++left_unknown_;
         }
@@ -287,6 +304,7 @@ class Run {
             outcome.splits_broken += static_cast<std::size_t>(std::any_of(
                 each.splits.begin(), each.splits.end(), [](const PartitionVerdict& split) { return !split.holds; }));
         }
+        for (const Cell& each : results->parts) ++(each.failed ? outcome.failed : outcome.parts);
         outcome.left = results->missing.size();
         summarise(*results, outcome);
         return outcome;
@@ -295,10 +313,12 @@ class Run {
     void summarise(const Experiment& results, const RunOutcome& outcome) {
         progress_.line(request_.directory + ": " + std::to_string(outcome.done) + " of " +
                        std::to_string(plan_.cells.size()) + " cells done" +
+                       (outcome.parts > 0 ? ", " + std::to_string(outcome.parts) + " parts of cells" : "") +
                        (outcome.failed > 0 ? ", " + std::to_string(outcome.failed) + " FAILED" : "") +
                        (outcome.left > 0 ? ", " + std::to_string(outcome.left) + " not run yet" : ""));
-        for (const Cell& each : results.cells)
-            if (each.failed) progress_.line("  failed: " + each.id + ": " + each.failure);
+        for (const auto* list : {&results.cells, &results.parts})
+            for (const Cell& each : *list)
+                if (each.failed) progress_.line("  failed: " + each.id + ": " + each.failure);
         if (outcome.splits_broken > 0)
             progress_.line("  " + std::to_string(outcome.splits_broken) +
                            " cells have a split that does not sum to what it splits");
@@ -307,7 +327,9 @@ class Run {
             progress_.line("  " + duration_text(time.render) + " of rendering, " + duration_text(time.references) +
                            " for references, " + duration_text(time.overhead()) + " beside them (" +
                            number_text(100 * time.overhead() / time.render, 2) + " % of render time)");
-        if (outcome.left > 0 && request_.shard.parts == 1)
+        if (outcome.parts > 0)
+            progress_.line("  'raylex experiment merge' makes cells of their parts, once all are there");
+        else if (outcome.left > 0 && request_.shard.parts == 1)
             progress_.line("  'raylex experiment resume' with the same config and directory goes on from here");
     }
 
@@ -317,6 +339,7 @@ class Run {
     transport::Stopwatch total_, expected_;
     DirectoryLock lock_;
     Plan plan_;
+    WorkList work_;
     SceneStore scenes_;
     Estimates estimates_;
     RunProgress progress_;

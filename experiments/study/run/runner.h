@@ -13,9 +13,10 @@
 
 namespace raylex::experiments {
 
-/// Cells whose index in the plan is `part` - 1 modulo `parts`.
+/// Cells, or parts of cells, whose index in the list of work is `part` - 1 modulo `parts`.
 struct Shard {
     unsigned part = 1, parts = 1;
+    unsigned split_cells = 1;  ///< parts that each cell's samples are rendered in, as far as can be: cell_parts.h
     [[nodiscard]] bool has(std::size_t index) const { return index % parts == part - 1; }
 };
 /// "2/4".
@@ -35,6 +36,7 @@ Status print_plan(const ExperimentConfig& config, const std::string& directory, 
 
 struct RunOutcome {
     std::size_t done = 0, failed = 0, left = 0, splits_broken = 0;
+    std::size_t parts = 0;  ///< of cells, done
     bool interrupted = false;
 };
 

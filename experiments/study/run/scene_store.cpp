@@ -129,6 +129,7 @@ Result<Rendered> SceneStore::render(const RenderOrder& order,
     if (order.samples > 0) job.settings.samples_per_pixel = order.samples;
     job.settings.seed = order.seed;
     job.settings.limit = order.limit;
+    job.settings.first_sample = order.first_sample;
     if (order.checkpoint) {
         job.settings.checkpoint = order.checkpoint;
         job.settings.checkpoint->identity = checkpoint_identity(job, (*made)->loaded->color);

@@ -31,6 +31,7 @@ struct StudyScene {
 struct RenderOrder {
     std::size_t scene = 0, variant = 0;
     std::uint64_t samples = 0, seed = 0;
+    std::uint64_t first_sample = 0;  ///< more than 0, or fewer `samples` than the cell has: a part of a cell
     std::optional<transport::SampleLimit> limit{};
     std::optional<transport::CheckpointSettings> checkpoint{};  ///< without an identity: that is filled in
 };

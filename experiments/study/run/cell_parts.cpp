@@ -1,0 +1,236 @@
+#include "experiments/study/run/cell_parts.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "display/checkpoint/record_file.h"
+#include "display/services/parameters.h"
+#include "experiments/study/run/cell_files.h"
+#include "transport/integrators/integrator.h"
+#include "transport/render/render_loop.h"
+
+namespace raylex::experiments {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr auto block = static_cast<std::uint64_t>(transport::RenderLoop::block_size);
+
+/// Why all cells of a method with budgets of this kind are kept whole; empty when they can be split.
+std::string reason_to_keep(const ExperimentConfig& config, const PlannedCell& planned, SceneStore& scenes) {
+    const Variant& variant = config.variants[planned.variant];
+    if (!config.methods[variant.method].command.empty()) return "an external command gets whole cells";
+    if (planned.cell.budget_kind != BudgetKind::samples)
+        return "how many samples a budget of " + budget_kind_name(planned.cell.budget_kind) +
+               " comes to is found while rendering";
+    if (!config.base.settings.cryptomatte.empty()) return "cryptomattes are of whole renders";
+    auto scene = scenes.scene(planned.scene);
+    if (!scene) return {};  // its cells will say so
+    const transport::SceneEntity& entity =
+        variant.render.integrator ? *variant.render.integrator : (*scene)->loaded->scene.integrator;
+    auto chosen = transport::choose_integrator(entity, variant.render.max_depth);
+    if (chosen && chosen->integrator->starts_up())
+        return "the Markov chains of integrator '" + chosen->name + "' would begin alike in every part";
+    return {};
+}
+
+Json vector_json(const std::array<double, 2>& xy) {
+    return Json::array({xy[0], xy[1]});
+}
+
+std::string image_text(const display::ImageDescription& description, display::ChannelId beauty) {
+    Json partitions = Json::array();
+    for (const display::PartitionDeclaration& each : description.partitions)
+        partitions.push_back({{"name", each.name}, {"of", each.of}, {"layers", each.layers}});
+    const display::Chromaticities& c = description.chromaticities;
+    const Json json{{"beauty", beauty},
+                    {"attributes", description.attributes},
+                    {"partitions", partitions},
+                    {"chromaticities", {vector_json(c.red), vector_json(c.green), vector_json(c.blue), vector_json(c.white)}},
+                    {"world_to_camera", description.world_to_camera},
+                    {"world_to_screen", description.world_to_screen}};
+    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+/// What image_text() was made from. Throws where the text is something else.
+display::ImageDescription image_of(const Json& json, display::ChannelId& beauty) {
+    display::ImageDescription description;
+    beauty = json.at("beauty");
+    description.attributes = json.at("attributes").get<std::map<std::string, std::string>>();
+    for (const Json& each : json.at("partitions"))
+        description.partitions.push_back(
+            {each.at("name"), each.at("of"), each.at("layers").get<std::vector<std::string>>()});
+    display::Chromaticities& c = description.chromaticities;
+    const auto colors = json.at("chromaticities").get<std::array<std::array<double, 2>, 4>>();
+    c = {colors[0], colors[1], colors[2], colors[3]};
+    json.at("world_to_camera").get_to(description.world_to_camera);
+    json.at("world_to_screen").get_to(description.world_to_screen);
+    return description;
+}
+
+std::string range_text(const Cell& part) {
+    return "samples " + std::to_string(part.first_sample) + " to " + std::to_string(part.end_sample - 1);
+}
+
+Error part_error(const Cell& part, std::string message, std::string hint = {}) {
+    return error_at({part.directory, 0, 0}, std::move(message), std::move(hint));
+}
+
+}  // namespace
+
+Result<WorkList> split_cells(const ExperimentConfig& config, const Plan& plan, SceneStore& scenes, unsigned split) {
+    WorkList work;
+    std::set<std::string> said;
+    std::map<std::pair<std::size_t, std::size_t>, std::string> reasons;
+    for (const PlannedCell& planned : plan.cells) {
+        std::string reason;
+        if (split > 1) {
+            const std::pair key(planned.scene, planned.variant);
+            if (planned.cell.budget_kind != BudgetKind::samples) reason = reason_to_keep(config, planned, scenes);
+            else if (const auto known = reasons.find(key); known != reasons.end()) reason = known->second;
+            else reason = reasons[key] = reason_to_keep(config, planned, scenes);
+        }
+        const auto samples = static_cast<std::uint64_t>(planned.cell.budget);
+        const std::uint64_t blocks = (samples + block - 1) / block, parts = std::min<std::uint64_t>(split, blocks);
+        if (split > 1 && reason.empty() && parts < 2)
+            reason = "a part has at least " + std::to_string(block) + " samples per pixel";
+        if (split < 2 || !reason.empty()) {
+            const std::string who = "cells of method '" + planned.cell.method + "' with a budget of " +
+                                    budget_text(planned.cell.budget_kind, planned.cell.budget);
+            if (!reason.empty() && said.insert(who).second)
+                work.notes.push_back(who + " are kept whole: " + reason);
+            work.items.push_back(planned);
+            continue;
+        }
+        for (std::uint64_t part = 0; part < parts; ++part) {
+            PlannedCell item = planned;
+            item.cell.part_of = planned.cell.id;
+            item.cell.id += ".p" + std::to_string(part + 1) + "of" + std::to_string(parts);
+            item.cell.first_sample = blocks * part / parts * block;
+            item.cell.end_sample = std::min(samples, blocks * (part + 1) / parts * block);
+            work.items.push_back(std::move(item));
+        }
+    }
+    return work;
+}
+
+Status write_part_record(const std::string& directory, const Rendered& rendered, const JobScene& scene,
+                         const std::map<std::string, std::string>& attributes) {
+    display::RecordFile record;
+    record.identity = record_identity(rendered);
+    rendered.output.frame_buffer.append_record(record.add("frame buffer"));
+    record.add("image") =
+        image_text(image_description(rendered.job, scene, rendered.output, rendered.partitions, attributes),
+                   rendered.output.beauty);
+    return display::write_record_file(directory + "/record.bin", record);
+}
+
+Status check_parts(const Cell& cell, std::vector<const Cell*>& parts) {
+    std::sort(parts.begin(), parts.end(), [](const Cell* a, const Cell* b) {
+        return a->first_sample != b->first_sample ? a->first_sample < b->first_sample
+               : a->end_sample != b->end_sample   ? a->end_sample < b->end_sample
+                                                  : a->directory < b->directory;
+    });
+    const auto total = static_cast<std::uint64_t>(cell.budget);
+    const auto gap = [&](std::uint64_t from, std::uint64_t to) {
+        return part_error(*parts.front(), "cell '" + cell.id + "' is not whole: samples " + std::to_string(from) + " to " +
+                                              std::to_string(to - 1) + " are in none of the directories",
+                          "run the shard that has them, with the same --split-cells");
+    };
+    std::uint64_t reached = 0;
+    const Cell* rendered = nullptr;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        const Cell& part = *parts[i];
+        if (part.seed != cell.seed)
+            return part_error(part, "this part has seed " + std::to_string(part.seed) + "; its cell '" + cell.id + "' has " +
+                                        std::to_string(cell.seed));
+        if (!part.failed && rendered == nullptr) rendered = &part;
+        if (!part.failed && part.isa != rendered->isa)
+            return part_error(part, "this part was rendered with " + part.isa + ", the one in '" + rendered->directory +
+                                        "' with " + rendered->isa + ", so they are not parts of one render",
+                              "isa = \"sse4.2\" or another in the config makes all machines use the same");
+        if (i > 0 && part.first_sample < reached)
+            return part_error(part, "this part of cell '" + cell.id + "' has " + range_text(part) + ", and '" +
+                                        parts[i - 1]->directory + "' has " + range_text(*parts[i - 1]) + ": they overlap",
+                              "merge takes every sample once: leave out one of the two");
+        if (part.first_sample > reached) return gap(reached, part.first_sample);
+        reached = part.end_sample;
+    }
+    if (reached < total) return gap(reached, total);
+    return success();
+}
+
+Cell merged_cell(const Cell& planned, const std::vector<const Cell*>& parts) {
+    Cell cell = planned;
+    cell.parts = static_cast<unsigned>(parts.size());
+    for (const Cell* part : parts) {
+        if (!part->failed) cell.isa = part->isa;
+        cell.samples_per_pixel += part->samples_per_pixel;
+        cell.wall_seconds += part->wall_seconds;
+        cell.cpu_seconds += part->cpu_seconds;
+        cell.rays += part->rays;
+        cell.invalid_samples += part->invalid_samples;
+        cell.peak_memory_bytes = std::max(cell.peak_memory_bytes, part->peak_memory_bytes);
+        cell.threads = std::max(cell.threads, part->threads);
+        for (const Phase& phase : part->phases) {
+            auto same = std::find_if(cell.phases.begin(), cell.phases.end(),
+                                     [&](const Phase& each) { return each.name == phase.name; });
+            if (same == cell.phases.end()) same = cell.phases.insert(cell.phases.end(), {phase.name, 0, 0});
+            same->wall_seconds += phase.wall_seconds;
+            same->cpu_seconds += phase.cpu_seconds;
+        }
+        for (const std::string& warning : part->warnings)
+            if (std::find(cell.warnings.begin(), cell.warnings.end(), warning) == cell.warnings.end())
+                cell.warnings.push_back(warning);
+        if (part->failed && !cell.failed) {
+            cell.failed = true;
+            cell.failure = "part '" + part->id + "' failed: " + part->failure;
+        }
+    }
+    return cell;
+}
+
+Result<std::vector<PartitionVerdict>> write_merged_files(const std::string& directory, const Cell& cell,
+                                                         const std::vector<const Cell*>& parts) {
+    std::optional<display::FrameBuffer> sum;
+    display::RecordIdentity identity;
+    display::ImageDescription description;
+    display::ChannelId beauty = display::invalid_channel;
+    std::uint64_t camera_samples = 0;
+    for (const Cell* part : parts) {
+        const std::string path = part->directory + "/record.bin";
+        auto record = display::read_record_file(path);
+        if (!record) return record.error();
+        auto buffer = frame_buffer_of(*record, path);
+        if (!buffer) return buffer.error();
+        const display::RecordSection* image = record->find("image");
+        if (image == nullptr) return error_at({path, 0, 0}, "this record is not of a part of a cell");
+        try {
+            const Json json = Json::parse(image->content);
+            if (!sum) description = image_of(json, beauty);
+            camera_samples += std::stoull(json.at("attributes").at("raylex/camera_samples").get<std::string>());
+        } catch (const std::exception& error) {
+            return error_at({path, 0, 0}, std::string("the record's image is damaged: ") + error.what());
+        }
+        if (!sum) {
+            sum = std::move(*buffer);
+            identity = std::move(record->identity);
+        } else if (Status s = sum->merge(*buffer); !s) {
+            Error error = s.error();
+            error.file = path;
+            return error;
+        }
+    }
+    const std::string samples = std::to_string(cell.samples_per_pixel);
+    for (auto& [name, value] : identity)
+        if (name == "samples per pixel") value = samples;
+    description.attributes["raylex/samples_per_pixel"] = samples;
+    description.attributes["raylex/camera_samples"] = std::to_string(camera_samples);
+    description.attributes["raylex/parts"] = std::to_string(parts.size());
+    if (const std::uint64_t paths = sum->light_path_count(); paths > 0)
+        description.attributes["raylex/light_paths"] = std::to_string(paths);
+    return write_buffer_files(directory, *sum, beauty, std::move(description), std::move(identity));
+}
+
+}  // namespace raylex::experiments
