@@ -6,6 +6,7 @@
 
 #include "experiments/study/plan/plan.h"
 #include "experiments/study/results.h"
+#include "experiments/study/run/method_settings.h"
 #include "support.h"
 
 using namespace raylex::experiments;
@@ -95,6 +96,27 @@ TEST_CASE("sweeps and --set reach every value, and the variants are what they sa
     CHECK((changed.scenes[0].job.settings.resolution == std::array<int, 2>{8, 6}));
     CHECK(changed.hash != config.hash);
     CHECK(config_of(made, "# a remark\n" + text).hash == config.hash);  // what it says counts, not how it is laid out
+}
+
+TEST_CASE("a method's only sample filter can be swept, and its settings are told by the keys of a sweep") {
+    const Made made;
+    const std::string clamped = base + "[[method]]\nname = \"clamp\"\nunbiased = false\n"
+                                       "integrator = {type = \"path\", lightsampler = \"uniform\"}\n"
+                                       "[[method.sample_filter]]\ntype = \"clamp\"\n"
+                                       "[method.sweep]\n\"sample_filter.luminance\" = [1, 10]\n";
+    const ExperimentConfig config = config_of(made, clamped);
+    REQUIRE(config.variants.size() == 4);
+    CHECK_FALSE(config.methods[2].unbiased);
+    CHECK(config.variants[3].settings == NamedValues{{"sample_filter.luminance", "10"}});
+    CHECK(settings_text(config.variants[3].render) == NamedValues{{"integrator.type", "path"},
+                                                                  {"integrator.lightsampler", "uniform"},
+                                                                  {"filter_mode", "importance"},
+                                                                  {"lobes", "exact"},
+                                                                  {"sample_filter.type", "clamp"},
+                                                                  {"sample_filter.luminance", "10"}});
+    const ExperimentConfig set =
+        config_of(made, clamped.substr(0, clamped.find("[method.sweep]")), {"method.clamp.sample_filter.luminance=3"});
+    CHECK(settings_text(set.variants[2].render).back() == std::pair<std::string, std::string>("sample_filter.luminance", "3"));
 }
 
 TEST_CASE("what is wrong in a config is told with its place [law7]") {

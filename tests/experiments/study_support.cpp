@@ -95,7 +95,10 @@ Experiment write_synthetic_study(const Folder& folder, const SyntheticStudy& stu
     experiment.config_hash = "abc";
     experiment.provenance = {{"revision", "none"}, {"machine", "2 cores"}};
     experiment.methods = {
-        {"path", "path", "", true, {}}, {"skewed", "path", "", true, {}}, {"clamped", "path", "", false, {}}};
+        {"path", "path", "", true, {{"max_depth", "9"}}},  // its cells sweep it
+        {"skewed", "path", "", true, {{"max_depth", "4"}, {"integrator.strategy", "light"}}},
+        {"clamped", "path", "", false,
+         {{"max_depth", "4"}, {"sample_filter.type", "clamp"}, {"sample_filter.luminance", "10"}}}};
     experiment.partitions = {{"bounces", "beauty", {"bounce1", "bounce2"}}};
     for (int s = 0; s < study.scenes; ++s) experiment.scenes.push_back(scene_of(study, root, s, random));
     for (const SceneInfo& scene : experiment.scenes)

@@ -250,6 +250,45 @@ LightSource "point" "rgb I" [2 2 2] "point3 from" [0 3 2]
         }
 }
 
+TEST_CASE("lights chosen by power or evenly send the same light, with other noise", "[render]") {
+    // One lamp with 400 times the power of each of eight others, all as far from the floor: of even choices eight in nine go
+    // to the weak ones, which send a fiftieth of the light.
+    std::string text = film + R"(
+Integrator "path" "integer maxdepth" 2
+LookAt 0 3 0.01  0 0 0  0 0 -1
+Camera "perspective" "float fov" 40
+WorldBegin
+Material "diffuse" "rgb reflectance" [0.5 0.5 0.5]
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-4 0 4 4 0 4 4 0 -4 -4 0 -4]
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-4 0 -2 4 0 -2 4 4 -2 -4 4 -2]
+)";
+    for (int i = 0; i < 9; ++i)
+        text += "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [" + std::string(i == 4 ? "40 40 40" : "0.1 0.1 0.1") +
+                "] Translate " + std::to_string(0.4 * (i - 4)) + " 4 0 Shape \"sphere\" \"float radius\" 0.15 AttributeEnd\n";
+    const auto scene = scene_of(text);
+    transport::RenderSettings settings;
+    settings.samples_per_pixel = 64;
+    const auto with = [&](const std::string& strategy, const std::string& selection) {
+        settings.integrator = path_with(text_parameter("strategy", strategy));
+        settings.integrator->parameters.parameters.push_back(text_parameter("lightsampler", selection));
+        ++settings.seed;
+        return estimate(render_of(scene, settings));
+    };
+    for (const char* strategy : {"mis", "light"}) {
+        const Estimate power = with(strategy, "power"), even = with(strategy, "uniform");
+        INFO(strategy << ": power " << power.mean << " +- " << power.error << ", uniform " << even.mean << " +- " << even.error);
+        CHECK(deviation(power, even) < 4.5);
+        CHECK(even.error < 0.05 * even.mean);
+        // A ninth of even choices goes to the lamp that counts, nine tenths of the others: 2.8 times the deviation of that alone.
+        CHECK(even.error > 1.5 * power.error);
+    }
+    settings.integrator = path_with(text_parameter("lightsampler", "powr"));
+    const auto refused = transport::render(scene, settings);
+    REQUIRE_FALSE(refused.ok());
+    CHECK(refused.error().to_string().find("expected power, uniform, bvh or exhaustive") != std::string::npos);
+    CHECK(refused.error().hint.find("power") != std::string::npos);
+}
+
 TEST_CASE("a render that is stopped returns what it has, marked incomplete", "[render]") {
     std::atomic<bool> stop{true};
     auto output = transport::render(scene_of(room), {}, {}, &stop);

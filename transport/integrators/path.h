@@ -22,9 +22,13 @@ namespace raylex::transport {
 /// leaves all but delta lights to scattering.
 enum class PathStrategy : std::uint8_t { mis, light, scattering };
 
+/// Which light a light sample goes to: by emitted power (a tenth of the choices ignores it), or any with one probability.
+enum class LightSelection : std::uint8_t { power, uniform };
+
 struct PathParameters {
     std::uint32_t max_depth = 5;  ///< scattering events at most; emission after the last still counts
     PathStrategy strategy = PathStrategy::mis;
+    LightSelection light_selection = LightSelection::power;
     bool roulette = true;
     std::uint32_t first_depth = 0;  ///< light found before so many scattering events is left to others (not a parameter)
 };
@@ -32,7 +36,7 @@ struct PathParameters {
 /// The integrator itself, for others that are made of it.
 std::unique_ptr<Integrator> make_path_integrator(const PathParameters& parameters);
 
-/// The registry's entry: parameters maxdepth, strategy, roulette.
+/// The registry's entry: parameters maxdepth, strategy, roulette, lightsampler.
 Registry<IntegratorFactory>::Entry path_integrator_entry();
 
 }  // namespace raylex::transport

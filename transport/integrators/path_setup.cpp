@@ -28,7 +28,15 @@ Result<std::unique_ptr<Integrator>> make_path(const SceneEntity& entity, std::op
     if (!regularize) return regularize.error();
     if (*regularize)
         return error_at(entity.location, "'regularize' is not supported: it would blur specular lobes; remove it");
-    static_cast<void>(entity.parameters.find("lightsampler"));  // changes noise, never the image
+    auto selection = entity.parameters.string_or("lightsampler", "power");
+    if (!selection) return selection.error();
+    // pbrt's other two choose by what a light can send to a point; power is the nearest to them that there is here.
+    const std::vector<std::string> selections = {"power", "uniform", "bvh", "exhaustive"};
+    if (std::find(selections.begin(), selections.end(), *selection) == selections.end())
+        return error_at(entity.location,
+                        "'lightsampler' is '" + *selection + "'; expected power, uniform, bvh or exhaustive",
+                        nearest_name(*selection, selections));
+    p.light_selection = *selection == "uniform" ? LightSelection::uniform : LightSelection::power;
     return make_path_integrator(p);
 }
 
@@ -45,7 +53,8 @@ Registry<IntegratorFactory>::Entry path_integrator_entry() {
             {{"maxdepth", T::integer, "5", "scattering events at most; emission seen after the last still counts"},
              {"strategy", T::string, "mis", "how emitters are found: mis, light or scattering"},
              {"roulette", T::boolean, "true", "end weak paths at random from the second bounce"},
-             {"lightsampler", T::string, "", "accepted for pbrt's sake; lights are chosen by power"},
+             {"lightsampler", T::string, "power",
+              "which light a sample goes to: power or uniform; bvh and exhaustive of pbrt are power here"},
              {"regularize", T::boolean, "false", "not supported"}},
             make_path};
 }

@@ -201,7 +201,10 @@ class PathIntegrator final : public Integrator {
                  std::uint32_t light) const;
 
     [[nodiscard]] LightChoice choice() const {
-        return parameters_.strategy == PathStrategy::light ? LightChoice::light_sampling : LightChoice::mis;
+        const bool all = parameters_.strategy == PathStrategy::light;
+        if (parameters_.light_selection == LightSelection::uniform)
+            return all ? LightChoice::light_sampling_uniform : LightChoice::mis_uniform;
+        return all ? LightChoice::light_sampling : LightChoice::mis;
     }
     /// Whether light sampling finds the emitter there too, and the weight that is left to scattering.
     [[nodiscard]] bool sampled_too(const PathState& path, float light_pdf) const {

@@ -135,13 +135,21 @@ void LightTable::finish(const EmbreeScene& geometry) {
         total += light.power;
     }
     // A tenth of the choices ignores power: a weak light close by is never starved.
-    std::vector<double> weights(lights_.size(), 0.0);
+    std::vector<double> by_power(lights_.size(), 0.0), even(lights_.size(), 0.0);
+    for (std::size_t i = 0; i < lights_.size(); ++i) {
+        if (!(lights_[i].power > 0)) continue;
+        by_power[i] = 0.9 * lights_[i].power / total + 0.1 / static_cast<double>(lit);
+        even[i] = 1;
+    }
+    const auto table = [this](LightChoice choice) -> AliasTable& {
+        return selections_[static_cast<std::size_t>(choice)];
+    };
+    table(LightChoice::light_sampling) = AliasTable(by_power);
+    table(LightChoice::light_sampling_uniform) = AliasTable(even);
     for (std::size_t i = 0; i < lights_.size(); ++i)
-        if (lights_[i].power > 0) weights[i] = 0.9 * lights_[i].power / total + 0.1 / static_cast<double>(lit);
-    full_selection_ = AliasTable(weights);
-    for (std::size_t i = 0; i < lights_.size(); ++i)
-        if (lights_[i].kind == LightKind::uniform_environment) weights[i] = 0;
-    mis_selection_ = AliasTable(weights);
+        if (lights_[i].kind == LightKind::uniform_environment) by_power[i] = even[i] = 0;
+    table(LightChoice::mis) = AliasTable(by_power);
+    table(LightChoice::mis_uniform) = AliasTable(even);
 }
 
 Result<LightTable> LightTable::build(const SceneDescription& scene, EmbreeScene& geometry,

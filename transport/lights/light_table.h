@@ -4,6 +4,7 @@
 // density 0, so that the power heuristic gives its scattering hits the whole weight.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -19,8 +20,10 @@
 namespace raylex::transport {
 
 /// Which lights are chosen from. Uniform environments have nothing to aim at: a scattering ray finds them at least as
-/// well as a light sample would, so `mis` leaves them to scattering (pbrt-v4 does too); `light_sampling` cannot.
-enum class LightChoice : std::uint8_t { mis, light_sampling };
+/// well as a light sample would, so `mis` leaves them to scattering (pbrt-v4 does too); `light_sampling` cannot. Both go
+/// by power, the other two give every light that sends anything the same probability.
+enum class LightChoice : std::uint8_t { mis, light_sampling, mis_uniform, light_sampling_uniform };
+inline constexpr std::size_t light_choices = 4;
 
 /// What a light's factory may use and add to.
 struct LightContext {
@@ -88,7 +91,7 @@ class LightTable {
 
   private:
     [[nodiscard]] const AliasTable& selection(LightChoice choice) const {
-        return choice == LightChoice::mis ? mis_selection_ : full_selection_;
+        return selections_[static_cast<std::size_t>(choice)];
     }
     Status add_area_lights(const SceneDescription& scene, EmbreeScene& geometry, LightContext& context,
                            std::vector<Error>& warnings);
@@ -98,7 +101,7 @@ class LightTable {
     std::vector<std::uint32_t> environment_lights_;
     std::vector<EnvironmentImage> images_;
     std::vector<std::string> groups_{std::string()};
-    AliasTable mis_selection_, full_selection_;
+    std::array<AliasTable, light_choices> selections_;  ///< [LightChoice]
     bool any_to_hit_ = false;
 };
 

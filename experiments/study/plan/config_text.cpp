@@ -26,6 +26,11 @@ void put_node(toml::table& root, const std::vector<std::string>& path, std::size
     toml::table* table = &root;
     for (; at + 1 < path.size(); ++at) {
         toml::node* next = table->get(path[at]);
+        // A list of one table, such as a method's only [[method.sample_filter]], is gone through as that table.
+        if (next != nullptr && next->is_array_of_tables() && next->as_array()->size() == 1) {
+            table = next->as_array()->front().as_table();
+            continue;
+        }
         if (next != nullptr && next->is_string()) {
             toml::table made;
             made.insert("type", std::move(*next->as_string()));

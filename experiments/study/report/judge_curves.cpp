@@ -1,6 +1,7 @@
 // Verdicts over the curves of a study: slopes, times, speed-ups, what a setting buys, which paths are wrong.
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "experiments/study/report/study.h"
 
@@ -43,30 +44,59 @@ std::string others_of(const MethodVariant& variant, const std::string& key) {
     return text;
 }
 
-const std::string* setting(const MethodVariant& variant, const std::string& key) {
-    for (const auto& [name, value] : variant.settings)
-        if (name == key) return &value;
-    return nullptr;
+/// "default" where a variant says nothing of a setting.
+const std::string& setting(const MethodVariant& variant, const std::string& key) {
+    static const std::string unsaid = "default";
+    for (const auto& [name, value] : variant.all_settings)
+        if (name == key) return value;
+    return unsaid;
 }
 
+/// The only setting in which two variants differ; empty when there are several or none.
+std::string only_difference(const MethodVariant& a, const MethodVariant& b) {
+    std::set<std::string> keys;
+    for (const MethodVariant* each : {&a, &b})
+        for (const auto& [key, value] : each->all_settings) keys.insert(key);
+    // A filter beside none differs in its type, whatever its parameters.
+    for (const char* entity : {"integrator", "sampler", "filter", "sample_filter"}) {
+        const std::string prefix = std::string(entity) + ".", type = prefix + "type";
+        if (setting(a, type) == setting(b, type)) continue;
+        std::erase_if(keys, [&](const std::string& key) { return key.starts_with(prefix) && key != type; });
+    }
+    std::erase_if(keys, [&](const std::string& key) { return setting(a, key) == setting(b, key); });
+    return keys.size() == 1 ? *keys.begin() : std::string();
+}
+
+/// A setting's value for readers: of a filter, a sampler or an integrator with its parameters.
+std::string setting_text(const MethodVariant& variant, const std::string& key) {
+    std::string text = setting(variant, key), parameters;
+    if (!key.ends_with(".type")) return text;
+    const std::string prefix = key.substr(0, key.size() - 4);
+    if (prefix == "sample_filter." && text == "default") return "none";
+    for (const auto& [name, value] : variant.all_settings)
+        if (name.starts_with(prefix) && name != key)
+            parameters += (parameters.empty() ? "" : ", ") + name.substr(prefix.size()) + "=" + value;
+    return parameters.empty() ? text : text + " (" + parameters + ")";
+}
+
+/// Each variant against the first one for each setting in which it differs from an earlier one and in nothing else.
 void find_effects(Study& study, const SceneInfo& scene) {
-    if (scene.channels.empty()) return;
-    const std::string& channel = scene.channels.front().name;
-    // Each value of a key against the first value that stands with the same others.
-    for (std::size_t j = 1; j < study.variants.size(); ++j)
-        for (const auto& [key, value] : study.variants[j].settings) {
-            const MethodVariant &to = study.variants[j], *from = nullptr;
-            for (std::size_t i = 0; i < j && from == nullptr; ++i)
-                if (others_of(study.variants[i], key) == others_of(to, key) &&
-                    setting(study.variants[i], key) != nullptr)
-                    from = &study.variants[i];
-            if (from == nullptr) continue;
-            const Curve *a = study.curve(scene.name, to.name, channel),
-                        *b = study.curve(scene.name, from->name, channel);
-            if (a == nullptr || b == nullptr) continue;
-            study.effects.push_back({scene.name, key, *setting(*from, key), value, others_of(to, key),
-                                     speed_up(*a, *b, study.options.confidence)});
+    for (std::size_t j = 1; j < study.variants.size(); ++j) {
+        const MethodVariant& to = study.variants[j];
+        std::set<std::string> seen;
+        for (std::size_t i = 0; i < j; ++i) {
+            const MethodVariant& from = study.variants[i];
+            const std::string key = only_difference(from, to);
+            if (key.empty() || !seen.insert(key).second) continue;
+            for (const ChannelInfo& channel : scene.channels) {
+                const Curve *a = study.curve(scene.name, to.name, channel.name),
+                            *b = study.curve(scene.name, from.name, channel.name);
+                if (a == nullptr || b == nullptr) continue;
+                study.effects.push_back({scene.name, channel.name, key, setting_text(from, key),
+                                         setting_text(to, key), others_of(from, key), speed_up(*a, *b, study.options.confidence)});
+            }
         }
+    }
 }
 
 void find_words(Study& study, const SceneInfo& scene, const MethodVariant& variant) {

@@ -27,14 +27,16 @@ struct RegionPixels {
     std::vector<std::uint32_t> pixels;
 };
 
-double sum_of_setup(const Cell& cell) {
-    double seconds = 0;
-    bool renders = false;
-    for (const Phase& phase : cell.phases) {
-        if (phase.name == "render") renders = true;
-        else seconds += phase.wall_seconds;
-    }
-    return renders ? seconds : 0;
+/// What a cell's time counts beside rendering: preparation. Loading, building and writing are phases, and not in it.
+double setup_of(const Cell& cell) {
+    double rendering = 0;
+    for (const Phase& phase : cell.phases)
+        if (phase.name == "render") rendering += phase.wall_seconds;
+    return rendering > 0 ? std::max(0.0, cell.wall_seconds - rendering) : 0;
+}
+
+bool is_black(const PixelArray& array) {
+    return std::all_of(array.values.begin(), array.values.end(), [](double value) { return value == 0; });
 }
 
 std::vector<double> selected(const PixelArray& array, const std::vector<std::uint32_t>& pixels) {
@@ -93,6 +95,11 @@ class Measurer {
             study_.omissions.push_back({"channel " + channel.name + " of scene " + scene.name, mean.error().message});
             return;
         }
+        if (!channel.beauty && is_black(*mean) && is_black_everywhere(channel, groups)) {
+            study_.omissions.push_back({"channel " + channel.name + " of scene " + scene.name,
+                                        "black in the reference and in every image: there is nothing to measure"});
+            return;
+        }
         Reference reference{std::move(*mean), std::nullopt};
         Result<PixelArray> m2 = read_m2(scene.reference, channel.name), samples = read_samples(scene.reference);
         if (m2 && samples) reference.variance = variance_of_mean(*m2, *samples);
@@ -128,6 +135,13 @@ class Measurer {
         for (const MethodVariant& variant : study_.variants)
             if (const auto found = candidates.find(variant.name); found != candidates.end())
                 test_channel(scene, channel, variant, found->second, reference);
+    }
+
+    static bool is_black_everywhere(const ChannelInfo& channel, const std::vector<Group>& groups) {
+        for (const Group& group : groups)
+            for (const Cell* cell : group.cells)
+                if (const auto image = read_mean(cell->directory, channel.name); image && !is_black(*image)) return false;
+        return true;
     }
 
     /// Images in the order of `group.cells`; an unreadable or misshapen one is empty, and an omission.
@@ -181,7 +195,7 @@ class Measurer {
             point.group.errors.push_back(squared - point.excess);
             point.group.seconds.push_back(cell.wall_seconds);
             if (cell.samples_per_pixel > 0) point.group.samples.push_back(static_cast<double>(cell.samples_per_pixel));
-            point.group.setup_seconds += sum_of_setup(cell);
+            point.group.setup_seconds += setup_of(cell);
             point.seconds += cell.wall_seconds;
             point.cpu_seconds += cell.cpu_seconds;
             point.samples += static_cast<double>(cell.samples_per_pixel);
@@ -266,9 +280,16 @@ Result<Study> study_of(const Experiment& experiment, const StudyReportOptions& o
         if (std::any_of(study.variants.begin(), study.variants.end(),
                         [&](const MethodVariant& each) { return each.name == name; }))
             continue;
-        MethodVariant variant{name, cell.method, cell.settings, true};
-        for (const MethodInfo& method : experiment.methods)
-            if (method.name == cell.method) variant.unbiased = method.unbiased;
+        MethodVariant variant{name, cell.method, cell.settings, cell.settings, true};
+        for (const MethodInfo& method : experiment.methods) {
+            if (method.name != cell.method) continue;
+            variant.unbiased = method.unbiased;
+            if (!method.command.empty()) variant.all_settings.emplace_back("command", method.command);
+            for (const auto& [key, value] : method.settings)
+                if (std::none_of(cell.settings.begin(), cell.settings.end(),
+                                 [&, &own = key](const auto& swept) { return swept.first == own; }))
+                    variant.all_settings.emplace_back(key, value);
+        }
         study.variants.push_back(std::move(variant));
     }
     // In the order of the config's methods, not of the interleaved plan.

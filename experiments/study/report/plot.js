@@ -110,8 +110,16 @@ function raylexPlot(d3, spec) {
     var step = d3.svg.line().interpolate('step-after');
     out.push('<path d="' + step(spec.front.map(function (p) { return [at(x(p.x)), at(y(p.y))]; })) +
         '" fill="none" stroke="currentColor" stroke-width="1.4" stroke-opacity="0.6"/>');
+    // Numbers stand where there is none yet: above to the right, else below to the left, above to the left, below to the right.
+    var placed = [], corners = [[7, -6], [-18, 15], [-18, -6], [7, 15]];
     spec.front.forEach(function (p, i) {
-      out.push('<text x="' + at(x(p.x) + 7) + '" y="' + at(y(p.y) - 6) + '" font-size="11" font-weight="600" fill="currentColor">' + (i + 1) + '</text>');
+      var spots = corners.map(function (corner) { return [x(p.x) + corner[0], y(p.y) + corner[1]]; });
+      var free = spots.filter(function (spot) {
+        return placed.every(function (other) { return Math.abs(spot[0] - other[0]) > 16 || Math.abs(spot[1] - other[1]) > 11; });
+      });
+      var spot = free.length ? free[0] : spots[0];
+      placed.push(spot);
+      out.push('<text x="' + at(spot[0]) + '" y="' + at(spot[1]) + '" font-size="11" font-weight="600" fill="currentColor">' + (i + 1) + '</text>');
     });
   }
   out.push('</g>');

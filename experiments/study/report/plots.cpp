@@ -98,21 +98,21 @@ Plot error_plot(const Study& study, std::size_t scene, const std::string& channe
     return plot;
 }
 
-Plot front_plot(const Study& study, std::size_t scene) {
-    const SceneInfo& info = study.experiment->scenes[scene];
+Plot front_plot(const Study& study, std::size_t scene, const std::string& channel) {
+    const std::string& name = study.experiment->scenes[scene].name;
     Json series = Json::array(), front = Json::array();
     for (const Curve& curve : study.curves)
-        if (curve.scene == info.name && curve.channel == info.channels.front().name && curve.region.empty()) {
+        if (curve.scene == name && curve.channel == channel && curve.region.empty()) {
             Json one = series_of(study, curve);
             one["note"] = "";
             series.push_back(std::move(one));
         }
-    for (const FrontPoint& each : front_of(study, info))
+    for (const FrontPoint& each : front_of(study, name, channel))
         front.push_back(Json{{"x", each.point->seconds}, {"y", each.point->relative.value * 100}});
-    Plot plot{front_id(scene), file_part(info.name) + ".pareto.svg", {}};
+    Plot plot{front_id(scene, channel), file_part(name) + "." + file_part(channel) + ".pareto.svg", {}};
     plot.json = dumped(
         Json{{"id", plot.id},
-             {"title", info.name + ", " + info.channels.front().name + ": what is worth its time"},
+             {"title", name + ", " + channel + ": what is worth its time"},
              {"subtitle", "every variant at every budget; the line joins what nothing beats in both time and error"},
              {"xLabel", "wall time, seconds, everything counted"},
              {"yLabel", "relative error"},
@@ -129,16 +129,15 @@ std::string plot_id(std::size_t scene, const std::string& channel, const std::st
     return "s" + std::to_string(scene) + "-" + file_part(channel) + (region.empty() ? "" : "-at-" + file_part(region));
 }
 
-std::string front_id(std::size_t scene) {
-    return "s" + std::to_string(scene) + "--front";
+std::string front_id(std::size_t scene, const std::string& channel) {
+    return "s" + std::to_string(scene) + "-" + file_part(channel) + "--front";
 }
 
-std::vector<FrontPoint> front_of(const Study& study, const SceneInfo& scene) {
+std::vector<FrontPoint> front_of(const Study& study, const std::string& scene, const std::string& channel) {
     std::vector<FrontPoint> points, front;
     std::vector<CostPoint> costs;
     for (const Curve& curve : study.curves)
-        if (!scene.channels.empty() && curve.scene == scene.name && curve.channel == scene.channels.front().name &&
-            curve.region.empty())
+        if (curve.scene == scene && curve.channel == channel && curve.region.empty())
             for (const BudgetPoint& point : curve.points)
                 if (point.relative.value > 0) {
                     points.push_back({&curve, &point});
@@ -158,8 +157,8 @@ std::vector<Plot> plots_of(const Study& study) {
                 std::find(seen.begin(), seen.end(), std::pair(curve.channel, curve.region)) == seen.end()) {
                 seen.emplace_back(curve.channel, curve.region);
                 plots.push_back(error_plot(study, s, curve.channel, curve.region));
+                if (curve.region.empty()) plots.push_back(front_plot(study, s, curve.channel));
             }
-        if (!seen.empty()) plots.push_back(front_plot(study, s));
     }
     return plots;
 }

@@ -17,7 +17,8 @@ namespace raylex::experiments {
 struct MethodVariant {
     std::string name;  ///< "path max_depth=8"
     std::string method;
-    NamedValues settings;
+    NamedValues settings;      ///< that its method sweeps
+    NamedValues all_settings;  ///< these and the method's own; what neither says is at its default
     bool unbiased = true;
 };
 
@@ -66,10 +67,10 @@ struct WordsEntry {
     FirstWords first;
 };
 
-/// Two variants that differ in one setting.
+/// Two variants that differ in one setting, of one method or of two.
 struct SettingEffect {
-    std::string scene, key, from, to, others;  ///< others: the method and what stays
-    Interval speed_up;                         ///< of `to` against `from`
+    std::string scene, channel, key, from, to, others;  ///< others: the method that `from` is of, and what it sweeps beside
+    Interval speed_up;                                  ///< of `to` against `from`
 };
 
 struct Omission {

@@ -193,6 +193,7 @@ std::string results_jsonl(const Study& study) {
     for (const SettingEffect& effect : study.effects)
         lines.add(Json{{"kind", "setting"},
                        {"scene", effect.scene},
+                       {"channel", effect.channel},
                        {"setting", effect.key},
                        {"from", effect.from},
                        {"to", effect.to},

@@ -21,20 +21,20 @@ struct Plot {
     std::string file;  ///< name for plots/: "cornell.beauty.svg"
     std::string json;
 };
-/// Per scene, channel and region: error against time; per scene the Pareto front of all budgets of all variants on its
-/// beauty.
+/// Per scene, channel and region: error against time; per scene and channel the Pareto front of all budgets of all
+/// variants.
 std::vector<Plot> plots_of(const Study& study);
 
 /// Key of a scene's channel and region, as plots and panels use it.
 std::string plot_id(std::size_t scene, const std::string& channel, const std::string& region);
-std::string front_id(std::size_t scene);
+std::string front_id(std::size_t scene, const std::string& channel);
 
-/// The points of a scene's Pareto front, by seconds.
+/// The points of a channel's Pareto front, by seconds.
 struct FrontPoint {
     const Curve* curve = nullptr;
     const BudgetPoint* point = nullptr;
 };
-std::vector<FrontPoint> front_of(const Study& study, const SceneInfo& scene);
+std::vector<FrontPoint> front_of(const Study& study, const std::string& scene, const std::string& channel);
 
 /// "1.23 %", with few digits; "below 0" errors are those that noise subtraction left nothing of.
 std::string percent_text(double share, int digits = 3);

@@ -51,8 +51,8 @@ std::string summary(const Study& study) {
                        counted(study.variants.size(), "variant", "variants") + "; " + duration_text(seconds) +
                        " of rendering.</p>\n<ul class=\"summary\">\n";
     if (splits > 0)
-        text += mark(broken == 0, broken == 0 ? "Every split sums" : std::to_string(broken) + " splits do not sum") +
-                "to what it splits, in " + counted(splits, "verdict", "verdicts") + " over all cells.</li>\n";
+        text += mark(broken == 0, broken == 0 ? "Every split sums" : counted(broken, "split does", "splits do") + " not sum") +
+                (broken < 2 ? "to what it splits, in " : "to what they split, in ") + counted(splits, "verdict", "verdicts") + " over all cells.</li>\n";
     std::vector<std::string> wrong, doubtful;
     std::size_t tested = 0;
     for (const BiasEntry& entry : study.bias) {
@@ -78,9 +78,14 @@ std::string summary(const Study& study) {
         for (const std::string& name : doubtful) text += (&name == &doubtful.front() ? "" : ", ") + escape_html(name);
         text += ".</li>\n";
     }
+    const auto unbiased = [&](const std::string& variant) {
+        return std::any_of(study.variants.begin(), study.variants.end(),
+                           [&](const MethodVariant& each) { return each.name == variant && each.unbiased; });
+    };
     std::vector<std::string> shallow;
-    std::size_t heavy = 0;
+    std::size_t heavy = 0, judged = 0;
     for (const Curve& curve : study.curves) {
+        judged += curve.slope.samples && unbiased(curve.variant) ? 1 : 0;
         if (curve.slope.too_shallow)
             shallow.push_back(curve.variant + " on " + curve.scene + " (" + curve.channel + ")");
         heavy += std::any_of(curve.points.begin(), curve.points.end(),
@@ -89,11 +94,16 @@ std::string summary(const Study& study) {
     if (!shallow.empty()) {
         text += mark(false, "Falls slower than an unbiased method:");
         for (const std::string& name : shallow) text += (&name == &shallow.front() ? "" : ", ") + escape_html(name);
-        text += ".</li>\n";
+        text += ". Of " + counted(judged, "curve", "curves") + " judged at 95 %, one in 40 does so by chance.</li>\n";
     }
     if (heavy > 0)
         text += "<li><span class=\"warn\">Heavy tail, interval not valid:</span> on " +
                 counted(heavy, "curve", "curves") + " a few rare samples decide the error.</li>\n";
+    std::string without;
+    for (const SceneInfo& scene : experiment.scenes)
+        if (scene.reference.empty()) without += (without.empty() ? "" : ", ") + escape_html(scene.name);
+    if (!without.empty())
+        text += "<li>No reference, so neither errors nor what they cost are known: " + without + ".</li>\n";
     if (!study.omissions.empty())
         text += "<li><a href=\"#omissions\">" + counted(study.omissions.size(), "omission", "omissions") +
                 "</a>, listed with the reason.</li>\n";
@@ -126,15 +136,19 @@ std::string scene_section(const Study& study, std::size_t index) {
                   times_table(study, scene.name, curve.channel, curve.region) +
                   slopes_table(study, scene.name, curve.channel, curve.region) +
                   "<details><summary>All metrics at the largest budget</summary>\n" +
-                  errors_table(study, scene.name, curve.channel, curve.region) + "</details>\n</div>\n";
+                  errors_table(study, scene.name, curve.channel, curve.region) + "</details>\n";
+        if (curve.region.empty())
+            panels += "<h3>What is worth its time</h3>\n<figure class=\"plot\" data-plot=\"" +
+                      escape_html(front_id(index, curve.channel)) + "\"></figure>\n" +
+                      front_table(study, scene.name, curve.channel);
+        panels += "</div>\n";
     }
     std::string html = "<section class=\"scene-study\" id=\"scene-" + std::to_string(index) +
                        "\">\n<h2>What accuracy costs: " + escape_html(scene.name) + "</h2>\n";
+    if (items.empty() && scene.reference.empty()) return {};  // the summary says why
     if (items.empty())
         return html + "<p class=\"faint\">Nothing was measured on this scene; see the omissions.</p></section>\n";
-    html += choices("Channel", items) + panels +
-            "<h3>What is worth its time</h3>\n<figure class=\"plot\" data-plot=\"" + front_id(index) +
-            "\"></figure>\n" + front_table(study, scene);
+    html += choices("Channel", items) + panels;
     if (const std::string effects = effects_table(study, scene); !effects.empty())
         html += "<h3>What each setting buys</h3>\n" + effects;
     return html + "<h3>Bias against the reference</h3>\n" + words_list(study, scene) + bias_table(study, scene) +
@@ -214,8 +228,10 @@ std::string study_page(const Study& study, const std::vector<Plot>& plots, const
     const Experiment& experiment = *study.experiment;
     std::string contents = "<nav class=\"contents\">", scenes;
     for (std::size_t i = 0; i < experiment.scenes.size(); ++i) {
+        const std::string section = scene_section(study, i);
+        if (section.empty()) continue;
         contents += "<a href=\"#scene-" + std::to_string(i) + "\">" + escape_html(experiment.scenes[i].name) + "</a>";
-        scenes += scene_section(study, i);
+        scenes += section;
     }
     for (const auto& [id, name] : {std::pair("images", "images"), std::pair("splits", "split sums"),
                                    std::pair("costs", "time and rays"), std::pair("references", "references"),

@@ -1,7 +1,9 @@
 #include "experiments/study/report/study_tables.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 
 #include "experiments/cli/console.h"
 #include "experiments/report/html.h"
@@ -139,10 +141,10 @@ std::string slopes_table(const Study& study, const std::string& scene, const std
                  rows);
 }
 
-std::string front_table(const Study& study, const SceneInfo& scene) {
+std::string front_table(const Study& study, const std::string& scene, const std::string& channel) {
     std::string rows;
     int place = 0;
-    for (const FrontPoint& each : front_of(study, scene))
+    for (const FrontPoint& each : front_of(study, scene, channel))
         rows += row(cell(std::to_string(++place)) + text_cell(each.curve->variant) +
                     cell(number_text(each.point->budget, 6)) + cell(duration_text(each.point->seconds)) +
                     cell(interval_cell(each.point->relative, 100, " %")));
@@ -150,23 +152,41 @@ std::string front_table(const Study& study, const SceneInfo& scene) {
 }
 
 std::string effects_table(const Study& study, const SceneInfo& scene) {
-    std::string rows;
+    // A row per change, a column per channel.
+    std::vector<std::array<std::string, 4>> changes;
+    std::map<std::pair<std::size_t, std::string>, const SettingEffect*> found;
     for (const SettingEffect& effect : study.effects) {
         if (effect.scene != scene.name) continue;
-        const bool better = effect.speed_up.valid() && effect.speed_up.low > 1,
-                   worse = effect.speed_up.valid() && effect.speed_up.high < 1;
-        rows +=
-            row("<td><code>" + escape_html(effect.key) + "</code></td>" + text_cell(effect.from + " to " + effect.to) +
-                text_cell(effect.others) + cell(interval_cell(effect.speed_up)) +
-                (better  ? "<td class=\"holds\">pays</td>"
-                 : worse ? "<td class=\"fails\">costs</td>"
-                         : "<td class=\"note\">no difference seen</td>"));
+        const std::array<std::string, 4> change{effect.key, effect.from, effect.to, effect.others};
+        const auto known = std::find(changes.begin(), changes.end(), change);
+        found[{static_cast<std::size_t>(known - changes.begin()), effect.channel}] = &effect;
+        if (known == changes.end()) changes.push_back(change);
     }
-    if (rows.empty()) return {};
-    return table("<th>Setting</th><th>Change</th><th>With</th>" +
-                     formula_header("Speed-up", "ratio of 1 / (relmse-mean x seconds) at the largest budgets") +
-                     "<th></th>",
-                 rows);
+    if (changes.empty()) return {};
+    std::string head = "<th>Setting</th><th>Change</th><th>With</th>", rows;
+    for (const ChannelInfo& channel : scene.channels) head += "<th>" + escape_html(channel.name) + "</th>";
+    for (std::size_t i = 0; i < changes.size(); ++i) {
+        const auto& [key, from, to, others] = changes[i];
+        std::string cells = "<td><code>" + escape_html(key) + "</code></td>" + text_cell(from + " to " + to) +
+                            text_cell(others);
+        for (const ChannelInfo& channel : scene.channels) {
+            const auto effect = found.find({i, channel.name});
+            if (effect == found.end()) {
+                cells += cell("&ndash;");
+                continue;
+            }
+            const Interval& ratio = effect->second->speed_up;
+            const bool better = ratio.valid() && ratio.low > 1, worse = ratio.valid() && ratio.high < 1;
+            cells += cell((better  ? "<span class=\"holds\">pays</span> "
+                           : worse ? "<span class=\"fails\">costs</span> "
+                                   : std::string()) +
+                          interval_cell(ratio));
+        }
+        rows += row(cells);
+    }
+    return "<p class=\"note\">Speed-up: the ratio of 1 / (relmse-mean x seconds) at the largest budgets, for every "
+           "channel. Pays or costs: its interval lies above or below 1.</p>\n" +
+           table(head, rows);
 }
 
 std::string predictions_text(const Study& study) {
@@ -196,7 +216,7 @@ std::string words_list(const Study& study, const SceneInfo& scene) {
             const FirstWords::Word& first = entry.first.words.front();
             html += "is first wrong at the path <code>" + escape_html(first.text) + "</code> (" +
                     escape_html(first.sentence) + "), the shortest one in channel <code>" + escape_html(first.channel) +
-                    "</code>";
+                    "</code>, or at a longer one of that channel";
             if (entry.first.words.size() > 1) {
                 html += "; further ";
                 for (std::size_t i = 1; i < entry.first.words.size(); ++i)

@@ -18,7 +18,7 @@ std::string errors_table(const Study& study, const std::string& scene, const std
 std::string slopes_table(const Study& study, const std::string& scene, const std::string& channel,
                          const std::string& region);
 
-std::string front_table(const Study& study, const SceneInfo& scene);
+std::string front_table(const Study& study, const std::string& scene, const std::string& channel);
 std::string effects_table(const Study& study, const SceneInfo& scene);
 std::string bias_table(const Study& study, const SceneInfo& scene);
 std::string words_list(const Study& study, const SceneInfo& scene);
