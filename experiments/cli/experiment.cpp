@@ -21,7 +21,7 @@ struct ExperimentOptions {
     std::string config, output, shard, cell, report_directory;
     std::vector<std::string> overrides, directories;
     unsigned split_cells = 1;
-    bool no_calibration = false, retry = false;
+    bool no_calibration = false, retry = false, report = false;
 };
 
 /// Reads the config and does something with it; the exit code.
@@ -53,6 +53,11 @@ int run_cells(const ExperimentOptions& options, bool resume) {
         auto outcome = run_experiment(config, {options.output, resume, options.retry, shard}, &interrupt_flag());
         if (!outcome) return report_error(outcome.error());
         if (outcome->interrupted) return exit_interrupted;
+        if (options.report) {
+            auto results = read_experiment(options.output);
+            if (!results) return report_error(results.error());
+            if (const int code = write_study_report(*results); code != exit_holds) return code;
+        }
         if (outcome->failed > 0) return exit_bad_input;
         return outcome->splits_broken > 0 ? exit_does_not_hold : exit_holds;
     });
@@ -152,6 +157,7 @@ void add_experiment_command(CLI::App& app, CommandContext& context) {
         add_config(*each, *options);
         add_output(*each, *options, true);
         add_shard(*each, *options);
+        each->add_flag("--report", options->report, "and then the report, as 'raylex experiment report' does");
         each->footer(
             "Exit codes: 0 all cells done; 1 a split does not sum; 2 bad input, or cells failed; 130 after Ctrl-C.");
     }

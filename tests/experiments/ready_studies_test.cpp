@@ -18,6 +18,7 @@ TEST_CASE("every ready experiment can be planned") {
     const Folder folder;
     int count = 0;
     for (const auto& entry : std::filesystem::directory_iterator(studies)) {
+        if (entry.is_directory()) continue;  // pictures
         CAPTURE(entry.path().string());
         const Outcome plan = run_raylex(folder, "experiment plan '" + entry.path().string() + "' --no-calibration");
         INFO(plan.err);
@@ -40,4 +41,36 @@ TEST_CASE("a planted mistake is found, and the first wrong path named", "[study]
     // the paths with three scatterings, and of those with fewer nothing.
     CHECK(page.find("Declared unbiased but differs from the reference:</span> planted-error on cornell-grey.") != std::string::npos);
     CHECK(page.find("is first wrong at the path <code>C,- R,D R,D R,D L,-</code>") != std::string::npos);
+}
+
+TEST_CASE("one command passes the README's own integrator, and convicts it once it sees less than all", "[study][release-only]") {
+    const Folder folder;
+    folder.write("own.toml", "plugins = [\"" + binary_dir() + R"(/tests/libambient_occlusion.so"]
+replicates = 4
+[[scene]]
+name = "white-sky"
+file = ")" + source_dir() + R"(/experiments/scenes/white-sky/scene.pbrt"
+resolution = [48, 32]
+[[method]]
+name = "path"
+integrator = "path"
+max_depth = 1
+[[method]]
+name = "mine"
+integrator = "ambientocclusion"
+[[method]]
+name = "short-sighted"
+integrator = { type = "ambientocclusion", maxdistance = 1 }
+[budget]
+samples = [64]
+[reference]
+method = "path"
+spp = 1024
+)");
+    const Outcome run = run_raylex(folder, "experiment run own.toml -o out --report");
+    INFO(run.out << run.err);
+    REQUIRE(run.code == 0);
+    CHECK(run.out.find("\nmine on white-sky: no bias found; one of ") != std::string::npos);
+    CHECK(run.out.find("\nshort-sighted on white-sky: BIASED: it differs from the reference") != std::string::npos);
+    CHECK(folder.has("out/report.html"));
 }

@@ -1,6 +1,8 @@
 #include "experiments/study/report/study_report.h"
 
+#include <cmath>
 #include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "display/output/atomic_file.h"
@@ -25,6 +27,45 @@ Status write_plots(const std::string& directory, const std::vector<Plot>& plots,
         if (!written) return written;
     }
     return success();
+}
+
+/// The verdict on bias of a variant in a scene in a line; empty when nothing of it was tested.
+std::string bias_line(const Study& study, const std::string& scene, const MethodVariant& variant) {
+    bool tested = false, convicted = false, doubtful = false;
+    double detectable = std::numeric_limits<double>::quiet_NaN();
+    for (const BiasEntry& entry : study.bias) {
+        if (entry.scene != scene || entry.variant != variant.name || !entry.verdict.tested) continue;
+        if (!tested) detectable = entry.verdict.detectable_whole;  // of the first channel, the beauty
+        tested = true;
+        convicted = convicted || entry.convicts();
+        doubtful = doubtful || entry.verdict.differs;
+    }
+    if (!tested) return {};
+    std::string text = variant.name + " on " + scene + ": ";
+    if (!convicted && doubtful) return text + "no verdict on bias, since a few rare samples decide";
+    if (!convicted)
+        return text + "no bias found" +
+               (std::isfinite(detectable) ? "; one of " + percent_text(detectable) + " of the mean would be, with 90 %" : "");
+    text += variant.unbiased ? "BIASED: it differs from the reference" : "differs from the reference, as declared";
+    for (const WordsEntry& words : study.words)
+        if (words.scene == scene && words.variant == variant.name && !words.first.words.empty())
+            text += "; first wrong path " + words.first.words.front().text + ", channel " + words.first.words.front().channel;
+    return text;
+}
+
+/// All verdicts of a small study; of a large one those against methods that are declared unbiased, and how many others.
+void print_verdicts(const Study& study) {
+    constexpr std::size_t most_lines = 12;
+    std::vector<std::pair<bool, std::string>> lines;  // bad, text
+    for (const SceneInfo& scene : study.experiment->scenes)
+        for (const MethodVariant& variant : study.variants)
+            if (std::string line = bias_line(study, scene.name, variant); !line.empty())
+                lines.emplace_back(line.find(": BIASED: ") != std::string::npos, std::move(line));
+    std::size_t kept_back = 0;
+    for (const auto& [bad, line] : lines)
+        if (bad || lines.size() <= most_lines) print_line(line);
+        else ++kept_back;
+    if (kept_back > 0) print_line(std::to_string(kept_back) + " other verdicts on bias are in the report");
 }
 
 }  // namespace
@@ -52,6 +93,7 @@ int write_study_report(const Experiment& experiment, const StudyReportOptions& o
                       study->omissions.front().what + ": " + study->omissions.front().reason);
     print_line(directory + "/report.html: " + size_text(static_cast<double>(page.size())) +
                "; results.csv, results.jsonl and " + std::to_string(plots.size()) + " plots beside it");
+    print_verdicts(*study);
     return exit_holds;
 }
 
