@@ -140,7 +140,8 @@ class Measurer {
     static bool is_black_everywhere(const ChannelInfo& channel, const std::vector<Group>& groups) {
         for (const Group& group : groups)
             for (const Cell* cell : group.cells)
-                if (const auto image = read_mean(cell->directory, channel.name); image && !is_black(*image)) return false;
+                if (const auto image = read_mean(cell->directory, channel.name); image && !is_black(*image))
+                    return false;
         return true;
     }
 
@@ -301,7 +302,14 @@ Result<Study> study_of(const Experiment& experiment, const StudyReportOptions& o
         };
         return rank(a) < rank(b);
     });
-    for (const std::string& id : experiment.missing) study.omissions.push_back({"cell " + id, "not run yet"});
+    for (const std::string& id : experiment.missing) {
+        const auto parts = std::count_if(experiment.parts.begin(), experiment.parts.end(),
+                                         [&](const Cell& each) { return each.part_of == id; });
+        study.omissions.push_back(
+            {"cell " + id, parts > 0 ? "in parts, of which " + std::to_string(parts) +
+                                           " are here; 'raylex experiment merge' makes a cell of them all"
+                                     : "not run yet"});
+    }
     Status measured = Measurer(experiment, study).measure();
     if (!measured) return std::move(measured).error();
     judge_curves(study);

@@ -45,11 +45,13 @@ std::string bias_line(const Study& study, const std::string& scene, const Method
     if (!convicted && doubtful) return text + "no verdict on bias, since a few rare samples decide";
     if (!convicted)
         return text + "no bias found" +
-               (std::isfinite(detectable) ? "; one of " + percent_text(detectable) + " of the mean would be, with 90 %" : "");
+               (std::isfinite(detectable) ? "; one of " + percent_text(detectable) + " of the mean would be, with 90 %"
+                                          : "");
     text += variant.unbiased ? "BIASED: it differs from the reference" : "differs from the reference, as declared";
     for (const WordsEntry& words : study.words)
         if (words.scene == scene && words.variant == variant.name && !words.first.words.empty())
-            text += "; first wrong path " + words.first.words.front().text + ", channel " + words.first.words.front().channel;
+            text += "; first wrong path " + words.first.words.front().text + ", channel " +
+                    words.first.words.front().channel;
     return text;
 }
 

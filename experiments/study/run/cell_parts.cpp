@@ -47,7 +47,8 @@ std::string image_text(const display::ImageDescription& description, display::Ch
     const Json json{{"beauty", beauty},
                     {"attributes", description.attributes},
                     {"partitions", partitions},
-                    {"chromaticities", {vector_json(c.red), vector_json(c.green), vector_json(c.blue), vector_json(c.white)}},
+                    {"chromaticities",
+                     {vector_json(c.red), vector_json(c.green), vector_json(c.blue), vector_json(c.white)}},
                     {"world_to_camera", description.world_to_camera},
                     {"world_to_screen", description.world_to_screen}};
     return json.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -134,8 +135,9 @@ Status check_parts(const Cell& cell, std::vector<const Cell*>& parts) {
     });
     const auto total = static_cast<std::uint64_t>(cell.budget);
     const auto gap = [&](std::uint64_t from, std::uint64_t to) {
-        return part_error(*parts.front(), "cell '" + cell.id + "' is not whole: samples " + std::to_string(from) + " to " +
-                                              std::to_string(to - 1) + " are in none of the directories",
+        return part_error(*parts.front(),
+                          "cell '" + cell.id + "' is not whole: samples " + std::to_string(from) + " to " +
+                              std::to_string(to - 1) + " are in none of the directories",
                           "run the shard that has them, with the same --split-cells");
     };
     std::uint64_t reached = 0;
@@ -143,16 +145,17 @@ Status check_parts(const Cell& cell, std::vector<const Cell*>& parts) {
     for (std::size_t i = 0; i < parts.size(); ++i) {
         const Cell& part = *parts[i];
         if (part.seed != cell.seed)
-            return part_error(part, "this part has seed " + std::to_string(part.seed) + "; its cell '" + cell.id + "' has " +
-                                        std::to_string(cell.seed));
+            return part_error(part, "this part has seed " + std::to_string(part.seed) + "; its cell '" + cell.id +
+                                        "' has " + std::to_string(cell.seed));
         if (!part.failed && rendered == nullptr) rendered = &part;
         if (!part.failed && part.isa != rendered->isa)
             return part_error(part, "this part was rendered with " + part.isa + ", the one in '" + rendered->directory +
                                         "' with " + rendered->isa + ", so they are not parts of one render",
                               "isa = \"sse4.2\" or another in the config makes all machines use the same");
         if (i > 0 && part.first_sample < reached)
-            return part_error(part, "this part of cell '" + cell.id + "' has " + range_text(part) + ", and '" +
-                                        parts[i - 1]->directory + "' has " + range_text(*parts[i - 1]) + ": they overlap",
+            return part_error(part,
+                              "this part of cell '" + cell.id + "' has " + range_text(part) + ", and '" +
+                                  parts[i - 1]->directory + "' has " + range_text(*parts[i - 1]) + ": they overlap",
                               "merge takes every sample once: leave out one of the two");
         if (part.first_sample > reached) return gap(reached, part.first_sample);
         reached = part.end_sample;

@@ -1,7 +1,9 @@
-// One cell's samples over several runs: which parts a cell has, what a part leaves on disk, and the cell made of its parts.
+// One cell's samples over several runs: which parts a cell has, what a part leaves on disk, and the cell made of its
+// parts.
 //
-// A part is a shard of the render (transport::RenderSettings::first_sample): whole blocks of the frame buffer's canonical
-// summation, so that sums of parts are, bit for bit, those of the whole (Law 3). It is cells/ID.pKofN with cell.json and record.bin.
+// A part is a shard of the render (transport::RenderSettings::first_sample): whole blocks of the frame buffer's
+// canonical summation, so that sums of parts are, bit for bit, those of the whole (Law 3). It is cells/ID.pKofN with
+// cell.json and record.bin.
 #pragma once
 
 #include <map>
@@ -15,21 +17,21 @@
 namespace raylex::experiments {
 
 struct WorkList {
-    std::vector<PlannedCell> items;  ///< cells and parts in the order of the plan, the parts of a cell one after the other
+    std::vector<PlannedCell> items;  ///< cells and parts in the order of the plan, the parts of a cell in turn
     std::vector<std::string> notes;  ///< which cells are kept whole, and why
 };
 
-/// The plan with each cell in `split` parts of about as many samples; fewer where it has fewer blocks of samples. Kept whole: cells whose
-/// samples are found on the way (budgets of time and error), those of external commands, of Markov chains, with
-/// cryptomattes, and of one block.
+/// The plan with each cell in `split` parts of about as many samples; fewer where it has fewer blocks of samples. Kept
+/// whole: cells whose samples are found on the way (budgets of time and error), those of external commands, of Markov
+/// chains, with cryptomattes, and of one block.
 Result<WorkList> split_cells(const ExperimentConfig& config, const Plan& plan, SceneStore& scenes, unsigned split);
 
 /// record.bin of a part: its sums, and what the image of the whole cell will say of itself.
 Status write_part_record(const std::string& directory, const Rendered& rendered, const JobScene& scene,
                          const std::map<std::string, std::string>& attributes);
 
-/// Whether these are all parts of the cell, each once, with its seed, in the order of their samples (they are sorted). Errors
-/// name the part that is missing, there twice, or shares samples with another.
+/// Whether these are all parts of the cell, each once and with its seed; sorts them by their samples. Errors name the
+/// part that is missing, there twice, or shares samples with another.
 Status check_parts(const Cell& cell, std::vector<const Cell*>& parts);
 
 /// The cell that its parts come to: times and counts are sums, memory is the largest.

@@ -98,7 +98,8 @@ Result<std::map<std::string, std::vector<const Cell*>>> parts_of(const std::vect
         }
     for (auto& [id, list] : parts) {
         const auto& planned = experiments.front().planned;
-        const auto cell = std::find_if(planned.begin(), planned.end(), [&, &name = id](const Cell& each) { return each.id == name; });
+        const auto cell = std::find_if(planned.begin(), planned.end(),
+                                       [&, &name = id](const Cell& each) { return each.id == name; });
         if (Status s = check_parts(*cell, list); !s) return s.error();
     }
     return parts;
@@ -117,9 +118,10 @@ Status check_one_program(const std::vector<Experiment>& experiments) {
         if (first == nullptr) first = &each;
         for (const char* what : {"revision", "compiler"})
             if (told(*first, what) != told(each, what))
-                return merge_error(each.directory, std::string("its parts of cells were rendered by another program (") + what +
-                                                       " " + told(each, what) + ") than those in '" + first->directory +
-                                                       "' (" + told(*first, what) + ")",
+                return merge_error(each.directory,
+                                   std::string("its parts of cells were rendered by another program (") + what + " " +
+                                       told(each, what) + ") than those in '" + first->directory + "' (" +
+                                       told(*first, what) + ")",
                                    "parts of one cell need one program; whole cells do not");
     }
     return success();

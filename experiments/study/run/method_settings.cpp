@@ -30,7 +30,8 @@ NamedValues settings_text(const transport::RenderSettings& settings) {
     values.emplace_back("lobes", settings.picked_lobes ? "picked" : "exact");
     const auto& filters = settings.sample_filters;
     for (std::size_t i = 0; i < filters.size(); ++i)
-        add_entity(values, filters.size() == 1 ? "sample_filter" : "sample_filter." + std::to_string(i + 1), filters[i]);
+        add_entity(values, filters.size() == 1 ? "sample_filter" : "sample_filter." + std::to_string(i + 1),
+                   filters[i]);
     return values;
 }
 

@@ -64,7 +64,8 @@ Result<std::optional<Experiment>> earlier_results(const ExperimentConfig& config
         settled.insert(each.id);
         if (!items.contains(each.id))
             return directory_error(directory, "there is part '" + each.id + "', which is none of this run's",
-                                   "give the --split-cells that the directory was begun with, or choose another with -o");
+                                   "give the --split-cells that the directory was begun with, or choose another "
+                                   "directory with -o");
     }
     for (const Cell& each : results->cells) settled.insert(each.id);
     for (const std::string& id : items)
