@@ -95,29 +95,38 @@ AdaptiveSampler::AdaptiveSampler(const AdaptiveSettings& settings, std::span<con
     progress_.predicted_samples = std::min(blocks_ * block, settings_.max_samples) * pixels;
 }
 
-void AdaptiveSampler::add_errors(const FrameBuffer& buffer, ChannelId id, double weight, double& mean_square) {
-    const std::vector<double> values = buffer.resolve(id), variances = buffer.resolve_variance_of_mean(id);
-    const std::size_t pixels = errors_.size(), components = values.size() / pixels;
-    std::vector<double> brightness(pixels);
+std::vector<double> relative_errors(std::span<const double> values, std::span<const double> variances,
+                                    std::size_t components, double weight, double floor) {
+    const std::size_t pixels = values.size() / components;
+    std::vector<double> errors(pixels);  // the pixels' brightness at first
     double mean = 0;
     for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
-        for (std::size_t c = 0; c < components; ++c) brightness[pixel] += std::abs(values[pixel * components + c]);
-        brightness[pixel] /= static_cast<double>(components);
-        mean += brightness[pixel];
+        for (std::size_t c = 0; c < components; ++c) errors[pixel] += std::abs(values[pixel * components + c]);
+        errors[pixel] /= static_cast<double>(components);
+        mean += errors[pixel];
     }
     mean /= static_cast<double>(pixels);
-    mean_square = 0;
     for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
         double variance = 0;
         for (std::size_t c = 0; c < components; ++c) variance += variances[pixel * components + c];
-        const double reference = std::max(brightness[pixel], settings_.floor * mean);
+        const double reference = std::max(errors[pixel], floor * mean);
         const double deviation = std::sqrt(variance / static_cast<double>(components));
         // A black pixel under no floor: as far from any relative tolerance as its deviation is from 0.
-        const double error = deviation == 0 || mean == 0 ? 0 : weight * deviation / std::max(reference, 1e-30);
-        mean_square += error * error;
-        errors_[pixel] = std::max(errors_[pixel], error);
+        errors[pixel] = deviation == 0 || mean == 0 ? 0 : weight * deviation / std::max(reference, 1e-30);
     }
-    mean_square /= static_cast<double>(pixels);
+    return errors;
+}
+
+void AdaptiveSampler::add_errors(const FrameBuffer& buffer, ChannelId id, double weight, double& mean_square) {
+    const std::vector<double> values = buffer.resolve(id), variances = buffer.resolve_variance_of_mean(id);
+    const std::vector<double> errors =
+        relative_errors(values, variances, values.size() / errors_.size(), weight, settings_.floor);
+    mean_square = 0;
+    for (std::size_t pixel = 0; pixel < errors.size(); ++pixel) {
+        mean_square += errors[pixel] * errors[pixel];
+        errors_[pixel] = std::max(errors_[pixel], errors[pixel]);
+    }
+    mean_square /= static_cast<double>(errors.size());
 }
 
 std::vector<double> AdaptiveSampler::spread(const std::vector<double>& values) const {

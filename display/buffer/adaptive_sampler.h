@@ -54,6 +54,16 @@ struct AdaptiveProgress {
     std::uint64_t predicted_samples = 0;    ///< of the whole image in the end, if errors fall with the root of the samples
 };
 
+/// e above, of every pixel: `values` and the variances of their means, component by component.
+std::vector<double> relative_errors(std::span<const double> values, std::span<const double> variances,
+                                    std::size_t components, double weight, double floor);
+
+/// How many samples have the error `target`, when so many have `error`: errors fall with the root of the samples.
+[[nodiscard]] inline double samples_to_error(double samples, double error, double target) {
+    const double ratio = error / target;
+    return samples * ratio * ratio;
+}
+
 class AdaptiveSampler {
   public:
     /// Errors: settings out of range, channels that are not there (with the near miss) or keep no statistics (rules,

@@ -126,6 +126,8 @@ class FrameBuffer final : public PixelImage {
     ///     sum(w^2) sum((v - m)^2) / ((n - 1) sum(w)^2),
     /// which is sample variance / n for unit weights and exact for weights of one size and either sign.
     [[nodiscard]] std::vector<double> resolve_variance_of_mean(ChannelId id) const;
+    /// Of a part; its pixels must not be added to meanwhile.
+    [[nodiscard]] std::vector<double> resolve_variance_of_mean(ChannelId id, const PixelRegion& region) const;
 
   private:
     struct Storage;

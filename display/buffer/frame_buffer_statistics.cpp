@@ -81,9 +81,13 @@ std::vector<double> FrameBuffer::Storage::statistic(const Channel& source, Stati
 }
 
 std::vector<double> FrameBuffer::resolve_variance_of_mean(ChannelId id) const {
+    return resolve_variance_of_mean(id, {0, 0, storage_->layout.width, storage_->layout.height});
+}
+
+std::vector<double> FrameBuffer::resolve_variance_of_mean(ChannelId id, const PixelRegion& region) const {
     const Channel& channel = storage_->channels[static_cast<std::size_t>(id)];
     if (channel.square_sum.empty()) return {};
-    return storage_->statistic(channel, Statistic::mse, {0, 0, storage_->layout.width, storage_->layout.height});
+    return storage_->statistic(channel, Statistic::mse, region);
 }
 
 }  // namespace raylex::display

@@ -9,7 +9,6 @@
 #include <memory>
 
 #include "display/buffer/record_bytes.h"
-#include "display/output/atomic_file.h"
 #include "display/services/hash64.h"
 
 namespace raylex::display {
@@ -140,8 +139,8 @@ std::string& RecordFile::add(std::string name) {
     return sections.back().content;
 }
 
-Status write_record_file(const std::string& path, const RecordFile& record) {
-    auto file = AtomicFile::create(path);
+Status write_record_file(const std::string& path, const RecordFile& record, FileSync sync) {
+    auto file = AtomicFile::create(path, sync);
     if (!file) return file.error();
     std::string header(magic), hashes;
     RecordWriter writer(header);

@@ -22,6 +22,7 @@
 #include <utility>
 #include <vector>
 
+#include "display/output/atomic_file.h"
 #include "lpe/result.h"
 
 namespace raylex::display {
@@ -46,7 +47,7 @@ struct RecordFile {
 
 /// Writes the record whole or not at all: a temporary file, synced, renamed, the folder synced. An earlier file at `path`
 /// survives every failure.
-Status write_record_file(const std::string& path, const RecordFile& record);
+Status write_record_file(const std::string& path, const RecordFile& record, FileSync sync = FileSync::now);
 
 /// Reads and checks all of it. Errors name the file and what is wrong: no record file at all, another version or byte
 /// order, truncated (with the byte), or damaged (with the section).

@@ -97,9 +97,10 @@ Error kind_error(const std::string& path, mode_t mode) {
 
 }  // namespace
 
-Result<AtomicFile> AtomicFile::create(const std::string& path) {
+Result<AtomicFile> AtomicFile::create(const std::string& path, FileSync sync) {
     ignore_file_size_signal();
     AtomicFile file;
+    file.sync_ = sync;
     file.target_ = path;
     std::error_code ignored;
     if (std::filesystem::is_symlink(path, ignored)) {
@@ -134,6 +135,7 @@ AtomicFile& AtomicFile::operator=(AtomicFile&& other) noexcept {
         position_ = other.position_;
         descriptor_ = std::exchange(other.descriptor_, -1);
         error_number_ = other.error_number_;
+        sync_ = other.sync_;
     }
     return *this;
 }
@@ -187,7 +189,9 @@ Error AtomicFile::failure() const {
 Status AtomicFile::commit() {
     if (descriptor_ < 0) return write_error(target_, EBADF);
     // Some file systems cannot sync (EINVAL); that is no reason to lose the image.
-    if (flush() && (fails(FileCall::sync, target_) || fsync(descriptor_) != 0) && errno != EINVAL) error_number_ = errno;
+    if (flush() && sync_ == FileSync::now && (fails(FileCall::sync, target_) || fsync(descriptor_) != 0) &&
+        errno != EINVAL)
+        error_number_ = errno;
     if (error_number_ == 0) {
         const bool fault = fails(FileCall::close, target_);
         const int fault_number = errno;
@@ -205,8 +209,31 @@ Status AtomicFile::commit() {
         unlink(temporary_.c_str());
         return failure();
     }
-    sync_folder_of(target_);
+    if (sync_ == FileSync::now) sync_folder_of(target_);
     return success();
+}
+
+Status sync_files_in(const std::string& folder) {
+    std::error_code failed;
+    std::vector<std::pair<std::string, int>> files;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, failed)) {
+        if (!entry.is_regular_file(failed)) continue;
+        const int file = open(entry.path().c_str(), O_RDONLY | O_CLOEXEC);
+        files.emplace_back(entry.path().string(), file);
+        // All are begun before the first is waited for, so that the file system commits them together. A hint: what
+        // counts is fsync.
+        if (file >= 0) sync_file_range(file, 0, 0, SYNC_FILE_RANGE_WRITE);
+    }
+    Status status = success();
+    if (failed) status = write_error(folder, failed.value());
+    for (const auto& [path, file] : files) {
+        // EINVAL: as in commit().
+        if (file < 0 || ((fails(FileCall::sync, path) || fsync(file) != 0) && errno != EINVAL))
+            status = write_error(path, errno);
+        if (file >= 0) close(file);
+    }
+    sync_folder_of(folder + "/.");
+    return status;
 }
 
 Status remove_file(const std::string& path) {
@@ -245,8 +272,8 @@ Status check_writable(const std::string& path) {
     return success();
 }
 
-Status write_text_file(const std::string& path, const std::string& text) {
-    Result<AtomicFile> file = AtomicFile::create(path);
+Status write_text_file(const std::string& path, const std::string& text, FileSync sync) {
+    Result<AtomicFile> file = AtomicFile::create(path, sync);
     if (!file) return std::move(file).error();
     if (!file->write(text.data(), text.size())) return file->failure();
     return file->commit();

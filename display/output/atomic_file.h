@@ -10,6 +10,10 @@
 
 namespace raylex::display {
 
+/// Whether a file is safe on disk when the call returns, or only after sync_files_in(): many at once cost little more than
+/// one.
+enum class FileSync : std::uint8_t { now, later };
+
 /// The temporary file is `target` + ".<process>-<number>.partial". Until commit() succeeds an earlier file at the
 /// target is untouched; destroying an uncommitted AtomicFile removes the temporary one.
 ///
@@ -17,7 +21,7 @@ namespace raylex::display {
 /// regular file (a directory, a device) is refused.
 class AtomicFile {
   public:
-    static Result<AtomicFile> create(const std::string& path);
+    static Result<AtomicFile> create(const std::string& path, FileSync sync = FileSync::now);
     AtomicFile(AtomicFile&& other) noexcept;
     AtomicFile& operator=(AtomicFile&& other) noexcept;
     ~AtomicFile();
@@ -27,7 +31,7 @@ class AtomicFile {
     [[nodiscard]] bool seek(std::uint64_t position);
     [[nodiscard]] std::uint64_t position() const { return position_; }
 
-    /// Syncs the file, renames it to the target and syncs the folder.
+    /// Syncs the file, renames it to the target and syncs the folder; renames it only, when it is to be synced later.
     Status commit();
     /// The first failure so far, as an Error that names the target; what commit() would return after it.
     [[nodiscard]] Error failure() const;
@@ -44,7 +48,11 @@ class AtomicFile {
     std::uint64_t position_ = 0;
     int descriptor_ = -1;
     int error_number_ = 0;
+    FileSync sync_ = FileSync::now;
 };
+
+/// Makes every file in the folder safe on disk, then the folder itself; not what is in folders of it.
+Status sync_files_in(const std::string& folder);
 
 /// Removes a file and syncs its folder; a file that is not there is no error.
 Status remove_file(const std::string& path);
@@ -57,7 +65,7 @@ void remove_abandoned(const std::string& path);
 Status check_writable(const std::string& path);
 
 /// Text in one go.
-Status write_text_file(const std::string& path, const std::string& text);
+Status write_text_file(const std::string& path, const std::string& text, FileSync sync = FileSync::now);
 
 /// The system calls that make or remove a file.
 enum class FileCall { open, write, sync, close, rename, sync_folder, remove };

@@ -18,6 +18,7 @@
 #include <ImfPartType.h>
 #include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
+#include <ImfThreading.h>
 
 #include "display/output/exr_layers.h"
 #include "display/output/primaries.h"
@@ -166,7 +167,11 @@ void read_attributes(const Imf::Header& header, ExrImage& image) {
 }
 
 Result<ExrImage> read_file(const std::string& path) {
-    Imf::MultiPartInputFile file(path.c_str());
+    // The pixels of a small file are unpacked sooner than threads are woken for its lines.
+    constexpr std::uintmax_t small = std::uintmax_t{1} << 22;
+    std::error_code unknown;
+    const std::uintmax_t bytes = std::filesystem::file_size(path, unknown);
+    Imf::MultiPartInputFile file(path.c_str(), !unknown && bytes < small ? 0 : Imf::globalThreadCount());
     if (Status size = check_size(path, file); !size) return std::move(size).error();
     ExrImage image;
     image.path = path;

@@ -18,7 +18,6 @@
 #include <ImfStringAttribute.h>
 #include <ImfThreading.h>
 
-#include "display/output/atomic_file.h"
 #include "display/output/exr_header.h"
 #include "display/output/exr_layout.h"
 #include "display/output/exr_pixels.h"
@@ -53,6 +52,17 @@ class WrittenSplits {
             if (name_of(part) == whole_of(split)) split.sum.add_whole(layer);
             if (contains(split, name_of(part))) split.sum.add(layer);
         }
+    }
+    [[nodiscard]] std::vector<SplitVerdict> verdicts() const {
+        std::vector<SplitVerdict> all;
+        for (const Split& split : splits_) {
+            SplitVerdict verdict = split.sum.verdict(false);
+            verdict.partition = split.partition.name;
+            verdict.of = whole_of(split);
+            verdict.layers = split.partition.layers;
+            all.push_back(std::move(verdict));
+        }
+        return all;
     }
     /// Overwrites the placeholders in the file's header. Their lengths are equal, so nothing moves.
     void write_verdicts(AtomicFile& file, const HeaderRecorder& header) const {
@@ -111,48 +121,61 @@ void write_part(Imf::MultiPartOutputFile& file, int index, const PlannedPart& pa
     output.writePixels(layout.height);
 }
 
+/// Lines that are packed sooner than a thread is woken for one of them.
+bool is_quick(const std::vector<PlannedPart>& parts, int width) {
+    constexpr int narrow = 1024;
+    return width < narrow && std::all_of(parts.begin(), parts.end(), [](const PlannedPart& part) {
+               return part.storage.compression == ExrCompression::none || part.storage.compression == ExrCompression::rle;
+           });
+}
+
 void write_parts(AtomicFile& file, const PixelImage& frame_buffer, ChannelId beauty,
-                 const std::vector<PlannedPart>& parts, const ImageDescription& description) {
+                 const std::vector<PlannedPart>& parts, const ImageDescription& description,
+                 std::vector<SplitVerdict>* verdicts) {
     const FrameBufferLayout& layout = frame_buffer.layout();
     std::vector<Imf::Header> headers;
     for (const PlannedPart& part : parts) headers.push_back(make_header(part, layout, description));
-    start_encoder_threads();
+    const bool quick = is_quick(parts, layout.width);
+    if (!quick) start_encoder_threads();
+    const auto when = quick ? std::launch::deferred : std::launch::async;
     WrittenSplits splits(frame_buffer, beauty, description);
     HeaderRecorder stream(file);
     {
-        Imf::MultiPartOutputFile output(stream, headers.data(), static_cast<int>(headers.size()));
+        Imf::MultiPartOutputFile output(stream, headers.data(), static_cast<int>(headers.size()), false,
+                                        quick ? 0 : Imf::globalThreadCount());
         stream.stop_recording();
         const auto prepare = [&](std::size_t i) {
             PartPixels pixels = part_pixels(frame_buffer, parts[i], splits.wants(parts[i]));
             splits.take(parts[i], pixels);
             return pixels;
         };
-        std::future<PartPixels> next = std::async(std::launch::async, prepare, 0);
+        std::future<PartPixels> next = std::async(when, prepare, 0);
         for (std::size_t i = 0; i < parts.size(); ++i) {
             PartPixels pixels = next.get();
-            if (i + 1 < parts.size()) next = std::async(std::launch::async, prepare, i + 1);
+            if (i + 1 < parts.size()) next = std::async(when, prepare, i + 1);
             write_part(output, static_cast<int>(i), parts[i], pixels, layout);
         }
     }  // the library writes its table of chunks now
     splits.write_verdicts(file, stream);
+    if (verdicts != nullptr) *verdicts = splits.verdicts();
 }
 
 }  // namespace
 
 Status write_exr(const std::string& path, const PixelImage& frame_buffer, ChannelId beauty,
-                 const ImageDescription& description) {
+                 const ImageDescription& description, std::vector<SplitVerdict>* verdicts) {
     const auto located = [&path](Error error) {
         error.file = path;
         return error;
     };
     if (Status names = check_channel_names(frame_buffer.channels(), beauty); !names)
         return located(std::move(names).error());
-    Result<AtomicFile> file = AtomicFile::create(path);
+    Result<AtomicFile> file = AtomicFile::create(path, description.sync);
     if (!file) return std::move(file).error();
     try {
         std::vector<PlannedPart> parts = plan_parts(frame_buffer.channels(), beauty, description);
         note_repairs(frame_buffer, parts);
-        write_parts(*file, frame_buffer, beauty, parts, description);
+        write_parts(*file, frame_buffer, beauty, parts, description, verdicts);
     } catch (const std::exception& exception) {
         if (file->failed()) return located(file->failure());
         Error error;

@@ -1,7 +1,8 @@
 // The frame buffer as one multi-part OpenEXR file. How each kind of channel is stored stands in exr_storage.h.
 //
 // While one part is compressed (by as many threads as there are processors) the next one is resolved, so that the time
-// is that of the encoders. The pixels of a part live only that long: two parts are in memory at once.
+// is that of the encoders. The pixels of a part live only that long: two parts are in memory at once. Narrow images of
+// which nothing is zipped are written without threads: waking them would take longer.
 #pragma once
 
 #include <array>
@@ -11,8 +12,10 @@
 #include <vector>
 
 #include "display/buffer/pixel_image.h"
+#include "display/output/atomic_file.h"
 #include "display/output/exr_storage.h"
 #include "display/output/image_types.h"
+#include "display/output/split_check.h"
 #include "lpe/result.h"
 
 namespace raylex::display {
@@ -30,6 +33,7 @@ struct ImageDescription {
     /// (bottom) and 1.
     std::array<std::array<double, 4>, 4> world_to_camera{}, world_to_screen{};
     bool complete = true;  ///< false is recorded as attribute "raylex/incomplete"
+    FileSync sync = FileSync::now;
 };
 
 /// Part 0 is `rgba` (R G B A of beauty, when there is one); every other channel is a part of its own: NAME with
@@ -45,9 +49,10 @@ struct ImageDescription {
 ///
 /// Values beyond the range of the stored type become its largest number, NaN becomes 0 (Law 6; the frame buffer holds
 /// neither for light), and `repaired/NAME` says how many; infinity stays in a channel whose miss value it is (z, VLen).
-/// A partition of layers that are not there is not declared; `raylex/refusedPartition` says why.
+/// A partition of layers that are not there is not declared; `raylex/refusedPartition` says why. `verdicts` gets what
+/// check_declared_splits would say of the file, maps of residuals excepted.
 Status write_exr(const std::string& path, const PixelImage& frame_buffer, ChannelId beauty,
-                 const ImageDescription& description);
+                 const ImageDescription& description, std::vector<SplitVerdict>* verdicts = nullptr);
 
 /// Whether write_exr could lay these channels out; ask before rendering. Errors: a name that is empty, used twice, taken
 /// ("rgba", "beauty"), longer than 244 bytes (OpenEXR's limit is 255, for "lpeDialect/NAME"), or holding a control

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "experiments/cli/live_errors.h"
 #include "transport/render/render.h"
 
 namespace raylex::experiments {
@@ -10,14 +11,20 @@ namespace raylex::experiments {
 class Progress {
   public:
     Progress();
+    /// Before rendering: on a terminal, the channels whose errors are shown. Elsewhere nothing is measured.
+    void begin(const transport::RenderPlan& plan);
     void update(const transport::RenderProgress& progress);
     /// Ends the line of the bar. Call once the render is over.
     void finish();
 
-    /// The text shown, without any control character; `width` is that of the bar.
-    static std::string describe(const transport::RenderProgress& progress, int width);
+    /// The text shown, without any control character; `bar` is the width of the bar, `channels` how many errors it names.
+    static std::string describe(const transport::RenderProgress& progress, int bar, const LiveErrors& errors = {},
+                                std::size_t channels = LiveErrors::most_channels);
 
   private:
+    /// The longest text that fits a line of the terminal.
+    [[nodiscard]] std::string line(const transport::RenderProgress& progress) const;
+    LiveErrors errors_;
     bool terminal_ = false, drawn_ = false;
     double last_line_ = 0;
     std::size_t drawn_length_ = 0;

@@ -22,7 +22,7 @@ namespace {
 
 struct RenderOptions {
     std::string input, output, statistics, resolution, integrator, sampler, filter, partition;
-    std::string ocio, rendering_space, isa, until_error, checkpoint, replay, filter_mode;
+    std::string ocio, rendering_space, isa, until_error, time, checkpoint, replay, filter_mode;
     std::optional<std::uint64_t> spp, seed;
     std::optional<int> threads;
     std::optional<std::int64_t> max_depth;
@@ -103,6 +103,11 @@ Status read_sampling(const RenderOptions& options, Job& job) {
         job.settings.adaptive->location = flag("--until-error");
     }
     if (options.spp && job.settings.adaptive) apply_sample_limit(*options.spp, *job.settings.adaptive);
+    if (!options.time.empty()) {
+        auto seconds = parse_interval(options.time, flag("--time"), "time to render for");
+        if (!seconds) return seconds.error();
+        apply_time_limit(*seconds, job);
+    }
     if (!options.checkpoint.empty()) {
         auto seconds = parse_interval(options.checkpoint, flag("--checkpoint"));
         if (!seconds) return seconds.error();
@@ -228,6 +233,11 @@ void add_options(CLI::App& command, RenderOptions& options) {
                     "samples each pixel until its standard error is at most E of its value, such as 1%; --spp is then the "
                     "most that a pixel may have, default 65536; [adaptive] in a job says more")
         ->option_text("E");
+    command
+        .add_option("--time", options.time,
+                    "renders for so long, such as 30s, 5m or 1h, and at least one sample a pixel; --spp is then the most. The "
+                    "samples reached are printed: --spp with their number gives the same bits")
+        ->option_text("TIME");
     command
         .add_option("--checkpoint", options.checkpoint,
                     "saves the render to OUT.exr.checkpoint every so often, such as 60s, 5m or 1h, and at Ctrl-C; the file is "

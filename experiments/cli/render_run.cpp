@@ -143,6 +143,7 @@ class RenderRun {
         Progress progress;
         job_.settings.before_rendering = [&](const transport::RenderPlan& plan,
                                              std::vector<display::SampleSink*>& sinks) {
+            progress.begin(plan);
             return outputs_.begin(plan, sinks, loaded_->primaries, partitions_);
         };
         auto output = transport::render(
@@ -302,6 +303,9 @@ class RenderRun {
         if (output_->resumed_samples > 0)
             print_line("resumed from a checkpoint with " + std::to_string(output_->resumed_samples) + " of " +
                        std::to_string(samples) + " samples");
+        if (job_.settings.limit && output_->complete)
+            print_line("time: " + std::to_string(output_->samples_per_pixel) + " samples per pixel; --spp " +
+                       std::to_string(output_->samples_per_pixel) + " gives the same bits");
         if (!output_->adaptive) return;
         const double pixels = static_cast<double>(output_->width) * static_cast<double>(output_->height);
         std::string line = "adaptive: " + number_text(static_cast<double>(samples) / pixels, 6) + " samples per pixel in the mean";

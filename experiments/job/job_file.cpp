@@ -53,6 +53,7 @@ void read_render(TomlTable& root, Job& job) {
     if (render.read("threads", number, 0, 4096)) job.settings.threads = static_cast<int>(number);
     read_resolution(render, job);
     read_memory_limit(render, job.outputs);
+    read_time(render, job);
     read_checkpoint(render, job);
     render.read("beauty", job.settings.beauty);
     render.read("isa", job.settings.isa);

@@ -54,7 +54,7 @@ void read_metric_channel(TomlSource& source, const toml::node& node, display::Ad
 
 }  // namespace
 
-Result<double> parse_interval(const std::string& text, const SourceLocation& where) {
+Result<double> parse_interval(const std::string& text, const SourceLocation& where, const std::string& what) {
     constexpr double longest = 30.0 * 24 * 3600;
     std::string_view unit;
     const std::optional<double> number = leading_number(text, unit);
@@ -63,7 +63,7 @@ Result<double> parse_interval(const std::string& text, const SourceLocation& whe
     else if (unit == "m" || unit == "min") scale = 60;
     else if (unit == "h") scale = 3600;
     if (!number || scale == 0 || *number * scale < 0.01 || *number * scale > longest)
-        return error_at(where, "'" + text + "' is no time between checkpoints; expected such as 60s, 5m or 1h, at least "
+        return error_at(where, "'" + text + "' is no " + what + "; expected such as 60s, 5m or 1h, at least "
                                "0.01s and at most 30 days");
     return *number * scale;
 }
@@ -121,6 +121,18 @@ void read_checkpoint(TomlTable& render, Job& job) {
     if (!render.read("checkpoint", text)) return;
     auto seconds = parse_interval(text, render.content_location_of("checkpoint"));
     if (seconds) job.checkpoint_seconds = *seconds;
+    else render.source().fail(seconds.error());
+}
+
+void apply_time_limit(double seconds, Job& job) {
+    job.settings.limit.emplace().seconds = seconds;
+}
+
+void read_time(TomlTable& render, Job& job) {
+    std::string text;
+    if (!render.read("time", text)) return;
+    auto seconds = parse_interval(text, render.content_location_of("time"), "time to render for");
+    if (seconds) apply_time_limit(*seconds, job);
     else render.source().fail(seconds.error());
 }
 

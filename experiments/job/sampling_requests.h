@@ -1,5 +1,5 @@
-// What a job says about where samples go and how a render survives a crash: [adaptive], [render] checkpoint, and the texts
-// of --until-error and --checkpoint.
+// What a job says about where samples go, when a render ends and how it survives a crash: [adaptive], [render] time and
+// checkpoint, and the texts of --until-error, --time and --checkpoint.
 #pragma once
 
 #include <string>
@@ -12,7 +12,9 @@ namespace raylex::experiments {
 class TomlTable;
 
 /// "60s", "1.5m", "2h" or plain seconds, as seconds from 0.01 to 30 days.
-Result<double> parse_interval(const std::string& text, const SourceLocation& where);
+/// `what` it is stands in the Error.
+Result<double> parse_interval(const std::string& text, const SourceLocation& where,
+                              const std::string& what = "time between checkpoints");
 
 /// "1%" or "0.01", above 0.
 Result<double> parse_tolerance(const std::string& text, const SourceLocation& where);
@@ -21,6 +23,11 @@ Result<double> parse_tolerance(const std::string& text, const SourceLocation& wh
 void read_adaptive(TomlTable& root, Job& job);
 /// [render] checkpoint = "60s".
 void read_checkpoint(TomlTable& render, Job& job);
+
+/// [render] time = "5m".
+void read_time(TomlTable& render, Job& job);
+/// Ends the render after so many seconds, unless samples_per_pixel are fewer.
+void apply_time_limit(double seconds, Job& job);
 
 /// Puts samples_per_pixel where adaptive sampling looks: it is the most that a pixel may have.
 void apply_sample_limit(std::uint64_t samples_per_pixel, display::AdaptiveSettings& adaptive);

@@ -1,10 +1,7 @@
 // .npy, version 1.0 and 2.0: NumPy's own format for one array.
 // Source: numpy.lib.format, https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html
-#include <fcntl.h>
-#include <unistd.h>
 #include <algorithm>
 #include <bit>
-#include <cerrno>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -12,7 +9,6 @@
 #include <optional>
 #include <string_view>
 
-#include "display/output/atomic_file.h"
 #include "display/services/parameters.h"
 #include "experiments/study/results.h"
 
@@ -42,18 +38,16 @@ std::string npy_header(const char* type, const std::vector<std::size_t>& shape) 
 }
 
 Status write_array(const std::string& path, const std::string& header, const void* values, std::size_t bytes,
-                   FileSync sync) {
-    if (sync == FileSync::later) {
-        std::ofstream file(path, std::ios::binary | std::ios::trunc);
-        file.write(header.data(), static_cast<std::streamsize>(header.size()));
-        file.write(static_cast<const char*>(values), static_cast<std::streamsize>(bytes));
-        file.close();
-        if (file) return success();
-        return error_at({path, 0, 0}, "cannot write this file: " + std::string(std::strerror(errno)));
-    }
-    auto file = display::AtomicFile::create(path);
+                   display::FileSync sync) {
+    auto file = display::AtomicFile::create(path, sync);
     if (!file) return file.error();
-    if (!file->write(header.data(), header.size()) || !file->write(values, bytes)) return file->failure();
+    const char* from = static_cast<const char*>(values);
+    // Nothing but zeros, as in a channel that no path of the scene reaches: a hole of the file, which costs nothing.
+    std::size_t skipped = 0;
+    if (bytes > 1 && *from == 0 && std::memcmp(from, from + 1, bytes - 1) == 0) skipped = bytes - 1;
+    if (!file->write(header.data(), header.size()) || !file->seek(header.size() + skipped) ||
+        !file->write(from + skipped, bytes - skipped))
+        return file->failure();
     return file->commit();
 }
 
@@ -158,33 +152,15 @@ Result<PixelArray> read_npy(const std::string& path) {
     return array;
 }
 
-Status write_npy(const std::string& path, const PixelArray& array, FileSync sync) {
+Status write_npy(const std::string& path, const PixelArray& array, display::FileSync sync) {
     return write_array(path, npy_header("<f8", {array.height, array.width, array.components}), array.values.data(),
                        array.values.size() * sizeof(double), sync);
 }
 
 Status write_npy_counts(const std::string& path, std::size_t height, std::size_t width,
-                        const std::vector<std::uint64_t>& counts, FileSync sync) {
+                        const std::vector<std::uint64_t>& counts, display::FileSync sync) {
     return write_array(path, npy_header("<u8", {height, width}), counts.data(), counts.size() * sizeof(std::uint64_t),
                        sync);
-}
-
-Status sync_files(const std::vector<std::string>& paths) {
-    std::vector<int> files;
-    Status status = success();
-    // All writes are begun before the first is waited for, so that the file system commits them together.
-    for (const std::string& path : paths) {
-        const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-        files.push_back(file);
-        if (file >= 0) sync_file_range(file, 0, 0, SYNC_FILE_RANGE_WRITE);  // a hint: what counts is fsync
-    }
-    for (std::size_t i = 0; i < files.size(); ++i) {
-        // Some file systems cannot sync (EINVAL); that is no reason to lose the file.
-        if (files[i] < 0 || (fsync(files[i]) != 0 && errno != EINVAL))
-            status = error_at({paths[i], 0, 0}, "cannot write this file: " + std::string(std::strerror(errno)));
-        if (files[i] >= 0) close(files[i]);
-    }
-    return status;
 }
 
 namespace {

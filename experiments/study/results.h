@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "display/output/atomic_file.h"
 #include "lpe/result.h"
 
 namespace raylex::experiments {
@@ -29,14 +30,11 @@ struct PixelArray {
 /// machine's byte order, in C order. Integers beyond 2^53 are rounded. Errors: no such file, another format, a length that
 /// is not what the header says.
 Result<PixelArray> read_npy(const std::string& path);
-/// Whether a file is safe on disk when the call returns, or only after sync_files(): many at once cost little more than one.
-enum class FileSync : std::uint8_t { now, later };
-/// float64 of shape (height, width, components). Replaces the file whole or not at all, unless it is synced later.
-Status write_npy(const std::string& path, const PixelArray& array, FileSync sync = FileSync::now);
+/// float64 of shape (height, width, components). Replaces the file whole or not at all.
+Status write_npy(const std::string& path, const PixelArray& array, display::FileSync sync = display::FileSync::now);
 /// uint64 of shape (height, width).
 Status write_npy_counts(const std::string& path, std::size_t height, std::size_t width,
-                        const std::vector<std::uint64_t>& counts, FileSync sync = FileSync::now);
-Status sync_files(const std::vector<std::string>& paths);
+                        const std::vector<std::uint64_t>& counts, display::FileSync sync = display::FileSync::now);
 
 enum class BudgetKind : std::uint8_t { samples, seconds, error };
 /// "samples", "seconds" or "error".
@@ -122,6 +120,8 @@ struct RunnerTime {
     double render = 0;                        ///< within renderers: loading, building, preparing, rendering
     double references = 0;                    ///< making references, which is rendering too
     [[nodiscard]] double overhead() const { return total - render - references; }
+    /// Of the time within renderers, references not counted; 0 while there is none.
+    [[nodiscard]] double overhead_percent() const { return render > 0 ? 100 * overhead() / render : 0; }
 };
 
 struct Experiment {

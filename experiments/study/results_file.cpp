@@ -194,7 +194,8 @@ Json experiment_json(const Experiment& experiment) {
     json["runner"] = {{"total_seconds", experiment.time.total},
                       {"render_seconds", experiment.time.render},
                       {"reference_seconds", experiment.time.references},
-                      {"overhead_seconds", experiment.time.overhead()}};
+                      {"overhead_seconds", experiment.time.overhead()},
+                      {"overhead_percent", experiment.time.overhead_percent()}};
     json["cells"] = cells;
     return json;
 }
@@ -301,8 +302,8 @@ std::string cell_of_part(const std::string& name) {
     return no_parts == std::errc() && last == end && part >= 1 && part <= parts ? name.substr(0, dot) : std::string();
 }
 
-Status write_cell_file(const std::string& path, const Cell& cell) {
-    return display::write_text_file(path, text_of(cell_json(cell)));
+Status write_cell_file(const std::string& path, const Cell& cell, display::FileSync sync) {
+    return display::write_text_file(path, text_of(cell_json(cell)), sync);
 }
 
 Result<Cell> read_cell_file(const std::string& path) {

@@ -10,7 +10,7 @@ namespace raylex::experiments {
 inline constexpr const char* experiment_format = "raylex-experiment 1";
 
 /// cell.json, and failed/ID.json for one that failed.
-Status write_cell_file(const std::string& path, const Cell& cell);
+Status write_cell_file(const std::string& path, const Cell& cell, display::FileSync sync = display::FileSync::now);
 Result<Cell> read_cell_file(const std::string& path);
 
 /// config.toml, then experiment.json, which says by being there that the directory is whole. Of the experiment's cells

@@ -245,6 +245,35 @@ TEST_CASE("--until-error says what it reached, and --spp is the most") {
     CHECK(run_raylex(folder, "verify room.exr").code == 2);  // nothing was split
 }
 
+TEST_CASE("--time ends a render by the clock, and --spp with the samples it reached gives the same bits [law3]") {
+    const Folder folder;
+    folder.write("room.pbrt", small_scene());
+    const Outcome timed = run_raylex(folder, "render room.pbrt -o timed.exr --time 0.2s");
+    CAPTURE(timed.err, timed.out);
+    REQUIRE(timed.code == 0);
+    const std::size_t at = timed.out.find("time: ");
+    REQUIRE(at != std::string::npos);
+    const std::string spp = std::to_string(std::stoull(timed.out.substr(at + 6)));
+    CHECK(timed.out.find(spp + " samples per pixel; --spp " + spp + " gives the same bits") != std::string::npos);
+    REQUIRE(run_raylex(folder, "render room.pbrt -o counted.exr --spp " + spp).code == 0);
+    CHECK((bits_of(folder.path("timed.exr")) == bits_of(folder.path("counted.exr"))));
+    // --spp is the most, and the job's key is the same limit.
+    folder.write("job.toml", "[scene]\nfile = \"room.pbrt\"\n[render]\ntime = \"30s\"\nspp = 3\n");
+    CHECK(run_raylex(folder, "render job.toml").out.find("time: 3 samples per pixel") != std::string::npos);
+    const auto refused = [&](const std::string& arguments, const std::string& word) {
+        const Outcome bad = run_raylex(folder, "render room.pbrt " + arguments);
+        CAPTURE(arguments, bad.err);
+        CHECK(bad.code == 2);
+        CHECK(bad.err.find(word) != std::string::npos);
+    };
+    refused("--time soon", "--time: 'soon' is no time to render for; expected such as 60s, 5m or 1h");
+    refused("--time 5s --until-error 1%", "--until-error: adaptive sampling in a render that ends by itself");
+    folder.write("bad.toml", "[scene]\nfile = \"room.pbrt\"\n[render]\ntime = \"0s\"\n");
+    const Outcome bad = run_raylex(folder, "render bad.toml");
+    CHECK(bad.code == 2);
+    CHECK(bad.err.find("bad.toml:4:9: '0s' is no time to render for") != std::string::npos);
+}
+
 TEST_CASE("a fault in any write, sync or rename of a run costs no bit [law7]", "[release-only]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());

@@ -108,6 +108,9 @@ class LiveImage {
     [[nodiscard]] virtual std::vector<double> resolve(display::ChannelId id,
                                                       const display::PixelRegion& region) const = 0;
     [[nodiscard]] virtual std::vector<double> resolve_alpha(const display::PixelRegion& region) const = 0;
+    /// As FrameBuffer::resolve_variance_of_mean; empty where the channel keeps no statistics.
+    [[nodiscard]] virtual std::vector<double> resolve_variance_of_mean(display::ChannelId id,
+                                                                       const display::PixelRegion& region) const = 0;
 };
 
 struct RenderProgress {

@@ -151,6 +151,13 @@ std::vector<double> RenderLoop::resolve_alpha(const display::PixelRegion& region
     return by_tiles(region, 1, [&](const display::PixelRegion& part) { return frame_buffer_.resolve_alpha(part); });
 }
 
+std::vector<double> RenderLoop::resolve_variance_of_mean(display::ChannelId id, const display::PixelRegion& region) const {
+    const display::ChannelDefinition& channel = job_.channels[static_cast<std::size_t>(id)];
+    if (!channel.statistics) return {};
+    return by_tiles(region, static_cast<std::size_t>(display::component_count(channel.type)),
+                    [&](const display::PixelRegion& part) { return frame_buffer_.resolve_variance_of_mean(id, part); });
+}
+
 std::optional<display::AdaptiveProgress> RenderLoop::error() const {
     if (job_.adaptive) return job_.adaptive->progress();
     if (limited_ && limited_->error() != nullptr) return *limited_->error();

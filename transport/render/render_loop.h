@@ -175,6 +175,8 @@ class RenderLoop : public LiveImage {
 
     [[nodiscard]] std::vector<double> resolve(display::ChannelId id, const display::PixelRegion& region) const override;
     [[nodiscard]] std::vector<double> resolve_alpha(const display::PixelRegion& region) const override;
+    [[nodiscard]] std::vector<double> resolve_variance_of_mean(display::ChannelId id,
+                                                               const display::PixelRegion& region) const override;
 
     [[nodiscard]] bool complete() const { return complete_; }
     /// After run(): the budget, or what a limited render came to.

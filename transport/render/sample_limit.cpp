@@ -48,10 +48,10 @@ std::uint64_t LimitedPasses::next_end(std::uint64_t done, double seconds, const 
 std::uint64_t LimitedPasses::within_error(std::uint64_t done, std::uint64_t end, const display::FrameBuffer& buffer) {
     if (done < std::min(least_for_error, most_)) return end;
     error_->decide(buffer);
-    const double excess = error_->progress().error / limit_.error;
-    if (excess <= 1) return done;
-    // Errors fall with the root of the samples: no further than that, but by one block at least.
-    const double wanted = static_cast<double>(done) * excess * excess;
+    const double error = error_->progress().error;
+    if (error <= limit_.error) return done;
+    // No further than it takes, but by one block at least.
+    const double wanted = display::samples_to_error(static_cast<double>(done), error, limit_.error);
     if (wanted >= static_cast<double>(end)) return end;
     const auto blocks = static_cast<std::uint64_t>(std::ceil((wanted - static_cast<double>(done)) / static_cast<double>(block_)));
     return std::min(done + std::max<std::uint64_t>(1, blocks) * block_, end);
@@ -76,8 +76,7 @@ std::uint64_t LimitedPasses::predicted(std::uint64_t done, double seconds) const
     double total = static_cast<double>(most_) * static_cast<double>(pixels_);
     if (limit_.seconds > 0 && seconds > 0) total = std::min(total, samples * limit_.seconds / seconds);
     if (error_ && !error_->progress().channel.empty()) {
-        const double excess = error_->progress().error / limit_.error;
-        total = std::min(total, samples * excess * excess);
+        total = std::min(total, display::samples_to_error(samples, error_->progress().error, limit_.error));
     } else if (error_ && limit_.seconds <= 0) {
         total = samples;
     }

@@ -150,6 +150,11 @@ std::string provenance_table(const Study& study) {
         "<tr><td>configuration's hash</td><td><code>" + escape_html(experiment.config_hash) + "</code></td></tr>\n";
     for (const auto& [name, value] : experiment.provenance)
         rows += "<tr>" + text_cell(name) + text_cell(value) + "</tr>\n";
+    if (experiment.time.render > 0)
+        rows += "<tr>" + text_cell("runner overhead") +
+                text_cell(number_text(experiment.time.overhead_percent()) + " % of " +
+                          number_text(experiment.time.render) + " s of rendering") +
+                "</tr>\n";
     std::string methods;
     for (const MethodInfo& method : experiment.methods) {
         std::string settings;

@@ -19,13 +19,11 @@ std::size_t size_of(int side) {
 
 /// The arrays of one channel of light.
 Status write_channel(const std::string& directory, const std::string& name, const display::FrameBuffer& buffer,
-                     display::ChannelId id, const std::vector<std::uint64_t>& samples,
-                     std::vector<std::string>& files) {
+                     display::ChannelId id, const std::vector<std::uint64_t>& samples) {
     const display::FrameBufferLayout& layout = buffer.layout();
     PixelArray array{size_of(layout.height), size_of(layout.width), 3,
                      buffer.resolve(id, {0, 0, layout.width, layout.height})};
-    files.push_back(directory + "/" + name + ".mean.npy");
-    if (Status s = write_npy(files.back(), array, FileSync::later); !s) return s;
+    if (Status s = write_npy(directory + "/" + name + ".mean.npy", array, display::FileSync::later); !s) return s;
     std::vector<double> variance = buffer.resolve_variance_of_mean(id);
     if (variance.empty()) return success();
     for (std::size_t i = 0; i < variance.size(); ++i) {
@@ -33,8 +31,7 @@ Status write_channel(const std::string& directory, const std::string& name, cons
         variance[i] *= n * (n - 1);
     }
     array.values = std::move(variance);
-    files.push_back(directory + "/" + name + ".m2.npy");
-    return write_npy(files.back(), array, FileSync::later);
+    return write_npy(directory + "/" + name + ".m2.npy", array, display::FileSync::later);
 }
 
 bool is_light(const display::ChannelDefinition& channel) {
@@ -75,18 +72,19 @@ Result<std::vector<PartitionVerdict>> write_buffer_files(const std::string& dire
                                                          display::ImageDescription description,
                                                          display::RecordIdentity identity) {
     const std::string image = directory + "/image.exr";
+    description.sync = display::FileSync::later;
     // A cell's image is one of thousands, beside sums many times its size: what counts is the time it takes.
     for (const char* kind : {"light", "color"})
-        if (Status s = display::override_exr_storage(description.storage, kind, "float rle", {}); !s) return s.error();
-    if (Status s = display::write_exr(image, buffer, beauty, description); !s) return s.error();
+        if (Status s = display::override_exr_storage(description.storage, kind, "float none", {}); !s) return s.error();
+    std::vector<display::SplitVerdict> splits;
+    if (Status s = display::write_exr(image, buffer, beauty, description, &splits); !s) return s.error();
     const int width = buffer.layout().width, height = buffer.layout().height;
     std::vector<std::uint64_t> samples;
     samples.reserve(size_of(width) * size_of(height));
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) samples.push_back(buffer.sample_count(x, y));
-    std::vector<std::string> files{directory + "/samples.npy"};
-    if (Status s =
-            write_npy_counts(files.back(), size_of(height), size_of(width), samples, FileSync::later);
+    if (Status s = write_npy_counts(directory + "/samples.npy", size_of(height), size_of(width), samples,
+                                    display::FileSync::later);
         !s)
         return s.error();
     const auto channels = buffer.channels();
@@ -94,25 +92,27 @@ Result<std::vector<PartitionVerdict>> write_buffer_files(const std::string& dire
         const auto id = static_cast<display::ChannelId>(i);
         if (!is_light(channels[i])) continue;
         const std::string name = id == beauty ? "beauty" : channels[i].name;
-        if (Status s = write_channel(directory, name, buffer, id, samples, files); !s) return s.error();
+        if (Status s = write_channel(directory, name, buffer, id, samples); !s) return s.error();
     }
     display::RecordFile record;
     record.identity = std::move(identity);
     buffer.append_record(record.add("frame buffer"));
-    if (Status s = display::write_record_file(directory + "/record.bin", record); !s) return s.error();
-    if (Status s = sync_files(files); !s) return s.error();
+    if (Status s = display::write_record_file(directory + "/record.bin", record, display::FileSync::later); !s)
+        return s.error();
     std::vector<PartitionVerdict> verdicts;
-    if (description.partitions.empty()) return verdicts;
-    auto written = display::read_exr(image);
-    if (!written) return written.error();
-    if (written->partitions.empty()) return verdicts;
-    auto splits = display::check_declared_splits(*written);
-    if (!splits) return splits.error();
-    for (const display::SplitVerdict& each : *splits) {
+    for (const display::SplitVerdict& each : splits) {
         verdicts.push_back({each.partition, each.holds, each.largest_relative});
         if (each.holds) continue;
-        const std::string map = directory + "/" + each.partition + ".residual.png";
-        if (Status s = display::write_residual_png(map, each, written->width, written->height); !s) return s.error();
+        // Only where one fails is the file worth reading again, for the map of where.
+        auto written = display::read_exr(image);
+        if (!written) return written.error();
+        auto found = display::check_declared_splits(*written);
+        if (!found) return found.error();
+        for (const display::SplitVerdict& read : *found) {
+            if (read.partition != each.partition) continue;
+            const std::string map = directory + "/" + each.partition + ".residual.png";
+            if (Status s = display::write_residual_png(map, read, written->width, written->height); !s) return s.error();
+        }
     }
     return verdicts;
 }
@@ -142,7 +142,8 @@ Status write_image_files(const std::string& directory, const std::string& path, 
                 array.values[3 * i + c] = static_cast<double>(values[i]);
             }
         }
-        if (Status s = write_npy(directory + "/" + channel.name + ".mean.npy", array); !s) return s;
+        const std::string file = directory + "/" + channel.name + ".mean.npy";
+        if (Status s = write_npy(file, array, display::FileSync::later); !s) return s;
     }
     return success();
 }

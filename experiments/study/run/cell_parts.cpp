@@ -124,7 +124,7 @@ Status write_part_record(const std::string& directory, const Rendered& rendered,
     record.add("image") =
         image_text(image_description(rendered.job, scene, rendered.output, rendered.partitions, attributes),
                    rendered.output.beauty);
-    return display::write_record_file(directory + "/record.bin", record);
+    return display::write_record_file(directory + "/record.bin", record, display::FileSync::later);
 }
 
 Status check_parts(const Cell& cell, std::vector<const Cell*>& parts) {

@@ -25,22 +25,20 @@ Status file_error(const std::string& path, const std::error_code& failed, const 
     return error_at({path, 0, 0}, std::string("cannot ") + what + ": " + failed.message());
 }
 
-/// A directory for the cell's files, with what an interrupted session left in it.
+std::string checkpoint_file(const std::string& partial) {
+    return partial + "/render.checkpoint";
+}
+
+/// A directory for the cell's files. Of what an interrupted session left in it the checkpoint alone is of use.
 Status open_partial(const std::string& path) {
     std::error_code failed;
     fs::create_directories(path, failed);
-    return failed ? file_error(path, failed, "make this directory") : success();
-}
-
-/// The directory under its final name: from then on the cell is done.
-Status finish(const std::string& partial, const std::string& final_name) {
-    std::error_code failed;
-    fs::rename(partial, final_name, failed);
-    return failed ? file_error(final_name, failed, "rename the finished directory to this") : success();
-}
-
-std::string checkpoint_file(const std::string& partial) {
-    return partial + "/render.checkpoint";
+    if (failed) return file_error(path, failed, "make this directory");
+    std::vector<fs::path> left;
+    for (const fs::directory_entry& each : fs::directory_iterator(path, failed))
+        if (each.path() != fs::path(checkpoint_file(path))) left.push_back(each.path());
+    for (const fs::path& each : left) fs::remove_all(each, failed);
+    return success();
 }
 
 std::optional<transport::CheckpointSettings> checkpoints(const ExperimentConfig& config, const std::string& partial,
@@ -134,13 +132,12 @@ Result<CellOutcome> fail_cell(const WorkContext& context, CellOutcome outcome, c
 
 Result<CellOutcome> close_cell(const WorkContext& context, CellOutcome outcome, const std::string& partial) {
     Cell& cell = outcome.cell;
-    std::error_code ignored;
-    fs::remove(checkpoint_file(partial), ignored);
-    if (Status s = write_cell_file(partial + "/cell.json", cell); !s) return s.error();
-    const std::string directory = cell_directory(context.directory, cell.id);
-    if (Status s = finish(partial, directory); !s) return s.error();
-    fs::remove(failed_file(context.directory, cell.id), ignored);
-    cell.directory = directory;
+    if (Status s = write_cell_file(partial + "/cell.json", cell, display::FileSync::later); !s) return s.error();
+    cell.directory = cell_directory(context.directory, cell.id);
+    if (Status s = context.closer->close(
+            {partial, cell.directory, {checkpoint_file(partial), failed_file(context.directory, cell.id)}});
+        !s)
+        return s.error();
     return outcome;
 }
 
@@ -217,7 +214,7 @@ Result<CellOutcome> run_cell(const WorkContext& context, const PlannedCell& plan
     const Variant& variant = context.config.variants[planned.variant];
     if (!context.config.methods[variant.method].command.empty())
         return run_external(context, planned, std::move(outcome), partial);
-    RenderOrder order{.scene = planned.scene, .variant = planned.variant};
+    RenderOrder order{.scene = planned.scene, .variant = planned.variant, .beside = context.closer};
     apply_budget(planned.cell, seconds_per_sample, order);
     auto rendered = render_saved(context, order, partial);
     if (!rendered) {

@@ -25,6 +25,7 @@ struct WorkContext {
     std::string directory;  ///< of the results
     std::function<void(const WorkProgress&)> progress;
     const std::atomic<bool>* stop = nullptr;
+    CellCloser* closer = nullptr;  ///< null only where no cells are run
 };
 
 /// What became of a cell: done, failed, or stopped by an interrupt, of which a checkpoint may be left.
@@ -35,10 +36,10 @@ struct CellOutcome {
     double outside_seconds = 0;  ///< wall, within an external renderer
 };
 
-/// Renders into cells/ID.partial and renames that to cells/ID, or writes failed/ID.json. `seconds_per_sample` is what a
-/// sample of the whole image is expected to take, 0 when not known. Errors end the experiment: a disk that takes
-/// nothing, a checkpoint that is damaged or of another program. A render that cannot be done is no Error but a failed
-/// cell.
+/// Renders into cells/ID.partial and has the closer rename that to cells/ID, or writes failed/ID.json. `seconds_per_sample`
+/// is what a sample of the whole image is expected to take, 0 when not known. Errors end the experiment: a disk that takes
+/// nothing, be it of this cell or of the one before, a checkpoint that is damaged or of another program. A render that cannot
+/// be done is no Error but a failed cell.
 Result<CellOutcome> run_cell(const WorkContext& context, const PlannedCell& planned, double seconds_per_sample);
 
 /// The same pixels again, without files: for comparing bits.

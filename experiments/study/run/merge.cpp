@@ -7,6 +7,7 @@
 
 #include "display/services/parameters.h"
 #include "experiments/study/results_file.h"
+#include "experiments/study/run/cell_closer.h"
 #include "experiments/study/run/cell_parts.h"
 
 namespace raylex::experiments {
@@ -141,9 +142,8 @@ Status write_merged_cell(const std::string& output, Cell cell, const std::vector
     auto splits = write_merged_files(partial, cell, parts);
     if (!splits) return splits.error();
     cell.splits = std::move(*splits);
-    if (Status s = write_cell_file(partial + "/cell.json", cell); !s) return s;
-    fs::rename(partial, cell_directory(output, cell.id), failed);
-    return failed ? merge_error(partial, "cannot rename this: " + failed.message()) : success();
+    if (Status s = write_cell_file(partial + "/cell.json", cell, display::FileSync::later); !s) return s;
+    return close_cell_directory({partial, cell_directory(output, cell.id), {}});
 }
 
 }  // namespace

@@ -34,7 +34,8 @@ std::string reference_identity(const ExperimentConfig& config, const StudyScene&
 }
 
 Status write_reference_file(const std::string& path, const Json& json) {
-    return display::write_text_file(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+    return display::write_text_file(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n",
+                                    display::FileSync::later);
 }
 
 /// What an earlier run left; false when there is nothing.
@@ -63,6 +64,7 @@ Status make_directory(const std::string& path) {
 
 Status close_reference(const std::string& partial, const std::string& directory, const Json& json) {
     if (Status s = write_reference_file(partial + "/reference.json", json); !s) return s;
+    if (Status s = display::sync_files_in(partial); !s) return s;
     std::error_code failed;
     fs::rename(partial, directory, failed);
     // Another run that shares the cache may have been first: its reference is the same image.

@@ -11,6 +11,7 @@
 #include "experiments/cli/console.h"
 #include "experiments/job/provenance.h"
 #include "experiments/study/results_file.h"
+#include "experiments/study/run/cell_closer.h"
 #include "experiments/study/run/cell_files.h"
 #include "experiments/study/run/cell_parts.h"
 #include "experiments/study/run/cell_runner.h"
@@ -106,7 +107,7 @@ class Run {
     [[nodiscard]] bool stopped() const { return stop_ != nullptr && stop_->load(); }
     [[nodiscard]] WorkContext context() {
         return {config_, plan_, scenes_, request_.directory, [this](const WorkProgress& now) { progress_.update(now); },
-                stop_};
+                stop_,   &closer_};
     }
 
     Status open() {
@@ -290,6 +291,7 @@ class Run {
     }
 
     Result<RunOutcome> finish() {
+        if (Status s = closer_.wait(); !s) return s.error();
         RunnerTime& time = experiment_.time;
         time.total += total_.wall();
         time.references += references_;
@@ -326,8 +328,9 @@ class Run {
         const RunnerTime& time = results.time;
         if (time.render > 0)
             progress_.line("  " + duration_text(time.render) + " of rendering, " + duration_text(time.references) +
-                           " for references, " + duration_text(time.overhead()) + " beside them (" +
-                           number_text(100 * time.overhead() / time.render, 2) + " % of render time)");
+                           " for references; runner overhead " + duration_text(time.overhead()) + ": " +
+                           number_text(time.overhead_percent(), time.overhead_percent() < 100 ? 2 : 6) +
+                           " % of render time");
         if (outcome.parts > 0)
             progress_.line("  'raylex experiment merge' makes cells of their parts, once all are there");
         else if (outcome.left > 0 && request_.shard.parts == 1)
@@ -344,6 +347,7 @@ class Run {
     SceneStore scenes_;
     Estimates estimates_;
     RunProgress progress_;
+    CellCloser closer_;
     std::optional<Experiment> earlier_;
     Experiment experiment_;
     std::set<std::string> settled_;

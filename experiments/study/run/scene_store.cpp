@@ -136,6 +136,8 @@ Result<Rendered> SceneStore::render(const RenderOrder& order,
         job.settings.checkpoint->identity.emplace_back("scene", (*made)->hash);
     }
     reset_peak_memory();
+    const auto cpu_beside = [&] { return order.beside == nullptr ? 0.0 : order.beside->cpu_seconds(); };
+    const double before = cpu_beside();
     const transport::Stopwatch watch;
     auto output = [&]() -> Result<transport::RenderOutput> {
         try {
@@ -144,12 +146,13 @@ Result<Rendered> SceneStore::render(const RenderOrder& order,
             return error_at({}, "out of memory; a smaller resolution or fewer channels need less");
         }
     }();
-    seconds_ += watch.wall();
+    const double wall = watch.wall(), cpu = watch.process_cpu() - (cpu_beside() - before);
+    seconds_ += wall;
     if (!output) return output.error();
     const transport::RenderStatistics& statistics = output->statistics;
     // What sessions before an interruption rendered is in the statistics and not in the watch.
-    const Phase prepare{"prepare", std::max(0.0, watch.wall() - statistics.render_seconds),
-                        std::max(0.0, watch.process_cpu() - statistics.render_cpu_seconds)};
+    const Phase prepare{"prepare", std::max(0.0, wall - statistics.render_seconds),
+                        std::max(0.0, cpu - statistics.render_cpu_seconds)};
     const Phase rendering{"render", statistics.render_seconds, statistics.render_cpu_seconds};
     std::vector<std::string> warnings = (*made)->loaded->warnings;
     warnings.insert(warnings.end(), (*plan)->notes.begin(), (*plan)->notes.end());

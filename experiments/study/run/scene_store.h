@@ -15,6 +15,7 @@
 #include "experiments/job/job_scene.h"
 #include "experiments/study/plan/config.h"
 #include "experiments/study/results.h"
+#include "experiments/study/run/cell_closer.h"
 #include "transport/render/built_scene.h"
 
 namespace raylex::experiments {
@@ -34,6 +35,7 @@ struct RenderOrder {
     std::uint64_t first_sample = 0;  ///< more than 0, or fewer `samples` than the cell has: a part of a cell
     std::optional<transport::SampleLimit> limit{};
     std::optional<transport::CheckpointSettings> checkpoint{};  ///< without an identity: that is filled in
+    const CellCloser* beside = nullptr;                         ///< works meanwhile; its CPU time is none of the render's
 };
 
 struct Rendered {

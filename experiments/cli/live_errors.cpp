@@ -1,0 +1,130 @@
+#include "experiments/cli/live_errors.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <span>
+
+#include "experiments/cli/console.h"
+#include "transport/render/clock.h"
+
+namespace raylex::experiments {
+namespace {
+
+constexpr int tile = 16;                            // of the render: others lock as long as one of theirs is read
+constexpr std::uint64_t block = 16;                 // samples that a pixel gets at once
+constexpr std::uint64_t most_pixels = 1ULL << 15;   // enough for the error of an error to be a few per cent of it
+constexpr double seconds_between = 1, share_of_time = 0.01;
+
+/// Tiles all over the image: every k-th of a row, each row beginning elsewhere.
+std::vector<display::PixelRegion> chosen_tiles(int width, int height) {
+    const std::uint64_t pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
+    const int step = static_cast<int>((pixels + most_pixels - 1) / most_pixels);
+    std::vector<display::PixelRegion> regions;
+    for (int y = 0; y * tile < height; ++y)
+        for (int x = 0; x * tile < width; ++x)
+            if ((x + 3 * y) % step == 0)
+                regions.push_back({x * tile, y * tile, std::min((x + 1) * tile, width), std::min((y + 1) * tile, height)});
+    return regions;
+}
+
+bool is_light(const display::ChannelDefinition& channel) {
+    return channel.style == display::ChannelStyle::expression && channel.statistics && display::takes_samples(channel);
+}
+
+std::string percent_text(double share, int digits) {
+    const double percent = 100 * share;
+    std::array<char, 32> text{};
+    if (percent >= 10) std::snprintf(text.data(), text.size(), "%.0f", percent);
+    else std::snprintf(text.data(), text.size(), "%.*g", digits, percent);
+    return text.data();
+}
+
+}  // namespace
+
+void LiveErrors::begin(const transport::RenderPlan& plan) {
+    *this = LiveErrors();
+    const auto add = [&](std::size_t i) {
+        const display::ChannelDefinition& channel = plan.channels[i];
+        if (!is_light(channel)) return;
+        if (channels_.size() == most_channels) ++further_;
+        else
+            channels_.push_back({channel.name, static_cast<display::ChannelId>(i),
+                                 static_cast<std::size_t>(display::component_count(channel.type))});
+    };
+    if (plan.beauty >= 0) add(static_cast<std::size_t>(plan.beauty));
+    for (std::size_t i = 0; i < plan.channels.size(); ++i)
+        if (static_cast<display::ChannelId>(i) != plan.beauty) add(i);
+    regions_ = chosen_tiles(plan.width, plan.height);
+    pixels_ = static_cast<std::uint64_t>(plan.width) * static_cast<std::uint64_t>(plan.height);
+}
+
+ChannelError LiveErrors::measure(const transport::LiveImage& image, std::size_t channel) const {
+    const Channel& of = channels_[channel];
+    std::vector<double> values, variances;
+    for (const display::PixelRegion& region : regions_) {
+        const std::vector<double> value = image.resolve(of.id, region);
+        const std::vector<double> variance = image.resolve_variance_of_mean(of.id, region);
+        values.insert(values.end(), value.begin(), value.end());
+        variances.insert(variances.end(), variance.begin(), variance.end());
+    }
+    const std::vector<double> errors =
+        display::relative_errors(values, variances, of.components, 1, display::AdaptiveSettings().floor);
+    double sum = 0, squares = 0;
+    for (const double each : errors) {
+        sum += each * each;
+        squares += each * each * each * each;
+    }
+    const auto n = static_cast<double>(errors.size());
+    const double mean = sum / n, variance = n > 1 ? std::max(0.0, squares - n * mean * mean) / (n * (n - 1)) : 0;
+    const double error = std::sqrt(mean);
+    return {of.name, error, error > 0 ? std::sqrt(variance) / (2 * error) : 0};
+}
+
+void LiveErrors::update(const transport::RenderProgress& now) {
+    if (channels_.empty() || now.image == nullptr || now.seconds < next_ || now.samples_done < block * pixels_) return;
+    const double begin = transport::thread_cpu_seconds();
+    std::vector<ChannelError> measured;
+    for (std::size_t i = 0; i < channels_.size(); ++i) measured.push_back(measure(*now.image, i));
+    errors_ = std::move(measured);
+    samples_ = now.samples_done;
+    next_ = now.seconds + std::max(seconds_between, (transport::thread_cpu_seconds() - begin) / share_of_time);
+}
+
+std::optional<double> next_mark(double error) {
+    for (const double mark : {0.10, 0.05, 0.02, 0.01, 0.005})
+        if (mark < error) return mark;
+    return std::nullopt;
+}
+
+std::string error_text(const LiveErrors& errors, const transport::RenderProgress& now, std::size_t channels) {
+    const std::vector<ChannelError>& known = errors.errors();
+    if (known.empty()) return {};
+    const std::size_t shown = std::clamp<std::size_t>(channels, 1, known.size());
+    std::string text;
+    for (std::size_t i = 0; i < shown; ++i) {
+        text += (i == 0 ? "" : ", ") + known[i].name + " " + percent_text(known[i].error, 2) + " %";
+        // Less would be rounding.
+        if (known[i].uncertainty > 1e-4 * known[i].error) text += " +- " + percent_text(known[i].uncertainty, 1);
+    }
+    if (const std::size_t more = known.size() - shown + errors.further(); more > 0)
+        text += " and " + std::to_string(more) + " more";
+    const auto done = static_cast<double>(now.samples_done), total = static_cast<double>(now.samples_total);
+    const double first = known.front().error;
+    if (done >= total || done == 0 || first == 0) return text;
+    double target = 0, needed = total;
+    if (now.adaptive != nullptr) {
+        target = now.adaptive->target;  // what was asked for: the total is predicted by it
+    } else if (const auto mark = next_mark(first)) {
+        target = *mark;
+        needed = display::samples_to_error(static_cast<double>(errors.samples()), first, target);
+    }
+    if (target == 0 || needed > total)
+        return text + "; " + percent_text(first * std::sqrt(static_cast<double>(errors.samples()) / total), 2) +
+               " % in the end";
+    if (needed <= done) return text;
+    return text + "; " + percent_text(target, 2) + " % in about " + duration_text(now.seconds * (needed - done) / done);
+}
+
+}  // namespace raylex::experiments

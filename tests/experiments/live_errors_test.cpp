@@ -1,0 +1,182 @@
+// The live line of `render`: what it says of the channels' errors, and that looking changes nothing.
+#include <catch2/catch.hpp>
+
+#include <pty.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <cmath>
+#include <cstdlib>
+#include <string>
+
+#include "experiments/cli/progress.h"
+#include "support.h"
+#include "support/paths.h"
+#include "transport/import/pbrt_importer.h"
+#include "transport/render/render.h"
+
+using namespace raylex::experiments;
+namespace display = raylex::display;
+namespace transport = raylex::transport;
+using raylex::test::Folder;
+
+namespace {
+
+/// Pixels of value 1. In every other row their means deviate by `low`, in the others by `high`.
+struct FlatImage : transport::LiveImage {
+    double low = 0, high = 0;
+    static std::vector<double> of(const display::PixelRegion& region, double even, double odd) {
+        std::vector<double> values;
+        for (int y = region.y0; y < region.y1; ++y)
+            for (int i = 0; i < 3 * region.width(); ++i) values.push_back(y % 2 == 0 ? even : odd);
+        return values;
+    }
+    std::vector<double> resolve(display::ChannelId, const display::PixelRegion& region) const override {
+        return of(region, 1, 1);
+    }
+    std::vector<double> resolve_alpha(const display::PixelRegion&) const override { return {}; }
+    std::vector<double> resolve_variance_of_mean(display::ChannelId id, const display::PixelRegion& region) const override {
+        const double scale = id == 0 ? 1 : 25;  // channels have five times the beauty's error
+        return of(region, scale * low * low, scale * high * high);
+    }
+};
+
+display::ChannelDefinition light(const std::string& name, bool statistics = true) {
+    display::ChannelDefinition channel;
+    channel.name = name;
+    channel.style = display::ChannelStyle::expression;
+    channel.expression = "C.*";
+    channel.statistics = statistics;
+    return channel;
+}
+
+LiveErrors errors_of(const std::vector<display::ChannelDefinition>& channels, const FlatImage& image,
+                     const transport::RenderProgress& now) {
+    transport::RenderPlan plan;
+    plan.width = 64;
+    plan.height = 32;
+    plan.channels = channels;
+    plan.beauty = 0;
+    LiveErrors errors;
+    errors.begin(plan);
+    transport::RenderProgress measured = now;
+    measured.image = &image;
+    errors.update(measured);
+    return errors;
+}
+
+}  // namespace
+
+TEST_CASE("the live line names errors, their uncertainty and the time to the next mark, to what was asked for, or to the end") {
+    const std::vector<display::ChannelDefinition> channels{light("beauty"),  light("caustics"), light("quiet", false),
+                                                           light("a"),       light("b"),        light("c")};
+    constexpr std::uint64_t pixels = 64 * 32;
+    FlatImage image;
+    image.low = image.high = 0.04;
+    // 64 of 4096 samples in 10 s. Half the error takes four times as many: 30 s more.
+    transport::RenderProgress now{64 * pixels, 4096 * pixels, 10, nullptr, nullptr};
+    LiveErrors errors = errors_of(channels, image, now);
+    REQUIRE(errors.errors().size() == 4);
+    CHECK(errors.errors().front().error == Approx(0.04));
+    CHECK(errors.errors().front().uncertainty == Approx(0).margin(1e-9));
+    CHECK(error_text(errors, now, 1) == "beauty 4 % and 4 more; 2 % in about 30.0 s");
+    CHECK(error_text(errors, now, 4) == "beauty 4 %, caustics 20 %, a 20 %, b 20 % and 1 more; 2 % in about 30.0 s");
+    CHECK(Progress::describe(now, 0, errors, 1) ==
+          "  2 %  0.01 M samples/s  10.0 s, about 10 min 30 s left; beauty 4 % and 4 more; 2 % in about 30.0 s");
+    // A render that ends before the next mark says what it ends with: half, after four times the samples.
+    now.samples_total = 256 * pixels - 1;
+    CHECK(error_text(errors, now, 1) == "beauty 4 % and 4 more; 2 % in the end");
+    // What was asked for; the total is then the prediction.
+    display::AdaptiveProgress asked;
+    asked.channel = "beauty";
+    asked.target = 0.01;
+    now.adaptive = &asked;
+    now.samples_total = 1024 * pixels;
+    CHECK(error_text(errors, now, 1) == "beauty 4 % and 4 more; 1 % in about " + std::string("2 min 30 s"));
+    // Squares of 0 and 0.0032, 1024 pixels each: the standard error of their mean is 0.0016 / sqrt(2047), that of the
+    // root 1 / (2 x 0.04) of it.
+    image.low = 0;
+    image.high = 0.04 * std::sqrt(2.0);
+    errors = errors_of(channels, image, now);
+    CHECK(errors.errors().front().error == Approx(0.04));
+    CHECK(errors.errors().front().uncertainty == Approx(0.0016 / std::sqrt(2047.0) / 0.08));
+    CHECK(error_text(errors, now, 2).starts_with("beauty 4 % +- 0.04, caustics 20 % +- 0.2 and 3 more;"));
+    // Nothing before every pixel has a block of samples.
+    now.samples_done = 16 * pixels - 1;
+    CHECK(errors_of(channels, image, now).errors().empty());
+}
+
+TEST_CASE("measuring errors while rendering changes no bit, and they are the finished render's within a tenth [law2]",
+          "[release-only]") {
+    auto scene = transport::import_pbrt(raylex::test::source_dir() + "/experiments/scenes/cornell-color/scene.pbrt");
+    REQUIRE(scene);
+    transport::RenderSettings settings;
+    settings.resolution = {64, 64};
+    settings.samples_per_pixel = 768;
+    LiveErrors errors;
+    const auto bits = [&](bool looking) {
+        settings.before_rendering = [&](const transport::RenderPlan& plan, std::vector<display::SampleSink*>&) {
+            errors.begin(plan);
+            return raylex::success();
+        };
+        auto output = transport::render(*scene, settings, [&](const transport::RenderProgress& now) {
+            if (looking) errors.update(now);
+        });
+        REQUIRE(output);
+        std::string record;
+        output->frame_buffer.append_record(record);
+        if (looking) {
+            display::AdaptiveSettings whole;
+            whole.neighbourhood = 0;
+            display::AdaptiveSampler sampler(whole, output->frame_buffer.channels(), output->beauty,
+                                             output->frame_buffer.layout());
+            sampler.decide(output->frame_buffer);
+            if (!errors.errors().empty()) {  // a machine may render all of it before the first look
+                const double samples = static_cast<double>(errors.samples()) / (64 * 64);
+                // From 16 samples on; under a lamp that is sampled an error is known to a few per cent by then.
+                CHECK(errors.errors().front().error * std::sqrt(samples / 768) ==
+                      Approx(sampler.progress().error).epsilon(0.1));
+            }
+        }
+        return record;
+    };
+    CHECK((bits(true) == bits(false)));
+}
+
+TEST_CASE("on a terminal the line fits its width and names the beauty's error; elsewhere nothing is measured",
+          "[release-only]") {
+    const Folder folder;
+    const std::string command = "cd '" + folder.path() + "' && exec '" + raylex::test::binary_dir() + "/raylex' render '" +
+                                raylex::test::source_dir() +
+                                "/experiments/scenes/cornell-color/scene.pbrt' --resolution 64x64 --spp 2048 "
+                                "--statistics direct=variance --lpe 'direct=C[DS]<L.>' -o out.exr";
+    int terminal = -1;
+    winsize size{24, 70, 0, 0};
+    const pid_t child = forkpty(&terminal, nullptr, nullptr, &size);
+    REQUIRE(child >= 0);
+    if (child == 0) {
+        execl("/bin/bash", "bash", "-c", command.c_str(), nullptr);
+        _exit(127);
+    }
+    std::string said;
+    char bytes[4096];
+    for (ssize_t got = 0; (got = read(terminal, bytes, sizeof bytes)) > 0;) said.append(bytes, static_cast<std::size_t>(got));
+    close(terminal);
+    int status = 0;
+    waitpid(child, &status, 0);
+    INFO(said);
+    REQUIRE(status == 0);
+    bool named = false;
+    for (std::size_t begin = 0; begin < said.size();) {
+        const std::size_t end = std::min(said.find_first_of("\r\n", begin), said.size());
+        const std::string line = said.substr(begin, end - begin);
+        if (line.find("M samples/s") != std::string::npos) CHECK(line.size() < 70);
+        named = named || (line.find("; beauty ") != std::string::npos && line.find(" % +- ") != std::string::npos);
+        begin = end + 1;
+    }
+    CHECK(named);
+    const auto plain = raylex::test::run_raylex(
+        folder, "render '" + raylex::test::source_dir() +
+                    "/experiments/scenes/cornell-color/scene.pbrt' --resolution 64x64 --spp 64 -o plain.exr");
+    CHECK(plain.code == 0);
+    CHECK(plain.err.find("beauty") == std::string::npos);
+}
