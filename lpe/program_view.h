@@ -92,6 +92,11 @@ struct ProgramView {
                 visit(channel);
             }
         }
+        for_each_accepted_lane(states, visit);
+    }
+    /// Of the packed channels only: those that no table row lists.
+    template <class Visit>
+    void for_each_accepted_lane(const State* states, Visit&& visit) const {
         if (has_lanes() && states[table_count - 1] >= first_ended) {
             visit_ended(states + table_count - 1, visit);
         }

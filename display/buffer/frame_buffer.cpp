@@ -130,6 +130,8 @@ FrameBuffer::FrameBuffer(const FrameBufferLayout& layout, std::span<const Channe
             }
         }
     }
+    storage.own_takers = storage.takers.size();
+    for (const Channel& channel : storage.channels) storage.sum_of.push_back(channel.sum.empty() ? nullptr : &channel.sum[0]);
     if (raster != nullptr) storage.light_paths.allocate(1);
     storage.rejected = std::make_unique<std::atomic<std::uint64_t>[]>(channels.size() + 1);
 }
@@ -159,6 +161,7 @@ void FrameBuffer::accumulate(const SampleTable& table) {
     if (table.discarded()) return;
     thread_local ExtraRows extra;
     thread_local SplatWeights splat;
+    thread_local SetSums set_sums;
     const int cameras = table.camera_row_count();
     const bool has_extra = table.row_count() > cameras;
     if (has_extra) extra.gather(table);
@@ -166,6 +169,8 @@ void FrameBuffer::accumulate(const SampleTable& table) {
     for (int row = 0; row < cameras; ++row)
         extra.alpha[static_cast<std::size_t>(row)] =
             sample_alpha(table, row, has_extra ? extra.of(row) : std::span<const int>());
+
+    if (table.sets() != nullptr) set_sums.begin(table, storage_->channels.size());
 
     const FrameBufferLayout& layout = storage_->layout;
     const auto block = static_cast<std::uint64_t>(layout.block_size);
@@ -194,9 +199,11 @@ void FrameBuffer::accumulate(const SampleTable& table) {
         run.end = end;
         run.extra = has_extra ? &extra : nullptr;
         run.scratch = &extra.folded;
+        run.set_sums = &set_sums;
         run.alpha = extra.alpha;
         accumulate_run(table, run);
     }
+    if (table.sets() != nullptr) storage_->add_waiting(set_sums);
 }
 
 void FrameBuffer::accumulate_run(const SampleTable& table, const Run& run) {
@@ -232,15 +239,19 @@ void FrameBuffer::accumulate_channels(const SampleTable& table, const Run& run) 
     const auto takes = [&](const Storage::Taker& taker) {
         return (touched[taker.from] & stripes) != 0 || taker.reads_untouched;
     };
+    const bool by_sets = table.sets() != nullptr;
+    if (by_sets) storage.add_sets(table, run, stripes);
+    const std::span<const Storage::Taker> takers(
+        storage.takers.data(), by_sets && !table.sent_apart() ? storage.own_takers : storage.takers.size());
     // A pixel of each channel lies on a memory page of its own. Asked for together they come together; one after another,
     // each would be waited for.
-    for (const Storage::Taker& taker : storage.takers) {
+    for (const Storage::Taker& taker : takers) {
         if (taker.sum == nullptr || !takes(taker)) continue;
         const Int128* const first = taker.sum + run.pixel * taker.components;
         __builtin_prefetch(first, 1);
         __builtin_prefetch(first + taker.components - 1, 1);
     }
-    for (const Storage::Taker& taker : storage.takers) {
+    for (const Storage::Taker& taker : takers) {
         if (!takes(taker)) continue;
         Channel& channel = storage.channels[taker.channel];
         const std::size_t from = taker.from;

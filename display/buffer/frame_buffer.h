@@ -79,6 +79,12 @@ class FrameBuffer final : public PixelImage {
     static Result<FrameBuffer> create(const FrameBufferLayout& layout, std::span<const ChannelDefinition> channels,
                                       const PixelFilter* splat = nullptr, const PixelFilter* raster = nullptr);
 
+    /// [channel] 1 for those of whose samples only the weighted sum of a block is kept: sets of a SampleTable may stand for
+    /// them.
+    [[nodiscard]] std::vector<std::uint8_t> sums_only() const;
+    /// Announces the sets of the tables to come, so that their channels are not looked through one by one.
+    void expect(const SplatSets& sets);
+
     /// Takes in one batch: every run of rows of one pixel must be (part of) one aligned block, whole unless it is the last
     /// of the budget. A run that reaches into the next block is cut there. Threads may call at once for different pixels;
     /// in splat mode, for pixels farther apart than twice splat_reach().

@@ -136,25 +136,41 @@ void FrameBuffer::Storage::add_picked(Channel& channel, std::size_t index, const
     const auto id = static_cast<ChannelId>(index);
     const auto components = static_cast<std::size_t>(channel.components);
     const FilterRule rule = channel.definition.rule;
-    double* best = &channel.picked[run.pixel * components];
-    run.for_each_row([&](int row) {
-        if (!counts(table, id, row)) return;
-        const double* v = table.values(id) + static_cast<std::size_t>(row) * components;
-        for (std::size_t c = 0; c < components; ++c)
-            if (!std::isfinite(v[c])) return reject(index);
-        std::uint64_t& seen = channel.seen[run.pixel];
-        if (is_extremum(rule)) {
-            for (std::size_t c = 0; c < components; ++c) best[c] = pick_extremum(rule, seen == 0, best[c], v[c]);
+    const auto value = [&](int row) { return table.values(id) + static_cast<std::size_t>(row) * components; };
+    const auto takes = [&](int row) {
+        if (!counts(table, id, row)) return false;
+        const double* v = value(row);
+        bool finite = std::isfinite(v[0]);
+        for (std::size_t c = 1; c < components; ++c) finite = finite && std::isfinite(v[c]);
+        if (!finite) reject(index);
+        return finite;
+    };
+    std::uint64_t& seen = channel.seen[run.pixel];
+    double* const best = &channel.picked[run.pixel * components];
+    if (is_extremum(rule)) {
+        run.for_each_row([&](int row) {
+            if (!takes(row)) return;
+            for (std::size_t c = 0; c < components; ++c) best[c] = pick_extremum(rule, seen == 0, best[c], value(row)[c]);
             ++seen;
-            return;
-        }
-        const float depth = table.depth[static_cast<std::size_t>(row)];
+        });
+        return;
+    }
+    // The run's own choice first: what is kept lies in memory that is slow to reach.
+    int picked = -1;
+    float depth = 0;
+    std::uint64_t of_sample = 0;
+    run.for_each_row([&](int row) {
+        const float here = table.depth[static_cast<std::size_t>(row)];
         const std::uint64_t sample = table.camera_row(row).sample;
-        if (!z_rule_prefers(rule, depth, sample, channel.depth[run.pixel], seen)) return;
-        std::copy_n(v, components, best);
-        channel.depth[run.pixel] = depth;
-        seen = sample + 1;
+        if (!takes(row) || !z_rule_prefers(rule, here, sample, depth, of_sample)) return;
+        picked = row;
+        depth = here;
+        of_sample = sample + 1;
     });
+    if (picked < 0 || !z_rule_prefers(rule, depth, of_sample - 1, channel.depth[run.pixel], seen)) return;
+    std::copy_n(value(picked), components, best);
+    channel.depth[run.pixel] = depth;
+    seen = of_sample;
 }
 
 }  // namespace raylex::display

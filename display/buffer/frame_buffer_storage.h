@@ -6,6 +6,7 @@
 #include "display/buffer/pixel_filter.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstdlib>
 #include <memory>
@@ -76,6 +77,26 @@ struct SplatWeights {
     [[nodiscard]] const double* of(std::size_t target) const { return weights.data() + target * count; }
 };
 
+/// One run's sums of the channels that sets stand for. Scratch of one thread.
+struct SetSums {
+    /// (set, its place among the table's sets in use) in the order of sets: that of their columns depends on the batch's
+    /// other pixels, and the order of adding shows in the last bit.
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> order;
+    std::vector<std::array<double, 3>> sums;   // [channel] 0 between runs
+    std::vector<std::uint8_t> taken;           // [channel] 0 between runs
+    std::vector<std::uint32_t> channels;       // taken
+    std::vector<double> weights;               // of the run's rows
+    /// What the run before came to. Its memory was asked for then and has had the time of this run to come.
+    struct Addend {
+        std::uint32_t channel;
+        std::array<double, 3> sum;
+    };
+    std::vector<Addend> waiting;
+    std::size_t waiting_pixel = 0;
+
+    void begin(const SampleTable& table, std::size_t channel_count);
+};
+
 /// Camera rows of one pixel and one block.
 struct FrameBuffer::Run {
     std::size_t pixel = 0;
@@ -84,6 +105,7 @@ struct FrameBuffer::Run {
     const SplatWeights* splat = nullptr;       // null in importance mode
     const ExtraRows* extra = nullptr;          // null when the batch has none
     std::vector<double>* scratch = nullptr;
+    SetSums* set_sums = nullptr;
     std::span<const double> alpha;             // [camera row]
 
     [[nodiscard]] std::span<const int> extra_of(int row) const {
@@ -147,7 +169,9 @@ struct FrameBuffer::Storage {
         std::uint8_t components;
         const Int128* sum;                // of the channel, null where its rule keeps none
     };
-    std::vector<Taker> takers;
+    std::vector<Taker> takers;       // those of channels that sets stand for come last
+    std::size_t own_takers = 0;      // the others
+    std::vector<const Int128*> sum_of;   // [channel] null where its rule keeps none
     Plane<std::uint64_t> samples;       // [pixel]
     Plane<Int128> weight, alpha;        // [pixel] sums of weight, weight x alpha
     Plane<Int128> weight_square;        // [pixel] only when a channel keeps statistics
@@ -191,6 +215,8 @@ struct FrameBuffer::Storage {
         }
         for (int c = 0; c < count; ++c) sum[at + static_cast<std::size_t>(c)] = result[c];
     }
+    void add_sets(const SampleTable& table, const Run& run, std::uint64_t stripes);
+    void add_waiting(SetSums& sums);
     void splat_weights(const Run& run);
     void splat_values(Channel& channel, std::size_t index, const Run& run, const double* values);
     void add_filtered(Channel& channel, std::size_t index, const SampleTable& table, const Run& run);

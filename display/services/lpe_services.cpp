@@ -159,6 +159,7 @@ Result<LpeSetup> LpeSetup::build(std::span<const ChannelDefinition> channels, Ch
                         "the light path expressions need " + std::to_string(compiled.group_count()) +
                             " words of state; expected at most " + std::to_string(Tracker::group_limit),
                         "ask for fewer channels whose expressions begin with `C.*`, or raise the state cap");
+    setup.targets_ = SplatTargets(compiled.view(), setup.channel_of_accept_);
     setup.first_states_.resize(compiled.word_count());
     if (!compiled.advance(compiled.starts().data(), compiled.classify(lpe::Event{}), setup.first_states_.data()))
         setup.first_states_.clear();
@@ -179,6 +180,7 @@ LpeServices::SplitWay LpeServices::way_to_split(Attribution attribution) {
 LpeServices::LpeServices(const LpeSetup& setup, SampleTable& table, std::uint64_t seed, Attribution attribution)
     : setup_(setup),
       table_(table),
+      targets_(table.sets() != nullptr ? table.sets()->targets() : setup.targets_),
       seed_(seed),
       attribution_(attribution),
       plans_(setup.program_, std::min<std::size_t>(Tracker::capacity, Tracker::state_room /
@@ -431,6 +433,15 @@ void LpeServices::collapse(BranchList& branches, std::size_t target, std::uint64
         branches.share[3 * survivor + c] = total;
     }
     branches.compact();
+}
+
+/// To channels of a set that the table has no column for.
+void LpeServices::splat_apart(std::span<const ChannelId> channels, const RgbD& value, int row) {
+    for (const ChannelId id : channels) {
+        double* to = table_.values(id) + 3 * static_cast<std::size_t>(row);
+        for (int c = 0; c < 3; ++c) to[c] += value[c];
+        table_.touch(id, row);
+    }
 }
 
 /// Once for the camera ray, and once for beauty and each channel that would have taken a part.

@@ -22,6 +22,7 @@
 #include "display/services/channel_prefixes.h"
 #include "display/services/rgb.h"
 #include "display/services/sample_table.h"
+#include "display/services/splat_sets.h"
 #include "display/services/split_plans.h"
 #include "lpe/program.h"
 
@@ -106,6 +107,10 @@ class LpeSetup {
     /// invalid_channel. An integrator that does not is to be refused before the render.
     [[nodiscard]] ChannelId needs_emitter_samples() const { return needs_emitter_samples_; }
     [[nodiscard]] ChannelId needs_light_samples() const { return needs_light_samples_; }
+    /// Sets of the channels that `shares` [display channel] marks, for a SampleTable.
+    [[nodiscard]] SplatSets splat_sets(std::span<const std::uint8_t> shares) const {
+        return {program_.view(), channel_of_accept_, shares};
+    }
     /// Whether some path may go on after an event of this class: false for user events that no expression names.
     [[nodiscard]] bool follows(lpe::EventClass event) const;
 
@@ -121,6 +126,7 @@ class LpeSetup {
     lpe::Program program_;
     std::vector<lpe::State> first_states_;        // [word] after the camera event; empty when all are dead
     std::vector<ChannelId> channel_of_accept_;    // program channel -> display channel
+    SplatTargets targets_;                        // each channel its own
     ChannelId beauty_ = invalid_channel;
     std::vector<ChannelPrefixes> prefixes_;       // [program channel]
     std::vector<std::uint8_t> reach_;             // [table state] which channels can still accept; empty without holdouts
@@ -215,11 +221,13 @@ class LpeServices {
     void split_avx(Tracker& tracker, std::span<const LobePart> parts);
     void split_one_by_one(Tracker& tracker, std::span<const LobePart> parts);
     void reject(const Rgb& value, const Tracker& tracker);
+    void splat_apart(std::span<const ChannelId> channels, const RgbD& value, int row);
     static void collapse(BranchList& branches, std::size_t target, std::uint64_t& random_state);
     [[nodiscard]] std::uint64_t random_key(const Tracker& tracker, const LobePart& first) const;
 
     const LpeSetup& setup_;
     SampleTable& table_;
+    const SplatTargets& targets_;   // of the table
     std::uint64_t seed_ = 0;
     Attribution attribution_ = Attribution::exact;
     std::uint64_t overflow_count_ = 0, invalid_count_ = 0;

@@ -103,25 +103,31 @@ inline void LpeServices::contribute(const Rgb& value, Technique technique, const
         beauty[0] += r;
         beauty[1] += g;
         beauty[2] += b;
-        table_.touch(setup_.beauty_, tracker.row_);
+        table_.touch_column(setup_.beauty_, tracker.row_);
     }
     const std::size_t words = tracker.groups_;
     const lpe::ProgramView& program = setup_.program_.view();
     for (std::size_t branch = 0; branch < tracker.count_; ++branch) {
         const SplitPlans::Share& share = tracker.shares()[branch];
         const RgbD part = tracker.whole_ ? RgbD(r, g, b) : RgbD(r * share.r, g * share.g, b * share.b);
-        const auto splat = [&](std::uint16_t channel) {
-            const ChannelId id = setup_.channel_of_accept_[channel];
-            double* values = table_.values(id) + at;
+        const auto splat = [&](ChannelId column) {
+            double* values = table_.values(column) + at;
             values[0] += part.r;
             values[1] += part.g;
             values[2] += part.b;
-            table_.touch(id, tracker.row_);
+            table_.touch_column(column, tracker.row_);
         };
-        if (words == 1)
-            for (const std::uint16_t channel : program.accepted(tracker.state_[branch])) splat(channel);
-        else
-            program.for_each_accepted(&tracker.state_[branch * words], splat);
+        const lpe::State* const states = &tracker.state_[branch * words];
+        for (std::uint32_t table = 0; table < program.table_count; ++table)
+            for (const ChannelId target : targets_.of(states[table])) {
+                const int set = target - table_.channel_count();
+                const ChannelId column = set < 0 ? target : table_.set_column(static_cast<std::size_t>(set));
+                if (column >= 0) splat(column);
+                else splat_apart(table_.sets()->channels_of(static_cast<std::size_t>(set)), part, tracker.row_);
+            }
+        program.for_each_accepted_lane(states, [&](std::uint16_t channel) {
+            splat_apart({&setup_.channel_of_accept_[channel], 1}, part, tracker.row_);
+        });
     }
 }
 

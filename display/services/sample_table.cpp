@@ -17,8 +17,11 @@ std::size_t values_per_row(const ChannelDefinition& channel) {
 
 }  // namespace
 
-SampleTable::SampleTable(std::span<const ChannelDefinition> channels, int max_rows, int max_extra_rows)
-    : channels_(channels.begin(), channels.end()),
+SampleTable::SampleTable(std::span<const ChannelDefinition> channels, int max_rows, int max_extra_rows,
+                         const SplatSets* sets)
+    : sets_(sets != nullptr && sets->size() > 0 ? sets : nullptr),
+      shared_(channels.size(), 0),
+      channels_(channels.begin(), channels.end()),
       row_capacity_(static_cast<std::size_t>(max_rows) + static_cast<std::size_t>(max_extra_rows)),
       max_rows_(max_rows) {
     std::size_t size = 0;
@@ -27,9 +30,19 @@ SampleTable::SampleTable(std::span<const ChannelDefinition> channels, int max_ro
         size += row_capacity_ * values_per_row(channel);
         fill_.push_back(channel.style == ChannelStyle::name ? static_cast<double>(channel.miss_value) : 0.0);
     }
+    if (sets_ != nullptr) {
+        std::copy(sets_->shared().begin(), sets_->shared().end(), shared_.begin());
+        column_of_set_.assign(sets_->size(), invalid_channel);
+        sets_in_use_.reserve(most_sets);
+        for (std::size_t column = 0; column < std::min(sets_->size(), most_sets); ++column) {
+            offset_.push_back(size);
+            size += row_capacity_ * 3;
+        }
+    }
     values_.resize(size);
     while (row_capacity_ > std::size_t{64} << stripe_shift_) ++stripe_shift_;
-    touched_.assign(channels_.size(), ~std::uint64_t{0});  // so that the first begin() fills in the miss values
+    touched_.assign(offset_.size(), 0);
+    std::fill_n(touched_.begin(), channels_.size(), ~std::uint64_t{0});  // so that clear_rows() fills in the miss values
     row_states_.assign(channels_.size() * row_capacity_, RowState::untouched);
     camera_rows_.resize(static_cast<std::size_t>(max_rows));
     originals_.resize(row_capacity_);
@@ -45,22 +58,38 @@ SampleTable::SampleTable(std::span<const ChannelDefinition> channels, int max_ro
     clear_rows(static_cast<int>(row_capacity_));
 }
 
+void SampleTable::clear_column(std::size_t column, std::size_t values, double fill, std::size_t rows) {
+    double* const first = values_.data() + offset_[column];
+    const bool plain = column < channels_.size() && channels_[column].style == ChannelStyle::name;
+    RowState* const states = plain ? row_states_.data() + column * row_capacity_ : nullptr;
+    for (std::uint64_t stripes = std::exchange(touched_[column], 0); stripes != 0;) {
+        // Stripes in a row are cleared as one: a channel that everything is sent to has but one such run.
+        const int begin = std::countr_zero(stripes), end = begin + std::countr_one(stripes >> begin);
+        stripes = end == 64 ? 0 : stripes & (~std::uint64_t{0} << end);
+        const std::size_t from = std::min(static_cast<std::size_t>(begin) << stripe_shift_, rows);
+        const std::size_t to = std::min(static_cast<std::size_t>(end) << stripe_shift_, rows);
+        std::fill(first + from * values, first + to * values, fill);
+        if (plain) std::fill(states + from, states + to, RowState::untouched);
+    }
+}
+
 void SampleTable::clear_rows(int count) {
     const auto rows = static_cast<std::size_t>(count);
-    for (std::size_t channel = 0; channel < channels_.size(); ++channel) {
-        const std::size_t values = values_per_row(channels_[channel]);
-        double* const first = values_.data() + offset_[channel];
-        RowState* const states = row_states_.data() + channel * row_capacity_;
-        for (std::uint64_t stripes = std::exchange(touched_[channel], 0); stripes != 0;) {
-            // Stripes in a row are cleared as one: a channel that everything is sent to has but one such run.
-            const int begin = std::countr_zero(stripes), end = begin + std::countr_one(stripes >> begin);
-            stripes = end == 64 ? 0 : stripes & (~std::uint64_t{0} << end);
-            const std::size_t from = std::min(static_cast<std::size_t>(begin) << stripe_shift_, rows);
-            const std::size_t to = std::min(static_cast<std::size_t>(end) << stripe_shift_, rows);
-            std::fill(first + from * values, first + to * values, fill_[channel]);
-            if (channels_[channel].style == ChannelStyle::name) std::fill(states + from, states + to, RowState::untouched);
-        }
+    sent_apart_ = 0;
+    for (std::size_t channel = 0; channel < channels_.size(); ++channel)
+        if (touched_[channel] != 0) clear_column(channel, values_per_row(channels_[channel]), fill_[channel], rows);
+    for (std::size_t i = 0; i < sets_in_use_.size(); ++i) {
+        column_of_set_[sets_in_use_[i]] = invalid_channel;
+        clear_column(channels_.size() + i, 3, 0.0, rows);
     }
+    sets_in_use_.clear();
+}
+
+ChannelId SampleTable::add_set(std::size_t set) {
+    if (channels_.size() + sets_in_use_.size() == offset_.size()) return invalid_channel;
+    const auto column = static_cast<ChannelId>(channels_.size() + sets_in_use_.size());
+    sets_in_use_.push_back(static_cast<std::uint32_t>(set));
+    return column_of_set_[set] = column;
 }
 
 void SampleTable::begin(std::span<const CameraRow> rows) {

@@ -12,6 +12,7 @@
 
 #include "display/services/channel.h"
 #include "display/services/rgb.h"
+#include "display/services/splat_sets.h"
 
 namespace raylex::display {
 
@@ -35,13 +36,16 @@ struct InvalidSample {
 class SampleTable {
   public:
     static constexpr std::size_t invalid_samples_kept = 16;
+    static constexpr std::size_t most_sets = 256;
 
     /// How a row of a plain channel got its value. Expression channels and beauty stay `untouched`: they start at 0 and
     /// add up. Splatted values of a camera ray's rows add up, written ones are composited (see FrameBuffer).
     enum class RowState : std::uint8_t { untouched, splatted, written };
 
     /// `max_rows` camera rays and `max_extra_rows` rows from add_sample fit in; more extra rows are refused and counted.
-    SampleTable(std::span<const ChannelDefinition> channels, int max_rows, int max_extra_rows);
+    /// `sets`, which must outlive the table, lets channels share values; null: each has but its own.
+    SampleTable(std::span<const ChannelDefinition> channels, int max_rows, int max_extra_rows,
+                const SplatSets* sets = nullptr);
 
     /// Empties the table for a new batch of at most max_rows() rays: rows are cleared only where the last batch touched
     /// them.
@@ -70,9 +74,32 @@ class SampleTable {
     [[nodiscard]] const double* values(ChannelId id) const { return values_.data() + offset_[static_cast<std::size_t>(id)]; }
     /// What was sent to is kept by stripes of rows: of many channels most get nothing from the samples of one pixel.
     [[nodiscard]] bool touched(ChannelId id) const { return touched_[static_cast<std::size_t>(id)] != 0; }
-    void touch(ChannelId id, int row) { touched_[static_cast<std::size_t>(id)] |= std::uint64_t{1} << (row >> stripe_shift_); }
-    void touch(ChannelId id) { touched_[static_cast<std::size_t>(id)] = ~std::uint64_t{0}; }   ///< all rows
-    /// [channel] the stripes that were touched, to compare with stripes_of().
+    void touch(ChannelId id, int row) {
+        touch_column(id, row);
+        sent_apart_ |= shared_[static_cast<std::size_t>(id)];
+    }
+    void touch(ChannelId id) {   ///< all rows
+        touched_[static_cast<std::size_t>(id)] = ~std::uint64_t{0};
+        sent_apart_ |= shared_[static_cast<std::size_t>(id)];
+    }
+    void touch_column(ChannelId column, int row) {
+        touched_[static_cast<std::size_t>(column)] |= std::uint64_t{1} << (row >> stripe_shift_);
+    }
+
+    /// What channels may share of this batch, beside values of their own; null when each has but its own.
+    [[nodiscard]] const SplatSets* sets() const { return sets_; }
+    /// The column of values() that holds a set's sums, an id from channel_count() on; invalid_channel when more than
+    /// most_sets have come up in this batch: then its channels are to be sent to by themselves.
+    [[nodiscard]] ChannelId set_column(std::size_t set) {
+        const ChannelId column = column_of_set_[set];
+        return column != invalid_channel ? column : add_set(set);
+    }
+    /// The sets that have come up in this batch; their columns stand in this order.
+    [[nodiscard]] std::span<const std::uint32_t> sets_in_use() const { return sets_in_use_; }
+    /// Whether a channel that sets stand for was sent something of its own all the same, which adds to the sets'.
+    [[nodiscard]] bool sent_apart() const { return sent_apart_ != 0; }
+
+    /// [column] the stripes that were touched, to compare with stripes_of().
     [[nodiscard]] std::span<const std::uint64_t> touched_stripes() const { return touched_; }
     /// The stripes of rows [begin, end), which are not empty.
     [[nodiscard]] std::uint64_t stripes_of(int begin, int end) const {
@@ -111,15 +138,22 @@ class SampleTable {
 
   private:
     void clear_rows(int count);
+    void clear_column(std::size_t column, std::size_t values, double fill, std::size_t rows);
+    ChannelId add_set(std::size_t set);
+    const SplatSets* sets_ = nullptr;
+    std::vector<ChannelId> column_of_set_;         // [set] invalid_channel: none in this batch
+    std::vector<std::uint32_t> sets_in_use_;
+    std::vector<std::uint8_t> shared_;             // [channel]
+    std::uint8_t sent_apart_ = 0;
     std::vector<std::uint32_t> invalid_;           // [camera row]
     std::vector<std::uint64_t> invalid_by_channel_;
     std::vector<InvalidSample> invalid_log_;
     std::uint64_t invalid_total_ = 0;
     std::vector<ChannelDefinition> channels_;
-    std::vector<std::size_t> offset_;      // [channel] into values_
+    std::vector<std::size_t> offset_;      // [column] into values_
     std::vector<double> values_;
     std::vector<double> fill_;             // [channel]
-    std::vector<std::uint64_t> touched_;   // [channel] a bit for each stripe of 2^stripe_shift_ rows
+    std::vector<std::uint64_t> touched_;   // [column] a bit for each stripe of 2^stripe_shift_ rows
     std::vector<RowState> row_states_;     // [channel * row_capacity_ + row]
     std::vector<CameraRow> camera_rows_;
     std::vector<std::int32_t> originals_;

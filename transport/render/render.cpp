@@ -400,6 +400,9 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
                                                      job.raster ? job.filter.get() : nullptr);
     if (!frame_buffer) return frame_buffer.error();
 
+    // Filters, deep images and rows of their own depth look at samples one by one.
+    if (job.sample_filters.empty() && job.sinks.empty() && !job.has_extra_rows)
+        job.splat_sets = std::make_unique<display::SplatSets>(job.lpe->splat_sets(frame_buffer->sums_only()));
     if (Status s = make_cryptomatte(settings, scene, job, warnings); !s) return s.error();
 
     if (settings.adaptive)
@@ -414,6 +417,7 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
             position = *std::move(restored);
         }
     }
+    if (job.splat_sets) frame_buffer->expect(*job.splat_sets);
     const std::uint64_t resumed_samples = position.statistics.camera_samples;
     const Stopwatch watch;
     job.seconds_before_loop = since_call.wall();

@@ -47,6 +47,7 @@ struct RenderJob {
     std::vector<display::ChannelDefinition> channels;
     display::ChannelId beauty = display::invalid_channel;
     std::unique_ptr<display::LpeSetup> lpe;
+    std::unique_ptr<display::SplatSets> splat_sets;   // null: something looks at the samples of every channel
     display::LpeServices::Attribution attribution = display::LpeServices::Attribution::exact;
     display::SampleFilterChain sample_filters;
     const geoaovs::GeometricAovs* aovs = nullptr;

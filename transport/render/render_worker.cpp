@@ -62,7 +62,8 @@ void SplatGate::take(const display::SampleTable& table) {
 RenderWorker::RenderWorker(const RenderJob& job, const TileGrid& grid, TileLocks& locks, display::FrameBuffer& frame_buffer)
     : job_(job),
       frame_buffer_(frame_buffer),
-      table_(job.channels, RenderLoop::batch_capacity, job.has_extra_rows ? 4 * RenderLoop::batch_capacity : 0),
+      table_(job.channels, RenderLoop::batch_capacity, job.has_extra_rows ? 4 * RenderLoop::batch_capacity : 0,
+             job.splat_sets.get()),
       display_(table_),
       lpe_(*job.lpe, table_, job.seed, job.attribution),
       gate_(job, grid, locks, frame_buffer),
