@@ -131,7 +131,7 @@ FrameBuffer::FrameBuffer(const FrameBufferLayout& layout, std::span<const Channe
         }
     }
     storage.own_takers = storage.takers.size();
-    for (const Channel& channel : storage.channels) storage.sum_of.push_back(channel.sum.empty() ? nullptr : &channel.sum[0]);
+    for (Channel& channel : storage.channels) storage.sum_of.push_back(channel.sum.empty() ? nullptr : &channel.sum[0]);
     if (raster != nullptr) storage.light_paths.allocate(1);
     storage.rejected = std::make_unique<std::atomic<std::uint64_t>[]>(channels.size() + 1);
 }
@@ -169,8 +169,6 @@ void FrameBuffer::accumulate(const SampleTable& table) {
     for (int row = 0; row < cameras; ++row)
         extra.alpha[static_cast<std::size_t>(row)] =
             sample_alpha(table, row, has_extra ? extra.of(row) : std::span<const int>());
-
-    if (table.sets() != nullptr) set_sums.begin(table, storage_->channels.size());
 
     const FrameBufferLayout& layout = storage_->layout;
     const auto block = static_cast<std::uint64_t>(layout.block_size);
@@ -233,8 +231,10 @@ void FrameBuffer::accumulate_run(const SampleTable& table, const Run& run) {
 
 void FrameBuffer::accumulate_channels(const SampleTable& table, const Run& run) {
     Storage& storage = *storage_;
-    // Extra rows stand anywhere behind the camera rows.
-    const std::uint64_t stripes = run.extra != nullptr ? ~std::uint64_t{0} : table.stripes_of(run.begin, run.end);
+    std::uint64_t stripes = table.stripes_of(run.begin, run.end);
+    if (run.extra != nullptr)  // which stand anywhere behind the camera rows
+        for (int row = run.begin; row < run.end; ++row)
+            for (const int extra : run.extra_of(row)) stripes |= table.stripes_of(extra, extra + 1);
     const std::span<const std::uint64_t> touched = table.touched_stripes();
     const auto takes = [&](const Storage::Taker& taker) {
         return (touched[taker.from] & stripes) != 0 || taker.reads_untouched;

@@ -2,6 +2,21 @@
 #include "display/buffer/frame_buffer_storage.h"
 
 namespace raylex::display {
+namespace {
+
+/// All three or, where one would not fit, none and false.
+bool add_all(Int128* to, const SetSums::Sum& terms) {
+    SetSums::Sum result;
+    bool fits = true;
+    for (std::size_t c = 0; c < 3; ++c) {
+        result[c] = to[c];
+        fits = add_fixed(result[c], terms[c]) && fits;
+    }
+    if (fits) std::copy_n(result.begin(), 3, to);
+    return fits;
+}
+
+}  // namespace
 
 std::vector<std::uint8_t> FrameBuffer::sums_only() const {
     const Storage& storage = *storage_;
@@ -26,34 +41,42 @@ void FrameBuffer::expect(const SplatSets& sets) {
     storage.own_takers = static_cast<std::size_t>(end - storage.takers.begin());
 }
 
-void SetSums::begin(const SampleTable& table, std::size_t channel_count) {
-    if (sums.size() < channel_count) {
-        sums.resize(channel_count);
-        taken.resize(channel_count);
-    }
-    order.clear();
-    for (const std::uint32_t set : table.sets_in_use()) order.emplace_back(set, static_cast<std::uint32_t>(order.size()));
-    std::sort(order.begin(), order.end());
-}
-
 void FrameBuffer::Storage::add_sets(const SampleTable& table, const Run& run, std::uint64_t stripes) {
     const SplatSets& sets = *table.sets();
     SetSums& of_run = *run.set_sums;
     const auto first = static_cast<std::size_t>(table.channel_count()), begin = static_cast<std::size_t>(run.begin),
                count = static_cast<std::size_t>(run.end) - begin;
+    const std::span<const std::uint32_t> in_use = table.sets_in_use();
     const std::span<const std::uint64_t> touched = table.touched_stripes().subspan(first);
+    if (of_run.sums.size() < channels.size()) {
+        of_run.sums.resize(channels.size());
+        of_run.taken.resize(channels.size());
+    }
     of_run.weights.resize(count);
     for (std::size_t i = 0; i < count; ++i)
         of_run.weights[i] = static_cast<double>(table.camera_row(run.begin + static_cast<int>(i)).filter_weight);
-    for (const auto& [set, column] : of_run.order) {
+    for (std::size_t column = 0; column < in_use.size(); ++column) {
         if ((touched[column] & stripes) == 0) continue;
-        const double* v = table.values(static_cast<ChannelId>(first + column)) + 3 * begin;
+        const double* const values = table.values(static_cast<ChannelId>(first + column));
         std::array<double, 3> sum{};
-        for (std::size_t i = 0; i < count; ++i, v += 3)
-            for (std::size_t c = 0; c < 3; ++c) sum[c] += of_run.weights[i] * v[c];
+        const auto take = [&](std::size_t row, double w) {
+            for (std::size_t c = 0; c < 3; ++c) sum[c] += w * values[3 * row + c];
+        };
+        for (std::size_t i = 0; i < count; ++i) take(begin + i, of_run.weights[i]);
+        if (run.extra != nullptr)  // a camera ray has the light of all its rows
+            for (std::size_t i = 0; i < count; ++i)
+                for (const int row : run.extra->of(run.begin + static_cast<int>(i)))
+                    take(static_cast<std::size_t>(row), of_run.weights[i]);
         if (sum == std::array<double, 3>{}) continue;
-        for (const ChannelId id : sets.channels_of(set)) {
+        SetSums::Sum fixed{};
+        bool fits = true;
+        for (std::size_t c = 0; c < 3; ++c) fits = fits && to_fixed(sum[c], layout.quantum_exponent, fixed[c]);
+        for (const ChannelId id : sets.channels_of(in_use[column])) {
             const auto channel = static_cast<std::uint32_t>(id);
+            if (!fits) {
+                reject(channel);
+                continue;
+            }
             if (of_run.taken[channel] == 0) {
                 of_run.taken[channel] = 1;
                 of_run.channels.push_back(channel);
@@ -61,7 +84,7 @@ void FrameBuffer::Storage::add_sets(const SampleTable& table, const Run& run, st
                 __builtin_prefetch(pixel, 1);
                 __builtin_prefetch(pixel + 2, 1);
             }
-            for (std::size_t c = 0; c < 3; ++c) of_run.sums[channel][c] += sum[c];
+            if (!add_all(of_run.sums[channel].data(), fixed)) reject(channel);
         }
     }
     add_waiting(of_run);
@@ -75,8 +98,10 @@ void FrameBuffer::Storage::add_sets(const SampleTable& table, const Run& run, st
 }
 
 void FrameBuffer::Storage::add_waiting(SetSums& sums) {
-    for (const SetSums::Addend& each : sums.waiting)
-        add(channels[each.channel].sum, 3 * sums.waiting_pixel, each.sum.data(), 3, layout.quantum_exponent, each.channel);
+    for (const SetSums::Addend& each : sums.waiting) {
+        Int128* const pixel = sum_of[each.channel] + 3 * sums.waiting_pixel;
+        if (!add_all(pixel, each.sum)) reject(each.channel);
+    }
     sums.waiting.clear();
 }
 

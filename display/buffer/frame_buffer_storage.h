@@ -77,24 +77,21 @@ struct SplatWeights {
     [[nodiscard]] const double* of(std::size_t target) const { return weights.data() + target * count; }
 };
 
-/// One run's sums of the channels that sets stand for. Scratch of one thread.
+/// One run's sums of the channels that sets stand for, in fixed point: the order of sets, which is that of their coming up in
+/// the batch, does not show. Scratch of one thread.
 struct SetSums {
-    /// (set, its place among the table's sets in use) in the order of sets: that of their columns depends on the batch's
-    /// other pixels, and the order of adding shows in the last bit.
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> order;
-    std::vector<std::array<double, 3>> sums;   // [channel] 0 between runs
+    using Sum = std::array<Int128, 3>;
+    std::vector<Sum> sums;                     // [channel] 0 between runs
     std::vector<std::uint8_t> taken;           // [channel] 0 between runs
     std::vector<std::uint32_t> channels;       // taken
     std::vector<double> weights;               // of the run's rows
     /// What the run before came to. Its memory was asked for then and has had the time of this run to come.
     struct Addend {
         std::uint32_t channel;
-        std::array<double, 3> sum;
+        Sum sum;
     };
     std::vector<Addend> waiting;
     std::size_t waiting_pixel = 0;
-
-    void begin(const SampleTable& table, std::size_t channel_count);
 };
 
 /// Camera rows of one pixel and one block.
@@ -171,7 +168,7 @@ struct FrameBuffer::Storage {
     };
     std::vector<Taker> takers;       // those of channels that sets stand for come last
     std::size_t own_takers = 0;      // the others
-    std::vector<const Int128*> sum_of;   // [channel] null where its rule keeps none
+    std::vector<Int128*> sum_of;       // [channel] null where its rule keeps none
     Plane<std::uint64_t> samples;       // [pixel]
     Plane<Int128> weight, alpha;        // [pixel] sums of weight, weight x alpha
     Plane<Int128> weight_square;        // [pixel] only when a channel keeps statistics

@@ -400,8 +400,8 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
                                                      job.raster ? job.filter.get() : nullptr);
     if (!frame_buffer) return frame_buffer.error();
 
-    // Filters, deep images and rows of their own depth look at samples one by one.
-    if (job.sample_filters.empty() && job.sinks.empty() && !job.has_extra_rows)
+    // Filters and deep images look at samples one by one.
+    if (job.sample_filters.empty() && job.sinks.empty())
         job.splat_sets = std::make_unique<display::SplatSets>(job.lpe->splat_sets(frame_buffer->sums_only()));
     if (Status s = make_cryptomatte(settings, scene, job, warnings); !s) return s.error();
 
