@@ -5,6 +5,7 @@
 #
 # Prints per kind of request the least and the median CPU time of a camera sample, and their ratio to beauty alone. The
 # channels are the first ones of lpe/bench/data/lpe_bench_firsthit.txt (osl), which overlap: a path is in about five of 64.
+# Of the still life, lit by four point lights more, the split by 8 light groups x (4 lobes x direct and indirect).
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 raylex=${1:-$root/build/release/raylex} rounds=${2:-5} spp=${3:-64}
@@ -33,7 +34,22 @@ job channels64 cornell-grey 64
 job all cornell-grey 64 '[channels]' "$aovs" '[channels.statistics]' 'beauty = ["variance"]'
 job channels256 cornell-grey 256
 
-names=(beauty channels64 all channels256)
+{
+    printf 'Include "%s"\n' "$root/experiments/scenes/still-life/scene.pbrt"
+    for x in -2 -1 0 1; do printf 'LightSource "point" "rgb I" [.5 .5 .5] "point3 from" [%s 3 2]\n' "$x"; done
+} >"$work/still.pbrt"
+job still still-life 0
+number=0
+for light in spot:0 infinite:0 point:0 point:1 point:2 point:3 area:0 area:1; do
+    printf '[[light_group]]\nlight = "%s"\ngroup = "g%d"\n' "$light" $((number++))
+done >>"$work/still.toml"
+sed -i "s|^file = .*scene.pbrt\"|file = \"$work/still.pbrt\"|; s|^max_depth = .*|max_depth = 10|" "$work/still.toml"
+sed -E "s#$work/still[.](exr|json)#$work/still_split.\1#" "$work/still.toml" >"$work/still_split.toml"
+"$raylex" lpe split --by light-group,lobe,bounce --groups g0,g1,g2,g3,g4,g5,g6,g7 --lobes RD,RS,TD,TS --bounces 2 --no-volume \
+    -o "$work/split.toml" 2>/dev/null
+cat "$work/split.toml" >>"$work/still_split.toml"
+
+names=(beauty channels64 all channels256 still still_split)
 for ((round = 0; round < rounds; ++round)); do
     for name in "${names[@]}"; do
         "$raylex" render "$work/$name.toml" >/dev/null 2>"$work/log" || { cat "$work/log" >&2; exit 1; }
@@ -41,7 +57,9 @@ for ((round = 0; round < rounds; ++round)); do
     done
 done
 for name in "${names[@]}"; do
-    sort -g "$work/$name.ns" | awk -v name="$name" -v base="$(sort -g "$work/beauty.ns" | awk '{ v[NR] = $1 } END { print v[1], v[int((NR + 1) / 2)] }')" '
+    alone=beauty
+    case $name in still*) alone=still ;; esac
+    sort -g "$work/$name.ns" | awk -v name="$name" -v base="$(sort -g "$work/$alone.ns" | awk '{ v[NR] = $1 } END { print v[1], v[int((NR + 1) / 2)] }')" '
         { v[NR] = $1 }
         END { split(base, b, " "); m = v[int((NR + 1) / 2)]
               printf "%-12s least %7.1f ns, median %7.1f ns a sample; over beauty +%.1f ns, x%.3f (least), x%.3f (median)\n",
