@@ -109,10 +109,6 @@ FrameBuffer::FrameBuffer(const FrameBufferLayout& layout, std::span<const Channe
             channel.raster_sum.allocate(values);
             storage.raster_channels.push_back(index);
         }
-        storage.takers.push_back({static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(channel.samples_of),
-                                  kernel ? fill != 0 && std::isfinite(fill) : expression && rule != FilterRule::sum,
-                                  static_cast<std::uint8_t>(channel.components),
-                                  channel.sum.empty() ? nullptr : &channel.sum[0]});
         if (!kernel) channel.seen.allocate(pixels);
         if (kept.moments) {
             channel.plain_sum.allocate(values);
@@ -129,6 +125,16 @@ FrameBuffer::FrameBuffer(const FrameBufferLayout& layout, std::span<const Channe
                 storage.odd_samples.allocate(pixels);
             }
         }
+        const auto place = [&](const auto& plane) {
+            return plane.empty() ? Storage::Taker::Place{}
+                                 : Storage::Taker::Place{plane.bytes().data(), static_cast<std::uint32_t>(plane.bytes().size() / pixels)};
+        };
+        using Places = std::array<Storage::Taker::Place, 3>;
+        storage.takers.push_back({static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(channel.samples_of),
+                                  kernel ? fill != 0 && std::isfinite(fill) : expression && rule != FilterRule::sum,
+                                  channel.picked.empty()
+                                      ? Places{place(channel.sum), place(channel.plain_sum), place(channel.square_sum)}
+                                      : Places{place(channel.picked), place(channel.depth), place(channel.seen)}});
     }
     storage.own_takers = storage.takers.size();
     for (Channel& channel : storage.channels) storage.sum_of.push_back(channel.sum.empty() ? nullptr : &channel.sum[0]);
@@ -181,14 +187,20 @@ void FrameBuffer::accumulate(const SampleTable& table) {
                 break;
         }
         Run run;
-        run.inside = first.pixel_x >= 0 && first.pixel_y >= 0 && first.pixel_x < layout.width && first.pixel_y < layout.height;
+        const auto within = [&](const CameraRow& row) {
+            return row.pixel_x >= 0 && row.pixel_y >= 0 && row.pixel_x < layout.width && row.pixel_y < layout.height;
+        };
+        run.inside = within(first);
         if (!run.inside && !storage_->kernel) {
             storage_->reject(storage_->channels.size());
             continue;
         }
-        if (run.inside)
-            run.pixel = static_cast<std::size_t>(first.pixel_y) * static_cast<std::size_t>(layout.width) +
-                        static_cast<std::size_t>(first.pixel_x);
+        const auto pixel_of = [&](const CameraRow& row) {
+            return static_cast<std::size_t>(row.pixel_y) * static_cast<std::size_t>(layout.width) +
+                   static_cast<std::size_t>(row.pixel_x);
+        };
+        if (run.inside) run.pixel = pixel_of(first);
+        if (end < cameras && within(table.camera_row(end))) run.next_pixel = pixel_of(table.camera_row(end));
         if (storage_->kernel) {
             splat.gather(table, *storage_->kernel, layout, begin, end);
             run.splat = &splat;
@@ -243,13 +255,20 @@ void FrameBuffer::accumulate_channels(const SampleTable& table, const Run& run) 
     if (by_sets) storage.add_sets(table, run, stripes);
     const std::span<const Storage::Taker> takers(
         storage.takers.data(), by_sets && !table.sent_apart() ? storage.own_takers : storage.takers.size());
-    // A pixel of each channel lies on a memory page of its own. Asked for together they come together; one after another,
-    // each would be waited for.
+    // A pixel of each channel lies on a memory page of its own: asked for one run ahead it is there in time. The next run
+    // mostly reaches the same channels.
+    const auto ask_for = [&](const Storage::Taker& taker, std::size_t pixel) {
+        for (const Storage::Taker::Place& place : taker.places) {
+            if (place.first == nullptr) continue;
+            const char* const first = place.first + pixel * place.pixel_bytes;
+            __builtin_prefetch(first, 1);
+            __builtin_prefetch(first + place.pixel_bytes - 1, 1);
+        }
+    };
     for (const Storage::Taker& taker : takers) {
-        if (taker.sum == nullptr || !takes(taker)) continue;
-        const Int128* const first = taker.sum + run.pixel * taker.components;
-        __builtin_prefetch(first, 1);
-        __builtin_prefetch(first + taker.components - 1, 1);
+        if (!takes(taker)) continue;
+        if (run.begin == 0) ask_for(taker, run.pixel);
+        if (run.next_pixel != Run::no_pixel) ask_for(taker, run.next_pixel);
     }
     for (const Storage::Taker& taker : takers) {
         if (!takes(taker)) continue;

@@ -96,7 +96,9 @@ struct SetSums {
 
 /// Camera rows of one pixel and one block.
 struct FrameBuffer::Run {
+    static constexpr std::size_t no_pixel = ~std::size_t{0};
     std::size_t pixel = 0;
+    std::size_t next_pixel = no_pixel;         // the next run's, when it is known
     bool inside = true;                        // the image; splat mode takes samples from around it too
     int begin = 0, end = 0;                    // camera rows
     const SplatWeights* splat = nullptr;       // null in importance mode
@@ -163,8 +165,12 @@ struct FrameBuffer::Storage {
     struct Taker {
         std::uint32_t channel, from;      // whose samples
         bool reads_untouched;             // whether samples of which nothing was sent to it still change it
-        std::uint8_t components;
-        const Int128* sum;                // of the channel, null where its rule keeps none
+        /// What of the channel a run of samples reaches: null where it keeps none.
+        struct Place {
+            const char* first = nullptr;
+            std::uint32_t pixel_bytes = 0;
+        };
+        std::array<Place, 3> places;
     };
     std::vector<Taker> takers;       // those of channels that sets stand for come last
     std::size_t own_takers = 0;      // the others
