@@ -70,6 +70,7 @@ std::vector<double> FrameBuffer::Storage::statistic(const Channel& source, Stati
             statistic == Statistic::mse ? weight_squares / ((n - 1) * weight_sum * weight_sum) : 1 / (n - 1);
         for (std::size_t c = 0; c < components; ++c) {
             const std::size_t i = pixel * components + c;
+            if ((source.sum[i] | source.plain_sum[i] | source.square_sum[i]) == 0) continue;
             const long double mean = to_long_double(source.sum[i], exponent) / weight_sum;
             // sum(v^2) is exact to 2^-56, so nothing is lost but what these 64-bit mantissas round off: 2^-63 sum(v^2).
             const long double about_mean = to_long_double(source.square_sum[i], square_exponent) -

@@ -266,14 +266,6 @@ void for_each_pixel(const PixelRegion& region, int width, Visit visit) {
     return static_cast<std::size_t>(region.width()) * static_cast<std::size_t>(region.height());
 }
 
-/// The nearest long double to `fixed`, at a third of the time that the compiler's own conversion takes: both halves and
-/// the scaling are exact, so only the addition rounds.
-[[nodiscard]] inline long double as_long_double(Int128 fixed) {
-    const auto high = static_cast<std::int64_t>(fixed >> 64);
-    const auto low = static_cast<std::uint64_t>(fixed);
-    return static_cast<long double>(high) * 0x1p64L + static_cast<long double>(low);
-}
-
 /// What sums of one pixel are divided by, all in quanta. A pixel whose weights cancel is divided by its sample count:
 /// weights have mean 1. The reciprocal costs at most 1.5 units in the last of 64 bits before rounding to 53, so a mean
 /// of equal values is that value.

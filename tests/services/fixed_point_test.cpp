@@ -56,6 +56,16 @@ TEST_CASE("doubles without bits below the quantum come back exactly", "[fixed_po
     }
 }
 
+TEST_CASE("fixed point becomes the nearest long double", "[fixed_point]") {
+    test::Random random(9);
+    for (int i = 0; i < 100'000; ++i) {
+        const Int128 fixed = ((static_cast<Int128>(random.bits()) << 64) | static_cast<Int128>(random.bits())) >> random.below(127);
+        if (as_long_double(fixed) != static_cast<long double>(fixed)) FAIL("differs after " << i);
+        const int exponent = random.below(2400) - 1200;  // beyond the range of double, within that of long double
+        if (to_long_double(fixed, exponent) != std::ldexp(static_cast<long double>(fixed), exponent)) FAIL("2^" << exponent);
+    }
+}
+
 TEST_CASE("what does not fit is refused, never wrapped", "[fixed_point][law6]") {
     Int128 fixed = 5;
     for (const double value : {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(),
