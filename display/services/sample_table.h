@@ -82,6 +82,7 @@ class SampleTable {
         touched_[static_cast<std::size_t>(id)] = ~std::uint64_t{0};
         sent_apart_ |= shared_[static_cast<std::size_t>(id)];
     }
+    /// The same of a set's column, or of a channel in the ordinary way of its light: nothing is sent apart by it.
     void touch_column(ChannelId column, int row) {
         touched_[static_cast<std::size_t>(column)] |= std::uint64_t{1} << (row >> stripe_shift_);
     }

@@ -400,7 +400,7 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
                                                      job.raster ? job.filter.get() : nullptr);
     if (!frame_buffer) return frame_buffer.error();
 
-    // Filters and deep images look at samples one by one.
+    // Filters and deep images, which before_rendering() has added, look at samples one by one; cryptomattes do not.
     if (job.sample_filters.empty() && job.sinks.empty())
         job.splat_sets = std::make_unique<display::SplatSets>(job.lpe->splat_sets(frame_buffer->sums_only()));
     if (Status s = make_cryptomatte(settings, scene, job, warnings); !s) return s.error();
