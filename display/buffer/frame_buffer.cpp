@@ -172,6 +172,13 @@ void FrameBuffer::accumulate(const SampleTable& table) {
     const bool has_extra = table.row_count() > cameras;
     if (has_extra) extra.gather(table);
     extra.alpha.resize(static_cast<std::size_t>(cameras));
+    extra.weights.resize(static_cast<std::size_t>(cameras));
+    bool unit_weights = true;
+    for (int row = 0; row < cameras; ++row) {
+        const float weight = table.camera_row(row).filter_weight;
+        extra.weights[static_cast<std::size_t>(row)] = static_cast<double>(weight);
+        unit_weights &= weight == 1.0f;
+    }
     for (int row = 0; row < cameras; ++row)
         extra.alpha[static_cast<std::size_t>(row)] =
             sample_alpha(table, row, has_extra ? extra.of(row) : std::span<const int>());
@@ -211,6 +218,8 @@ void FrameBuffer::accumulate(const SampleTable& table) {
         run.scratch = &extra.folded;
         run.set_sums = &set_sums;
         run.alpha = extra.alpha;
+        run.weights = extra.weights.data() + begin;
+        run.unit_weights = unit_weights;
         accumulate_run(table, run);
     }
     if (table.sets() != nullptr) storage_->add_waiting(set_sums);
@@ -228,7 +237,7 @@ void FrameBuffer::accumulate_run(const SampleTable& table, const Run& run) {
     }
     double weight = 0, weighted_alpha = 0, weight_square = 0;
     for (int row = run.begin; row < run.end; ++row) {
-        const double w = static_cast<double>(table.camera_row(row).filter_weight);
+        const double w = run.weights[row - run.begin];
         weight += w;
         weight_square += w * w;
         weighted_alpha += w * run.alpha[static_cast<std::size_t>(row)];

@@ -50,19 +50,15 @@ struct BlockSums {
 
 /// Sums over the rows of a block; `square` becomes sum(v^2) as sum((v - mean)^2) plus the block's mean part.
 template <int components>
-void sum_block(const SampleTable& table, int begin, int end, const double* values, bool statistics, BlockSums& out) {
-    const double* v = values;
-    for (int row = begin; row < end; ++row, v += components) {
-        const double weight = static_cast<double>(table.camera_row(row).filter_weight);
-        for (int c = 0; c < components; ++c) out.weighted[static_cast<std::size_t>(c)] += weight * v[c];
-    }
+void sum_block(const double* weights, std::size_t rows, const double* values, bool statistics, BlockSums& out) {
+    out.weighted = weighted_sum<components>(values, weights, rows);
     if (!statistics) return;
-    v = values;
-    for (int row = begin; row < end; ++row, v += components)
+    const double* v = values;
+    for (std::size_t row = 0; row < rows; ++row, v += components)
         for (int c = 0; c < components; ++c) out.plain[static_cast<std::size_t>(c)] += v[c];
     v = values;
-    const double count = end - begin;
-    for (int row = begin; row < end; ++row, v += components)
+    const auto count = static_cast<double>(rows);
+    for (std::size_t row = 0; row < rows; ++row, v += components)
         for (std::size_t c = 0; c < components; ++c) {
             const double deviation = v[c] - out.plain[c] / count;
             out.square[c] += deviation * deviation;
@@ -74,6 +70,16 @@ void mean_part(double plain, double count, double& high, double& low) {
     const double square = plain * plain, square_error = std::fma(plain, plain, -square);
     high = square / count;
     low = (std::fma(-high, count, square) + square_error) / count;
+}
+
+/// The first of the camera rows nearest to the camera: samples of a run are in ascending order.
+int nearest_row(const SampleTable& table, int begin, int end) {
+    const float* const depth = table.depth.data();
+    float least = depth[begin];
+    for (int row = begin + 1; row < end; ++row) least = depth[row] < least ? depth[row] : least;
+    int row = begin;
+    while (row + 1 < end && !(depth[row] <= least)) ++row;
+    return row;
 }
 
 /// Whether a rule takes in this row: every row of an expression channel, the rows that were written of a plain one.
@@ -100,8 +106,9 @@ void FrameBuffer::Storage::add_filtered(Channel& channel, std::size_t index, con
     if (run.splat != nullptr) return splat_values(channel, index, run, values);
     const bool statistics = !channel.square_sum.empty();
     BlockSums sums;
-    if (components == 3) sum_block<3>(table, run.begin, run.end, values, statistics, sums);
-    else sum_block<1>(table, run.begin, run.end, values, statistics, sums);
+    const auto rows = static_cast<std::size_t>(run.end - run.begin);
+    if (components == 3) sum_block<3>(run.sum_weights(), rows, values, statistics, sums);
+    else sum_block<1>(run.sum_weights(), rows, values, statistics, sums);
     const std::size_t at = run.pixel * components;
     if (!channel.even_sum.empty()) add_halves(channel, index, table, run, values);
     // A sum of nothing is not added, so that its memory page is not needed either.
@@ -155,11 +162,20 @@ void FrameBuffer::Storage::add_picked(Channel& channel, std::size_t index, const
         });
         return;
     }
-    // The run's own choice first: what is kept lies in memory that is slow to reach.
+    // The run's own choice first: what is kept lies in memory that is slow to reach. Where the nearest sample of all counts
+    // here, as it mostly does, the others need no look.
     int picked = -1;
     float depth = 0;
     std::uint64_t of_sample = 0;
-    run.for_each_row([&](int row) {
+    if (rule == FilterRule::zmin && run.extra == nullptr) {
+        if (run.nearest < 0) run.nearest = nearest_row(table, run.begin, run.end);
+        if (counts(table, id, run.nearest) && takes(run.nearest)) {
+            picked = run.nearest;
+            depth = table.depth[static_cast<std::size_t>(picked)];
+            of_sample = table.camera_row(picked).sample + 1;
+        }
+    }
+    if (picked < 0) run.for_each_row([&](int row) {
         const float here = table.depth[static_cast<std::size_t>(row)];
         const std::uint64_t sample = table.camera_row(row).sample;
         if (!takes(row) || !z_rule_prefers(rule, here, sample, depth, of_sample)) return;

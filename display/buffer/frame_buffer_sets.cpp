@@ -52,21 +52,15 @@ void FrameBuffer::Storage::add_sets(const SampleTable& table, const Run& run, st
         of_run.sums.resize(channels.size());
         of_run.taken.resize(channels.size());
     }
-    of_run.weights.resize(count);
-    for (std::size_t i = 0; i < count; ++i)
-        of_run.weights[i] = static_cast<double>(table.camera_row(run.begin + static_cast<int>(i)).filter_weight);
     for (std::size_t column = 0; column < in_use.size(); ++column) {
         if ((touched[column] & stripes) == 0) continue;
         const double* const values = table.values(static_cast<ChannelId>(first + column));
-        std::array<double, 3> sum{};
-        const auto take = [&](std::size_t row, double w) {
-            for (std::size_t c = 0; c < 3; ++c) sum[c] += w * values[3 * row + c];
-        };
-        for (std::size_t i = 0; i < count; ++i) take(begin + i, of_run.weights[i]);
+        std::array<double, 3> sum = weighted_sum<3>(values + 3 * begin, run.sum_weights(), count);
         if (run.extra != nullptr)  // a camera ray has the light of all its rows
             for (std::size_t i = 0; i < count; ++i)
                 for (const int row : run.extra->of(run.begin + static_cast<int>(i)))
-                    take(static_cast<std::size_t>(row), of_run.weights[i]);
+                    for (std::size_t c = 0; c < 3; ++c)
+                        sum[c] += run.weights[i] * values[3 * static_cast<std::size_t>(row) + c];
         if (sum == std::array<double, 3>{}) continue;
         SetSums::Sum fixed{};
         bool fits = true;

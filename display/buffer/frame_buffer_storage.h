@@ -47,7 +47,7 @@ struct ExtraRows {
     std::vector<int> rows;                 // sorted by camera row, then depth
     std::vector<std::uint32_t> first;      // [camera row], one more at the end
     std::vector<double> folded;            // one channel's camera rows with their extra rows folded in
-    std::vector<double> alpha;             // [camera row]
+    std::vector<double> alpha, weights;    // [camera row]
 
     void gather(const SampleTable& table) {
         const auto cameras = static_cast<std::size_t>(table.camera_row_count());
@@ -84,7 +84,6 @@ struct SetSums {
     std::vector<Sum> sums;                     // [channel] 0 between runs
     std::vector<std::uint8_t> taken;           // [channel] 0 between runs
     std::vector<std::uint32_t> channels;       // taken
-    std::vector<double> weights;               // of the run's rows
     /// What the run before came to. Its memory was asked for then and has had the time of this run to come.
     struct Addend {
         std::uint32_t channel;
@@ -106,10 +105,15 @@ struct FrameBuffer::Run {
     std::vector<double>* scratch = nullptr;
     SetSums* set_sums = nullptr;
     std::span<const double> alpha;             // [camera row]
+    const double* weights = nullptr;           // [row of the run]
+    bool unit_weights = false;                 // all of them 1, as a filter's are whose samples are drawn by it
+    mutable int nearest = -1;                  // camera row, once somebody has asked; without extra rows alone
 
     [[nodiscard]] std::span<const int> extra_of(int row) const {
         return extra == nullptr ? std::span<const int>() : extra->of(row);
     }
+    /// What weighted_sum() takes.
+    [[nodiscard]] const double* sum_weights() const { return unit_weights ? nullptr : weights; }
     template <class Visit>
     void for_each_row(Visit visit) const {
         for (int row = begin; row < end; ++row) {
@@ -210,13 +214,23 @@ struct FrameBuffer::Storage {
     void reject(std::size_t channel) { rejected[channel].fetch_add(1, std::memory_order_relaxed); }
     /// sum[at ..] += the terms, all of them or (counted against `channel`) none.
     void add(Plane<Int128>& sum, std::size_t at, const double* terms, int count, int exponent, std::size_t channel) {
-        Int128 result[3];
-        for (int c = 0; c < count; ++c) {
-            Int128 term;
-            result[c] = sum[at + static_cast<std::size_t>(c)];
-            if (!to_fixed(terms[c], exponent, term) || !add_fixed(result[c], term)) return reject(channel);
+        const bool fits = count == 3 ? add_terms<3>(&sum[at], terms, exponent) : add_terms<1>(&sum[at], terms, exponent);
+        if (!fits) reject(channel);
+    }
+    /// All or, where one would not fit, none and false.
+    template <std::size_t count>
+    [[nodiscard]] static bool add_terms(Int128* to, const double* terms, int exponent) {
+        Int128 result[count];
+        bool fits = true;
+        for (std::size_t c = 0; c < count; ++c) {
+            Int128 term = 0;
+            fits = to_fixed(terms[c], exponent, term) && fits;
+            result[c] = to[c];
+            fits = add_fixed(result[c], term) && fits;
         }
-        for (int c = 0; c < count; ++c) sum[at + static_cast<std::size_t>(c)] = result[c];
+        if (fits)
+            for (std::size_t c = 0; c < count; ++c) to[c] = result[c];
+        return fits;
     }
     void add_sets(const SampleTable& table, const Run& run, std::uint64_t stripes);
     void add_waiting(SetSums& sums);
@@ -249,6 +263,29 @@ struct KeptStatistics {
         (half ? kept.halves : kept.moments) = true;
     }
     return kept;
+}
+
+/// The sum of weight x value over rows; without weights, of the values: the same bits as with weights of 1. Even and odd rows
+/// make sums of their own, so that two numbers are added at once.
+template <int components>
+[[nodiscard]] inline std::array<double, 3> weighted_sum(const double* values, const double* weights, std::size_t rows) {
+    double sums[2 * components] = {};
+    const std::size_t pairs = rows / 2;
+    if (weights == nullptr) {
+        for (std::size_t i = 0; i < pairs; ++i)
+            for (std::size_t k = 0; k < 2 * components; ++k) sums[k] += values[2 * components * i + k];
+        if (rows % 2 != 0)
+            for (std::size_t c = 0; c < components; ++c) sums[c] += values[2 * components * pairs + c];
+    } else {
+        for (std::size_t i = 0; i < pairs; ++i)
+            for (std::size_t k = 0; k < 2 * components; ++k)
+                sums[k] += weights[2 * i + (k < components ? 0 : 1)] * values[2 * components * i + k];
+        if (rows % 2 != 0)
+            for (std::size_t c = 0; c < components; ++c) sums[c] += weights[rows - 1] * values[2 * components * pairs + c];
+    }
+    std::array<double, 3> sum{};
+    for (std::size_t c = 0; c < components; ++c) sum[c] = sums[c] + sums[components + c];
+    return sum;
 }
 
 /// Calls visit(index in the region, index in the image) for each pixel, row by row.

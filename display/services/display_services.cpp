@@ -1,6 +1,7 @@
 #include "display/services/display_services.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numeric>
 #include <string>
@@ -21,6 +22,39 @@ const char* type_name(ChannelType type) {
         case ChannelType::integer: return "integer";
     }
     return "";
+}
+
+/// Whether the rows follow one another, all of them below `row_count`: then they are checked and written as one.
+bool consecutive(std::span<const std::int32_t> rows, std::uint32_t row_count) {
+    const auto first = static_cast<std::uint32_t>(rows.front());
+    if (first >= row_count || rows.size() > row_count - first) return false;
+    std::uint32_t different = 0, expected = first;
+    for (const std::int32_t row : rows) different |= static_cast<std::uint32_t>(row) ^ expected++;
+    return different == 0;
+}
+
+/// Without a branch, so that many are tested at once.
+[[nodiscard]] std::uint32_t not_finite(float value) {
+    constexpr std::uint32_t exponent = 0x7f800000;
+    return (std::bit_cast<std::uint32_t>(value) & exponent) == exponent ? 1 : 0;
+}
+
+/// to[i] = values[i]; nothing and false when one of them is not finite.
+bool write_all(const float* values, std::size_t count, double* to) {
+    std::uint32_t bad = 0;
+    for (std::size_t i = 0; i < count; ++i) bad |= not_finite(values[i]);
+    if (bad != 0) [[unlikely]] return false;
+    for (std::size_t i = 0; i < count; ++i) to[i] = static_cast<double>(values[i]);
+    return true;
+}
+bool write_all(std::span<const float> values, double* to) { return write_all(values.data(), values.size(), to); }
+bool write_all(std::span<const Rgb> values, double* to) {
+    static_assert(sizeof(Rgb) == 3 * sizeof(float));
+    return write_all(&values.front().r, 3 * values.size(), to);
+}
+bool write_all(std::span<const std::int32_t> values, double* to) {
+    std::copy(values.begin(), values.end(), to);
+    return true;
 }
 
 }  // namespace
@@ -165,6 +199,14 @@ bool DisplayServices::write_batch(ChannelId id, std::span<const std::int32_t> ro
     const auto row_count = static_cast<std::uint32_t>(table_.row_count());
     const bool plain = table_.channel(id).style != ChannelStyle::expression;
     table_.touch(id);
+    if (consecutive(rows.first(count), row_count)) {
+        const auto first = static_cast<std::size_t>(rows.front());
+        constexpr std::size_t components = std::is_same_v<Value, Rgb> ? 3 : 1;
+        if (write_all(values.first(count), to + components * first)) [[likely]] {
+            if (plain) table_.set_row_states(id, rows.front(), static_cast<int>(count), RowState::written);
+            return true;
+        }
+    }
     std::uint64_t bad_rows = 0, bad_values = 0;
     for (std::size_t i = 0; i < count; ++i) {
         const auto row = static_cast<std::size_t>(static_cast<std::uint32_t>(rows[i]));

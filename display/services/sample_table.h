@@ -5,6 +5,7 @@
 // Rows of one pixel stand together, in ascending sample order; extra rows (AddSample) follow all camera rays.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -116,6 +117,10 @@ class SampleTable {
     }
     void set_row_state(ChannelId id, int row, RowState state) {
         row_states_[static_cast<std::size_t>(id) * row_capacity_ + static_cast<std::size_t>(row)] = state;
+    }
+    void set_row_states(ChannelId id, int first, int count, RowState state) {
+        std::fill_n(row_states_.data() + static_cast<std::size_t>(id) * row_capacity_ + static_cast<std::size_t>(first), count,
+                    state);
     }
 
     std::vector<float> depth;          ///< [row] hit distance or what WriteDistance said; +inf for a miss
