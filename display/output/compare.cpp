@@ -1,4 +1,6 @@
 // The metrics of `raylex compare`.
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "display/output/primaries.h"
@@ -46,6 +48,28 @@ Error compare_error(const ExrImage& image, const std::string& message) {
     return error;
 }
 
+bool all_finite(const std::vector<double>& values) {
+    return std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
+}
+
+/// Why a metric of these values is no number: what divides is 0, or one of the images holds what is no number itself.
+Error no_value(const ExrImage& image, const ExrImage& reference, ErrorMetric metric, const std::string& layer,
+               const std::vector<double>& values, const std::vector<double>& expected) {
+    const bool image_finite = all_finite(values), reference_finite = all_finite(expected);
+    if (metric == ErrorMetric::mean_ratio && image_finite && reference_finite) {
+        Error error = compare_error(reference, "there is no ratio " + std::string(formula(metric)) + ": the mean of '" +
+                                                   layer + "' is 0 in this reference");
+        error.hint = "metrics of differences, such as mae, have a value for black layers too";
+        return error;
+    }
+    const ExrImage& bad = reference_finite ? image : reference;
+    const std::vector<double>& found = reference_finite ? values : expected;
+    const auto count = std::count_if(found.begin(), found.end(), [](double value) { return !std::isfinite(value); });
+    return compare_error(bad, std::string(error_metrics()[static_cast<std::size_t>(metric)].name) + " of layer '" +
+                                  layer + "' has no value: " + std::to_string(count) + " of its " +
+                                  std::to_string(found.size()) + " values are inf or nan");
+}
+
 }  // namespace
 
 Result<double> compare(const ExrImage& image, const ExrImage& reference, ErrorMetric metric, const std::string& layer,
@@ -83,7 +107,7 @@ Result<double> compare(const ExrImage& image, const ExrImage& reference, ErrorMe
             for (std::size_t c = 0; c < 3; ++c) add(p[c], q[c]);
         } else if (component == 'Y' && color) {
             add(weights[0] * p[0] + weights[1] * p[1] + weights[2] * p[2],
-                     weights[0] * q[0] + weights[1] * q[1] + weights[2] * q[2]);
+                weights[0] * q[0] + weights[1] * q[1] + weights[2] * q[2]);
         } else {
             const std::size_t index = component == 'G' || (component == 'Y' && positions) ? 1
                                       : component == 'B'                                  ? 2
@@ -91,7 +115,10 @@ Result<double> compare(const ExrImage& image, const ExrImage& reference, ErrorMe
             add(p[index], q[index]);
         }
     }
-    return measure_errors(values, expected)[metric];
+    const double value = measure_errors(values, expected)[metric];
+    const bool divides_by_zero = metric == ErrorMetric::mean_ratio && !std::isfinite(value);
+    if (std::isnan(value) || divides_by_zero) return no_value(image, reference, metric, layer, values, expected);
+    return value;
 }
 
 }  // namespace raylex::display

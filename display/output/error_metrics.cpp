@@ -101,7 +101,9 @@ ErrorMeasures measure_errors(std::span<const double> image, std::span<const doub
     set(ErrorMetric::mse, squared / result.count);
     set(ErrorMetric::mae, absolute / result.count);
     set(ErrorMetric::mape, relative_absolute / result.count);
-    set(ErrorMetric::mean_ratio, sum_image / sum_reference);
+    // An infinite reference would make it 0, which is a ratio of other images.
+    set(ErrorMetric::mean_ratio,
+        std::isfinite(sum_reference) ? sum_image / sum_reference : std::numeric_limits<double>::quiet_NaN());
     set(ErrorMetric::rmse, std::sqrt(squared / result.count));
     set(ErrorMetric::smape, symmetric / result.count);
     set(ErrorMetric::relmse_mean, scaled / result.count);

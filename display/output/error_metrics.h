@@ -53,8 +53,8 @@ struct ErrorMeasures {
 };
 
 /// `image` and `reference` are of one length. Equal infinities (depth where nothing was hit) count as no difference and
-/// stay out of the means of a and b; any other value that is not finite makes metrics inf or nan. No values at all:
-/// nan.
+/// stay out of the means of a and b; any other value that is not finite makes metrics inf or nan, and so does a mean of
+/// b that is 0 the mean ratio. No values at all: nan.
 ErrorMeasures measure_errors(std::span<const double> image, std::span<const double> reference);
 
 /// The terms of `relmse_mean`: (a-b)^2 / (b^2 + (0.1 m)^2) of every value.

@@ -45,14 +45,15 @@ Result<std::vector<SplitVerdict>> check_declared_splits(const ExrImage& image);
 /// (up to 1). Cyan marks values that are not finite. The verdict must come from an image of this size.
 Status write_residual_png(const std::string& path, const SplitVerdict& verdict, int width, int height);
 
-/// One metric of a layer; `component`: 'R', 'G', 'B' (or the first, second, third plane of X Y Z), 'Y' (luminance of R G B by the reference's
-/// primaries; plane Y of X Y Z) or 'A' for all three components together. A single plane stands for all of them.
+/// One metric of a layer; `component`: 'R', 'G', 'B' (or the first, second, third plane of X Y Z), 'Y' (luminance of
+/// R G B by the reference's primaries; plane Y of X Y Z) or 'A' for all three components together. A single plane
+/// stands for all of them.
 ///
 /// R G B of `image` are converted to the reference's primaries when the files' chromaticities differ (none means
 /// Rec. 709, as the OpenEXR documentation says), whites adapted by Bradford. Means are over all pixels, in double.
 /// Equal infinities (depth where nothing was hit) count as no difference, and mean_ratio leaves them out; any other
-/// value that is not finite makes the result inf or nan. Errors: no such layer in either, sizes differ, an unknown
-/// component.
+/// value that is not finite makes the result inf or an error. Errors: no such layer in either, sizes differ, an unknown
+/// component, a metric without a value, as is the ratio to a mean of 0.
 Result<double> compare(const ExrImage& image, const ExrImage& reference, ErrorMetric metric, const std::string& layer,
                        char component);
 

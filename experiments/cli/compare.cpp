@@ -28,7 +28,8 @@ int run_compare(const CompareOptions& options) {
     auto reference = display::read_exr(options.reference);
     if (!reference) return report_error(reference.error());
     const char component = options.channel.empty() ? 'A' : options.channel.front();
-    auto value = display::compare(*image, *reference, display::find_error_metric(options.metric)->metric, options.layer, component);
+    const display::ErrorMetric metric = display::find_error_metric(options.metric)->metric;
+    auto value = display::compare(*image, *reference, metric, options.layer, component);
     if (!value) return report_error(value.error());
     print_line(number_text(*value, 9));
     return exit_holds;
@@ -38,7 +39,9 @@ std::string formulas() {
     std::string text = "Formulas, a the image and b the reference:";
     for (const display::ErrorMetricInfo& each : display::error_metrics())
         text += "\n  " + std::string(each.name) + std::string(21 - std::string(each.name).size(), ' ') + each.formula;
-    return text + "\nPrimaries are converted when the files' chromaticities differ.";
+    return text +
+           "\nPrimaries are converted when the files' chromaticities differ. A ratio to a black reference has no\n"
+           "value: that is an error, code 2.";
 }
 
 }  // namespace

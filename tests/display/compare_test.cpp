@@ -109,7 +109,39 @@ TEST_CASE("misses at infinite depth agree with one another and with nothing else
     CHECK(value(depths({inf, 2}), depths({inf, 4}), ErrorMetric::mae, 'R', "z") == 1);
     CHECK(value(depths({inf, 2}), depths({inf, 4}), ErrorMetric::mean_ratio, 'R', "z") == 0.5);
     CHECK(std::isinf(value(depths({inf, 2}), depths({1, 4}), ErrorMetric::mae, 'R', "z")));
-    CHECK(std::isnan(value(depths({nan, 2}), depths({1, 4}), ErrorMetric::mse, 'R', "z")));
+    const auto message = [&](std::vector<float> a, std::vector<float> b, ErrorMetric metric) {
+        const auto result = compare(depths(std::move(a)), depths(std::move(b)), metric, "z", 'R');
+        return result ? "a value: " + std::to_string(*result) : result.error().message;
+    };
+    CHECK(message({nan, 2}, {1, 4}, ErrorMetric::mse) ==
+          "mse of layer 'z' has no value: 1 of its 2 values are inf or nan");
+    CHECK(message({1, 2}, {nan, nan}, ErrorMetric::trimmed_relmse_mean) ==
+          "trimmed-relmse-mean of layer 'z' has no value: 2 of its 2 values are inf or nan");
+    CHECK(message({1, 2}, {inf, 4}, ErrorMetric::mean_ratio) ==
+          "mean-ratio of layer 'z' has no value: 1 of its 2 values are inf or nan");  // not 0
+}
+
+TEST_CASE("black layers have every metric but the ratio, which is said to be none", "[display][compare][law7]") {
+    auto black = image_of(2, 1, {color_layer("", {{0, 0, 0}, {0, 0, 0}})});
+    black.path = "black.exr";
+    for (const raylex::display::ErrorMetricInfo& each : raylex::display::error_metrics()) {
+        CAPTURE(each.name);
+        const auto same = compare(black, black, each.metric, "", 'A');
+        const auto lit = compare(image, black, each.metric, "", 'A');
+        const bool ratio = each.metric == ErrorMetric::mean_ratio;
+        REQUIRE(same.ok() != ratio);
+        REQUIRE(lit.ok() != ratio);
+        if (ratio) {
+            for (const auto* none : {&same, &lit}) {
+                CHECK(none->error().file == "black.exr");
+                CHECK(none->error().message.find("there is no ratio mean(a) / mean(b)") == 0);
+            }
+        } else {
+            CHECK(*same == 0);
+            CHECK(*lit > 0);  // inf where the floor is a share of the black reference's mean
+        }
+    }
+    CHECK(value(black, image, ErrorMetric::mean_ratio, 'A') == 0);
 }
 
 TEST_CASE("images that cannot be compared get errors that say why", "[display][compare][law7]") {

@@ -124,6 +124,12 @@ TEST_CASE("compare prints one number per metric, with the formula's value") {
     CHECK(value("--metric mae") == Approx(1).epsilon(1e-8));
     CHECK(value("--metric mean-ratio --channel Y") == Approx(1.5).epsilon(1e-7));
     CHECK(value("--metric mse --layer a --channel R") == Approx(0.015625).epsilon(1e-8));
+    write_image(folder.path("black.exr"), 0, {}, 0);
+    const Outcome none = run_raylex(folder, "compare a.exr black.exr --metric mean-ratio");
+    CHECK(none.code == 2);
+    CHECK(none.out.empty());
+    CHECK(none.err.find("black.exr: there is no ratio mean(a) / mean(b): the mean of 'beauty' is 0") !=
+          std::string::npos);
     CHECK(run_raylex(folder, "compare a.exr absent.exr").code == 2);
     CHECK(run_raylex(folder, "compare a.exr b.exr --layer nothing").code == 2);
     CHECK(run_raylex(folder, "compare a.exr b.exr --channel Q").code == 2);
