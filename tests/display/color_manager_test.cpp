@@ -13,7 +13,7 @@
 
 using raylex::display::Chromaticities;
 using raylex::display::ColorManager;
-using raylex::test::ScratchFolder;
+using raylex::test::Folder;
 
 namespace {
 
@@ -140,15 +140,15 @@ TEST_CASE("file rules turn stored texels into linear values of the primaries ask
 
 TEST_CASE("a file rule that can never fit is told", "[display][ocio]") {
     const WithoutOcio environment;
-    const ScratchFolder folder;
+    const Folder folder;
     std::string text = raylex::test::read_bytes(shipped_path);
     const std::string rule = "file_rules:\n";
     const std::size_t at = text.find(rule);
     REQUIRE(at != std::string::npos);
     text.insert(at + rule.size(),
                 "  - !<Rule> {name: pictures, colorspace: Raw, pattern: \"*\", extension: \"(png|jpe?g)\"}\n");
-    raylex::test::write_bytes(folder.file("trap.ocio"), text);
-    const auto manager = ColorManager::open(folder.file("trap.ocio"));
+    raylex::test::write_bytes(folder.path("trap.ocio"), text);
+    const auto manager = ColorManager::open(folder.path("trap.ocio"));
     REQUIRE(manager.ok());
     REQUIRE(manager->warnings().size() == 1);
     CHECK(manager->warnings()[0].find("'pictures'") != std::string::npos);
@@ -231,37 +231,37 @@ TEST_CASE("a preview has the same bytes however many threads and strips it takes
 
 TEST_CASE("an option beats $OCIO beats the shipped config", "[display][ocio]") {
     const WithoutOcio environment;
-    const ScratchFolder folder;
+    const Folder folder;
     const std::string text = raylex::test::read_bytes(shipped_path);
     const auto renamed = [&text](const std::string& name) {
         std::string copy = text;
         const std::string from = "name: raylex-aces-1";
         return copy.replace(copy.find(from), from.size(), "name: " + name);
     };
-    raylex::test::write_bytes(folder.file("a.ocio"), renamed("from-option"));
-    raylex::test::write_bytes(folder.file("b.ocio"), renamed("from-environment"));
+    raylex::test::write_bytes(folder.path("a.ocio"), renamed("from-option"));
+    raylex::test::write_bytes(folder.path("b.ocio"), renamed("from-environment"));
     CHECK(shipped().description() == "the config shipped with raylex (raylex-aces-1)");
-    setenv("OCIO", folder.file("b.ocio").c_str(), 1);
-    CHECK(shipped().description() == folder.file("b.ocio") + " (from-environment)");
-    CHECK(ColorManager::open(folder.file("a.ocio"))->description() == folder.file("a.ocio") + " (from-option)");
+    setenv("OCIO", folder.path("b.ocio").c_str(), 1);
+    CHECK(shipped().description() == folder.path("b.ocio") + " (from-environment)");
+    CHECK(ColorManager::open(folder.path("a.ocio"))->description() == folder.path("a.ocio") + " (from-option)");
     setenv("OCIO", "", 1);
     CHECK(shipped().description() == "the config shipped with raylex (raylex-aces-1)");
 }
 
 TEST_CASE("bad configs, spaces, displays and views get errors that name them", "[display][ocio][law7]") {
     const WithoutOcio environment;
-    const ScratchFolder folder;
-    const std::string missing = folder.file("missing.ocio");
+    const Folder folder;
+    const std::string missing = folder.path("missing.ocio");
     auto absent = ColorManager::open(missing);
     REQUIRE(!absent.ok());
     CHECK(absent.error().file == missing);
     CHECK(absent.error().message.find("cannot read the OpenColorIO config") != std::string::npos);
 
-    raylex::test::write_bytes(folder.file("bad.ocio"), "ocio_profile_version: 2.1\nroles: [unclosed\n");
-    setenv("OCIO", folder.file("bad.ocio").c_str(), 1);
+    raylex::test::write_bytes(folder.path("bad.ocio"), "ocio_profile_version: 2.1\nroles: [unclosed\n");
+    setenv("OCIO", folder.path("bad.ocio").c_str(), 1);
     auto bad = ColorManager::open();
     REQUIRE(!bad.ok());
-    CHECK(bad.error().file == folder.file("bad.ocio"));
+    CHECK(bad.error().file == folder.path("bad.ocio"));
     CHECK(bad.error().message.find("$OCIO") != std::string::npos);
     unsetenv("OCIO");
     auto directory = ColorManager::open(folder.path());
@@ -287,8 +287,8 @@ TEST_CASE("bad configs, spaces, displays and views get errors that name them", "
 
 TEST_CASE("a version 1 config without interchange roles is taken to be Rec. 709, and says so", "[display][ocio]") {
     const WithoutOcio environment;
-    const ScratchFolder folder;
-    raylex::test::write_bytes(folder.file("old.ocio"), R"(ocio_profile_version: 1
+    const Folder folder;
+    raylex::test::write_bytes(folder.path("old.ocio"), R"(ocio_profile_version: 1
 search_path: ""
 roles:
   default: linear
@@ -314,7 +314,7 @@ colorspaces:
     allocation: uniform
     to_reference: !<MatrixTransform> {matrix: [2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1]}
 )");
-    auto manager = ColorManager::open(folder.file("old.ocio"));
+    auto manager = ColorManager::open(folder.path("old.ocio"));
     REQUIRE(manager.ok());
     CHECK(manager->description().find("Rec. 709") != std::string::npos);
     CHECK(manager->scene_linear_spaces() == std::vector<std::string>{"linear", "doubled"});

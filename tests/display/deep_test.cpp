@@ -15,7 +15,7 @@
 
 using namespace raylex::display;
 using raylex::RgbD;
-using raylex::test::ScratchFolder;
+using raylex::test::Folder;
 
 namespace {
 
@@ -166,20 +166,20 @@ TEST_CASE("scattering in a volume becomes spans, surfaces stay points", "[displa
 }
 
 TEST_CASE("deep pixels flatten to the shallow image within the bound", "[display][deep]") {
-    const ScratchFolder folder;
+    const Folder folder;
     for (const char* storage : {"zips", "half rle", "none"})
         for (const bool tidy : {false, true}) {
             CAPTURE(storage, tidy);
             DeepOptions options;
             options.tidy = tidy;
             const Rendered image = rendered(options);
-            REQUIRE(write_exr(folder.file("flat.exr"), image.flat, 0, {}).ok());
+            REQUIRE(write_exr(folder.path("flat.exr"), image.flat, 0, {}).ok());
             const auto written =
-                write_deep_exr(folder.file("deep.exr"), image.deep, 0, {}, *parse_deep_storage(storage, {}));
+                write_deep_exr(folder.path("deep.exr"), image.deep, 0, {}, *parse_deep_storage(storage, {}));
             if (!written) FAIL(written.error().message);
-            const auto flat = read_exr(folder.file("flat.exr"));
+            const auto flat = read_exr(folder.path("flat.exr"));
             REQUIRE(flat.ok());
-            const auto verdict = check_deep(folder.file("deep.exr"), *flat);
+            const auto verdict = check_deep(folder.path("deep.exr"), *flat);
             if (!verdict) FAIL(verdict.error().message);
             CHECK(verdict->holds);
             CHECK(verdict->sorted);
@@ -192,12 +192,12 @@ TEST_CASE("deep pixels flatten to the shallow image within the bound", "[display
 TEST_CASE("flattening by the library's own compositor agrees", "[display][deep]") {
     // One that knows nothing of how the samples were made: OpenEXR's, which sorts, splits and merges by the
     // specification of deep pixels. Tidy pixels leave it nothing to interpret.
-    const ScratchFolder folder;
+    const Folder folder;
     DeepOptions options;
     options.tidy = true;
     const Rendered image = rendered(options);
-    REQUIRE(write_deep_exr(folder.file("deep.exr"), image.deep, 0, {}, {}).ok());
-    Imf::DeepScanLineInputFile file(folder.file("deep.exr").c_str());
+    REQUIRE(write_deep_exr(folder.path("deep.exr"), image.deep, 0, {}, {}).ok());
+    Imf::DeepScanLineInputFile file(folder.path("deep.exr").c_str());
     const auto* state = file.header().findTypedAttribute<Imf::DeepImageStateAttribute>("deepImageState");
     REQUIRE(state != nullptr);
     CHECK(state->value() == Imf::DIS_TIDY);
@@ -284,26 +284,26 @@ TEST_CASE("tidy pixels do not overlap, sorted ones may", "[display][deep]") {
 }
 
 TEST_CASE("a deep file that does not flatten to the image is told from one that does", "[display][deep]") {
-    const ScratchFolder folder;
+    const Folder folder;
     const Rendered image = rendered({});
     Rendered other{DeepBuffer(12, 12, channels(), {0, 1}, {}), FrameBuffer({12, 12}, channels())};
     for (int i = 0; i < 144; ++i) give(other.deep, &other.flat, busy_pixel(static_cast<unsigned>(i), i == 70 ? 63 : 64), i % 12, i / 12);
-    REQUIRE(write_exr(folder.file("flat.exr"), image.flat, 0, {}).ok());
-    REQUIRE(write_deep_exr(folder.file("deep.exr"), other.deep, 0, {}, {}).ok());
-    const auto flat = read_exr(folder.file("flat.exr"));
-    const auto verdict = check_deep(folder.file("deep.exr"), *flat);
+    REQUIRE(write_exr(folder.path("flat.exr"), image.flat, 0, {}).ok());
+    REQUIRE(write_deep_exr(folder.path("deep.exr"), other.deep, 0, {}, {}).ok());
+    const auto flat = read_exr(folder.path("flat.exr"));
+    const auto verdict = check_deep(folder.path("deep.exr"), *flat);
     REQUIRE(verdict.ok());
     CHECK(!verdict->holds);
     CHECK(verdict->exceeding == 1);
     CHECK(verdict->color_x == 10);
     CHECK(verdict->color_y == 5);
 
-    CHECK(check_deep(folder.file("flat.exr"), *flat).error().message.find("no deep scanline part") != std::string::npos);
-    CHECK(!check_deep(folder.file("none.exr"), *flat).ok());
-    const std::string bytes = raylex::test::read_bytes(folder.file("deep.exr"));
+    CHECK(check_deep(folder.path("flat.exr"), *flat).error().message.find("no deep scanline part") != std::string::npos);
+    CHECK(!check_deep(folder.path("none.exr"), *flat).ok());
+    const std::string bytes = raylex::test::read_bytes(folder.path("deep.exr"));
     for (const std::size_t length : {bytes.size() / 2, bytes.size() - 100}) {
-        raylex::test::write_bytes(folder.file("cut.exr"), bytes.substr(0, length));
-        CHECK(!check_deep(folder.file("cut.exr"), *flat).ok());
+        raylex::test::write_bytes(folder.path("cut.exr"), bytes.substr(0, length));
+        CHECK(!check_deep(folder.path("cut.exr"), *flat).ok());
     }
 }
 

@@ -13,7 +13,7 @@
 
 using namespace raylex::display;
 using raylex::ParameterType;
-using raylex::test::ScratchFolder;
+using raylex::test::Folder;
 using raylex::test::TevReceiver;
 
 namespace {
@@ -219,14 +219,14 @@ TEST_CASE("a queue is bounded by bytes, and one packet always fits", "[display][
 TEST_CASE("several drivers get the same image, each in its own form", "[display][drivers]") {
     const FrameBuffer buffer = filled();
     const auto list = channels();
-    const ScratchFolder folder;
+    const Folder folder;
     DriverSet drivers;
-    drivers.add(driver("exr:file='" + folder.file("a,b.exr") + "'"));
-    drivers.add(driver("exr:file=" + folder.file("c.exr")));
+    drivers.add(driver("exr:file='" + folder.path("a,b.exr") + "'"));
+    drivers.add(driver("exr:file=" + folder.path("c.exr")));
     REQUIRE(drivers.open(image_of(list)).ok());
-    CHECK(folder.file_count() == 0);
+    CHECK(folder.names().size() == 0);
     REQUIRE(drivers.close({buffer, 0, {}}).ok());
-    CHECK(drivers.files() == std::vector<std::string>{folder.file("a,b.exr"), folder.file("c.exr")});
+    CHECK(drivers.files() == std::vector<std::string>{folder.path("a,b.exr"), folder.path("c.exr")});
     for (const std::string& file : drivers.files()) {
         const auto image = read_exr(file);
         REQUIRE(image.ok());

@@ -13,7 +13,7 @@ using namespace raylex::test;
 using namespace raylex::display;
 
 TEST_CASE("a data part is written bit by bit, its attributes into its own header and the first") {
-    const ScratchFolder folder;
+    const Folder folder;
     ChannelDefinition beauty;
     beauty.name = "beauty";
     beauty.style = ChannelStyle::expression;
@@ -29,7 +29,7 @@ TEST_CASE("a data part is written bit by bit, its attributes into its own header
                                       {"CryptoObject00.R", "CryptoObject00.G"},
                                       {{"cryptomatte/3ae39a5/manifest", manifest}},
                                       [&values] { return values; }});
-    const std::string path = folder.file("matte.exr");
+    const std::string path = folder.path("matte.exr");
     REQUIRE(write_exr(path, buffer, 0, description));
     const auto image = read_exr(path);
     REQUIRE(image);

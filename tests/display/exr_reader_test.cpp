@@ -1,6 +1,7 @@
 #include "display/output/exr_reader.h"
 
 #include <catch2/catch.hpp>
+#include <filesystem>
 #include <limits>
 #include <random>
 
@@ -67,14 +68,14 @@ void write_deep(const std::string& path) {
 }  // namespace
 
 TEST_CASE("one part with nameless RGBA and Blender's dotted names becomes layers", "[display][exr]") {
-    const ScratchFolder folder;
-    write_foreign(folder.file("a.exr"),
+    const Folder folder;
+    write_foreign(folder.path("a.exr"),
                   join({rgb("", 0, Imf::HALF),
                         {{"A", Imf::HALF, ramp(30)}},
                         rgb("ViewLayer.DiffDir.", 100, Imf::HALF),
                         {{"ViewLayer.Depth.Z", Imf::FLOAT, ramp(7)}}}),
                   3, 2);
-    const ExrImage image = read(folder.file("a.exr"));
+    const ExrImage image = read(folder.path("a.exr"));
     CHECK(image.width == 3);
     CHECK(image.height == 2);
     CHECK(image.layer_names() == std::vector<std::string>{"", "ViewLayer.Depth", "ViewLayer.DiffDir"});
@@ -94,16 +95,16 @@ TEST_CASE("one part with nameless RGBA and Blender's dotted names becomes layers
 }
 
 TEST_CASE("parts whose channels carry the part's name read like parts with nameless channels", "[display][exr]") {
-    const ScratchFolder folder;
+    const Folder folder;
     write_foreign_parts(
-        folder.file("ours.exr"),
+        folder.path("ours.exr"),
         {{"rgba", rgb("", 0)},
          {"diffuse", rgb("diffuse.", 50)},
          {"z", {{"Z", Imf::FLOAT, ramp(3)}}},
          {"id", {{"id", Imf::UINT, ramp(70)}}},
          {"P", {{"P.X", Imf::FLOAT, ramp(1)}, {"P.Y", Imf::FLOAT, ramp(2)}, {"P.Z", Imf::FLOAT, ramp(3)}}}},
         3, 2);
-    write_foreign_parts(folder.file("theirs.exr"),
+    write_foreign_parts(folder.path("theirs.exr"),
                         {{"beauty", rgb("", 0)},
                          {"diffuse", rgb("", 50)},
                          {"z", {{"Z", Imf::FLOAT, ramp(3)}}},
@@ -112,7 +113,7 @@ TEST_CASE("parts whose channels carry the part's name read like parts with namel
                         3, 2);
     for (const char* name : {"ours.exr", "theirs.exr"}) {
         CAPTURE(name);
-        const ExrImage image = read(folder.file(name));
+        const ExrImage image = read(folder.path(name));
         REQUIRE(image.layers.size() == 5);
         for (const char* beauty : {"", "beauty"}) {
             REQUIRE(image.layer(beauty) != nullptr);
@@ -131,29 +132,29 @@ TEST_CASE("parts whose channels carry the part's name read like parts with namel
 }
 
 TEST_CASE("nameless channels that are no colour are layers of their own", "[display][exr]") {
-    const ScratchFolder folder;
-    write_foreign(folder.file("a.exr"), join({rgb("", 0), {{"Z", Imf::FLOAT, ramp(3)}, {"id", Imf::UINT, ramp(9)}}}), 3,
+    const Folder folder;
+    write_foreign(folder.path("a.exr"), join({rgb("", 0), {{"Z", Imf::FLOAT, ramp(3)}, {"id", Imf::UINT, ramp(9)}}}), 3,
                   2);
-    const ExrImage image = read(folder.file("a.exr"));
+    const ExrImage image = read(folder.path("a.exr"));
     CHECK(image.layer_names() == std::vector<std::string>{"", "Z", "id"});
     CHECK(plane_names(*image.layer("")) == std::vector<std::string>{"R", "G", "B"});
-    write_foreign(folder.file("depth.exr"), {{"Z", Imf::FLOAT, ramp(3)}}, 3, 2);
-    CHECK(read(folder.file("depth.exr")).layer_names() == std::vector<std::string>{"Z"});
+    write_foreign(folder.path("depth.exr"), {{"Z", Imf::FLOAT, ramp(3)}}, 3, 2);
+    CHECK(read(folder.path("depth.exr")).layer_names() == std::vector<std::string>{"Z"});
 }
 
 TEST_CASE("two parts that give the same name keep both layers", "[display][exr]") {
-    const ScratchFolder folder;
-    write_foreign_parts(folder.file("a.exr"), {{"left", rgb("diffuse.", 0)}, {"right", rgb("diffuse.", 50)}}, 3, 2);
-    const ExrImage image = read(folder.file("a.exr"));
+    const Folder folder;
+    write_foreign_parts(folder.path("a.exr"), {{"left", rgb("diffuse.", 0)}, {"right", rgb("diffuse.", 50)}}, 3, 2);
+    const ExrImage image = read(folder.path("a.exr"));
     CHECK(image.layer_names() == std::vector<std::string>{"diffuse", "right.diffuse"});
     CHECK(image.layer("right.diffuse")->triple()[0]->values == ramp(50));
 }
 
 TEST_CASE("tiled files and lower-case or spelled-out planes read the same", "[display][exr]") {
-    const ScratchFolder folder;
-    write_foreign(folder.file("tiled.exr"), rgb("", 0), box(3, 2), box(3, 2), 2);
-    CHECK(read(folder.file("tiled.exr")).layer("")->triple()[2]->values == ramp(20));
-    write_foreign(folder.file("small.exr"),
+    const Folder folder;
+    write_foreign(folder.path("tiled.exr"), rgb("", 0), box(3, 2), box(3, 2), 2);
+    CHECK(read(folder.path("tiled.exr")).layer("")->triple()[2]->values == ramp(20));
+    write_foreign(folder.path("small.exr"),
                   {{"d.r", Imf::FLOAT, ramp(0)},
                    {"d.g", Imf::FLOAT, ramp(1)},
                    {"d.b", Imf::FLOAT, ramp(2)},
@@ -165,7 +166,7 @@ TEST_CASE("tiled files and lower-case or spelled-out planes read the same", "[di
                    {"uv.U", Imf::FLOAT, ramp(8)},
                    {"uv.V", Imf::FLOAT, ramp(9)}},
                   3, 2);
-    const ExrImage image = read(folder.file("small.exr"));
+    const ExrImage image = read(folder.path("small.exr"));
     CHECK(image.layer("d")->triple()[0]->values == ramp(0));
     CHECK(image.layer("d")->triple()[1]->values == ramp(1));
     CHECK(image.layer("s")->triple()[2]->values == ramp(5));
@@ -174,17 +175,17 @@ TEST_CASE("tiled files and lower-case or spelled-out planes read the same", "[di
 }
 
 TEST_CASE("a data window inside or beyond the display window lands where it belongs", "[display][exr]") {
-    const ScratchFolder folder;
+    const Folder folder;
     // Display 4 x 3; data 3 x 2 with its first pixel at (-1, 1): one column is cropped, the rest filled with 0.
-    write_foreign(folder.file("a.exr"), rgb("", 1), box(4, 3), Imath::Box2i({-1, 1}, {1, 2}));
-    const ExrImage image = read(folder.file("a.exr"));
+    write_foreign(folder.path("a.exr"), rgb("", 1), box(4, 3), Imath::Box2i({-1, 1}, {1, 2}));
+    const ExrImage image = read(folder.path("a.exr"));
     CHECK(image.width == 4);
     CHECK(image.height == 3);
     CHECK(image.layer("")->planes[0].values == std::vector<float>{0, 0, 0, 0, 2, 3, 0, 0, 5, 6, 0, 0});
 }
 
 TEST_CASE("subsampled channels are spread over the pixels they stand for", "[display][exr]") {
-    const ScratchFolder folder;
+    const Folder folder;
     Imf::Header header(4, 2);
     header.channels().insert("Y", Imf::Channel(Imf::FLOAT));
     header.channels().insert("RY", Imf::Channel(Imf::FLOAT, 2, 2));
@@ -193,43 +194,43 @@ TEST_CASE("subsampled channels are spread over the pixels they stand for", "[dis
     buffer.insert("Y", Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(luma), 4, 16));
     buffer.insert("RY", Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(chroma), 4, 8, 2, 2));
     {
-        Imf::OutputFile file(folder.file("a.exr").c_str(), header);
+        Imf::OutputFile file(folder.path("a.exr").c_str(), header);
         file.setFrameBuffer(buffer);
         file.writePixels(2);
     }
-    const ExrImage image = read(folder.file("a.exr"));
+    const ExrImage image = read(folder.path("a.exr"));
     CHECK(image.layer("")->plane("RY")->values == std::vector<float>{10, 10, 20, 20, 10, 10, 20, 20});
     CHECK(image.layer("")->plane("Y")->values == std::vector<float>(luma, luma + 8));
 }
 
 TEST_CASE("one file per layer makes one image named after the files", "[display][exr]") {
-    const ScratchFolder folder;
-    write_foreign(folder.file("beauty.exr"), rgb("", 0), 3, 2);
-    write_foreign(folder.file("shot_diffuse.0001.exr"), join({rgb("", 50), {{"Z", Imf::FLOAT, ramp(1)}}}), 3, 2);
-    write_foreign(folder.file("specular.v2.exr"), join({rgb("", 80), {{"Z", Imf::FLOAT, ramp(2)}}}), 3, 2);
+    const Folder folder;
+    write_foreign(folder.path("beauty.exr"), rgb("", 0), 3, 2);
+    write_foreign(folder.path("shot_diffuse.0001.exr"), join({rgb("", 50), {{"Z", Imf::FLOAT, ramp(1)}}}), 3, 2);
+    write_foreign(folder.path("specular.v2.exr"), join({rgb("", 80), {{"Z", Imf::FLOAT, ramp(2)}}}), 3, 2);
     auto set =
-        read_exr_set({folder.file("beauty.exr"), folder.file("shot_diffuse.0001.exr"), folder.file("specular.v2.exr")});
+        read_exr_set({folder.path("beauty.exr"), folder.path("shot_diffuse.0001.exr"), folder.path("specular.v2.exr")});
     REQUIRE(set.ok());
     CHECK(set->layer_names() ==
           std::vector<std::string>{"beauty", "shot_diffuse", "Z", "specular.v2", "specular.v2.Z"});
     CHECK(set->layer("")->triple()[0]->values == ramp(0));
     CHECK(set->layer("shot_diffuse")->triple()[0]->values == ramp(50));
 
-    write_foreign(folder.file("wide.exr"), {{"R", Imf::FLOAT, std::vector<float>(8)}}, 4, 2);
-    auto sizes = read_exr_set({folder.file("beauty.exr"), folder.file("wide.exr")});
+    write_foreign(folder.path("wide.exr"), {{"R", Imf::FLOAT, std::vector<float>(8)}}, 4, 2);
+    auto sizes = read_exr_set({folder.path("beauty.exr"), folder.path("wide.exr")});
     REQUIRE(!sizes.ok());
-    CHECK(sizes.error().file == folder.file("wide.exr"));
+    CHECK(sizes.error().file == folder.path("wide.exr"));
     CHECK(sizes.error().message.find("4 x 2") != std::string::npos);
     CHECK(sizes.error().message.find("3 x 2") != std::string::npos);
-    CHECK(!read_exr_set({folder.file("beauty.exr"), folder.file("missing.exr")}).ok());
+    CHECK(!read_exr_set({folder.path("beauty.exr"), folder.path("missing.exr")}).ok());
     CHECK(!read_exr_set({}).ok());
-    std::filesystem::create_directory(folder.file("b"));
-    write_foreign(folder.file("b/beauty.exr"), rgb("", 0), 3, 2);
-    CHECK(!read_exr_set({folder.file("beauty.exr"), folder.file("b/beauty.exr")}).ok());  // one name twice
+    std::filesystem::create_directory(folder.path("b"));
+    write_foreign(folder.path("b/beauty.exr"), rgb("", 0), 3, 2);
+    CHECK(!read_exr_set({folder.path("beauty.exr"), folder.path("b/beauty.exr")}).ok());  // one name twice
 }
 
 TEST_CASE("string attributes, chromaticities and declared partitions come with the image", "[display][exr]") {
-    const ScratchFolder folder;
+    const Folder folder;
     Imf::Header header(1, 1);
     header.insert("owner", Imf::StringAttribute("somebody"));
     header.insert("partition/light groups", Imf::StringAttribute("beauty = key light + fill + rest"));
@@ -238,11 +239,11 @@ TEST_CASE("string attributes, chromaticities and declared partitions come with t
     const ForeignPixels pixels({{"R", Imf::FLOAT, {1}}, {"G", Imf::FLOAT, {1}}, {"B", Imf::FLOAT, {1}}}, box(1, 1),
                                header);
     {
-        Imf::OutputFile file(folder.file("a.exr").c_str(), header);
+        Imf::OutputFile file(folder.path("a.exr").c_str(), header);
         file.setFrameBuffer(pixels.buffer());
         file.writePixels(1);
     }
-    const ExrImage image = read(folder.file("a.exr"));
+    const ExrImage image = read(folder.path("a.exr"));
     CHECK(image.attributes.at("owner") == "somebody");
     REQUIRE(image.chromaticities.has_value());
     CHECK(image.chromaticities->green[1] == Approx(0.83).margin(1e-6));  // stored as float
@@ -253,42 +254,42 @@ TEST_CASE("string attributes, chromaticities and declared partitions come with t
 }
 
 TEST_CASE("missing, foreign, deep and oversized files get errors that name the file", "[display][exr][law7]") {
-    const ScratchFolder folder;
+    const Folder folder;
     const auto failure = [](const std::string& path) {
         auto image = read_exr(path);
         REQUIRE(!image.ok());
         CHECK(image.error().file == path);
         return image.error().message;
     };
-    CHECK(failure(folder.file("missing.exr")).find("No such file") != std::string::npos);
+    CHECK(failure(folder.path("missing.exr")).find("No such file") != std::string::npos);
     CHECK(failure(folder.path()).find("directory") != std::string::npos);
-    write_bytes(folder.file("empty.exr"), "");
-    CHECK(failure(folder.file("empty.exr")).find("empty") != std::string::npos);
-    write_bytes(folder.file("text.exr"), "P6 3 2 255 not an EXR");
-    CHECK(failure(folder.file("text.exr")).find("no OpenEXR file") != std::string::npos);
-    write_deep(folder.file("deep.exr"));
-    CHECK(failure(folder.file("deep.exr")).find("deep") != std::string::npos);
+    write_bytes(folder.path("empty.exr"), "");
+    CHECK(failure(folder.path("empty.exr")).find("empty") != std::string::npos);
+    write_bytes(folder.path("text.exr"), "P6 3 2 255 not an EXR");
+    CHECK(failure(folder.path("text.exr")).find("no OpenEXR file") != std::string::npos);
+    write_deep(folder.path("deep.exr"));
+    CHECK(failure(folder.path("deep.exr")).find("deep") != std::string::npos);
 
-    write_foreign(folder.file("huge.exr"), rgb("", 0), 3, 2);
-    std::string bytes = read_bytes(folder.file("huge.exr"));
+    write_foreign(folder.path("huge.exr"), rgb("", 0), 3, 2);
+    std::string bytes = read_bytes(folder.path("huge.exr"));
     for (const char* window : {"dataWindow", "displayWindow"}) {
         const std::size_t at = bytes.find(window) + std::string(window).size() + 1 + 6 + 4;  // name, "box2i", size
         const std::int32_t far[2] = {1'000'000'000, 1'000'000'000};
         bytes.replace(at + 8, 8, reinterpret_cast<const char*>(far), 8);
     }
-    write_bytes(folder.file("huge.exr"), bytes);
-    CHECK(!failure(folder.file("huge.exr")).empty());
+    write_bytes(folder.path("huge.exr"), bytes);
+    CHECK(!failure(folder.path("huge.exr")).empty());
 }
 
 TEST_CASE("a file cut or damaged anywhere is refused or read, never a crash", "[display][exr][law7]") {
-    const ScratchFolder folder;
-    write_foreign_parts(folder.file("whole.exr"), {{"rgba", rgb("", 0)}, {"diffuse", rgb("diffuse.", 50, Imf::HALF)}},
+    const Folder folder;
+    write_foreign_parts(folder.path("whole.exr"), {{"rgba", rgb("", 0)}, {"diffuse", rgb("diffuse.", 50, Imf::HALF)}},
                         3, 2);
-    const std::string bytes = read_bytes(folder.file("whole.exr"));
-    REQUIRE(read_exr(folder.file("whole.exr")).ok());
+    const std::string bytes = read_bytes(folder.path("whole.exr"));
+    REQUIRE(read_exr(folder.path("whole.exr")).ok());
     for (std::size_t length = 0; length < bytes.size(); length += 7) {
-        write_bytes(folder.file("cut.exr"), bytes.substr(0, length));
-        const auto image = read_exr(folder.file("cut.exr"));
+        write_bytes(folder.path("cut.exr"), bytes.substr(0, length));
+        const auto image = read_exr(folder.path("cut.exr"));
         CAPTURE(length);
         REQUIRE(!image.ok());
         REQUIRE(!image.error().message.empty());
@@ -298,8 +299,8 @@ TEST_CASE("a file cut or damaged anywhere is refused or read, never a crash", "[
     for (int i = 0; i < 400; ++i) {
         std::string damaged = bytes;
         damaged[8 + random() % (bytes.size() - 8)] = static_cast<char>(random());
-        write_bytes(folder.file("damaged.exr"), damaged);
-        refused += read_exr(folder.file("damaged.exr")).ok() ? 0 : 1;
+        write_bytes(folder.path("damaged.exr"), damaged);
+        refused += read_exr(folder.path("damaged.exr")).ok() ? 0 : 1;
     }
     CHECK(refused > 0);  // most damage hits pixels and stays unseen; headers and tables do not
 }

@@ -105,10 +105,10 @@ ImageDescription description() {
     return result;
 }
 
-ExrImage written(const ScratchFolder& folder) {
-    const auto status = write_exr(folder.file("a.exr"), filled(), beauty_id, description());
+ExrImage written(const Folder& folder) {
+    const auto status = write_exr(folder.path("a.exr"), filled(), beauty_id, description());
     if (!status) FAIL(status.error().message);
-    auto image = read_exr(folder.file("a.exr"));
+    auto image = read_exr(folder.path("a.exr"));
     if (!image) FAIL(image.error().message);
     return std::move(*image);
 }
@@ -116,7 +116,7 @@ ExrImage written(const ScratchFolder& folder) {
 }  // namespace
 
 TEST_CASE("every pixel of the frame buffer comes back, rounded to float once", "[display][exr]") {
-    const ScratchFolder folder;
+    const Folder folder;
     const ExrImage image = written(folder);
     CHECK(image.width == width);
     CHECK(image.height == height);
@@ -143,13 +143,13 @@ TEST_CASE("every pixel of the frame buffer comes back, rounded to float once", "
 }
 
 TEST_CASE("the header says of every partition what a reader will find", "[display][exr][law1]") {
-    const ScratchFolder folder;
+    const Folder folder;
     ImageDescription with_wrong = description();
     with_wrong.partitions.push_back({"short", "", {"diffuse", "specular"}});
     with_wrong.partitions.push_back({"of_rest", "rest", {"diffuse"}});
     with_wrong.partitions.push_back({"typo", "", {"difuse"}});
-    REQUIRE(write_exr(folder.file("a.exr"), filled(), beauty_id, with_wrong).ok());
-    const auto image = read_exr(folder.file("a.exr"));
+    REQUIRE(write_exr(folder.path("a.exr"), filled(), beauty_id, with_wrong).ok());
+    const auto image = read_exr(folder.path("a.exr"));
     REQUIRE(image.ok());
     const auto verdicts = check_declared_splits(*image);
     REQUIRE(verdicts.ok());
@@ -171,10 +171,10 @@ TEST_CASE("each kind of channel is stored as its row of the table says", "[displ
     REQUIRE(override_exr_storage(chosen.storage, "light", "half piz", where).ok());
     REQUIRE(override_exr_storage(chosen.storage, "normal", "rle half", where).ok());
     REQUIRE(override_exr_storage(chosen.storage, "value", "none", where).ok());
-    const ScratchFolder folder;
-    REQUIRE(write_exr(folder.file("a.exr"), filled(), beauty_id, chosen).ok());
+    const Folder folder;
+    REQUIRE(write_exr(folder.path("a.exr"), filled(), beauty_id, chosen).ok());
     {
-        Imf::MultiPartInputFile file(folder.file("a.exr").c_str());
+        Imf::MultiPartInputFile file(folder.path("a.exr").c_str());
         CHECK(file.header(0).compression() == Imf::PIZ_COMPRESSION);
         CHECK(file.header(0).channels().findChannel("A")->type == Imf::HALF);
         CHECK(file.header(2).channels().findChannel("specular.B")->type == Imf::HALF);
@@ -183,7 +183,7 @@ TEST_CASE("each kind of channel is stored as its row of the table says", "[displ
         CHECK(file.header(5).compression() == Imf::RLE_COMPRESSION);
         CHECK(file.header(6).channels().findChannel("id")->type == Imf::UINT);
     }
-    const auto image = read_exr(folder.file("a.exr"));
+    const auto image = read_exr(folder.path("a.exr"));
     REQUIRE(image.ok());
     const float stored = image->layer("diffuse")->triple()[0]->values[4];
     CHECK(stored == static_cast<float>(half(static_cast<float>(light(4, 0, 1)))));
@@ -229,9 +229,9 @@ TEST_CASE("light beyond half becomes the largest half and is counted", "[display
     buffer.accumulate(table);
     ImageDescription chosen;
     REQUIRE(override_exr_storage(chosen.storage, "light", "half", {}).ok());
-    const ScratchFolder folder;
-    REQUIRE(write_exr(folder.file("a.exr"), buffer, 0, chosen).ok());
-    const auto image = read_exr(folder.file("a.exr"));
+    const Folder folder;
+    REQUIRE(write_exr(folder.path("a.exr"), buffer, 0, chosen).ok());
+    const auto image = read_exr(folder.path("a.exr"));
     CHECK(image->layer("")->planes[0].values[0] == 65504);
     CHECK(image->attributes.at("repaired/beauty") == "0 values not a number, set to 0; 3 beyond half, set to the largest");
 }
@@ -243,7 +243,7 @@ TEST_CASE("known primaries have their interop id, others none", "[display][exr]"
 }
 
 TEST_CASE("a split written by raylex holds in the file", "[display][exr][law1]") {
-    const ScratchFolder folder;
+    const Folder folder;
     const ExrImage image = written(folder);
     const auto verdicts = check_declared_splits(image);
     REQUIRE(verdicts.ok());
@@ -257,9 +257,9 @@ TEST_CASE("a split written by raylex holds in the file", "[display][exr][law1]")
 }
 
 TEST_CASE("parts, channels and attributes stand where the design puts them", "[display][exr]") {
-    const ScratchFolder folder;
+    const Folder folder;
     written(folder);
-    Imf::MultiPartInputFile file(folder.file("a.exr").c_str());
+    Imf::MultiPartInputFile file(folder.path("a.exr").c_str());
     REQUIRE(file.parts() == 8);
     const auto text = [&file](int part, const std::string& name) {
         const auto* attribute = file.header(part).findTypedAttribute<Imf::StringAttribute>(name);
@@ -309,7 +309,7 @@ TEST_CASE("parts, channels and attributes stand where the design puts them", "[d
 }
 
 TEST_CASE("misses are infinite where the design says so, and nothing else is", "[display][exr][law6]") {
-    const ScratchFolder folder;
+    const Folder folder;
     const ExrImage image = written(folder);
     for (std::size_t i = 0; i < width * height; ++i) {
         CAPTURE(i);
@@ -325,9 +325,9 @@ TEST_CASE("misses are infinite where the design says so, and nothing else is", "
 }
 
 TEST_CASE("integer channels keep all 32 bits", "[display][exr]") {
-    const ScratchFolder folder;
+    const Folder folder;
     written(folder);
-    Imf::MultiPartInputFile file(folder.file("a.exr").c_str());
+    Imf::MultiPartInputFile file(folder.path("a.exr").c_str());
     std::vector<unsigned> ids(width * height);
     Imf::FrameBuffer buffer;
     buffer.insert("id", Imf::Slice(Imf::UINT, reinterpret_cast<char*>(ids.data()), 4, 4 * width));
@@ -340,26 +340,26 @@ TEST_CASE("integer channels keep all 32 bits", "[display][exr]") {
 }
 
 TEST_CASE("the same frame buffer gives the same bytes", "[display][exr][law3]") {
-    const ScratchFolder folder;
-    REQUIRE(write_exr(folder.file("a.exr"), filled(), beauty_id, description()).ok());
-    REQUIRE(write_exr(folder.file("b.exr"), filled(), beauty_id, description()).ok());
-    CHECK(read_bytes(folder.file("a.exr")) == read_bytes(folder.file("b.exr")));
+    const Folder folder;
+    REQUIRE(write_exr(folder.path("a.exr"), filled(), beauty_id, description()).ok());
+    REQUIRE(write_exr(folder.path("b.exr"), filled(), beauty_id, description()).ok());
+    CHECK(read_bytes(folder.path("a.exr")) == read_bytes(folder.path("b.exr")));
 }
 
 TEST_CASE("an image without beauty, and one cut short, are written and say so", "[display][exr]") {
-    const ScratchFolder folder;
+    const Folder folder;
     ImageDescription unfinished = description();
     unfinished.complete = false;
-    REQUIRE(write_exr(folder.file("a.exr"), filled(), invalid_channel, unfinished).ok());
-    const auto image = read_exr(folder.file("a.exr"));
+    REQUIRE(write_exr(folder.path("a.exr"), filled(), invalid_channel, unfinished).ok());
+    const auto image = read_exr(folder.path("a.exr"));
     REQUIRE(image.ok());
     CHECK(image->attributes.at("raylex/incomplete") == "true");
     CHECK(image->layer("")->name == "beauty");  // the channel of that name, as a part of its own, without alpha
     CHECK(image->layer("")->planes.size() == 3);
 
     const std::vector<ChannelDefinition> one{plain("z", ChannelType::real, "camera")};
-    REQUIRE(write_exr(folder.file("z.exr"), FrameBuffer({2, 2}, one), invalid_channel, {}).ok());
-    CHECK(read_exr(folder.file("z.exr"))->layer_names() == std::vector<std::string>{"z"});
+    REQUIRE(write_exr(folder.path("z.exr"), FrameBuffer({2, 2}, one), invalid_channel, {}).ok());
+    CHECK(read_exr(folder.path("z.exr"))->layer_names() == std::vector<std::string>{"z"});
 }
 
 TEST_CASE("names that the format cannot hold are refused before anything is rendered", "[display][exr][law7]") {
@@ -383,20 +383,20 @@ TEST_CASE("names that the format cannot hold are refused before anything is rend
     CHECK(message(channels(), 0, {{"p", "", {"difuse"}}}).find("'difuse'") != std::string::npos);
     CHECK(message({expression("a", "C.*")}, -1, {{"p", "", {"a"}}}).find("'beauty'") != std::string::npos);
 
-    const ScratchFolder folder;
+    const Folder folder;
     const std::vector<ChannelDefinition> longest{expression(std::string(244, 'n'), "C.*")};
-    REQUIRE(write_exr(folder.file("a.exr"), FrameBuffer({2, 2}, longest), invalid_channel, {}).ok());
-    CHECK(read_exr(folder.file("a.exr"))->layer_names() == std::vector<std::string>{longest[0].name});
-    Imf::MultiPartInputFile file(folder.file("a.exr").c_str());
+    REQUIRE(write_exr(folder.path("a.exr"), FrameBuffer({2, 2}, longest), invalid_channel, {}).ok());
+    CHECK(read_exr(folder.path("a.exr"))->layer_names() == std::vector<std::string>{longest[0].name});
+    Imf::MultiPartInputFile file(folder.path("a.exr").c_str());
     for (auto i = file.header(0).begin(); i != file.header(0).end(); ++i) CHECK(std::string(i.name()).size() <= 255);
 }
 
 TEST_CASE("a partition that cannot be does not cost the image", "[display][exr][law7]") {
-    const ScratchFolder folder;
+    const Folder folder;
     ImageDescription wrong = description();
     wrong.partitions.push_back({"typo", "", {"difuse"}});
-    REQUIRE(write_exr(folder.file("a.exr"), filled(), beauty_id, wrong).ok());
-    const auto image = read_exr(folder.file("a.exr"));
+    REQUIRE(write_exr(folder.path("a.exr"), filled(), beauty_id, wrong).ok());
+    const auto image = read_exr(folder.path("a.exr"));
     REQUIRE(image.ok());
     CHECK(image->partitions.size() == 1);
     CHECK(image->attributes.at("raylex/refusedPartition").find("difuse") != std::string::npos);
@@ -404,18 +404,18 @@ TEST_CASE("a partition that cannot be does not cost the image", "[display][exr][
 
 TEST_CASE("a failed write names path and reason, keeps the earlier file and leaves nothing else",
           "[display][exr][law7]") {
-    const ScratchFolder folder;
-    const std::string path = folder.file("a.exr");
+    const Folder folder;
+    const std::string path = folder.path("a.exr");
     const auto failure = [](const std::string& target) {
         const auto status = write_exr(target, filled(), beauty_id, description());
         REQUIRE(!status.ok());
         CHECK(status.error().file == target);
         return status.error().message;
     };
-    CHECK(failure(folder.file("no/a.exr")).find("No such file or directory") != std::string::npos);
+    CHECK(failure(folder.path("no/a.exr")).find("No such file or directory") != std::string::npos);
     CHECK(failure(folder.path()).find("directory") != std::string::npos);
     CHECK(failure("/dev/null").find("device") != std::string::npos);
-    CHECK(folder.file_count() == 0);
+    CHECK(folder.names().size() == 0);
 
     REQUIRE(write_exr(path, filled(), beauty_id, description()).ok());
     const std::string earlier = read_bytes(path);
@@ -425,7 +425,7 @@ TEST_CASE("a failed write names path and reason, keeps the earlier file and leav
         const FileSizeLimit full(limit);
         CHECK(failure(path).find("File too large") != std::string::npos);
         CHECK(read_bytes(path) == earlier);
-        CHECK(folder.file_count() == 1);
+        CHECK(folder.names().size() == 1);
     }
 
     // Names are judged last: even an image that cannot be laid out must not touch what is there.
@@ -436,5 +436,5 @@ TEST_CASE("a failed write names path and reason, keeps the earlier file and leav
     reserved.attributes["compression"] = "none";
     CHECK(!write_exr(path, filled(), beauty_id, reserved).ok());
     CHECK(read_bytes(path) == earlier);
-    CHECK(folder.file_count() == 1);
+    CHECK(folder.names().size() == 1);
 }

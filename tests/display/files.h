@@ -1,13 +1,8 @@
-// Scratch folders, full disks, and foreign OpenEXR files written straight with the library.
+// Full disks, and foreign OpenEXR files written straight with the library.
 #pragma once
 
 #include <sys/resource.h>
-#include <unistd.h>
 
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <vector>
 
@@ -25,32 +20,9 @@
 #include <half.h>
 
 #include "display/output/exr_reader.h"
+#include "tests/support/folder.h"
 
 namespace raylex::test {
-
-class ScratchFolder {
-  public:
-    ScratchFolder() {
-        std::string name = (std::filesystem::temp_directory_path() / "raylex test XXXXXX").string();
-        if (mkdtemp(name.data()) == nullptr) std::abort();
-        path_ = name;
-    }
-    ~ScratchFolder() {
-        std::error_code ignored;
-        std::filesystem::remove_all(path_, ignored);
-    }
-    ScratchFolder(const ScratchFolder&) = delete;
-    ScratchFolder& operator=(const ScratchFolder&) = delete;
-    [[nodiscard]] std::string file(const std::string& name) const { return path_ + "/" + name; }
-    [[nodiscard]] const std::string& path() const { return path_; }
-    [[nodiscard]] std::size_t file_count() const {
-        return static_cast<std::size_t>(
-            std::distance(std::filesystem::directory_iterator(path_), std::filesystem::directory_iterator()));
-    }
-
-  private:
-    std::string path_;
-};
 
 /// A disk that is full after `bytes`: the file size limit fails writes the same way, at the same place.
 class FileSizeLimit {
@@ -66,15 +38,6 @@ class FileSizeLimit {
   private:
     rlimit saved_{};
 };
-
-inline std::string read_bytes(const std::string& path) {
-    std::ifstream stream(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-}
-
-inline void write_bytes(const std::string& path, const std::string& bytes) {
-    std::ofstream(path, std::ios::binary) << bytes;
-}
 
 /// One channel of a foreign file: its name, stored type and pixels (row-major over the data window).
 struct ForeignChannel {

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include <cerrno>
+#include <filesystem>
 
 #include "display/output/atomic_file.h"
 #include "files.h"
@@ -26,10 +27,10 @@ RecordFile some_record(std::size_t size = 1500) {
 }  // namespace
 
 TEST_CASE("a record comes back as it was written", "[display][record]") {
-    const ScratchFolder folder;
+    const Folder folder;
     const RecordFile record = some_record();
-    REQUIRE(write_record_file(folder.file("r"), record).ok());
-    const auto back = read_record_file(folder.file("r"));
+    REQUIRE(write_record_file(folder.path("r"), record).ok());
+    const auto back = read_record_file(folder.path("r"));
     REQUIRE(back.ok());
     CHECK(back->identity == record.identity);
     REQUIRE(back->sections.size() == 3);
@@ -37,52 +38,52 @@ TEST_CASE("a record comes back as it was written", "[display][record]") {
     CHECK(back->find("empty")->content.empty());
     CHECK(back->find("progress")->content == "12");
     CHECK(back->find("nothing") == nullptr);
-    CHECK(folder.file_count() == 1);
+    CHECK(folder.names().size() == 1);
 }
 
 TEST_CASE("a record that is cut anywhere is refused as truncated", "[display][record][law7]") {
-    const ScratchFolder folder;
-    REQUIRE(write_record_file(folder.file("r"), some_record()).ok());
-    const std::string bytes = read_bytes(folder.file("r"));
+    const Folder folder;
+    REQUIRE(write_record_file(folder.path("r"), some_record()).ok());
+    const std::string bytes = read_bytes(folder.path("r"));
     for (std::size_t size = 0; size < bytes.size(); ++size) {
         if (size % 64 != 0 && size + 70 < bytes.size()) continue;  // every 64th byte, and all of the end
-        write_bytes(folder.file("cut"), bytes.substr(0, size));
-        const auto refused = read_record_file(folder.file("cut"));
+        write_bytes(folder.path("cut"), bytes.substr(0, size));
+        const auto refused = read_record_file(folder.path("cut"));
         CAPTURE(size);
         REQUIRE_FALSE(refused.ok());
-        CHECK(refused.error().file == folder.file("cut"));
+        CHECK(refused.error().file == folder.path("cut"));
         CHECK(refused.error().message.find("truncated: it ends after " + std::to_string(size) + " bytes") !=
               std::string::npos);
     }
-    write_bytes(folder.file("cut"), bytes + "x");
-    CHECK(read_record_file(folder.file("cut")).error().message.find("goes on after its end") != std::string::npos);
+    write_bytes(folder.path("cut"), bytes + "x");
+    CHECK(read_record_file(folder.path("cut")).error().message.find("goes on after its end") != std::string::npos);
 }
 
 TEST_CASE("a record with any flipped bit is refused", "[display][record][law7]") {
-    const ScratchFolder folder;
-    REQUIRE(write_record_file(folder.file("r"), some_record(100)).ok());
-    const std::string bytes = read_bytes(folder.file("r"));
+    const Folder folder;
+    REQUIRE(write_record_file(folder.path("r"), some_record(100)).ok());
+    const std::string bytes = read_bytes(folder.path("r"));
     for (std::size_t at = 0; at < bytes.size(); ++at)
         for (int bit = 0; bit < 8; ++bit) {
             std::string damaged = bytes;
             damaged[at] = static_cast<char>(damaged[at] ^ (1 << bit));
-            write_bytes(folder.file("damaged"), damaged);
+            write_bytes(folder.path("damaged"), damaged);
             CAPTURE(at, bit);
-            REQUIRE_FALSE(read_record_file(folder.file("damaged")).ok());
+            REQUIRE_FALSE(read_record_file(folder.path("damaged")).ok());
         }
     std::string damaged = bytes;
     const std::size_t at = damaged.find("frame buffer") + 20;
     damaged[at] = static_cast<char>(damaged[at] ^ 1);
-    write_bytes(folder.file("damaged"), damaged);
-    CHECK(read_record_file(folder.file("damaged")).error().message.find("section 'frame buffer' is damaged") !=
+    write_bytes(folder.path("damaged"), damaged);
+    CHECK(read_record_file(folder.path("damaged")).error().message.find("section 'frame buffer' is damaged") !=
           std::string::npos);
 }
 
 TEST_CASE("what is no record says so", "[display][record][law7]") {
-    const ScratchFolder folder;
-    write_bytes(folder.file("text"), std::string(200, 'x'));
-    CHECK(read_record_file(folder.file("text")).error().message.find("this is no raylex record") != std::string::npos);
-    CHECK(read_record_file(folder.file("absent")).error().message.find("No such file") != std::string::npos);
+    const Folder folder;
+    write_bytes(folder.path("text"), std::string(200, 'x'));
+    CHECK(read_record_file(folder.path("text")).error().message.find("this is no raylex record") != std::string::npos);
+    CHECK(read_record_file(folder.path("absent")).error().message.find("No such file") != std::string::npos);
     CHECK_FALSE(read_record_file(folder.path()).ok());
 }
 
@@ -96,14 +97,14 @@ TEST_CASE("what differs between two identities is listed", "[display][record]") 
 }
 
 TEST_CASE("an earlier record survives a fault in every call that writes the next", "[display][record][law7]") {
-    const ScratchFolder folder;
-    const std::string path = folder.file("r");
+    const Folder folder;
+    const std::string path = folder.path("r");
     RecordFile record = some_record(std::size_t{5} << 19);  // several writes
     REQUIRE(write_record_file(path, record).ok());
     record.identity[0].second = "4";
     std::vector<FileCall> calls;
     set_file_fault([&](FileCall call, const std::string&) { return calls.push_back(call), 0; });
-    REQUIRE(write_record_file(folder.file("other"), record).ok());
+    REQUIRE(write_record_file(folder.path("other"), record).ok());
     CHECK(std::count(calls.begin(), calls.end(), FileCall::write) >= 2);
     for (const FileCall kind : {FileCall::open, FileCall::sync, FileCall::close, FileCall::rename, FileCall::sync_folder})
         CHECK(std::count(calls.begin(), calls.end(), kind) == 1);
@@ -126,7 +127,7 @@ TEST_CASE("an earlier record survives a fault in every call that writes the next
             CHECK(status.error().message.find("No space left on device; expected free space") != std::string::npos);
             CHECK(back->identity[0].second == "3");
         }
-        CHECK(folder.file_count() == 2);
+        CHECK(folder.names().size() == 2);
     }
     set_file_fault([&](FileCall call, const std::string&) { return call == FileCall::remove ? EACCES : 0; });
     CHECK_FALSE(remove_file(path).ok());

@@ -220,7 +220,7 @@ TEST_CASE("declared partitions are judged one by one", "[display][verify][law1]"
 }
 
 TEST_CASE("a heat map is brighter where the residual is larger", "[display][verify]") {
-    const ScratchFolder folder;
+    const Folder folder;
     raylex::display::SplitVerdict verdict;
     verdict.bound = std::ldexp(1.0, -23);
     // None, then in octaves from bound / 2^10 to 1, then not finite.
@@ -228,12 +228,12 @@ TEST_CASE("a heat map is brighter where the residual is larger", "[display][veri
     for (int power = -33; power <= 0; ++power) verdict.residual.push_back(std::ldexp(1.0f, power));
     verdict.residual.push_back(std::numeric_limits<float>::infinity());
     const int width = static_cast<int>(verdict.residual.size());
-    REQUIRE(raylex::display::write_residual_png(folder.file("map.png"), verdict, width, 1).ok());
-    CHECK(!raylex::display::write_residual_png(folder.file("map.png"), verdict, width, 2).ok());
+    REQUIRE(raylex::display::write_residual_png(folder.path("map.png"), verdict, width, 1).ok());
+    CHECK(!raylex::display::write_residual_png(folder.path("map.png"), verdict, width, 2).ok());
 
     png_image image{};
     image.version = PNG_IMAGE_VERSION;
-    REQUIRE(png_image_begin_read_from_file(&image, folder.file("map.png").c_str()) != 0);
+    REQUIRE(png_image_begin_read_from_file(&image, folder.path("map.png").c_str()) != 0);
     image.format = PNG_FORMAT_RGB;
     REQUIRE(image.width == verdict.residual.size());
     std::vector<unsigned char> rgb(PNG_IMAGE_SIZE(image));

@@ -2,24 +2,12 @@
 #include "tests/support/paths.h"
 
 #include <sys/wait.h>
-#include <unistd.h>
-#include <algorithm>
-#include <array>
+#include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
-#include <iterator>
-#include <stdexcept>
 
 namespace raylex::test {
 namespace {
-
-namespace fs = std::filesystem;
-
-std::string file_text(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
 
 /// For messages of the shell that runs a command: outside the folder that tests look into.
 std::string sibling(const Folder& folder, const std::string& suffix) {
@@ -28,41 +16,6 @@ std::string sibling(const Folder& folder, const std::string& suffix) {
 
 }  // namespace
 
-Folder::Folder() {
-    std::string pattern = (fs::temp_directory_path() / "raylex test XXXXXX").string();  // a space, as users have them
-    if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("cannot make a folder for the test");
-    path_ = pattern;
-}
-
-Folder::~Folder() {
-    std::error_code failed;
-    fs::remove_all(path_, failed);
-}
-
-std::string Folder::path(const std::string& name) const {
-    return name.empty() ? path_ : path_ + "/" + name;
-}
-
-std::string Folder::write(const std::string& name, const std::string& text) const {
-    std::ofstream(path(name), std::ios::binary) << text;
-    return path(name);
-}
-
-bool Folder::has(const std::string& name) const {
-    return fs::exists(path(name));
-}
-
-std::string Folder::read(const std::string& name) const {
-    return file_text(path(name));
-}
-
-std::vector<std::string> Folder::names() const {
-    std::vector<std::string> result;
-    for (const auto& entry : fs::directory_iterator(path_)) result.push_back(entry.path().filename().string());
-    std::sort(result.begin(), result.end());
-    return result;
-}
-
 Outcome run_shell(const Folder& folder, const std::string& line) {
     const std::string script = sibling(folder, ".sh"), out = sibling(folder, ".out"), err = sibling(folder, ".err");
     std::ofstream(script) << "cd '" << folder.path() << "' || exit 99\nRAYLEX='" << raylex::test::binary_dir() << "/raylex'\n"
@@ -70,8 +23,8 @@ Outcome run_shell(const Folder& folder, const std::string& line) {
     const int status = std::system(("bash '" + script + "' >'" + out + "' 2>'" + err + "' </dev/null").c_str());
     Outcome outcome;
     outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    outcome.out = file_text(out);
-    outcome.err = file_text(err);
+    outcome.out = read_bytes(out);
+    outcome.err = read_bytes(err);
     for (const std::string& file : {script, out, err}) std::remove(file.c_str());
     return outcome;
 }

@@ -2,32 +2,14 @@
 #pragma once
 
 #include <string>
-#include <vector>
+
+#include "tests/support/folder.h"
 
 namespace raylex::test {
 
 struct Outcome {
     int code = -1;  ///< exit code; 128 + signal when a signal ended it
     std::string out, err;
-};
-
-/// A folder that is removed with everything in it.
-class Folder {
-  public:
-    Folder();
-    ~Folder();
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-
-    [[nodiscard]] std::string path(const std::string& name = {}) const;
-    std::string write(const std::string& name, const std::string& text) const;  ///< returns the path
-    [[nodiscard]] bool has(const std::string& name) const;
-    [[nodiscard]] std::string read(const std::string& name) const;
-    /// Names of everything in it, sorted.
-    [[nodiscard]] std::vector<std::string> names() const;
-
-  private:
-    std::string path_;
 };
 
 /// Runs a line of bash in `folder`; $RAYLEX is the program.

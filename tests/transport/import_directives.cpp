@@ -160,7 +160,7 @@ TEST_CASE("an area light inside an object stays dark, as in pbrt, and says so", 
 }
 
 TEST_CASE("Include continues the state, Import does not leak it, and both read gzip files", "[import]") {
-    const ScratchFolder folder("include");
+    const Folder folder;
     folder.write("parts/inner.pbrt", triangle);
     folder.write("parts/included.pbrt.gz", gzip("Translate 1 0 0 Include \"parts/inner.pbrt\"\n"));
     folder.write("parts/beside.pbrt", "Include \"inner.pbrt\"\n");  // found beside the file that names it
@@ -182,7 +182,7 @@ TEST_CASE("Include continues the state, Import does not leak it, and both read g
 }
 
 TEST_CASE("file names become absolute, the scene's folder before the including file's", "[import]") {
-    const ScratchFolder folder("names");
+    const Folder folder;
     folder.write("a.png", "");
     folder.write("parts/a.png", "");
     folder.write("parts/b.spd", "400 1 700 1");
@@ -191,8 +191,8 @@ TEST_CASE("file names become absolute, the scene's folder before the including f
                  "Material \"conductor\" \"spectrum eta\" \"b.spd\" \"spectrum k\" \"metal-Cu-k\"");
     const auto scene = import_pbrt(folder.write("scene.pbrt", "WorldBegin Include \"parts/textures.pbrt\"\n"));
     if (!scene) FAIL(scene.error().to_string());
-    CHECK(*scene->textures[0].parameters.string_or("filename", "") == folder.file("a.png"));
-    CHECK(scene->materials[1].parameters.find("eta")->strings[0] == folder.file("parts/b.spd"));
+    CHECK(*scene->textures[0].parameters.string_or("filename", "") == folder.path("a.png"));
+    CHECK(scene->materials[1].parameters.find("eta")->strings[0] == folder.path("parts/b.spd"));
     CHECK(scene->materials[1].parameters.find("k")->strings[0] == "metal-Cu-k");
 }
 

@@ -191,34 +191,34 @@ TEST_CASE("an error of meaning names line, column and near misses", "[law7][impo
 }
 
 TEST_CASE("an error inside an included file names that file", "[law7][import]") {
-    const ScratchFolder folder("include_error");
+    const Folder folder;
     folder.write("parts/broken.pbrt", "AttributeBegin\n  Shap \"sphere\"\nAttributeEnd\n");
     const auto scene =
         raylex::transport::import_pbrt(folder.write("scene.pbrt", "WorldBegin\nInclude \"parts/broken.pbrt\"\n"));
     REQUIRE_FALSE(scene);
-    CHECK(scene.error().file == folder.file("parts/broken.pbrt"));
+    CHECK(scene.error().file == folder.path("parts/broken.pbrt"));
     CHECK(scene.error().line == 2);
     CHECK(scene.error().column == 3);
 }
 
 TEST_CASE("a file that includes itself by a detour is an error", "[law7][import]") {
-    const ScratchFolder folder("include_cycle");
+    const Folder folder;
     folder.write("a.pbrt", "# a comment\n  Include \"parts/../b.pbrt\"");
     folder.write("b.pbrt", "Include \"a.pbrt\"");
-    fs::create_directories(folder.file("parts"));
-    const auto scene = raylex::transport::import_pbrt(folder.file("a.pbrt"));
+    fs::create_directories(folder.path("parts"));
+    const auto scene = raylex::transport::import_pbrt(folder.path("a.pbrt"));
     REQUIRE_FALSE(scene);
     CHECK(contains(scene.error().message, "includes itself"));
-    CHECK(scene.error().file == folder.file("b.pbrt"));
+    CHECK(scene.error().file == folder.path("b.pbrt"));
 }
 
 TEST_CASE("a missing scene, a folder and a truncated gzip file are errors that name the file", "[law7][import]") {
-    const ScratchFolder folder("missing");
-    const auto missing = raylex::transport::import_pbrt(folder.file("no.pbrt"));
+    const Folder folder;
+    const auto missing = raylex::transport::import_pbrt(folder.path("no.pbrt"));
     REQUIRE_FALSE(missing);
     CHECK(contains(missing.error().message, "cannot open"));
-    CHECK(missing.error().file == folder.file("no.pbrt"));
-    const auto directory = raylex::transport::import_pbrt(folder.file(""));
+    CHECK(missing.error().file == folder.path("no.pbrt"));
+    const auto directory = raylex::transport::import_pbrt(folder.path(""));
     REQUIRE_FALSE(directory);
     CHECK(contains(directory.error().message, "folder"));
     const auto truncated = raylex::transport::import_pbrt(

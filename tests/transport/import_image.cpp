@@ -64,20 +64,20 @@ std::string float_bytes(std::initializer_list<float> values, std::endian order) 
 }
 
 /// Every proper prefix of `content` must be refused with the file's name, from `least` bytes up.
-void check_truncation(const ScratchFolder& folder, const std::string& name, const std::string& content,
+void check_truncation(const Folder& folder, const std::string& name, const std::string& content,
                       std::size_t step = 1) {
     for (std::size_t size = 0; size < content.size(); size += step) {
         const auto image = read_image(folder.write(name, content.substr(0, size)));
         INFO(name << " cut to " << size << " of " << content.size());
         REQUIRE_FALSE(image);
-        REQUIRE(image.error().file == folder.file(name));
+        REQUIRE(image.error().file == folder.path(name));
     }
 }
 
 }  // namespace
 
 TEST_CASE("an 8-bit PNG is sRGB by default, linear or gamma on demand, row 0 on top", "[image]") {
-    const ScratchFolder folder("png8");
+    const Folder folder;
     using namespace std::string_literals;
     const std::string path = folder.write("a.png", png(2, 2, 8, 2, "\0\xff\0\0\0\x80\0"s + "\0\0\0\xff\x40\x40\x40"s));
     const Image srgb = read(path);
@@ -101,7 +101,7 @@ TEST_CASE("an 8-bit PNG is sRGB by default, linear or gamma on demand, row 0 on 
 }
 
 TEST_CASE("a 16-bit PNG keeps its precision and alpha is never decoded", "[image]") {
-    const ScratchFolder folder("png16");
+    const Folder folder;
     using namespace std::string_literals;
     const Image grey = read(folder.write("g.png", png(2, 1, 16, 0, "\0\x80\x01\xff\xff"s)), "linear");
     CHECK(grey.channels == 1);
@@ -118,7 +118,7 @@ TEST_CASE("a 16-bit PNG keeps its precision and alpha is never decoded", "[image
 }
 
 TEST_CASE("TGA is read from both ends, raw and run-length encoded", "[image]") {
-    const ScratchFolder folder("tga");
+    const Folder folder;
     using namespace std::string_literals;
     const auto header = [](char type, char descriptor) {
         return "\0\0"s + type + "\0\0\0\0\0\0\0\0\0\2\0\2\0\x18"s + descriptor;
@@ -165,7 +165,7 @@ TEST_CASE("OpenEXR gives RGB, RGBA in its data window, luminance or a lone chann
 }
 
 TEST_CASE("PFM is read bottom-up in both byte orders, with its scale", "[image]") {
-    const ScratchFolder folder("pfm");
+    const Folder folder;
     for (const std::endian order : {std::endian::little, std::endian::big}) {
         const std::string scale = order == std::endian::little ? "-2" : "2";
         const Image grey = read(folder.write("g.pfm", "Pf\n1 2\n" + scale + "\n" + float_bytes({0.5f, 3}, order)));
@@ -182,33 +182,30 @@ TEST_CASE("PFM is read bottom-up in both byte orders, with its scale", "[image]"
 }
 
 TEST_CASE("Radiance HDR keeps values above 1 and ignores the encoding", "[image]") {
-    const ScratchFolder folder("hdr");
+    const Folder folder;
     using namespace std::string_literals;
     // Shared exponent: mantissa 128 at exponent 130 is 128 * 2^(130 - 136) = 2.
     const std::string file =
         "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n"s + "\x80\x40\x20\x82"s + "\x80\x80\x80\x81"s;
     const Image image = read(folder.write("a.hdr", file), "linear");
     CHECK(image.pixels == std::vector<float>{2, 1, 0.5f, 1, 1, 1});
-    CHECK(read(folder.file("a.hdr")).pixels == image.pixels);
+    CHECK(read(folder.path("a.hdr")).pixels == image.pixels);
 }
 
 TEST_CASE("an image cut short anywhere is an error that names the file", "[image][law7]") {
-    const ScratchFolder folder("truncated");
-    const auto slurp = [](const std::string& path) {
-        std::ifstream file(path, std::ios::binary);
-        return std::string(std::istreambuf_iterator<char>(file), {});
-    };
-    check_truncation(folder, "a.jpg", slurp(data_folder + "halves.jpg"), 7);
-    check_truncation(folder, "a.exr", slurp(data_folder + "rgb_half.exr"), 5);
-    const std::string whole = slurp(raylex::test::source_dir() + "/experiments/scenes/still-life/leaf.png");
+    const Folder folder;
+    using raylex::test::read_bytes;
+    check_truncation(folder, "a.jpg", read_bytes(data_folder + "halves.jpg"), 7);
+    check_truncation(folder, "a.exr", read_bytes(data_folder + "rgb_half.exr"), 5);
+    const std::string whole = read_bytes(raylex::test::source_dir() + "/experiments/scenes/still-life/leaf.png");
     // The last 12 bytes are the empty end chunk: without it all pixels are there.
     check_truncation(folder, "a.png", whole.substr(0, whole.size() - 12), 3);
 }
 
 TEST_CASE("what is no image is an error that lists the formats", "[image][law7]") {
-    const ScratchFolder folder("noimage");
+    const Folder folder;
     const auto image = read_image(folder.write("a.png", "hello, I am text"));
     REQUIRE_FALSE(image);
     CHECK(contains(image.error().message, "expected PNG, JPEG, TGA, HDR, OpenEXR or PFM"));
-    CHECK_FALSE(read_image(folder.file("missing.png")));
+    CHECK_FALSE(read_image(folder.path("missing.png")));
 }

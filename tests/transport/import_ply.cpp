@@ -270,7 +270,7 @@ TEST_CASE("a count that the file cannot hold is refused before memory is asked f
 }
 
 TEST_CASE("a plymesh becomes shapes that remember their file; triangles and quads part ways", "[import][ply]") {
-    const ScratchFolder folder("plymesh");
+    const Folder folder;
     folder.write("meshes/all.ply", full_file(Order::big));
     const auto scene = import_pbrt(folder.write(
         "s.pbrt",
@@ -289,6 +289,6 @@ TEST_CASE("a plymesh becomes shapes that remember their file; triangles and quad
     const auto broken =
         import_pbrt(folder.write("b.pbrt", "WorldBegin\nShape \"plymesh\" \"string filename\" \"s.pbrt\""));
     REQUIRE_FALSE(broken);
-    CHECK(broken.error().file == folder.file("s.pbrt"));
+    CHECK(broken.error().file == folder.path("s.pbrt"));
     CHECK(contains(broken.error().hint, "b.pbrt:2"));
 }

@@ -199,14 +199,14 @@ TEST_CASE("reflectances and lights move to the rendering space, indices do not",
 }
 
 TEST_CASE("a spectrum file is read, and its slips are named", "[spectrum][law7]") {
-    const ScratchFolder folder("spd");
+    const Folder folder;
     const auto file = [&](const std::string& content) {
         return parameter_of(ParameterType::spectrum, {}, {folder.write("s.spd", content)});
     };
     CHECK(resolved(file("# nm value\n200 0.25 # low\n\n900\t0.25\r\n"), SpectrumRole::unbounded) == Rgb(0.25f));
     const auto broken = resolve_spectrum(file("400 1\n500 x\n"), SpectrumRole::unbounded, {});
     REQUIRE_FALSE(broken);
-    CHECK(broken.error().file == folder.file("s.spd"));
+    CHECK(broken.error().file == folder.path("s.spd"));
     CHECK(broken.error().line == 2);
     CHECK(contains(broken.error().message, "found 'x'"));
     CHECK_FALSE(resolve_spectrum(file("400 1 500"), SpectrumRole::unbounded, {}));

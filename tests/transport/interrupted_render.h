@@ -2,40 +2,25 @@
 #pragma once
 
 #include <atomic>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <unistd.h>
+#include <string>
 
+#include "tests/support/folder.h"
 #include "transport/render_support.h"
 
 namespace render_test {
 
+/// A file that is not there yet, in a folder of its own.
 class ScratchFile {
   public:
-    ScratchFile() {
-        std::string name = (std::filesystem::temp_directory_path() / "raylex checkpoint XXXXXX").string();
-        if (mkdtemp(name.data()) == nullptr) std::abort();
-        folder_ = name;
-    }
-    ~ScratchFile() {
-        std::error_code ignored;
-        std::filesystem::remove_all(folder_, ignored);
-    }
-    ScratchFile(const ScratchFile&) = delete;
-    ScratchFile& operator=(const ScratchFile&) = delete;
-    [[nodiscard]] std::string path() const { return folder_ + "/image.checkpoint"; }
-    [[nodiscard]] bool exists() const { return std::filesystem::exists(path()); }
-    [[nodiscard]] std::string bytes() const {
-        std::ifstream file(path(), std::ios::binary);
-        return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-    }
-    void write(const std::string& bytes) const { std::ofstream(path(), std::ios::binary) << bytes; }
+    [[nodiscard]] std::string path() const { return folder_.path(name); }
+    [[nodiscard]] bool exists() const { return folder_.has(name); }
+    [[nodiscard]] std::string bytes() const { return folder_.read(name); }
+    void write(const std::string& bytes) const { folder_.write(name, bytes); }
 
   private:
-    std::string folder_;
+    static constexpr const char* name = "image.checkpoint";
+    raylex::test::Folder folder_;
 };
-
 
 /// Stops a render from within, after so many camera samples: a clock would stop it anywhere or, on a fast machine, never.
 class Interruption {
