@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "display/buffer/pixel_filter.h"
+#include "transport/import/known_parameters.h"
 #include "transport/integrators/integrator.h"
 #include "transport/samplers/sampler.h"
 
@@ -18,19 +19,10 @@ Status check_entity(const std::optional<transport::SceneEntity>& entity, const R
     const auto* entry = registry.find(entity->type);
     if (entry == nullptr) return success();
     std::vector<std::string> known;
-    std::string list;
-    for (const ParameterDescription& each : entry->parameters) {
-        known.push_back(each.name);
-        list += (list.empty() ? "" : ", ") + each.name;
-    }
-    for (const Parameter& parameter : entity->parameters.parameters) {
-        if (std::find(known.begin(), known.end(), parameter.name) != known.end()) continue;
-        const std::string near = nearest_name(parameter.name, known);
-        return error_at(parameter.location,
-                        kind + " '" + entity->type + "' has no parameter '" + parameter.name +
-                            (list.empty() ? "'; it takes none" : "'; expected one of: " + list),
-                        near.empty() ? std::string() : "did you mean '" + near + "'?");
-    }
+    for (const ParameterDescription& each : entry->parameters) known.push_back(each.name);
+    for (const Parameter& parameter : entity->parameters.parameters)
+        if (std::find(known.begin(), known.end(), parameter.name) == known.end())
+            return transport::unknown_parameter(kind, entity->type, parameter, known);
     return success();
 }
 

@@ -166,7 +166,6 @@ Result<std::vector<SceneShape>> make_inline_mesh(ShapeKind kind, const Parameter
     Result<std::vector<Vec3>> normals = normals_of(set, shape.positions.size());
     if (!normals) return normals.error();
     shape.normals = std::move(*normals);
-    (void)set.find("faceIndices");  // per-face ids for pbrt's ptex only
     if (Status status = transform_vertices(shape, context); !status) return status.error();
     warn_dropped(drop_degenerate(shape), shape, "the mesh", warnings);
     std::vector<SceneShape> shapes;
@@ -178,9 +177,6 @@ Result<std::vector<SceneShape>> make_inline_mesh(ShapeKind kind, const Parameter
 
 Result<std::vector<SceneShape>> make_triangle_mesh(const ParameterSet& set, const ShapeContext& context,
                                                    std::vector<Error>& warnings) {
-    if (const Parameter* tangents = set.find("S"))
-        warnings.push_back(error_at(tangents->location,
-                                    "tangents 'S' are not used; anisotropic materials follow the texture coordinates"));
     return make_inline_mesh(ShapeKind::triangle_mesh, set, context, warnings);
 }
 

@@ -77,7 +77,6 @@ Status SceneBuilder::apply(Directive& directive, const SearchPath& search) {
     if (Status status = require_block(directive); !status) return status;
     scene_.warnings.insert(scene_.warnings.end(), directive.warnings.begin(), directive.warnings.end());
     switch (directive.id) {
-        case DirectiveId::accelerator:
         case DirectiveId::transform_times:  // without moving transforms its times mean nothing
         case DirectiveId::include:
         case DirectiveId::import:
@@ -111,7 +110,9 @@ Status SceneBuilder::apply(Directive& directive, const SearchPath& search) {
         case DirectiveId::integrator:
         case DirectiveId::pixel_filter:
         case DirectiveId::sampler:
-            return settings(directive, search);
+            return settings(directive);
+        case DirectiveId::accelerator:
+            return accelerator(directive);
         case DirectiveId::active_transform:
             return active_transform(directive);
         case DirectiveId::identity:
@@ -260,21 +261,34 @@ Status SceneBuilder::attribute(Directive& directive) {
     return success();
 }
 
-Status SceneBuilder::settings(Directive& directive, const SearchPath&) {
+/// How intersections are found is Embree's business, and no image depends on it.
+Status SceneBuilder::accelerator(const Directive& directive) {
+    const ParameterSet& set = directive.parameters;
+    return parameters_.check(EntityKind::accelerator, directive.strings[0], set, set.parameters.size(),
+                             scene_.warnings);
+}
+
+Status SceneBuilder::settings(Directive& directive) {
     SceneEntity entity;
     entity.type = directive.strings[0];
     entity.parameters = std::move(directive.parameters);
     entity.location = directive.location;
+    EntityKind kind = EntityKind::sampler;
+    SceneEntity* target = &scene_.sampler;
     if (directive.id == DirectiveId::film) {
+        kind = EntityKind::film;
+        target = &scene_.film;
         scene_.color.scene_space = state_.color_space;
-        scene_.film = std::move(entity);
     } else if (directive.id == DirectiveId::integrator) {
-        scene_.integrator = std::move(entity);
+        kind = EntityKind::integrator;
+        target = &scene_.integrator;
     } else if (directive.id == DirectiveId::pixel_filter) {
-        scene_.filter = std::move(entity);
-    } else {
-        scene_.sampler = std::move(entity);
+        kind = EntityKind::pixel_filter;
+        target = &scene_.filter;
     }
+    const std::size_t own = entity.parameters.parameters.size();
+    if (Status s = parameters_.check(kind, entity.type, entity.parameters, own, scene_.warnings); !s) return s;
+    *target = std::move(entity);
     return success();
 }
 
@@ -283,6 +297,9 @@ Status SceneBuilder::camera(Directive& directive) {
     if (!world_to_camera) return world_to_camera.error();
     scene_.camera_to_world = world_to_camera->inverse();
     coordinate_systems_["camera"] = {scene_.camera_to_world, scene_.camera_to_world};
+    const ParameterSet& set = directive.parameters;
+    const std::size_t own = set.parameters.size();
+    if (Status s = parameters_.check(EntityKind::camera, directive.strings[0], set, own, scene_.warnings); !s) return s;
     scene_.camera.type = directive.strings[0];
     scene_.camera.parameters = std::move(directive.parameters);
     scene_.camera.location = directive.location;

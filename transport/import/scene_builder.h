@@ -7,6 +7,7 @@
 
 #include "transport/import/graphics_state.h"
 #include "transport/import/input_file.h"
+#include "transport/import/known_parameters.h"
 #include "transport/import/parser.h"
 #include "transport/scene/scene_description.h"
 
@@ -53,7 +54,8 @@ class SceneBuilder {
     Status medium_interface(const Directive& directive);
     Status option(const Directive& directive);
     Status attribute(Directive& directive);
-    Status settings(Directive& directive, const SearchPath& search);
+    Status accelerator(const Directive& directive);
+    Status settings(Directive& directive);
     Status camera(Directive& directive);
     // scene_builder_transforms.cpp
     Status transform(const Directive& directive);
@@ -72,8 +74,7 @@ class SceneBuilder {
     Status shape(Directive& directive, const SearchPath& search);
     Status object_begin(const Directive& directive);
     Status instance(const Directive& directive);
-    Result<SceneEntity> make_entity(Directive& directive, std::string type, const char* target, bool light,
-                                    const SearchPath& search);
+    Result<SceneEntity> make_entity(Directive& directive, std::string type, EntityKind kind, const SearchPath& search);
     Status resolve_files(ParameterSet& set, const SearchPath& search) const;
     // scene_builder_names.cpp
     Status resolve_materials();
@@ -84,6 +85,7 @@ class SceneBuilder {
     Error no_such_texture(const std::string& name, const SourceLocation& where, const char* kind) const;
 
     SceneDescription scene_;
+    ParameterChecker parameters_;
     GraphicsState state_;
     std::vector<Saved> stack_;
     std::map<std::string, std::array<Transform, 2>> coordinate_systems_;

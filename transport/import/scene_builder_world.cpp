@@ -18,6 +18,20 @@ std::string material_type(const std::string& written) {
     return written.empty() || written == "none" ? "interface" : written;
 }
 
+/// What Attribute calls entities of this kind.
+const char* attribute_target(EntityKind kind) {
+    switch (kind) {
+        case EntityKind::material:
+            return "material";
+        case EntityKind::medium:
+            return "medium";
+        case EntityKind::texture:
+            return "texture";
+        default:
+            return "light";
+    }
+}
+
 /// Takes "string type" out of a MakeNamed... directive's parameters.
 Result<std::string> take_type(Directive& directive, const std::string& kind, const std::string& example) {
     std::vector<Parameter>& parameters = directive.parameters.parameters;
@@ -65,14 +79,17 @@ Status SceneBuilder::world_entity(Directive& directive, const SearchPath& search
 }
 
 /// Own parameters first; those set by Attribute fill the gaps. Colours end up in the film's space, files absolute.
-Result<SceneEntity> SceneBuilder::make_entity(Directive& directive, std::string type, const char* target, bool light,
+Result<SceneEntity> SceneBuilder::make_entity(Directive& directive, std::string type, EntityKind kind,
                                               const SearchPath& search) {
+    // A medium's colours are those of a light, "Le"; its coefficients are none.
+    const bool light = kind != EntityKind::material && kind != EntityKind::texture;
     SceneEntity entity;
     entity.type = std::move(type);
     entity.location = directive.location;
     entity.parameters = std::move(directive.parameters);
+    const std::size_t own = entity.parameters.parameters.size();
     convert_colors(entity.parameters, scene_.color.scene_space, state_.color_space, light);
-    const auto found = state_.defaults.find(target);
+    const auto found = state_.defaults.find(attribute_target(kind));
     if (found != state_.defaults.end()) {
         for (const DefaultParameter& fallback : found->second) {
             if (std::any_of(entity.parameters.parameters.begin(), entity.parameters.parameters.end(),
@@ -84,6 +101,7 @@ Result<SceneEntity> SceneBuilder::make_entity(Directive& directive, std::string 
             entity.parameters.parameters.push_back(std::move(one.parameters.front()));
         }
     }
+    if (Status s = parameters_.check(kind, entity.type, entity.parameters, own, scene_.warnings); !s) return s.error();
     if (Status status = resolve_files(entity.parameters, search); !status) return status.error();
     return entity;
 }
@@ -114,7 +132,8 @@ Status SceneBuilder::resolve_files(ParameterSet& set, const SearchPath& search) 
 }
 
 Status SceneBuilder::material(Directive& directive, const SearchPath& search) {
-    Result<SceneEntity> entity = make_entity(directive, material_type(directive.strings[0]), "material", false, search);
+    Result<SceneEntity> entity =
+        make_entity(directive, material_type(directive.strings[0]), EntityKind::material, search);
     if (!entity) return entity.error();
     scene_.materials.push_back(std::move(*entity));
     material_references_.push_back({static_cast<int>(scene_.materials.size()) - 1, {}, {}});
@@ -131,7 +150,7 @@ Status SceneBuilder::named_material(Directive& directive, const SearchPath& sear
         return error_at(directive.string_locations[0], "material '" + name + "' is defined twice; the first is at " +
                                                            where.file + ":" + std::to_string(where.line));
     }
-    Result<SceneEntity> entity = make_entity(directive, material_type(*written), "material", false, search);
+    Result<SceneEntity> entity = make_entity(directive, material_type(*written), EntityKind::material, search);
     if (!entity) return entity.error();
     entity->name = name;
     named_materials_[name] = static_cast<int>(scene_.materials.size());
@@ -148,8 +167,7 @@ Status SceneBuilder::named_medium(Directive& directive, const SearchPath& search
     }
     const Result<std::string> type = take_type(directive, "medium", "homogeneous");
     if (!type) return type.error();
-    // Its colours are those of a light, "Le"; coefficients are none.
-    Result<SceneEntity> entity = make_entity(directive, *type, "medium", true, search);
+    Result<SceneEntity> entity = make_entity(directive, *type, EntityKind::medium, search);
     if (!entity) return entity.error();
     entity->name = name;
     named_media_[name] = static_cast<int>(scene_.media.size());
@@ -169,7 +187,7 @@ Status SceneBuilder::texture(Directive& directive, const SearchPath& search) {
                                 earlier.location.file + ":" + std::to_string(earlier.location.line));
     const Result<Transform> transform = still_transform(directive.location);
     if (!transform) return transform.error();
-    Result<SceneEntity> entity = make_entity(directive, directive.strings[2], "texture", false, search);
+    Result<SceneEntity> entity = make_entity(directive, directive.strings[2], EntityKind::texture, search);
     if (!entity) return entity.error();
     SceneTexture texture;
     static_cast<SceneEntity&>(texture) = std::move(*entity);
@@ -183,7 +201,7 @@ Status SceneBuilder::texture(Directive& directive, const SearchPath& search) {
 Status SceneBuilder::light(Directive& directive, const SearchPath& search) {
     const Result<Transform> transform = still_transform(directive.location);
     if (!transform) return transform.error();
-    Result<SceneEntity> entity = make_entity(directive, directive.strings[0], "light", true, search);
+    Result<SceneEntity> entity = make_entity(directive, directive.strings[0], EntityKind::light, search);
     if (!entity) return entity.error();
     SceneLight light;
     static_cast<SceneEntity&>(light) = std::move(*entity);
@@ -193,7 +211,7 @@ Status SceneBuilder::light(Directive& directive, const SearchPath& search) {
 }
 
 Status SceneBuilder::area_light(Directive& directive, const SearchPath& search) {
-    Result<SceneEntity> entity = make_entity(directive, directive.strings[0], "light", true, search);
+    Result<SceneEntity> entity = make_entity(directive, directive.strings[0], EntityKind::area_light, search);
     if (!entity) return entity.error();
     SceneAreaLight light;
     static_cast<SceneEntity&>(light) = std::move(*entity);
@@ -213,14 +231,10 @@ Status SceneBuilder::shape(Directive& directive, const SearchPath& search) {
             if (std::none_of(set.parameters.begin(), set.parameters.end(),
                              [&](const Parameter& p) { return p.name == fallback.parameter.name; }))
                 set.parameters.push_back(fallback.parameter);
+    if (Status s = parameters_.check(EntityKind::shape, directive.strings[0], set, own, scene_.warnings); !s) return s;
     Result<std::vector<SceneShape>> shapes =
         make_shapes(directive.strings[0], set, {*transform, state_.reverse_orientation, search}, scene_.warnings);
     if (!shapes) return shapes.error();
-    for (std::size_t i = 0; i < own; ++i)
-        if (!set.parameters[i].used)
-            scene_.warnings.push_back(error_at(
-                set.parameters[i].location,
-                "parameter '" + set.parameters[i].name + "' means nothing to shape '" + directive.strings[0] + "'"));
     const bool emits = state_.area_light >= 0;
     if (emits && active_object_ >= 0)
         scene_.warnings.push_back(error_at(

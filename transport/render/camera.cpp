@@ -45,8 +45,6 @@ Result<PerspectiveCamera> PerspectiveCamera::build(const SceneEntity& entity, co
             return error_at(p->location, "'screenwindow' must be four numbers: x min, x max, y min, y max");
         for (std::size_t i = 0; i < 4; ++i) screen[i] = p->numbers[i];
     }
-    for (const char* ignored : {"shutteropen", "shutterclose"})
-        static_cast<void>(set.find(ignored));  // nothing moves yet
     warn_unused(entity, "the perspective camera", warnings);
 
     PerspectiveCamera camera;
@@ -89,10 +87,11 @@ Ray PerspectiveCamera::generate(float x, float y, const Vec2& lens) const {
     return ray;
 }
 
-// A raster position r and a point of the lens o give the direction D(r) = M (f q(r) - o), where q(r) lies on the plane at
-// distance 1, f is the focal distance and M the linear part of camera to world. Then d(omega)/d(r) = |det(D, D_x, D_y)| / |D|^3 =
-// |det M| f^3 pixel_area / |D|^3, and a point at p in camera space, seen from o, lies on D at |D| = distance f / (p - o)_z.
-// The measurement is a mean over the lens, from which o is drawn, so that densities of o cancel.
+// A raster position r and a point of the lens o give the direction D(r) = M (f q(r) - o), where q(r) lies on the plane
+// at distance 1, f is the focal distance and M the linear part of camera to world. Then d(omega)/d(r) = |det(D, D_x,
+// D_y)| / |D|^3 = |det M| f^3 pixel_area / |D|^3, and a point at p in camera space, seen from o, lies on D at |D| =
+// distance f / (p - o)_z. The measurement is a mean over the lens, from which o is drawn, so that densities of o
+// cancel.
 bool PerspectiveCamera::connect(const Vec3& point, const Vec2& lens, CameraConnection& connection) const {
     DVec3 seen = to_camera_.point(DVec3(point));
     if (!(seen.z > 0)) return false;
@@ -143,14 +142,8 @@ Result<FilmSettings> read_film(const SceneEntity& film, const std::optional<std:
     if (!film.type.empty() && film.type != "rgb")
         warnings.push_back(
             error_at(film.location, "film '" + film.type + "' is written as plain radiance, as film 'rgb'"));
-    for (const char* name : {"sensor", "iso", "exposuretime", "whitebalance", "maxcomponentvalue"})
-        if (const Parameter* p = set.find(name)) {
-            const bool harmless = std::string(name) == "sensor" && p->strings.size() == 1 && p->strings[0] == "cie1931";
-            if (!harmless)
-                warnings.push_back(
-                    error_at(p->location, std::string("'") + name + "' is ignored: raylex writes plain radiance"));
-        }
-    for (const char* name : {"filename", "savefp16", "diagonal"}) static_cast<void>(set.find(name));
+    // Where the image goes is said beside the scene, and a pinhole or thin lens does not ask for the film's size.
+    for (const char* name : {"filename", "diagonal"}) static_cast<void>(set.find(name));
     warn_unused(film, "the film", warnings);
     return settings;
 }

@@ -15,7 +15,6 @@ Result<SamplerChoice> read_choice(const SceneEntity& entity, SamplerKind kind, b
     auto seed = entity.parameters.integer_or("seed", 0);
     if (!seed) return seed.error();
     choice.seed = static_cast<std::uint64_t>(*seed);
-    static_cast<void>(entity.parameters.find("randomization"));  // ours is always Owen scrambling
     if (another_sequence)
         choice.warnings.push_back(error_at(
             entity.location, "sampler '" + entity.type +
@@ -30,7 +29,6 @@ Result<SamplerChoice> read_stratified(const SceneEntity& entity) {
     if (!x) return x.error();
     auto y = entity.parameters.integer_or("ysamples", 4);
     if (!y) return y.error();
-    static_cast<void>(entity.parameters.find("jitter"));
     if (*x < 1 || *y < 1) return error_at(entity.location, "'xsamples' and 'ysamples' must be at least 1");
     choice->samples_per_pixel = static_cast<std::uint64_t>(*x) * static_cast<std::uint64_t>(*y);
     return choice;

@@ -1,0 +1,216 @@
+#include "transport/import/known_parameters.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+
+#include "display/buffer/pixel_filter.h"
+#include "transport/integrators/integrator.h"
+#include "transport/lights/light_table.h"
+#include "transport/materials/material.h"
+#include "transport/materials/pattern.h"
+#include "transport/media/medium.h"
+#include "transport/samplers/sampler.h"
+
+namespace raylex::transport {
+namespace {
+
+using Names = std::vector<std::string>;
+
+/// What pbrt-v4 reads and raylex does not.
+struct Ignored {
+    std::string name;
+    Names honoured;  ///< values with which nothing is lost
+    std::string why;
+};
+
+/// What a type takes beside the parameters that its registry entry declares.
+struct Row {
+    EntityKind kind;
+    std::string type;
+    Names taken;  ///< read, refused with an error of their own, or without any effect on an image
+    std::vector<Ignored> ignored;
+};
+
+// After the file format of pbrt-v4 (pbrt.org/fileformat-v4) and what its source looks up.
+std::vector<Row> make_table() {
+    using enum EntityKind;
+    const std::string plain = "raylex writes plain radiance", scrambled = "points are always Owen-scrambled",
+                      by_power = "lights are chosen by their power", as_path = "'path' takes the integrator's place",
+                      bilinear = "images are interpolated without regard to the footprint of a pixel";
+    const Names every_film{"xresolution", "yresolution", "cropwindow", "pixelbounds", "filename", "diagonal"};
+    const std::vector<Ignored> sensor{
+        {"sensor", {"cie1931"}, plain},   {"iso", {"100"}, plain},
+        {"exposuretime", {"1"}, plain},   {"whitebalance", {"0"}, plain},
+        {"maxcomponentvalue", {}, plain}, {"savefp16", {"false"}, "[exr] of a job says how values are stored"}};
+    std::vector<Ignored> geometry = sensor, spectrum = sensor;
+    geometry.push_back({"coordinatesystem", {}, plain});
+    for (const char* name : {"nbuckets", "lambdamin", "lambdamax"}) spectrum.push_back({name, {}, plain});
+    const std::vector<Ignored> owen{{"randomization", {"owen", "fastowen"}, scrambled}},
+        light_choice{{"lightsampler", {"power", "uniform"}, by_power}};
+    const auto all_ignored = [](const Names& names, const std::string& why) {
+        std::vector<Ignored> list;
+        for (const std::string& name : names) list.push_back({name, {}, why});
+        return list;
+    };
+    const Names bumps{"displacement", "normalmap"}, band{"radius", "zmin", "zmax", "phimax", "alpha"};
+    const Names mesh{"P", "N", "uv", "indices", "faceIndices", "alpha"};
+    Names patches = mesh;
+    patches.push_back("emissionfilename");
+    return {
+        {accelerator, "bvh", {"maxnodeprims", "splitmethod"}, {}},
+        {accelerator, "kdtree", {"intersectcost", "traversalcost", "emptybonus", "maxprims", "maxdepth"}, {}},
+        {area_light, "diffuse", {"power", "filename"}, {}},
+        {camera,
+         "perspective",
+         {"fov", "lensradius", "focaldistance", "frameaspectratio", "screenwindow"},
+         {{"shutteropen", {"0"}, "nothing moves, and " + plain},
+          {"shutterclose", {"1"}, "nothing moves, and " + plain}}},
+        {film, "gbuffer", every_film, geometry},
+        {film, "rgb", every_film, sensor},
+        {film, "spectral", every_film, spectrum},
+        {integrator,
+         "bdpt",
+         {"maxdepth"},
+         all_ignored({"regularize", "visualizestrategies", "visualizeweights"}, as_path)},
+        {integrator, "lightpath", {"maxdepth"}, {}},
+        {integrator,
+         "mlt",
+         {"maxdepth"},
+         all_ignored({"bootstrapsamples", "chains", "largestepprobability", "mutationsperpixel", "regularize", "sigma"},
+                     as_path)},
+        {integrator, "path", {}, light_choice},
+        {integrator, "randomwalk", {"maxdepth"}, {}},
+        {integrator, "simplepath", {"maxdepth"}, all_ignored({"samplebsdf", "samplelights"}, as_path)},
+        {integrator, "simplevolpath", {"maxdepth"}, {}},
+        {integrator, "sppm", {"maxdepth"}, all_ignored({"photonsperiteration", "radius", "seed"}, as_path)},
+        {integrator, "volpath", {}, light_choice},
+        {light, "infinite", {"portal"}, {}},
+        {material, "coatedconductor", bumps, {}},
+        {material, "coateddiffuse", bumps, {}},
+        {material, "conductor", bumps, {}},
+        {material, "dielectric", bumps, {}},
+        {material, "diffuse", bumps, {{"sigma", {"0"}, "the surface is Lambert's"}}},
+        {material, "thindielectric", bumps, {}},
+        {sampler, "halton", {}, {{"randomization", {"owen"}, scrambled}}},
+        {sampler, "paddedsobol", {}, owen},
+        {sampler, "sobol", {}, owen},
+        {sampler, "stratified", {}, {{"jitter", {"true"}, scrambled}}},
+        {sampler, "zsobol", {}, owen},
+        {shape, "bilinearmesh", patches, {}},
+        {shape, "cylinder", band, {}},
+        {shape, "disk", {"height", "radius", "innerradius", "phimax", "alpha"}, {}},
+        {shape, "plymesh", {"filename", "displacement", "edgelength", "alpha"}, {}},
+        {shape, "sphere", band, {}},
+        {shape, "trianglemesh", mesh, {{"S", {}, "anisotropic materials follow the texture coordinates"}}},
+        {texture, "imagemap", {"maxanisotropy"}, {{"filter", {"bilinear", "point"}, bilinear}}},
+    };
+}
+
+const Row* find_row(EntityKind kind, const std::string& type) {
+    static const std::vector<Row> table = make_table();
+    for (const Row& row : table)
+        if (row.kind == kind && row.type == type) return &row;
+    return nullptr;
+}
+
+template <typename Factory>
+const std::vector<ParameterDescription>* declared_by(const Registry<Factory>& registry, const std::string& type) {
+    const auto* entry = registry.find(type);
+    return entry != nullptr ? &entry->parameters : nullptr;
+}
+
+/// What a plugin or an in-tree type says that it takes; null when it is not registered.
+const std::vector<ParameterDescription>* declared(EntityKind kind, const std::string& type) {
+    switch (kind) {
+        case EntityKind::area_light:
+            return declared_by(area_light_registry(), type);
+        case EntityKind::integrator:
+            return declared_by(integrator_registry(), type);
+        case EntityKind::light:
+            return declared_by(light_registry(), type);
+        case EntityKind::material:
+            return declared_by(material_registry(), type);
+        case EntityKind::medium:
+            return declared_by(medium_registry(), type);
+        case EntityKind::pixel_filter:
+            return declared_by(display::pixel_filter_registry(), type);
+        case EntityKind::sampler:
+            return declared_by(sampler_registry(), type);
+        case EntityKind::texture:
+            return declared_by(pattern_registry(), type);
+        default:
+            return nullptr;
+    }
+}
+
+const char* kind_name(EntityKind kind) {
+    constexpr std::array<const char*, 12> names{"accelerator",  "area light", "camera",   "film",
+                                                "integrator",   "light",      "material", "medium",
+                                                "pixel filter", "sampler",    "shape",    "texture"};
+    return names[static_cast<std::size_t>(kind)];
+}
+
+/// One value as a scene file writes it; empty when there are several.
+std::string value_text(const Parameter& parameter) {
+    if (parameter.strings.size() + parameter.booleans.size() + parameter.numbers.size() != 1) return {};
+    if (!parameter.strings.empty()) return parameter.strings.front();
+    if (!parameter.booleans.empty()) return parameter.booleans.front() != 0 ? "true" : "false";
+    std::array<char, 32> text{};
+    const auto end = std::to_chars(text.data(), text.data() + text.size(), parameter.numbers.front());
+    return {text.data(), end.ptr};
+}
+
+bool holds(const Names& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+}  // namespace
+
+Error unknown_parameter(const std::string& kind, const std::string& type, const Parameter& parameter,
+                        const std::vector<std::string>& known) {
+    std::string list;
+    for (const std::string& each : known) list += (list.empty() ? "" : ", ") + each;
+    const std::string near = nearest_name(parameter.name, known);
+    return error_at(parameter.location,
+                    kind + " '" + type + "' has no parameter '" + parameter.name +
+                        (list.empty() ? "'; it takes none" : "'; expected one of: " + list),
+                    near.empty() ? std::string() : "did you mean '" + near + "'?");
+}
+
+Status ParameterChecker::check(EntityKind kind, const std::string& type, const ParameterSet& set, std::size_t own,
+                               std::vector<Error>& warnings) {
+    const Row* row = find_row(kind, type);
+    const std::vector<ParameterDescription>* entry = declared(kind, type);
+    if (row == nullptr && entry == nullptr) return success();
+    Names read, known;
+    if (entry != nullptr)
+        for (const ParameterDescription& each : *entry) read.push_back(each.name);
+    if (row != nullptr) read.insert(read.end(), row->taken.begin(), row->taken.end());
+    known = read;
+    if (row != nullptr)
+        for (const Ignored& each : row->ignored)
+            if (!holds(read, each.name)) known.push_back(each.name);
+
+    for (std::size_t i = 0; i < set.parameters.size(); ++i) {
+        const Parameter& parameter = set.parameters[i];
+        if (!holds(known, parameter.name)) {
+            if (i < own) return unknown_parameter(kind_name(kind), type, parameter, known);
+            parameter.used = true;  // an Attribute speaks to all types at once
+            continue;
+        }
+        if (row == nullptr) continue;
+        const auto ignored = std::find_if(row->ignored.begin(), row->ignored.end(),
+                                          [&](const Ignored& each) { return each.name == parameter.name; });
+        // A plugin may honour under a type's name what the type itself does not.
+        if (ignored == row->ignored.end() || (ignored->honoured.empty() && holds(read, parameter.name))) continue;
+        parameter.used = true;
+        if (holds(ignored->honoured, value_text(parameter))) continue;
+        const std::string message = std::string("parameter '") + parameter.name + "' of " + kind_name(kind) + " '" +
+                                    type + "' is ignored: " + ignored->why;
+        if (said_.insert(message).second) warnings.push_back(error_at(parameter.location, message));
+    }
+    return success();
+}
+
+}  // namespace raylex::transport
