@@ -122,7 +122,8 @@ ProgramTables lay_out(const EventClasses& classes, std::vector<Dfa> dfas, std::s
 
 ProgramTables lay_out(const EventClasses& classes, const Grouping& grouping, std::span<const ChannelSource> channels,
                       const CompileOptions& options) {
-    const std::size_t lane_words = grouping.lanes.empty() ? 0 : 1 + lane_word_count(grouping.lanes, grouping.lane_places);
+    const std::size_t lane_words =
+        grouping.lanes.empty() ? 0 : 1 + lane_word_count(grouping.lanes, grouping.lane_places);
     if (grouping.tables.size() + lane_words > options.word_cap) {
         fail("these channels need " + std::to_string(grouping.tables.size() + lane_words) + " words of state; " +
                  std::to_string(options.word_cap) + " are allowed",
@@ -139,7 +140,8 @@ void ProgramTables::make_blocks() {
     block_begin.assign(1, 0);
     blocks.clear();
     for (std::size_t state = 0; state + 1 < accept_begin.size(); ++state) {
-        blocks.insert(blocks.end(), accept_lists.begin() + accept_begin[state], accept_lists.begin() + accept_begin[state + 1]);
+        blocks.insert(blocks.end(), accept_lists.begin() + accept_begin[state],
+                      accept_lists.begin() + accept_begin[state + 1]);
         for (std::size_t none = channel_names.size(); blocks.size() % ProgramView::accept_block != 0; ++none) {
             blocks.push_back(static_cast<std::uint16_t>(none));
         }
@@ -172,8 +174,10 @@ ProgramView ProgramTables::view() const {
 }
 
 std::size_t ProgramTables::bytes() const {
-    return sizeof(State) * (starts.size() + next_state.size()) + sizeof(std::uint16_t) * (accept_lists.size() + blocks.size()) +
-           sizeof(std::uint32_t) * (accept_begin.size() + block_begin.size() + lane_image.size() + lane_accept.size() + lane_lists.size());
+    return sizeof(State) * (starts.size() + next_state.size()) +
+           sizeof(std::uint16_t) * (accept_lists.size() + blocks.size()) +
+           sizeof(std::uint32_t) *
+               (accept_begin.size() + block_begin.size() + lane_image.size() + lane_accept.size() + lane_lists.size());
 }
 
 Program::Program() : view_(tables_.view()) {}

@@ -121,7 +121,8 @@ struct ReversedProgram::Builder {
             return;
         }
         if (view.word_count - view.table_count > most_lane_words) {
-            fail("reversing this program takes more than " + std::to_string(most_lane_words) + " words of packed channels",
+            fail("reversing this program takes more than " + std::to_string(most_lane_words) +
+                     " words of packed channels",
                  "join light subpaths with LightWord");
         }
         result.phase_ = reverse(view.starts[tables], true);
@@ -129,7 +130,8 @@ struct ReversedProgram::Builder {
         for (std::uint32_t kind = 0; kind < ProgramView::lane_kinds; ++kind) {
             for (std::uint32_t code = 0; code < (2U << kind); ++code) {
                 for (std::uint32_t plane = 0; plane <= kind; ++plane) {
-                    result.starts_.insert(result.starts_.end(), view.lane_words[kind], (code >> plane & 1U) != 0 ? ~0U : 0U);
+                    result.starts_.insert(result.starts_.end(), view.lane_words[kind],
+                                          (code >> plane & 1U) != 0 ? ~0U : 0U);
                 }
             }
         }

@@ -16,7 +16,8 @@ namespace raylex::lpe {
 
 namespace {
 
-Error row_error(const std::string& origin, int line, int column, std::string_view row, std::string message, std::string hint = {}) {
+Error row_error(const std::string& origin, int line, int column, std::string_view row, std::string message,
+                std::string hint = {}) {
     Error error;
     error.message = std::move(message);
     error.file = origin;
@@ -45,14 +46,15 @@ class VectorRunner {
         result.expression = std::string(row.substr(0, first));
         result.events = std::string(row.substr(first + 1, second - first - 1));
         result.expected = std::string(row.substr(second + 1));
-        if (result.expected != "0" && result.expected != "1" && result.expected != "ERR" && result.expected != "NOCRASH") {
+        if (result.expected != "0" && result.expected != "1" && result.expected != "ERR" &&
+            result.expected != "NOCRASH") {
             return row_error(origin_, line, static_cast<int>(second) + 2, row,
                              "found '" + result.expected + "'; expected 1, 0, ERR or NOCRASH");
         }
         const Result<std::vector<Event>> events = parse_events(result.events);
         if (!events) {
-            return row_error(origin_, line, static_cast<int>(first) + 1 + events.error().column, row, events.error().message,
-                             events.error().hint);
+            return row_error(origin_, line, static_cast<int>(first) + 1 + events.error().column, row,
+                             events.error().message, events.error().hint);
         }
         find(result, *events);
         if (result.expected == "NOCRASH" || result.expected == result.found) {

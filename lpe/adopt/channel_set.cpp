@@ -42,7 +42,8 @@ struct ChannelSet::Content {
     bool add_fixed_sets() {
         const WordSets words = renderer_word_sets();
         bool fresh = false;
-        for (const CoreSet& cores : {straight_cores(), wildcard_cores(Dialect::renderman), wildcard_cores(Dialect::osl)}) {
+        for (const CoreSet& cores :
+             {straight_cores(), wildcard_cores(Dialect::renderman), wildcard_cores(Dialect::osl)}) {
             fresh = add_set({{{cores, {}, Missing::is_empty, Extra::ignored}}, {}}) || fresh;
         }
         for (const EventSet* set : {&words.camera, &words.scattering, &words.terminal}) {
@@ -82,7 +83,9 @@ std::size_t table_states(const Grouping& grouping) {
 
 }  // namespace
 
-ChannelSet::ChannelSet(const CompileOptions& options) : content_(std::make_unique<Content>()) { content_->options = options; }
+ChannelSet::ChannelSet(const CompileOptions& options) : content_(std::make_unique<Content>()) {
+    content_->options = options;
+}
 ChannelSet::~ChannelSet() = default;
 ChannelSet::ChannelSet(ChannelSet&&) noexcept = default;
 ChannelSet& ChannelSet::operator=(ChannelSet&&) noexcept = default;
@@ -94,14 +97,15 @@ Result<Program> ChannelSet::add(std::span<const ChannelSource> added) {
     return guarded([&]() -> Program {
         Content next(*content_);
         if (next.channels.size() + added.size() > limits::channels) {
-            fail(std::to_string(next.channels.size() + added.size()) + " channels; at most " + std::to_string(limits::channels) +
-                 " can be compiled together");
+            fail(std::to_string(next.channels.size() + added.size()) + " channels; at most " +
+                 std::to_string(limits::channels) + " can be compiled together");
         }
         std::vector<Expression> expressions;
         bool fresh = next.add_fixed_sets();
         for (const ChannelSource& channel : added) {
             if (!channel.rest_of.empty()) {
-                fail("channel '" + channel.name + "' is the rest of others; a channel set takes only channels with an expression");
+                fail("channel '" + channel.name +
+                     "' is the rest of others; a channel set takes only channels with an expression");
             }
             expressions.push_back(parse(channel));
             fresh = next.add_tree(*expressions.back().root) || fresh;

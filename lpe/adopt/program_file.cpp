@@ -154,9 +154,9 @@ class Reader {
     }
     void need(std::uint64_t elements, std::size_t element_bytes) const {
         if (elements > (bytes_.size() - at_) / element_bytes) {
-            fail("the compiled program ends early: byte " + std::to_string(at_) + " asks for " + std::to_string(elements) +
-                 " elements of " + std::to_string(element_bytes) + " bytes, and " + std::to_string(bytes_.size() - at_) +
-                 " bytes are left");
+            fail("the compiled program ends early: byte " + std::to_string(at_) + " asks for " +
+                 std::to_string(elements) + " elements of " + std::to_string(element_bytes) + " bytes, and " +
+                 std::to_string(bytes_.size() - at_) + " bytes are left");
         }
     }
 
@@ -195,7 +195,8 @@ void check_classes(const ClassTable& table, std::size_t class_count) {
                     within(node.first_kind, node.kinds, table.kinds.size()),
                 "nodes of the event classes");
         for (std::uint32_t k = 0; k < node.kinds; ++k) {
-            require(within(table.kinds[node.first_kind + k].first_match, node.globs, table.matches.size()), "matches of globs");
+            require(within(table.kinds[node.first_kind + k].first_match, node.globs, table.matches.size()),
+                    "matches of globs");
         }
     }
     for (const ClassTable::Name& name : table.names) {
@@ -208,17 +209,20 @@ void check_classes(const ClassTable& table, std::size_t class_count) {
 
 void check_lanes(const ProgramTables& tables, std::uint64_t states) {
     constexpr std::uint32_t most_words = 1U << 16;
-    require(std::all_of(tables.lane_words.begin(), tables.lane_words.end(), [](std::uint32_t n) { return n < most_words; }),
-            "words of packed channels");
+    require(
+        std::all_of(tables.lane_words.begin(), tables.lane_words.end(), [](std::uint32_t n) { return n < most_words; }),
+        "words of packed channels");
     const ProgramView view = tables.view();
-    const std::uint64_t lane_words = std::uint64_t{tables.lane_words[0]} + 2ULL * tables.lane_words[1] + 3ULL * tables.lane_words[2];
+    const std::uint64_t lane_words =
+        std::uint64_t{tables.lane_words[0]} + 2ULL * tables.lane_words[1] + 3ULL * tables.lane_words[2];
     require(tables.starts.size() == tables.table_count + lane_words, "words of state");
     if (lane_words == 0) {
         return;
     }
     require(tables.table_count >= 1 && tables.first_ended >= 2 && tables.first_ended <= states, "phases of a path");
     const std::uint64_t terminals = states - tables.first_ended;
-    require(tables.lane_image.size() == std::uint64_t{tables.class_count} * view.image_stride, "images of packed channels");
+    require(tables.lane_image.size() == std::uint64_t{tables.class_count} * view.image_stride,
+            "images of packed channels");
     for (std::size_t last = view.image_stride - 1; last < tables.lane_image.size(); last += view.image_stride) {
         require(tables.lane_image[last] < states, "phases of a path");
     }
@@ -228,9 +232,11 @@ void check_lanes(const ProgramTables& tables, std::uint64_t states) {
 }
 
 void check_tables(const ProgramTables& tables) {
-    require(tables.class_count >= 1 && tables.class_count <= 1U + std::numeric_limits<EventClass>::max(), "event classes");
+    require(tables.class_count >= 1 && tables.class_count <= 1U + std::numeric_limits<EventClass>::max(),
+            "event classes");
     require_offsets(tables.accept_begin, tables.accept_lists.size(), "accept lists");
-    require(tables.accept_begin.size() >= 2 && tables.accept_begin[0] == 0 && tables.accept_begin[1] == 0, "the dead state");
+    require(tables.accept_begin.size() >= 2 && tables.accept_begin[0] == 0 && tables.accept_begin[1] == 0,
+            "the dead state");
     const std::uint64_t states = tables.accept_begin.size() - 1;
     require(tables.next_state.size() == states * tables.class_count, "the transition table");
     require_below(tables.next_state, states, "the transition table");
@@ -260,7 +266,8 @@ Program read(std::string_view bytes) {
     std::uint32_t found = 0;
     reader.number(found);
     if (found != version) {
-        fail("the compiled program is of version " + std::to_string(found) + "; expected version " + std::to_string(version),
+        fail("the compiled program is of version " + std::to_string(found) + "; expected version " +
+                 std::to_string(version),
              "compile the channels again");
     }
     if (bytes.size() < magic.size() + sizeof found + hash_bytes) {

@@ -21,7 +21,8 @@ Error error_of(std::string message, std::string hint = {}) {
 
 Status Vocabulary::check_name(const std::string& name) const {
     if (name.empty() || name == "." || name.find_first_of("'\"\\*?") != std::string::npos) {
-        return error_of("'" + name + "' cannot be the name of an event or lobe; expected text without quotes, '\\', '*' and '?'");
+        return error_of("'" + name +
+                        "' cannot be the name of an event or lobe; expected text without quotes, '\\', '*' and '?'");
     }
     if (entries_.count(name) != 0) {
         return error_of("the name '" + name + "' is registered already");
@@ -40,7 +41,8 @@ Result<int> Vocabulary::add_event(const std::string& name) {
             return status ? Result<int>(number) : Result<int>(status.error());
         }
     }
-    return error_of("there is no user event left for '" + name + "': " + std::to_string(user_events) + " are registered");
+    return error_of("there is no user event left for '" + name + "': " + std::to_string(user_events) +
+                    " are registered");
 }
 
 Status Vocabulary::add_event(const std::string& name, int number) {
@@ -64,8 +66,8 @@ Status Vocabulary::add_lobe(const std::string& name, Scatter scatter, int number
     const int most = scatter == Scatter::diffuse ? diffuse_lobes : specular_lobes;
     if (number < 1 || number > most) {
         const std::string letter = scatter == Scatter::diffuse ? "D" : "S";
-        return error_of("there is no lobe " + letter + std::to_string(number) + " for '" + name + "'; expected " + letter +
-                        "1 to " + letter + std::to_string(most));
+        return error_of("there is no lobe " + letter + std::to_string(number) + " for '" + name + "'; expected " +
+                        letter + "1 to " + letter + std::to_string(most));
     }
     entries_.emplace(name, Entry{scatter, number});
     return success();

@@ -21,7 +21,8 @@ Dfa counted(const Languages& languages, std::size_t count) {
         cut.push_back(intersection(*languages.words, languages.channels[k]));
         members.push_back(&cut.back());
     }
-    const Dfa total = joined(members, count_of(), limits::boolean_states, languages.classes->count(), "the channels of this proof");
+    const Dfa total =
+        joined(members, count_of(), limits::boolean_states, languages.classes->count(), "the channels of this proof");
     const auto within = [](void* /*context*/, std::uint32_t word, std::uint32_t n) { return word != 0 ? n + 1 : 0; };
     return required(product(*languages.words, total, {within, nullptr, false, true}, limits::boolean_states));
 }
@@ -81,8 +82,9 @@ PartitionReport partition_report(std::span<const ChannelSource> channels, const 
             break;
         default:
             report.verdict = Verdict::outside;
-            report.summary = name_list(channels, report.channels) + (report.channels.size() == 1 ? " counts " : " count ") +
-                             in_words(report.witness) + ", which " + of + " does not contain";
+            report.summary = name_list(channels, report.channels) +
+                             (report.channels.size() == 1 ? " counts " : " count ") + in_words(report.witness) +
+                             ", which " + of + " does not contain";
     }
     return report;
 }
@@ -100,15 +102,15 @@ DisjointReport disjoint_report(std::span<const ChannelSource> channels, const Wo
     report.disjoint = false;
     report.witness = witness_of(*word, *question.languages.classes);
     report.channels = accepting(question.languages.channels, channels.size(), *word);
-    report.summary = name_list(channels, report.channels) + (report.channels.size() == 2 ? " both count " : " all count ") +
-                     in_words(report.witness);
+    report.summary = name_list(channels, report.channels) +
+                     (report.channels.size() == 2 ? " both count " : " all count ") + in_words(report.witness);
     return report;
 }
 
 }  // namespace
 
-Result<PartitionReport> check_partition(std::span<const ChannelSource> channels, const std::optional<ChannelSource>& beauty,
-                                        const Words& words) {
+Result<PartitionReport> check_partition(std::span<const ChannelSource> channels,
+                                        const std::optional<ChannelSource>& beauty, const Words& words) {
     return guarded([&] { return partition_report(channels, beauty, words); });
 }
 

@@ -10,7 +10,9 @@ namespace raylex::lpe {
 
 namespace {
 
-bool has(const std::vector<Scatter>& list, Scatter scatter) { return std::find(list.begin(), list.end(), scatter) != list.end(); }
+bool has(const std::vector<Scatter>& list, Scatter scatter) {
+    return std::find(list.begin(), list.end(), scatter) != list.end();
+}
 
 std::string label_text(const std::string& label, Dialect dialect) {
     return dialect == Dialect::renderman ? quoted_label(label) : "'" + label + "'";
@@ -29,11 +31,12 @@ std::string slot_text(const LabelChoice& choice, Dialect dialect) {
         items.push_back("'" + glob + "'");
     }
     const bool except = choice.kind == LabelChoice::Kind::except;
-    // To renderman no label is the empty label. To osl it is none, and [^'a'] wants some label: "(.-'a')" and "''" are how
-    // we write what osl has no words for.
+    // To renderman no label is the empty label. To osl it is none, and [^'a'] wants some label: "(.-'a')" and "''" are
+    // how we write what osl has no words for.
     const bool only_empty = !except && items.empty();
     const bool any_name = except && items.empty();
-    if (dialect == Dialect::renderman ? choice.empty_allowed != except : only_empty || any_name || (!except && choice.empty_allowed)) {
+    if (dialect == Dialect::renderman ? choice.empty_allowed != except
+                                      : only_empty || any_name || (!except && choice.empty_allowed)) {
         items.emplace_back("''");
     }
     if (dialect == Dialect::osl && except && !any_name && choice.empty_allowed) {
@@ -59,7 +62,8 @@ struct Letter {
     std::vector<std::string> without;
 };
 
-std::vector<Letter> scatter_letters(const std::vector<Scatter>& scatters, const ScatteringOutline& part, Dialect dialect) {
+std::vector<Letter> scatter_letters(const std::vector<Scatter>& scatters, const ScatteringOutline& part,
+                                    Dialect dialect) {
     std::vector<Letter> letters;
     if (has(scatters, Scatter::diffuse)) {
         letters.push_back({"D", {}, {}});
@@ -144,12 +148,14 @@ std::string label_slots(const EventBox& box, Dialect dialect) {
 
 std::vector<std::string> terminal_items(const EventBox& box, const std::vector<CoreKind>& possible, Dialect dialect) {
     const std::string labels = label_slots(box, dialect);
-    const auto item = [&](const std::string& letter) { return labels.empty() ? letter : "<" + letter + "." + labels + ">"; };
+    const auto item = [&](const std::string& letter) {
+        return labels.empty() ? letter : "<" + letter + "." + labels + ">";
+    };
     std::vector<std::string> items;
     const bool light = has_type(box, EventType::light);
     bool background = has_type(box, EventType::background);
-    const bool background_possible =
-        std::any_of(possible.begin(), possible.end(), [](const CoreKind& core) { return core.type == EventType::background; });
+    const bool background_possible = std::any_of(
+        possible.begin(), possible.end(), [](const CoreKind& core) { return core.type == EventType::background; });
     if (light) {
         const bool narrower = dialect == Dialect::renderman && background_possible && !background;
         items.push_back(narrower ? item("L") + "-" + item("B") : item("L"));

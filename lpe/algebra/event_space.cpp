@@ -161,13 +161,15 @@ EventSpace::Matrix EventSpace::ask(const CoreKind& core, const std::function<Mem
     for (const Value& first : first_slot(role).values) {
         for (const Value& second : second_slot(role).values) {
             const bool bare = first.example.empty() && second.example.empty();
-            matrix.push_back(labelled || bare ? member(example(core, first.example, second.example)) : Membership::never);
+            matrix.push_back(labelled || bare ? member(example(core, first.example, second.example))
+                                              : Membership::never);
         }
     }
     return matrix;
 }
 
-std::vector<CoreKind> EventSpace::possible(EventRole role, const std::function<Membership(const Event&)>& member) const {
+std::vector<CoreKind> EventSpace::possible(EventRole role,
+                                           const std::function<Membership(const Event&)>& member) const {
     std::vector<CoreKind> kinds;
     for (const CoreKind& core : cores_) {
         if (role_of(core.type) == role) {
@@ -237,7 +239,8 @@ void EventSpace::cut(EventRole role, const std::vector<CoreKind>& cores, const M
         }
         return flags;
     };
-    std::vector<std::pair<std::vector<bool>, std::vector<bool>>> distinct;  // in, and possible, of the rows that are alike
+    std::vector<std::pair<std::vector<bool>, std::vector<bool>>>
+        distinct;  // in, and possible, of the rows that are alike
     std::vector<std::vector<bool>> rows_of;
     std::vector<bool> some_possible(first.values.size());
     for (std::size_t row = 0; row < first.values.size(); ++row) {
@@ -262,7 +265,8 @@ void EventSpace::cut(EventRole role, const std::vector<CoreKind>& cores, const M
     // The rows whose second label does not matter first: they say the most in the fewest words.
     std::vector<std::size_t> order(distinct.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_partition(order.begin(), order.end(), [&](std::size_t k) { return distinct[k].first == distinct[k].second; });
+    std::stable_partition(order.begin(), order.end(),
+                          [&](std::size_t k) { return distinct[k].first == distinct[k].second; });
     for (const std::size_t k : order) {
         boxes.push_back({role, cores, choice(first, rows_of[k], some_possible),
                          choice(second, distinct[k].first, distinct[k].second)});

@@ -11,12 +11,14 @@ namespace raylex::lpe {
 
 namespace {
 
-constexpr std::size_t most_cells = 12'000;   // of the table over all slots: some seventy labels; more would give no short text
-constexpr std::size_t most_boxes = 24;       // of one item
+/// Of the table over all slots: some seventy labels; more would give no short text.
+constexpr std::size_t most_cells = 12'000;
+constexpr std::size_t most_boxes = 24;  // of one item
 constexpr EventClass no_class = 0xFFFF;
 
-constexpr std::array<EventType, 7> types{EventType::camera, EventType::reflection, EventType::transmission, EventType::volume,
-                                         EventType::light,  EventType::background, EventType::emission};
+constexpr std::array<EventType, 7> types{EventType::camera,  EventType::reflection, EventType::transmission,
+                                         EventType::volume,  EventType::light,      EventType::background,
+                                         EventType::emission};
 
 struct Lobe {
     Scatter scatter = Scatter::none;
@@ -53,7 +55,8 @@ std::string joined(const std::vector<std::string>& texts) {
     return all;
 }
 
-/// The fewest letters found by taking the widest first, so that every value of `needed` is in one and none of `forbidden`.
+/// The fewest letters found by taking the widest first, so that every value of `needed` is in one and none of
+/// `forbidden`.
 template <class Letters>
 std::optional<std::vector<std::string>> choose(const Letters& letters, const std::vector<bool>& needed,
                                                const std::vector<bool>& forbidden) {
@@ -182,7 +185,8 @@ void EventWriter::add_lobes() {
     }
 }
 
-void EventWriter::add_labels(std::size_t slot, const std::vector<std::string>& names, const std::vector<std::string>& globs) {
+void EventWriter::add_labels(std::size_t slot, const std::vector<std::string>& names,
+                             const std::vector<std::string>& globs) {
     // One value for every name, and one for every kind of other labels.
     std::vector<std::string>& examples = label_examples_[slot];
     examples = names;
@@ -328,8 +332,9 @@ bool EventWriter::holds(const Box& box, std::size_t cell) const {
 /// The box around a cell that takes in most of the cells still left; of equals the one of the shortest text.
 std::optional<EventWriter::Box> EventWriter::best_box(const std::vector<Cell>& cells, const std::vector<Cell>& left,
                                                       std::size_t cell) const {
-    const std::array<std::size_t, slots> at{cell / (sizes_[1] * sizes_[2] * sizes_[3]), cell / (sizes_[2] * sizes_[3]) % sizes_[1],
-                                            cell / sizes_[3] % sizes_[2], cell % sizes_[3]};
+    const std::array<std::size_t, slots> at{cell / (sizes_[1] * sizes_[2] * sizes_[3]),
+                                            cell / (sizes_[2] * sizes_[3]) % sizes_[1], cell / sizes_[3] % sizes_[2],
+                                            cell % sizes_[3]};
     std::array<std::size_t, slots> order{0, 1, 2, 3};
     std::size_t most = 0, shortest = 0;
     std::optional<Box> best;
@@ -353,7 +358,8 @@ std::optional<EventWriter::Box> EventWriter::best_box(const std::vector<Cell>& c
     return best;
 }
 
-std::optional<std::vector<std::string>> EventWriter::cover(const std::vector<Cell>& cells, const std::string& label) const {
+std::optional<std::vector<std::string>> EventWriter::cover(const std::vector<Cell>& cells,
+                                                           const std::string& label) const {
     std::vector<Box> boxes;
     std::vector<Cell> left = cells;
     for (std::size_t k = 0; k < cells.size(); ++k) {
@@ -375,10 +381,11 @@ std::optional<std::vector<std::string>> EventWriter::cover(const std::vector<Cel
     return !by_first || (by_last && joined(*by_last).size() <= joined(*by_first).size()) ? by_last : by_first;
 }
 
-/// The texts of the boxes of a cover. A cell in several of them need be in one text only, the last box's: [<L.[^'key']>O] and
-/// not [<[LO].[^'key']>O].
-std::optional<std::vector<std::string>> EventWriter::texts(const std::vector<Cell>& cells, const std::vector<Box>& boxes,
-                                                          const std::string& label) const {
+/// The texts of the boxes of a cover. A cell in several of them need be in one text only, the last box's:
+/// [<L.[^'key']>O] and not [<[LO].[^'key']>O].
+std::optional<std::vector<std::string>> EventWriter::texts(const std::vector<Cell>& cells,
+                                                           const std::vector<Box>& boxes,
+                                                           const std::string& label) const {
     std::vector<std::string> items;
     std::vector<Cell> open = cells;
     for (std::size_t mine = boxes.size(); mine-- > 0;) {
@@ -425,7 +432,8 @@ std::optional<std::string> EventWriter::write(const ClassSet& wanted, const Clas
     return text;
 }
 
-std::optional<std::string> EventWriter::write_labelled(const ClassSet& wanted, const ClassSet& avoided, const std::string& label) const {
+std::optional<std::string> EventWriter::write_labelled(const ClassSet& wanted, const ClassSet& avoided,
+                                                       const std::string& label) const {
     const auto items = cover(table(wanted, avoided), label);
     return items && !items->empty() ? std::optional(joined(*items)) : std::nullopt;
 }

@@ -10,7 +10,9 @@ namespace {
 
 std::string quoted(const std::string& text) { return "'" + text + "'"; }
 
-bool has(const std::vector<Scatter>& list, Scatter scatter) { return std::find(list.begin(), list.end(), scatter) != list.end(); }
+bool has(const std::vector<Scatter>& list, Scatter scatter) {
+    return std::find(list.begin(), list.end(), scatter) != list.end();
+}
 
 /// "diffuse or specular "
 std::string adjectives(const std::vector<Scatter>& scatters, Dialect dialect) {
@@ -101,7 +103,8 @@ std::string number_words(const ScatteringOutline& part) {
             }
         }
     }
-    return part.numbers_excluded ? " (any lobe but " + joined_by(items, " and ") + ")" : " (lobe " + joined_by(items) + ")";
+    return part.numbers_excluded ? " (any lobe but " + joined_by(items, " and ") + ")"
+                                 : " (lobe " + joined_by(items) + ")";
 }
 
 struct NounForms {
@@ -112,7 +115,8 @@ struct NounForms {
 std::vector<NounForms> nouns(const ScatteringOutline& part, Dialect dialect) {
     std::vector<NounForms> forms;
     const std::string number = number_words(part);
-    const auto add = [&](const std::vector<Scatter>& scatters, const std::string& noun, const std::string& preposition) {
+    const auto add = [&](const std::vector<Scatter>& scatters, const std::string& noun,
+                         const std::string& preposition) {
         const bool plain = scatters.size() == 3 && part.numbers.empty() && noun != "scattering";
         const std::string text = (plain ? "" : adjectives(scatters, dialect)) + noun;
         forms.push_back({text + number, text + "s" + number, preposition});
@@ -179,7 +183,8 @@ EventPhrase terminal_phrase(const EventBox& box, const std::vector<CoreKind>& po
     const bool light = has_type(box.cores, EventType::light);
     const bool background = has_type(box.cores, EventType::background);
     // In renderman a light is a light, infinite ones included.
-    const bool merged = dialect == Dialect::renderman && light && (background || !has_type(possible, EventType::background));
+    const bool merged =
+        dialect == Dialect::renderman && light && (background || !has_type(possible, EventType::background));
     if (merged) {
         add("a light", "lights");
     } else if (light) {
@@ -252,7 +257,8 @@ std::vector<ScatteringOutline> outline(const std::vector<CoreKind>& cores, const
         if (chosen != all) {
             wanted.numbers_excluded = chosen.front() == 0;
             if (wanted.numbers_excluded) {
-                std::set_difference(all.begin(), all.end(), chosen.begin(), chosen.end(), std::back_inserter(wanted.numbers));
+                std::set_difference(all.begin(), all.end(), chosen.begin(), chosen.end(),
+                                    std::back_inserter(wanted.numbers));
             } else {
                 wanted.numbers = chosen;
             }

@@ -69,7 +69,8 @@ std::string capitalised(std::string text) {
 }
 
 std::string piece_text(const Study& study, const Node& node) {
-    return "'" + study.source.expression.substr(node.begin, node.end - node.begin) + "' (column " + std::to_string(node.begin + 1) + ")";
+    return "'" + study.source.expression.substr(node.begin, node.end - node.begin) + "' (column " +
+           std::to_string(node.begin + 1) + ")";
 }
 
 void warn_about_dead_pieces(const Study& study, bool empty, std::vector<std::string>& warnings) {
@@ -87,7 +88,8 @@ void warn_about_dead_pieces(const Study& study, bool empty, std::vector<std::str
     }
     for (const Node* event : dead_events(root, most_tried_events, has_path)) {
         if (event->end > event->begin) {
-            warnings.push_back(piece_text(study, *event) + " can never match: no path of the expression goes through it");
+            warnings.push_back(piece_text(study, *event) +
+                               " can never match: no path of the expression goes through it");
         }
     }
 }
@@ -96,14 +98,16 @@ void warn_about_dead_pieces(const Study& study, bool empty, std::vector<std::str
 void warn_about_look_alikes(const Study& study, std::vector<std::string>& warnings) {
     const SourceText text(study.source);
     for (std::size_t i = 0; i < text.size() && warnings.size() < 8; ++i) {
-        const std::string hint = (static_cast<unsigned char>(text.text()[i]) & 0xC0U) == 0xC0U ? text.look_alike_hint(i) : "";
+        const std::string hint =
+            (static_cast<unsigned char>(text.text()[i]) & 0xC0U) == 0xC0U ? text.look_alike_hint(i) : "";
         if (!hint.empty()) {
             warnings.push_back(text.describe(i) + " at column " + std::to_string(i + 1) + ": " + hint);
         }
     }
 }
 
-/// A label of Latin letters and of Cyrillic or Greek ones (U+0370 to U+052F, whose first bytes in UTF-8 are 0xCD to 0xD4).
+/// A label of Latin letters and of Cyrillic or Greek ones (U+0370 to U+052F, whose first bytes in UTF-8 are 0xCD to
+/// 0xD4).
 void warn_about_mixed_scripts(const Study& study, std::vector<std::string>& warnings) {
     const std::string& text = study.source.expression;
     for (std::size_t open = text.find('\''); open != std::string::npos; open = text.find('\'', open)) {
@@ -116,7 +120,8 @@ void warn_about_mixed_scripts(const Study& study, std::vector<std::string>& warn
             other = other == 0 && byte >= 0xCD && byte <= 0xD4 ? end : other;
         }
         if (latin && other != 0) {
-            warnings.push_back("the label " + text.substr(open, end + 1 - open) + " mixes Latin letters with others that may only look so: " +
+            warnings.push_back("the label " + text.substr(open, end + 1 - open) +
+                               " mixes Latin letters with others that may only look so: " +
                                SourceText(study.source).describe(other) + " at column " + std::to_string(other + 1));
         }
         open = end + 1;
@@ -143,8 +148,10 @@ void warn_about_slots(const Study& study, std::vector<std::string>& warnings) {
         const std::string_view item = std::string_view(text).substr(std::min(second, text.size()));
         const bool excluded = item.starts_with("[^'");
         if (item.starts_with("'") || item.starts_with("['") || excluded) {
-            warnings.push_back("the label at column " + std::to_string(second + 1) + " stands where <...> has the scattering: it " +
-                               (excluded ? "excludes nothing" : "never matches") + "; write '.' or the scattering before it, as in <R.'floor'>");
+            warnings.push_back("the label at column " + std::to_string(second + 1) +
+                               " stands where <...> has the scattering: it " +
+                               (excluded ? "excludes nothing" : "never matches") +
+                               "; write '.' or the scattering before it, as in <R.'floor'>");
         }
     }
 }

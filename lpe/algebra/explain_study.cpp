@@ -21,7 +21,8 @@ bool has_user_events(const Node& node) {
             }
         }
     }
-    return std::any_of(node.children.begin(), node.children.end(), [](const NodePtr& child) { return has_user_events(*child); });
+    return std::any_of(node.children.begin(), node.children.end(),
+                       [](const NodePtr& child) { return has_user_events(*child); });
 }
 
 NodePtr any_number_of(EventSet events) {
@@ -31,7 +32,8 @@ NodePtr any_number_of(EventSet events) {
     return node;
 }
 
-/// W with user events among the scattering. A depth limit is left out: user events do not count, and nothing is proved here.
+/// W with user events among the scattering. A depth limit is left out: user events do not count, and nothing is proved
+/// here.
 Expression words_with_users(Words words) {
     words.max_depth.reset();
     WordSets sets = word_sets(words, false);
@@ -50,8 +52,8 @@ Expression words_with_users(Words words) {
 }
 
 /// The channels' automata and W, in which `users` may stand.
-Languages with_words(std::vector<ChannelSource>& sources, std::vector<Expression>& expressions, const Words& words, bool users,
-                     bool osl) {
+Languages with_words(std::vector<ChannelSource>& sources, std::vector<Expression>& expressions, const Words& words,
+                     bool users, bool osl) {
     LanguageOptions options;
     options.words = &words;
     options.skip_reserved_labels = osl;
@@ -99,7 +101,8 @@ std::string without_words(Feature feature) {
     }
 }
 
-/// The fewest things that must be missing for no word of `difference` to remain; nothing when that takes more than `most`.
+/// The fewest things that must be missing for no word of `difference` to remain; nothing when that takes more than
+/// `most`.
 std::optional<std::vector<Feature>> excused_by(const Dfa& difference_words, const Study& study, std::size_t most) {
     std::optional<std::vector<Feature>> best;
     for (unsigned chosen = 0; chosen < 16; ++chosen) {
@@ -149,7 +152,8 @@ Study study(const ChannelSource& channel, const Words& words) {
     }
     study.source = std::move(expansion->source);
     study.expression = parse(study.source);
-    study.expression.warnings.insert(study.expression.warnings.begin(), expansion->warnings.begin(), expansion->warnings.end());
+    study.expression.warnings.insert(study.expression.warnings.begin(), expansion->warnings.begin(),
+                                     expansion->warnings.end());
     study.words = words_for({&channel, 1}, words);
     study.user_events = has_user_events(*study.expression.root);
     std::vector<ChannelSource> sources{study.source};

@@ -50,8 +50,8 @@ std::vector<std::vector<EventClass>> ways(const Dfa& dfa) {
 }
 
 /// The edges that leave `state`, by target.
-std::vector<GraphEdge> edges_from(std::uint32_t state, const Dfa& dfa, const EventClasses& classes, const EventTeller& teller,
-                                  const EventTeller::Members& occurring) {
+std::vector<GraphEdge> edges_from(std::uint32_t state, const Dfa& dfa, const EventClasses& classes,
+                                  const EventTeller& teller, const EventTeller::Members& occurring) {
     std::vector<std::uint32_t> targets;
     for (std::size_t column = 0; column < dfa.columns; ++column) {
         const std::uint32_t target = dfa.next[state * dfa.columns + column];
@@ -113,7 +113,8 @@ Graph build(std::span<const ChannelSource> channels, const Words& words) {
     const std::uint32_t under_way = all_words.step(all_words.start, classes.classify(Event{}));
     const EventTeller::Members occurring = [&](const Event& event) {
         const EventClass event_class = classes.classify(event);
-        const bool occurs = all_words.step(all_words.start, event_class) != 0 || all_words.step(under_way, event_class) != 0;
+        const bool occurs =
+            all_words.step(all_words.start, event_class) != 0 || all_words.step(under_way, event_class) != 0;
         return occurs ? Membership::in : Membership::never;
     };
     const EventSpace space(trees);
@@ -161,8 +162,9 @@ Result<Graph> graph_of(std::span<const ChannelSource> channels, const Words& wor
 }
 
 std::string to_dot(const Graph& graph) {
-    std::string dot = "digraph lpe {\n    rankdir=LR;\n    node [shape=circle, fontname=\"Helvetica\", label=\"\", width=0.25];\n"
-                      "    edge [fontname=\"Courier\"];\n    begin [shape=none, width=0, height=0];\n";
+    std::string dot =
+        "digraph lpe {\n    rankdir=LR;\n    node [shape=circle, fontname=\"Helvetica\", label=\"\", width=0.25];\n"
+        "    edge [fontname=\"Courier\"];\n    begin [shape=none, width=0, height=0];\n";
     if (!graph.states.empty()) {
         dot += "    begin -> s0;\n";
     }
@@ -179,7 +181,8 @@ std::string to_dot(const Graph& graph) {
         for (const std::string& item : edge.items) {
             label += (label.empty() ? "" : " ") + item;
         }
-        dot += "    s" + std::to_string(edge.from) + " -> s" + std::to_string(edge.to) + " [label=" + dot_text(label) + "];\n";
+        dot += "    s" + std::to_string(edge.from) + " -> s" + std::to_string(edge.to) + " [label=" + dot_text(label) +
+               "];\n";
     }
     return dot + "}\n";
 }

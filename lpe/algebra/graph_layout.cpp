@@ -51,7 +51,8 @@ class Layout {
   private:
     // ---- layers ---------------------------------------------------------------------------------------------------
 
-    /// States stand in even layers by their distance from the start; those that nothing leaves, behind all that lead there.
+    /// States stand in even layers by their distance from the start; those that nothing leaves, behind all that lead
+    /// there.
     std::vector<std::size_t> state_layers() const {
         std::vector<std::size_t> layer(graph_.states.size(), 0);
         std::vector<bool> seen(graph_.states.size(), false);
@@ -239,9 +240,12 @@ class Layout {
                     for (const std::size_t w : beside) {
                         sum += static_cast<double>(position[w]);
                     }
-                    keys.emplace_back(beside.empty() ? static_cast<double>(position[v]) : sum / static_cast<double>(beside.size()), v);
+                    keys.emplace_back(
+                        beside.empty() ? static_cast<double>(position[v]) : sum / static_cast<double>(beside.size()),
+                        v);
                 }
-                std::stable_sort(keys.begin(), keys.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+                std::stable_sort(keys.begin(), keys.end(),
+                                 [](const auto& a, const auto& b) { return a.first < b.first; });
                 std::transform(keys.begin(), keys.end(), layer.begin(), [](const auto& key) { return key.second; });
             }
             const std::size_t now = crossings();
@@ -361,8 +365,8 @@ class Layout {
 }  // namespace
 
 std::size_t characters(const std::string& text) {
-    return static_cast<std::size_t>(
-        std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
+    return static_cast<std::size_t>(std::count_if(
+        text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
 }
 
 std::vector<std::string> accepted_names(const Graph& graph, std::size_t state) {

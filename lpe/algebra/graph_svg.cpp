@@ -38,7 +38,8 @@ std::string text_lines(const std::vector<std::string>& lines, double x, double y
     std::string svg;
     double baseline = y - static_cast<double>(lines.size()) * line_height / 2 + 0.75 * line_height;
     for (const std::string& line : lines) {
-        svg += "<text class=\"" + style + "\" x=\"" + number(x) + "\" y=\"" + number(baseline) + "\">" + xml(line) + "</text>\n";
+        svg += "<text class=\"" + style + "\" x=\"" + number(x) + "\" y=\"" + number(baseline) + "\">" + xml(line) +
+               "</text>\n";
         baseline += line_height;
     }
     return svg;
@@ -93,8 +94,8 @@ std::string curve(const Box& from, const DrawnEdge& edge, const Box& to) {
 std::string loop(const Box& state, double room) {
     const double top = state.y - state.height / 2;
     const double reach = std::min(room, 28.0);
-    return "M " + point(state.x - 5, top) + " C " + point(state.x - 22, top - reach) + " " + point(state.x + 22, top - reach) + " " +
-           point(state.x + 5, top);
+    return "M " + point(state.x - 5, top) + " C " + point(state.x - 22, top - reach) + " " +
+           point(state.x + 22, top - reach) + " " + point(state.x + 5, top);
 }
 
 std::string edge_svg(const Graph& graph, const GraphLayout& layout, const DrawnEdge& drawn) {
@@ -121,12 +122,13 @@ std::string state_svg(const Graph& graph, const GraphLayout& layout, std::size_t
     std::string svg = "<g><title>" + xml(k == 0 ? "start" : graph.states[k].reached_by) + "</title>\n";
     const std::vector<std::string> names = accepted_names(graph, k);
     if (names.empty()) {
-        svg += "<circle class=\"state\" cx=\"" + number(box.x) + "\" cy=\"" + number(box.y) + "\" r=\"" + number(box.height / 2) + "\"/>\n";
+        svg += "<circle class=\"state\" cx=\"" + number(box.x) + "\" cy=\"" + number(box.y) + "\" r=\"" +
+               number(box.height / 2) + "\"/>\n";
     } else {
         for (const double inset : {0.0, 3.0}) {
             svg += "<rect class=\"accepting\" x=\"" + number(box.x - box.width / 2 + inset) + "\" y=\"" +
-                   number(box.y - box.height / 2 + inset) + "\" width=\"" + number(box.width - 2 * inset) + "\" height=\"" +
-                   number(box.height - 2 * inset) + "\" rx=\"8\"/>\n";
+                   number(box.y - box.height / 2 + inset) + "\" width=\"" + number(box.width - 2 * inset) +
+                   "\" height=\"" + number(box.height - 2 * inset) + "\" rx=\"8\"/>\n";
         }
         svg += text_lines(names, box.x, box.y, "name");
     }
@@ -139,20 +141,21 @@ std::string to_svg(const Graph& graph) {
     const GraphLayout layout = layout_of(graph);
     const double width = std::max(layout.width, 240.0);
     const double height = std::max(layout.height, 60.0);
-    std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + number(width) + "\" height=\"" + number(height) +
-                      "\" viewBox=\"0 0 " + number(width) + " " + number(height) + "\">\n";
-    svg += "<style>\n"
-           ".edge { fill: none; stroke: #45525e; stroke-width: 1.3; marker-end: url(#arrow); }\n"
-           ".state { fill: #e8edf2; stroke: #45525e; stroke-width: 1.3; }\n"
-           ".accepting { fill: #dff0df; stroke: #2f6b36; stroke-width: 1.3; }\n"
-           ".clear { fill: white; }\n"
-           "text { text-anchor: middle; }\n"
-           ".event { font: 12px 'DejaVu Sans Mono', monospace; fill: #12324f; }\n"
-           ".name { font: bold 12px 'DejaVu Sans', sans-serif; fill: #1d4422; }\n"
-           "</style>\n"
-           "<defs><marker id=\"arrow\" viewBox=\"0 0 10 10\" refX=\"9\" refY=\"5\" markerWidth=\"7\" markerHeight=\"7\" "
-           "orient=\"auto-start-reverse\"><path d=\"M 0 1 L 9 5 L 0 9 z\" fill=\"#45525e\"/></marker></defs>\n"
-           "<rect class=\"clear\" width=\"100%\" height=\"100%\"/>\n";
+    std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + number(width) + "\" height=\"" +
+                      number(height) + "\" viewBox=\"0 0 " + number(width) + " " + number(height) + "\">\n";
+    svg +=
+        "<style>\n"
+        ".edge { fill: none; stroke: #45525e; stroke-width: 1.3; marker-end: url(#arrow); }\n"
+        ".state { fill: #e8edf2; stroke: #45525e; stroke-width: 1.3; }\n"
+        ".accepting { fill: #dff0df; stroke: #2f6b36; stroke-width: 1.3; }\n"
+        ".clear { fill: white; }\n"
+        "text { text-anchor: middle; }\n"
+        ".event { font: 12px 'DejaVu Sans Mono', monospace; fill: #12324f; }\n"
+        ".name { font: bold 12px 'DejaVu Sans', sans-serif; fill: #1d4422; }\n"
+        "</style>\n"
+        "<defs><marker id=\"arrow\" viewBox=\"0 0 10 10\" refX=\"9\" refY=\"5\" markerWidth=\"7\" markerHeight=\"7\" "
+        "orient=\"auto-start-reverse\"><path d=\"M 0 1 L 9 5 L 0 9 z\" fill=\"#45525e\"/></marker></defs>\n"
+        "<rect class=\"clear\" width=\"100%\" height=\"100%\"/>\n";
     if (graph.states.empty()) {
         return svg + text_lines({"no path is accepted"}, width / 2, height / 2, "name") + "</svg>\n";
     }

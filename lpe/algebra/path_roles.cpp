@@ -29,7 +29,8 @@ bool has_role(const EventSet& set, EventRole role) {
 
 /// Everything a path can still become.
 ProgressSet any_later(ProgressSet in) {
-    return static_cast<ProgressSet>(in | ((in & before_camera) != 0 ? under_way | ended : 0) | ((in & under_way) != 0 ? ended : 0));
+    return static_cast<ProgressSet>(in | ((in & before_camera) != 0 ? under_way | ended : 0) |
+                                    ((in & under_way) != 0 ? ended : 0));
 }
 ProgressSet any_earlier(ProgressSet out) {
     return static_cast<ProgressSet>(out | ((out & ended) != 0 ? under_way | before_camera : 0) |

@@ -31,7 +31,8 @@ bool single_events(const Node& node, std::vector<const Node*>& events) {
 std::string number_word(int number) {
     constexpr std::array<std::string_view, 13> words{"no",  "one",   "two",   "three", "four",   "five",  "six",
                                                      "seven", "eight", "nine",  "ten",  "eleven", "twelve"};
-    return number < static_cast<int>(words.size()) ? std::string(words[static_cast<std::size_t>(number)]) : std::to_string(number);
+    return number < static_cast<int>(words.size()) ? std::string(words[static_cast<std::size_t>(number)])
+                                                   : std::to_string(number);
 }
 
 /// "one diffuse reflection", "any number of scatterings of any kind", "up to three ..."
@@ -53,10 +54,14 @@ std::string counted_words(const EventPhrase& phrase, int min, int max) {
 }
 
 /// What follows "ending at".
-std::string end_words(const EventPhrase& phrase) { return joined_by(phrase.one, phrase.one.size() == 2 ? " or at " : " or "); }
+std::string end_words(const EventPhrase& phrase) {
+    return joined_by(phrase.one, phrase.one.size() == 2 ? " or at " : " or ");
+}
 
 /// A part of a sentence, in parentheses where it would run into the next.
-std::string set_apart(const std::string& text) { return text.find_first_of(",;") == std::string::npos ? text : "(" + text + ")"; }
+std::string set_apart(const std::string& text) {
+    return text.find_first_of(",;") == std::string::npos ? text : "(" + text + ")";
+}
 
 std::string times_words(int min, int max) {
     if (max == Node::unbounded) {
@@ -94,13 +99,15 @@ EventPhrase PathTeller::phrase(const std::vector<const Node*>& nodes, EventRole 
         if (role_of(event.type) != role || occurring_(event) != Membership::in) {
             return Membership::never;
         }
-        const bool in = std::any_of(able.begin(), able.end(), [&](const Node* node) { return matches(node->events, event); });
+        const bool in =
+            std::any_of(able.begin(), able.end(), [&](const Node* node) { return matches(node->events, event); });
         return in ? Membership::in : Membership::out;
     };
     return phrases_.emplace(std::pair{able, role}, events_.phrase(events_.boxes(members), role)).first->second;
 }
 
-std::vector<PathTeller::Step> PathTeller::event_steps(const Node& node, const std::vector<const Node*>& events, Count count) {
+std::vector<PathTeller::Step> PathTeller::event_steps(const Node& node, const std::vector<const Node*>& events,
+                                                      Count count) {
     std::vector<Step> result;
     if (count.max == 0) {
         return result;
@@ -132,7 +139,9 @@ std::vector<PathTeller::Step> PathTeller::event_steps(const Node& node, const st
     if (ends) {
         result.push_back({StepKind::end, end_words(end), joined_by(end.one)});
     } else if (!end.empty()) {
-        const std::string text = !roles_.possible() ? "the end at " : middle.empty() ? "possibly the end at " : "or already the end at ";
+        const std::string text = !roles_.possible() ? "the end at "
+                                 : middle.empty()   ? "possibly the end at "
+                                                    : "or already the end at ";
         result.push_back({StepKind::middle, text + end_words(end)});
     }
     return result;
@@ -184,7 +193,9 @@ std::vector<PathTeller::Step> PathTeller::choice_steps(const Node& node) {
     std::string text = "either ";
     for (std::size_t i = 0; i < texts.size(); ++i) {
         text += i == 0 ? "" : lettered ? "; or " : " or ";
-        text += lettered ? "(" + (i < 26 ? std::string(1, static_cast<char>('a' + i)) : std::to_string(i + 1)) + ") " + texts[i] : texts[i];
+        text += lettered ? "(" + (i < 26 ? std::string(1, static_cast<char>('a' + i)) : std::to_string(i + 1)) + ") " +
+                               texts[i]
+                         : texts[i];
     }
     return {{camera ? StepKind::camera : StepKind::middle, text}};
 }
@@ -218,7 +229,9 @@ std::vector<PathTeller::Step> PathTeller::steps(const Node& node) {
     } else if (node.kind == NodeKind::sequence) {
         for (const NodePtr& child : node.children) {
             std::vector<Step> part = steps(*child);
-            after_camera_ = part.empty() ? after_camera_ : part.back().kind == StepKind::camera && part.back().text == "from the camera";
+            after_camera_ = part.empty()
+                                ? after_camera_
+                                : part.back().kind == StepKind::camera && part.back().text == "from the camera";
             std::move(part.begin(), part.end(), std::back_inserter(result));
         }
     } else if (node.kind == NodeKind::repeat) {
@@ -247,7 +260,9 @@ std::string PathTeller::join(const std::vector<Step>& steps, bool inner) const {
                 straight = false;
                 break;
             case StepKind::end:
-                text += straight ? (text.empty() ? "straight to " : " straight to ") : text.empty() ? "the end at " : ", ending at ";
+                text += straight       ? (text.empty() ? "straight to " : " straight to ")
+                        : text.empty() ? "the end at "
+                                       : ", ending at ";
                 text += straight ? step.straight : step.text;
                 break;
         }
@@ -277,7 +292,8 @@ void PathTeller::add_pieces(const Node& node, int depth, std::vector<Piece>& pie
         pieces.push_back({node.begin, node.end, depth, "... and so on"});
         return;
     }
-    const bool repeated_group = !simple && node.kind == NodeKind::repeat && !single_events(*node.children.front(), events);
+    const bool repeated_group =
+        !simple && node.kind == NodeKind::repeat && !single_events(*node.children.front(), events);
     if (simple || (node.kind == NodeKind::repeat && !repeated_group)) {
         said_ = 0;
         const std::vector<Step> parts = steps(node);
@@ -300,7 +316,8 @@ void PathTeller::add_pieces(const Node& node, int depth, std::vector<Piece>& pie
     }
     pieces.push_back({node.begin, node.end, depth, head});
     for (const NodePtr& child : node.children) {
-        const bool long_option = node.kind != NodeKind::repeat && child->kind == NodeKind::sequence && child->children.size() > 1;
+        const bool long_option =
+            node.kind != NodeKind::repeat && child->kind == NodeKind::sequence && child->children.size() > 1;
         if (long_option) {
             said_ = 0;
             after_camera_ = false;

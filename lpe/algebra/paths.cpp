@@ -21,7 +21,8 @@ Dfa made_of(Operation operation, const Languages& languages) {
             case Operation::intersection: result = intersection(result, channels[k]); break;
             case Operation::difference: result = difference(result, channels[k]); break;
             default:
-                result = required(product(result, intersection(words, channels[k]), union_of(), limits::boolean_states));
+                result =
+                    required(product(result, intersection(words, channels[k]), union_of(), limits::boolean_states));
         }
     }
     return result;

@@ -20,7 +20,8 @@ Witness witness_of(const std::vector<EventClass>& word, const EventClasses& clas
     return witness;
 }
 
-std::vector<std::size_t> accepting(const std::vector<Dfa>& dfas, std::size_t count, const std::vector<EventClass>& word) {
+std::vector<std::size_t> accepting(const std::vector<Dfa>& dfas, std::size_t count,
+                                   const std::vector<EventClass>& word) {
     std::vector<std::size_t> channels;
     for (std::size_t k = 0; k < count; ++k) {
         std::uint32_t state = dfas[k].start;
@@ -54,7 +55,8 @@ std::string in_words(const Witness& witness) { return witness.sentence + " (" + 
 
 Dfa required(std::optional<Dfa> dfa) {
     if (!dfa) {
-        fail("the proof needs more than " + std::to_string(limits::boolean_states) + " states", "check fewer channels at a time");
+        fail("the proof needs more than " + std::to_string(limits::boolean_states) + " states",
+             "check fewer channels at a time");
     }
     return minimized(*dfa);
 }
@@ -92,7 +94,9 @@ void warn_about_bar(const ChannelSource& source, const Expression& expression, c
     const Witness witness = witness_of(*word, *languages.classes);
     const bool tight_accepts = !accepting(languages.channels, 1, *word).empty();
     std::string warning = source.name.empty() ? "'|'" : "channel '" + source.name + "': '|'";
-    warning += " joins only the events beside it, as in CD|SL = C(D|S)L; read as looser than concatenation the expression would ";
+    warning +=
+        " joins only the events beside it, as in CD|SL = C(D|S)L; read as looser than concatenation the expression "
+        "would ";
     warning += tight_accepts ? "not match " : "also match ";
     warning += in_words(witness);
     warnings.push_back(std::move(warning));
@@ -116,12 +120,14 @@ Expression letters() {
 }
 
 Words words_for(std::span<const ChannelSource> channels, Words words) {
-    const bool osl = std::any_of(channels.begin(), channels.end(), [](const ChannelSource& c) { return c.dialect == Dialect::osl; });
+    const bool osl =
+        std::any_of(channels.begin(), channels.end(), [](const ChannelSource& c) { return c.dialect == Dialect::osl; });
     words.straight = words.straight && osl;
     return words;
 }
 
-Question pose(std::span<const ChannelSource> channels, const Words& words, const char* refuse_prefixes_in, bool telling_letters) {
+Question pose(std::span<const ChannelSource> channels, const Words& words, const char* refuse_prefixes_in,
+              bool telling_letters) {
     Question question;
     LanguageOptions options;
     options.words = &words;
@@ -137,7 +143,8 @@ Question pose(std::span<const ChannelSource> channels, const Words& words, const
         if (refuse_prefixes_in != nullptr && !expression.prefixes.empty()) {
             Error error;
             error.message = "the expression carries the prefix '" + expression.prefixes.front() +
-                            "', which changes what is splatted; channels with prefixes cannot take part in " + refuse_prefixes_in;
+                            "', which changes what is splatted; channels with prefixes cannot take part in " +
+                            refuse_prefixes_in;
             error.hint = "leave the prefix out of the check, or the channel out of the set";
             throw Failure{SourceText::whole_error(channel, std::move(error))};
         }

@@ -104,7 +104,8 @@ RegexPtr RegexBuilder::repeat(const RegexPtr& part, int min, int max) {
     }
     const Counted inner = counted(part);
     // (X?)* = (X+)* = (X*)+ = X*, (X+)? = X*: repetitions of repetitions that leave no gaps.
-    if (part->kind == Kind::repeat && inner.min <= 1 && (inner.max == Regex::unbounded || max == Regex::unbounded) && min <= 1) {
+    if (part->kind == Kind::repeat && inner.min <= 1 && (inner.max == Regex::unbounded || max == Regex::unbounded) &&
+        min <= 1) {
         return repeat(inner.part, std::min(inner.min, min), Regex::unbounded);
     }
     if (part->nullable && max == Regex::unbounded) {
@@ -175,7 +176,9 @@ RegexPtr RegexBuilder::factored(const RegexPtr& a, const RegexPtr& b, bool from_
     if (left.empty() || right.empty()) {
         return nullptr;
     }
-    const auto end_of = [&](std::vector<RegexPtr>& list) -> RegexPtr& { return from_front ? list.front() : list.back(); };
+    const auto end_of = [&](std::vector<RegexPtr>& list) -> RegexPtr& {
+        return from_front ? list.front() : list.back();
+    };
     const Counted x = counted(end_of(left)), y = counted(end_of(right));
     if (!same(x.part, y.part)) {
         return nullptr;
@@ -227,9 +230,11 @@ RegexPtr RegexBuilder::merged(const RegexPtr& a, const RegexPtr& b) {
     const Counted x = counted(a), y = counted(b);
     if (same(x.part, y.part)) {
         // Ranges that touch: X | XX+ = X+.
-        const bool touch = (x.max == Regex::unbounded || y.min <= x.max + 1) && (y.max == Regex::unbounded || x.min <= y.max + 1);
+        const bool touch =
+            (x.max == Regex::unbounded || y.min <= x.max + 1) && (y.max == Regex::unbounded || x.min <= y.max + 1);
         if (touch) {
-            const int max = x.max == Regex::unbounded || y.max == Regex::unbounded ? Regex::unbounded : std::max(x.max, y.max);
+            const int max =
+                x.max == Regex::unbounded || y.max == Regex::unbounded ? Regex::unbounded : std::max(x.max, y.max);
             return repeat(x.part, std::min(x.min, y.min), max);
         }
     }

@@ -1,5 +1,5 @@
-// State elimination (Brzozowski and McCluskey): states are taken out one by one, each leaving the expressions of the ways
-// through it on the edges between its neighbours. The order decides how long the text gets; a few are tried.
+// State elimination (Brzozowski and McCluskey): states are taken out one by one, each leaving the expressions of the
+// ways through it on the edges between its neighbours. The order decides how long the text gets; a few are tried.
 #include "lpe/algebra/regex_printing.h"
 
 #include <algorithm>
@@ -106,7 +106,8 @@ void eliminate(Graph& graph, std::size_t state, RegexBuilder& builder) {
             in.emplace_back(ends.first, regex);
         }
     }
-    std::erase_if(graph.edges, [&](const auto& edge) { return edge.first.first == state || edge.first.second == state; });
+    std::erase_if(graph.edges,
+                  [&](const auto& edge) { return edge.first.first == state || edge.first.second == state; });
     const RegexPtr round = builder.star(loop);
     for (const auto& [from, first] : in) {
         for (const auto& [to, last] : out) {
@@ -147,8 +148,9 @@ std::optional<std::string> eliminated(Graph graph, Order order, RegexBuilder bui
     while (!left.empty() && !builder.failed()) {
         std::size_t pick = order == Order::from_the_end ? left.size() - 1 : 0;
         if (order == Order::cheapest) {
-            const auto cheapest = std::min_element(
-                left.begin(), left.end(), [&](std::size_t a, std::size_t b) { return cost(graph, a) < cost(graph, b); });
+            const auto cheapest = std::min_element(left.begin(), left.end(), [&](std::size_t a, std::size_t b) {
+                return cost(graph, a) < cost(graph, b);
+            });
             pick = static_cast<std::size_t>(cheapest - left.begin());
         }
         eliminate(graph, left[pick], builder);
@@ -234,8 +236,8 @@ ChannelSource printed(const std::string& text) {
     return source;
 }
 
-std::optional<std::string> rest_text(std::span<const ChannelSource> channels, const std::optional<ChannelSource>& beauty,
-                                     const Words& words) {
+std::optional<std::string> rest_text(std::span<const ChannelSource> channels,
+                                     const std::optional<ChannelSource>& beauty, const Words& words) {
     std::vector<ChannelSource> all(channels.begin(), channels.end());
     const std::size_t count = all.size();
     if (beauty) {
@@ -253,7 +255,8 @@ std::optional<std::string> rest_text(std::span<const ChannelSource> channels, co
     }
     Dfa language = question.languages.channels.back();
     if (beauty) {
-        const auto cut = product(language, question.languages.channels[count], intersection_of(), limits::boolean_states);
+        const auto cut =
+            product(language, question.languages.channels[count], intersection_of(), limits::boolean_states);
         if (!cut) {
             return std::nullopt;
         }
@@ -279,7 +282,8 @@ Result<std::optional<std::string>> rest_expression(std::span<const ChannelSource
 Result<std::optional<std::string>> plain_expression(const ChannelSource& channel, const Words& words) {
     return guarded([&]() -> std::optional<std::string> {
         const Question question = pose({&channel, 1}, words);
-        const auto cut = product(*question.languages.words, question.languages.channels[0], intersection_of(), limits::boolean_states);
+        const auto cut = product(*question.languages.words, question.languages.channels[0], intersection_of(),
+                                 limits::boolean_states);
         if (!cut || question.labels.deeper) {
             return std::nullopt;
         }

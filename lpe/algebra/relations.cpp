@@ -47,7 +47,8 @@ Proof covers(std::span<const ChannelSource> channels, const std::optional<Channe
     for (std::size_t k = 0; k < channels.size(); ++k) {
         members.push_back(&languages.channels[k]);
     }
-    const Dfa any = joined(members, union_of(), limits::boolean_states, languages.classes->count(), "the channels of this proof");
+    const Dfa any =
+        joined(members, union_of(), limits::boolean_states, languages.classes->count(), "the channels of this proof");
     const Dfa whole = beauty ? intersection(*languages.words, languages.channels.back()) : *languages.words;
     const std::string of = beauty ? "'" + beauty->expression + "'" : "the beauty";
     return proof_of(question, channels, difference(whole, any), "every path of " + of + " is counted by some channel",
@@ -68,19 +69,19 @@ Proof equal(std::span<const ChannelSource> channels, const Words& words) {
                                         " carry different prefixes: the same paths do not make the same image");
         }
     }
-    return proof_of(question, channels, differing, all_names(channels) + " accept the same paths", [&](const Proof& proof) {
-        std::vector<std::size_t> others;
-        std::size_t next = 0;
-        for (std::size_t k = 0; k < channels.size(); ++k) {
-            const bool accepts = next < proof.channels.size() && proof.channels[next] == k;
-            next += accepts ? 1 : 0;
-            if (!accepts) {
-                others.push_back(k);
-            }
-        }
-        return name_list(channels, proof.channels) + (proof.channels.size() == 1 ? " accepts " : " accept ") +
-               in_words(proof.witness) + ", " + name_list(channels, others) + (others.size() == 1 ? " does not" : " do not");
-    });
+    return proof_of(question, channels, differing, all_names(channels) + " accept the same paths",
+                    [&](const Proof& proof) {
+                        std::vector<std::size_t> others;
+                        std::size_t next = 0;
+                        for (std::size_t k = 0; k < channels.size(); ++k) {
+                            const bool accepts = next < proof.channels.size() && proof.channels[next] == k;
+                            next += accepts ? 1 : 0;
+                            if (!accepts) { others.push_back(k); }
+                        }
+                        return name_list(channels, proof.channels) +
+                               (proof.channels.size() == 1 ? " accepts " : " accept ") + in_words(proof.witness) +
+                               ", " + name_list(channels, others) + (others.size() == 1 ? " does not" : " do not");
+                    });
 }
 
 }  // namespace
@@ -102,7 +103,8 @@ Result<Proof> check_contains(const ChannelSource& outer, const ChannelSource& in
         const Dfa inside = intersection(*languages.words, languages.channels[1]);
         return proof_of(question, both, difference(inside, languages.channels[0]),
                         name_of(outer) + " accepts every path of " + name_of(inner), [&](const Proof& proof) {
-                            return name_of(inner) + " accepts " + in_words(proof.witness) + ", " + name_of(outer) + " does not";
+                            return name_of(inner) + " accepts " + in_words(proof.witness) + ", " + name_of(outer) +
+                                   " does not";
                         });
     });
 }

@@ -12,7 +12,8 @@ namespace {
 /// Walks from the start to an accepting state in at most so many events, taking turns that were taken least.
 class Walker {
   public:
-    Walker(const Dfa& dfa, const std::vector<std::uint32_t>& distance) : dfa_(dfa), distance_(distance), uses_(classes(), 0) {}
+    Walker(const Dfa& dfa, const std::vector<std::uint32_t>& distance)
+        : dfa_(dfa), distance_(distance), uses_(classes(), 0) {}
 
     std::vector<EventClass> walk(std::size_t longest) {
         std::vector<EventClass> word;
@@ -136,7 +137,8 @@ std::vector<std::uint64_t> count_words(const Dfa& dfa, std::size_t longest) {
             for (std::size_t column = 0; here[state] > 0 && column < dfa.columns; ++column) {
                 std::uint64_t& target = next[dfa.next[state * dfa.columns + column]];
                 const std::uint64_t width = classes_of_column[column];
-                const std::uint64_t more = width > 0 && here[state] > most_words / width ? most_words : here[state] * width;
+                const std::uint64_t more =
+                    width > 0 && here[state] > most_words / width ? most_words : here[state] * width;
                 target += std::min(more, most_words - target);
             }
         }

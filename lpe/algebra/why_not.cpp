@@ -92,7 +92,9 @@ std::string wanted_words(const EventTeller& teller, const EventTeller::Members& 
     for (const EventBox& box : boxes) {
         const EventPhrase phrase = teller.phrase(box);
         for (const std::string& one : phrase.one) {
-            items.push_back(box.role == EventRole::camera ? "the camera" : box.role == EventRole::terminal ? one : "one " + one);
+            items.push_back(box.role == EventRole::camera     ? "the camera"
+                            : box.role == EventRole::terminal ? one
+                                                              : "one " + one);
         }
     }
     return joined_by(items);
@@ -117,7 +119,8 @@ std::string label_hint(const Event& event, const std::vector<const Node*>& next)
                 for (const std::string& name : test.names) {
                     quoted.push_back("'" + name + "'");
                 }
-                const std::string found = label.empty() ? "it has no label where " : "its label '" + label + "' is not ";
+                const std::string found =
+                    label.empty() ? "it has no label where " : "its label '" + label + "' is not ";
                 return found + joined_by(shortened(std::move(quoted))) + (label.empty() ? " is wanted" : "") +
                        (near.empty() ? "" : "; did you mean '" + near + "'?");
             }
@@ -162,7 +165,8 @@ WhyNot reason(const ChannelSource& channel, std::span<const Event> events) {
         try {
             next = next_events(source, *expression.root, events.first(answer.live_events), all);
         } catch (const Failure&) {
-            by_piece = false;  // markers take the expression past a bound; the automaton alone still knows what could follow
+            by_piece =
+                false;  // markers take the expression past a bound; the automaton alone still knows what could follow
         }
     }
     const PathRoles roles(*expression.root);

@@ -76,7 +76,9 @@ JointColumns join_columns(const Dfa& a, const Dfa& b) {
 std::uint32_t combine_union(void* /*context*/, std::uint32_t a, std::uint32_t b) { return a | b; }
 std::uint32_t combine_intersection(void* /*context*/, std::uint32_t a, std::uint32_t b) { return a & b; }
 std::uint32_t combine_difference(void* /*context*/, std::uint32_t a, std::uint32_t b) { return a & ~b & 1U; }
-std::uint32_t combine_count(void* /*context*/, std::uint32_t a, std::uint32_t b) { return std::min<std::uint32_t>(a + b, 2); }
+std::uint32_t combine_count(void* /*context*/, std::uint32_t a, std::uint32_t b) {
+    return std::min<std::uint32_t>(a + b, 2);
+}
 
 }  // namespace
 
@@ -116,7 +118,8 @@ std::optional<Dfa> product(const Dfa& a, const Dfa& b, const Combination& combin
     PairMap numbers;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs{{0, 0}};
     const auto number = [&](std::uint32_t p, std::uint32_t q) -> std::uint32_t {
-        if ((p == 0 && q == 0) || (combination.needs_both && (p == 0 || q == 0)) || (combination.needs_first && p == 0)) {
+        if ((p == 0 && q == 0) || (combination.needs_both && (p == 0 || q == 0)) ||
+            (combination.needs_first && p == 0)) {
             return 0;
         }
         const auto fresh = static_cast<std::uint32_t>(pairs.size());

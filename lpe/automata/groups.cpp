@@ -52,7 +52,8 @@ std::optional<Group> merged(const Group& a, const Group& b, std::size_t state_ca
 std::size_t proportionate(const Group& a, const Group& b) { return 4 * (a.dfa.states() + b.dfa.states()) + 256; }
 
 /// Nothing as soon as some part of the tree needs more than `most` groups.
-std::optional<std::vector<Group>> merge_balanced(std::span<const Group> leaves, std::size_t state_cap, std::size_t most) {
+std::optional<std::vector<Group>> merge_balanced(std::span<const Group> leaves, std::size_t state_cap,
+                                                 std::size_t most) {
     if (leaves.size() <= 1) {
         return std::vector<Group>(leaves.begin(), leaves.end());
     }
@@ -120,7 +121,8 @@ std::string channel_names(const Group& group, std::span<const ChannelSource> cha
     return count > 4 ? names + " and " + std::to_string(count - 4) + " more" : names;
 }
 
-[[noreturn]] void fail_groups(const Grouping& grouping, std::span<const ChannelSource> channels, const CompileOptions& options) {
+[[noreturn]] void fail_groups(const Grouping& grouping, std::span<const ChannelSource> channels,
+                              const CompileOptions& options) {
     std::string list;
     for (const Group& group : grouping.tables) {
         list += "\n  " + std::to_string(group.dfa.states()) + " states: " + channel_names(group, channels);
@@ -167,7 +169,8 @@ std::vector<std::uint32_t> underway(const Dfa& dfa, const std::vector<Place>& pl
 }
 
 /// Which of at most 64 states lie on a cycle of scattering events.
-std::vector<bool> recurrent(const Dfa& dfa, const std::vector<Place>& places, const std::vector<std::uint32_t>& states) {
+std::vector<bool> recurrent(const Dfa& dfa, const std::vector<Place>& places,
+                            const std::vector<std::uint32_t>& states) {
     std::unordered_map<std::uint32_t, std::size_t> index;
     for (std::size_t i = 0; i < states.size(); ++i) {
         index.emplace(states[i], i);
@@ -175,7 +178,8 @@ std::vector<bool> recurrent(const Dfa& dfa, const std::vector<Place>& places, co
     std::vector<std::uint64_t> reach(states.size(), 0);
     for (std::size_t i = 0; i < states.size(); ++i) {
         for (std::size_t k = 0; k < places.size(); ++k) {
-            const std::uint32_t to = places[k] == Place::scattering ? dfa.step(states[i], static_cast<EventClass>(k)) : 0;
+            const std::uint32_t to =
+                places[k] == Place::scattering ? dfa.step(states[i], static_cast<EventClass>(k)) : 0;
             reach[i] |= to == 0 ? 0 : std::uint64_t{1} << index.at(to);
         }
     }
@@ -216,11 +220,13 @@ class LateExits {
             ClassSet exits(places_.size(), false);
             bool any = false;
             for (std::size_t k = 0; k < places_.size(); ++k) {
-                exits[k] = places_[k] == Place::scattering && dfa.step(states[i], static_cast<EventClass>(k)) != states[i];
+                exits[k] =
+                    places_[k] == Place::scattering && dfa.step(states[i], static_cast<EventClass>(k)) != states[i];
                 any = any || exits[k];
             }
             if (any) {
-                signature.insert(index_.emplace(std::move(exits), static_cast<std::uint32_t>(index_.size())).first->second);
+                signature.insert(
+                    index_.emplace(std::move(exits), static_cast<std::uint32_t>(index_.size())).first->second);
             }
         }
         return signature;
@@ -239,8 +245,8 @@ struct Family {
     bool wide = false;      ///< more than one lane of two bits: better in a table, unless tables multiply all the same
 };
 
-/// Events before the terminal on which every lane dies (user events that none names, say) end the whole path, so that no
-/// lane needs a code for being dead because of them.
+/// Events before the terminal on which every lane dies (user events that none names, say) end the whole path, so that
+/// no lane needs a code for being dead because of them.
 std::vector<Place> without_deadly(const std::vector<Group>& lanes, std::vector<Place> places) {
     std::vector<bool> deadly(places.size());
     for (std::size_t k = 0; k < places.size(); ++k) {
@@ -331,7 +337,8 @@ class LanePacker {
         }
         std::vector<std::size_t> chosen;
         for (const auto& [signature, family] : families_) {
-            if (family.wide || std::includes(waited_for.begin(), waited_for.end(), signature.begin(), signature.end())) {
+            if (family.wide ||
+                std::includes(waited_for.begin(), waited_for.end(), signature.begin(), signature.end())) {
                 chosen.insert(chosen.end(), family.members.begin(), family.members.end());
             }
         }
@@ -389,7 +396,8 @@ class LanePacker {
     }
 
     static std::size_t words(const Grouping& grouping) {
-        return grouping.tables.size() + (grouping.lanes.empty() ? 0 : 1 + lane_word_count(grouping.lanes, grouping.lane_places));
+        return grouping.tables.size() +
+               (grouping.lanes.empty() ? 0 : 1 + lane_word_count(grouping.lanes, grouping.lane_places));
     }
 
     std::span<const Group> leaves_;
@@ -425,8 +433,8 @@ std::vector<std::uint32_t> lane_codes(const Dfa& dfa, const std::vector<Place>& 
     return states;
 }
 
-Grouping group_channels(std::vector<Dfa> dfas, std::span<const ChannelSource> channels, const std::vector<Place>& places,
-                        const CompileOptions& options) {
+Grouping group_channels(std::vector<Dfa> dfas, std::span<const ChannelSource> channels,
+                        const std::vector<Place>& places, const CompileOptions& options) {
     std::vector<Group> leaves;
     for (std::size_t k = 0; k < dfas.size(); ++k) {
         leaves.push_back({std::move(dfas[k]), {{}, {static_cast<std::uint16_t>(k)}}});

@@ -82,7 +82,8 @@ class Packer {
                 const Dfa& dfa = lane.group->dfa;
                 for (std::uint32_t code = 0; code < lane.codes.size(); ++code) {
                     const std::uint32_t from = places_[k] == Place::camera ? dfa.start : lane.codes[code];
-                    set_image(tables_.image[k], lane, code, lane.code_of.at(dfa.step(from, static_cast<EventClass>(k))));
+                    set_image(tables_.image[k], lane, code,
+                              lane.code_of.at(dfa.step(from, static_cast<EventClass>(k))));
                 }
             }
         }
@@ -116,9 +117,9 @@ class Packer {
         return terminal_of_class;
     }
 
-    /// Lanes that accept nothing at a terminal go to code 0, so that a path that no lane accepts shows by words that are
-    /// all 0. Where code 0 itself accepts it changes places with a code that does not; a lane that accepts in every code
-    /// keeps the path alive.
+    /// Lanes that accept nothing at a terminal go to code 0, so that a path that no lane accepts shows by words that
+    /// are all 0. Where code 0 itself accepts it changes places with a code that does not; a lane that accepts in every
+    /// code keeps the path alive.
     void add_terminal(const std::vector<std::uint32_t>& outputs) {
         const std::size_t accept = tables_.accept.size(), lists = tables_.lists.size();
         tables_.accept.resize(accept + offset(3, accepts_per_word), 0);
@@ -137,8 +138,8 @@ class Packer {
                 const std::uint32_t to = output == 0 ? 0 : code == 0 && rejecting < codes ? rejecting : code;
                 set_image(image, lane, code, to);
                 if (output != 0) {
-                    tables_.accept[accept + offset(lane.kind, accepts_per_word) + to * tables_.words[lane.kind] + lane.word] |=
-                        1U << lane.bit;
+                    tables_.accept[accept + offset(lane.kind, accepts_per_word) + to * tables_.words[lane.kind] +
+                                   lane.word] |= 1U << lane.bit;
                     tables_.lists[lists + lane_code_limit * lane.number + to] = lane.group->lists[output];
                 }
             }
@@ -161,8 +162,10 @@ class Packer {
         }
         for (std::size_t k = 0; k < places_.size(); ++k) {
             const bool ends = terminal_of_class[k] != no_terminal;
-            dfa.column_of_class.push_back(static_cast<std::uint16_t>(
-                places_[k] == Place::camera ? 1 : places_[k] == Place::scattering ? 2 : ends ? 3 + terminal_of_class[k] : 0));
+            dfa.column_of_class.push_back(static_cast<std::uint16_t>(places_[k] == Place::camera       ? 1
+                                                                     : places_[k] == Place::scattering ? 2
+                                                                     : ends ? 3 + terminal_of_class[k]
+                                                                            : 0));
         }
     }
 
@@ -178,7 +181,9 @@ class Packer {
 
 }  // namespace
 
-LaneTables pack_lanes(const std::vector<Group>& lanes, const std::vector<Place>& places) { return Packer(lanes, places).run(); }
+LaneTables pack_lanes(const std::vector<Group>& lanes, const std::vector<Place>& places) {
+    return Packer(lanes, places).run();
+}
 
 std::size_t lane_word_count(const std::vector<Group>& lanes, const std::vector<Place>& places) {
     std::array<std::size_t, ProgramView::lane_kinds> lanes_of{};

@@ -109,8 +109,8 @@ Dfa build_rest(const ChannelSource& rest, std::span<const ChannelSource> channel
 
 }  // namespace
 
-Dfa joined(std::span<const Dfa* const> dfas, const Combination& combination, std::size_t state_cap, std::size_t class_count,
-           const std::string& what) {
+Dfa joined(std::span<const Dfa* const> dfas, const Combination& combination, std::size_t state_cap,
+           std::size_t class_count, const std::string& what) {
     if (dfas.empty()) {
         return empty_dfa(class_count);
     }
@@ -181,8 +181,9 @@ Languages build_languages(std::span<const ChannelSource> channels, std::span<Exp
         const bool renderman = expressions[k].dialect == Dialect::renderman;
         WorkMeter work;
         try {
-            Dfa dfa = build_dfa(*expressions[k].root, {&classes, &classes.members(renderman ? renderman_set : osl_set), &work},
-                                options.state_cap);
+            Dfa dfa =
+                build_dfa(*expressions[k].root,
+                          {&classes, &classes.members(renderman ? renderman_set : osl_set), &work}, options.state_cap);
             if (renderman) {
                 ignore_straight_events(dfa, classes.members(straight_set));
             }

@@ -132,7 +132,8 @@ Partition refine(const Dfa& dfa) {
             partition.split_marked([&](std::uint32_t block, std::uint32_t fresh) {
                 is_waiting.push_back(false);
                 // The splitter in hand is a copy, so its parts may be queued like any other block's.
-                const bool queue_block = !is_waiting[block] && partition.block_size(block) < partition.block_size(fresh);
+                const bool queue_block =
+                    !is_waiting[block] && partition.block_size(block) < partition.block_size(fresh);
                 const std::uint32_t chosen = queue_block ? block : fresh;
                 is_waiting[chosen] = true;
                 waiting.push_back(chosen);

@@ -238,7 +238,8 @@ class Determinizer {
                 }
                 dfa_.next.push_back(number(take_subset()));
             }
-            dfa_.output.push_back(!subset.empty() && std::binary_search(subset.begin(), subset.end(), whole_.last) ? 1 : 0);
+            dfa_.output.push_back(!subset.empty() && std::binary_search(subset.begin(), subset.end(), whole_.last) ? 1
+                                                                                                                   : 0);
         }
         return std::move(dfa_);
     }

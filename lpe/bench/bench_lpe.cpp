@@ -1,6 +1,6 @@
-// Cost of compiling sets of channels, of following a path through them and of adding up what it finds. Event classes are
-// asked for beforehand, as an integrator does once per kind of event. bench_services.cpp (display/bench) adds what a
-// renderer pays for the state vector of Law 5.
+// Cost of compiling sets of channels, of following a path through them and of adding up what it finds. Event classes
+// are asked for beforehand, as an integrator does once per kind of event. bench_services.cpp (display/bench) adds what
+// a renderer pays for the state vector of Law 5.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -168,8 +168,8 @@ void reverse_build(benchmark::State& state, const std::string& set) {
     }
 }
 
-/// Grows a light subpath of `range(1)` scatterings and joins each of its ends once with a camera subpath: by the reversed
-/// program, or by replay. The time is that of one vertex and its join.
+/// Grows a light subpath of `range(1)` scatterings and joins each of its ends once with a camera subpath: by the
+/// reversed program, or by replay. The time is that of one vertex and its join.
 void join(benchmark::State& state, const std::string& set, bool replay) {
     const Program program = compile_or_exit(named_set(set, static_cast<std::size_t>(state.range(0))));
     const auto depth = static_cast<std::size_t>(state.range(1));
@@ -244,7 +244,13 @@ BENCHMARK_CAPTURE(follow, labels, "labels")->Arg(32)->Arg(128)->Arg(512);
 BENCHMARK_CAPTURE(follow, mixture, "mixture")->Arg(128)->Arg(256);
 BENCHMARK_CAPTURE(accumulate, firsthit, "firsthit")->Arg(32)->Arg(64)->Arg(128);
 BENCHMARK_CAPTURE(accumulate, labels, "labels")->Arg(128);
-BENCHMARK_CAPTURE(compile, firsthit, "firsthit")->Arg(1)->Arg(8)->Arg(32)->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(compile, firsthit, "firsthit")
+    ->Arg(1)
+    ->Arg(8)
+    ->Arg(32)
+    ->Arg(64)
+    ->Arg(128)
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(compile, anywhere, "anywhere")->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(compile, labels, "labels")->Arg(128)->Arg(512)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(compile, mixture, "mixture")->Arg(128)->Arg(256)->Unit(benchmark::kMillisecond);

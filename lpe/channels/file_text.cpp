@@ -16,8 +16,8 @@ void MappedText::append(char c, std::size_t position) {
 }
 
 std::size_t MappedText::position(std::size_t offset) const {
-    const auto after =
-        std::upper_bound(runs_.begin(), runs_.end(), offset, [](std::size_t at, const Run& run) { return at < run.offset; });
+    const auto after = std::upper_bound(runs_.begin(), runs_.end(), offset,
+                                        [](std::size_t at, const Run& run) { return at < run.offset; });
     return after == runs_.begin() ? start_ : (after - 1)->position + (offset - (after - 1)->offset);
 }
 
@@ -42,7 +42,8 @@ std::string_view FileText::take_line() {
 }
 
 int FileText::line_of(std::size_t position) const {
-    return static_cast<int>(std::upper_bound(line_begins_.begin(), line_begins_.end(), position) - line_begins_.begin());
+    return static_cast<int>(std::upper_bound(line_begins_.begin(), line_begins_.end(), position) -
+                            line_begins_.begin());
 }
 
 int FileText::column_of(std::size_t position) const {
@@ -95,7 +96,8 @@ std::size_t expression_offset(std::string_view source) {
     }
     // Before the mark: nothing, or words of a type declaration ("varying color").
     const bool declared = std::all_of(source.begin(), source.begin() + static_cast<std::ptrdiff_t>(mark), [](char c) {
-        return c == ' ' || c == '\t' || c == '_' || (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+        return c == ' ' || c == '\t' || c == '_' || (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') ||
+               (c >= 'A' && c <= 'Z');
     });
     const bool separate = mark == 0 || source[mark - 1] == ' ' || source[mark - 1] == '\t';
     return declared && separate ? mark + 4 : std::string_view::npos;

@@ -52,7 +52,8 @@ class IniReader {
         in_.move_to(end);
         const MappedText value = take_value();
         if (++found_ > limits::file_channels) {
-            in_.fail_at(begin, "the file has more than " + std::to_string(limits::file_channels) + " macros and options");
+            in_.fail_at(begin,
+                        "the file has more than " + std::to_string(limits::file_channels) + " macros and options");
         }
         if (path.starts_with(macro)) {
             add_macro(begin, path.substr(macro.size()), value);
@@ -61,7 +62,8 @@ class IniReader {
                                    "'; expected /prman/lpe/macro/NAME, or a slot such as /prman/lpe/specular2");
         } else {
             const std::size_t at = value.position(0);
-            file_.lobe_options.push_back({std::string(path), value.text(), in_.origin(), in_.line_of(at), in_.column_of(at)});
+            file_.lobe_options.push_back(
+                {std::string(path), value.text(), in_.origin(), in_.line_of(at), in_.column_of(at)});
         }
     }
 
@@ -74,8 +76,8 @@ class IniReader {
         file_.macros.push_back(std::move(source));
     }
 
-    /// The rest of the line without blanks around it; a backslash at a line's end continues it. '#' begins a comment only
-    /// after a blank and outside quotes.
+    /// The rest of the line without blanks around it; a backslash at a line's end continues it. '#' begins a comment
+    /// only after a blank and outside quotes.
     MappedText take_value() {
         skip_blank();
         MappedText value;

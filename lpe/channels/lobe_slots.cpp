@@ -9,10 +9,10 @@ namespace raylex::lpe {
 
 namespace {
 
-// Sources of the names with capitals: RenderMan documentation, "Light Path Expressions", section Per-Lobe LPEs (REN26); of
-// the small ones (translucent, hair1, ...), which serve Lama's materials: RenderMan for Blender's and Gaffer's published
-// defaults of the same options. "specular" stands in slots 2 and 8 there; the lower slot wins. The last names of a line are
-// those of raylex's materials: conductor, mirror, sheet, coat, glass, albedo, normal.
+// Sources of the names with capitals: RenderMan documentation, "Light Path Expressions", section Per-Lobe LPEs (REN26);
+// of the small ones (translucent, hair1, ...), which serve Lama's materials: RenderMan for Blender's and Gaffer's
+// published defaults of the same options. "specular" stands in slots 2 and 8 there; the lower slot wins. The last names
+// of a line are those of raylex's materials: conductor, mirror, sheet, coat, glass, albedo, normal.
 constexpr std::array<LobeSlot, 13> default_table{{
     {"diffuse2", "Diffuse,HairDiffuse,diffuse,translucent,hair4,irradiance"},
     {"diffuse3", "Subsurface,subsurface"},
@@ -26,8 +26,9 @@ constexpr std::array<LobeSlot, 13> default_table{{
     {"user2", "Albedo,DiffuseAlbedo,SubsurfaceAlbedo,HairAlbedo,albedo"},
     {"user3", "Position"},
     {"user4", "UserColor"},
-    {"user6", "Normal,DiffuseNormal,HairTangent,SubsurfaceNormal,SpecularNormal,RoughSpecularNormal,SingleScatterNormal,"
-              "FuzzNormal,IridescenceNormal,GlassNormal,normal"},
+    {"user6",
+     "Normal,DiffuseNormal,HairTangent,SubsurfaceNormal,SpecularNormal,RoughSpecularNormal,SingleScatterNormal,"
+     "FuzzNormal,IridescenceNormal,GlassNormal,normal"},
 }};
 
 constexpr std::array<std::string_view, 3> kind_names{"diffuse", "specular", "user"};
@@ -111,7 +112,8 @@ Status LobeSlots::set(const LobeOption& option) {
     std::vector<std::string> names = split_names(option.names);
     for (const auto& [number, slot] : slots_[place.kind]) {
         for (const std::string& each : names) {
-            if (slot.set && number != place.number && std::find(slot.names.begin(), slot.names.end(), each) != slot.names.end()) {
+            if (slot.set && number != place.number &&
+                std::find(slot.names.begin(), slot.names.end(), each) != slot.names.end()) {
                 return error_about(option, "the lobe '" + each + "' is in " + std::string(kind_names[place.kind]) +
                                                std::to_string(number) + " already; expected it in one slot");
             }

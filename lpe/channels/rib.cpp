@@ -1,6 +1,6 @@
 // RIB: requests, each a word followed by numbers, strings and arrays up to the next word. Source: "The RenderMan
-// Interface", version 3.2, appendix C (syntax of RIB requests): '#' comments, strings with C escapes, a backslash at the end
-// of a line of a string continues it.
+// Interface", version 3.2, appendix C (syntax of RIB requests): '#' comments, strings with C escapes, a backslash at
+// the end of a line of a string continues it.
 //
 //     DisplayChannel "color directDiffuse" "string source" ["color lpe:C<RD>[<L.>O]"] "string filter" "gaussian"
 //     DisplayChannel "color lpe:diffuse"
@@ -50,7 +50,8 @@ class RibReader {
     ChannelFile run() {
         for (skip_blank(); !in_.at_end(); skip_blank()) {
             if (!is_letter(in_.peek())) {
-                in_.fail_at(in_.position(), "found " + in_.describe(in_.position()) + "; expected a request such as DisplayChannel",
+                in_.fail_at(in_.position(),
+                            "found " + in_.describe(in_.position()) + "; expected a request such as DisplayChannel",
                             in_.position() == 0 ? "binary or compressed RIB is read after 'catrib -ascii'" : "");
             }
             const std::size_t begin = in_.position();
@@ -94,7 +95,8 @@ class RibReader {
 
     std::string_view take_word() {
         const std::size_t begin = in_.position();
-        while (is_letter(in_.peek()) || (in_.peek() >= '0' && in_.peek() <= '9') || in_.peek() == ':' || in_.peek() == '.') {
+        while (is_letter(in_.peek()) || (in_.peek() >= '0' && in_.peek() <= '9') || in_.peek() == ':' ||
+               in_.peek() == '.') {
             in_.move_to(in_.position() + 1);
         }
         return in_.text().substr(begin, in_.position() - begin);
@@ -191,7 +193,8 @@ class RibReader {
             in_.move_to(in_.position() + 1);
         }
         if (in_.position() == begin) {
-            in_.fail_at(begin, "found " + in_.describe(begin) + "; expected a number, a string in double quotes or an array");
+            in_.fail_at(begin,
+                        "found " + in_.describe(begin) + "; expected a number, a string in double quotes or an array");
         }
     }
 
@@ -244,7 +247,8 @@ class RibReader {
                 in_.fail_at(begin, "channel '" + name + "' has a second source; expected one");
             }
             if (!value.is_string) {
-                in_.fail_at(value.begin, "the source of channel '" + name + "' is no string; expected [\"color lpe:...\"]");
+                in_.fail_at(value.begin,
+                            "the source of channel '" + name + "' is no string; expected [\"color lpe:...\"]");
             }
             offset = expression_offset(value.string.text());
             if (offset == std::string_view::npos) {
@@ -269,7 +273,8 @@ class RibReader {
         }
         count(request);
         if (offset >= expression.text().size()) {
-            in_.fail_at(expression.position(offset), "channel '" + name + "' has an empty expression; expected one behind 'lpe:'");
+            in_.fail_at(expression.position(offset),
+                        "channel '" + name + "' has an empty expression; expected one behind 'lpe:'");
         }
         if (name.empty()) {
             in_.fail_at(name_begin, "DisplayChannel has an empty name; expected \"color name\"");
@@ -287,8 +292,8 @@ class RibReader {
         take_parameters([&](std::size_t begin, const MappedText& declaration, Value value) {
             const std::string slot = split_declaration(declaration.text()).second;
             if (!value.is_string) {
-                file_.warnings.push_back(in_.origin() + ":" + std::to_string(in_.line_of(begin)) + ": the option lpe:" + slot +
-                                         " is no string; it is left out");
+                file_.warnings.push_back(in_.origin() + ":" + std::to_string(in_.line_of(begin)) +
+                                         ": the option lpe:" + slot + " is no string; it is left out");
                 return;
             }
             count(begin);
@@ -299,7 +304,8 @@ class RibReader {
 
     void count(std::size_t at) {
         if (++found_ > limits::file_channels) {
-            in_.fail_at(at, "the file has more than " + std::to_string(limits::file_channels) + " channels and options");
+            in_.fail_at(at,
+                        "the file has more than " + std::to_string(limits::file_channels) + " channels and options");
         }
     }
 

@@ -51,8 +51,8 @@ class Generator {
     Split run() {
         check_axes();
         find_whole();
-        const bool scattering =
-            has_axis(request_, SplitAxis::lobe) || has_axis(request_, SplitAxis::object) || has_axis(request_, SplitAxis::bounce);
+        const bool scattering = has_axis(request_, SplitAxis::lobe) || has_axis(request_, SplitAxis::object) ||
+                                has_axis(request_, SplitAxis::bounce);
         const std::vector<TerminalBin> terminals = terminal_bins(request_);
         const std::vector<FirstBin> firsts = first_bins(request_);
         const std::vector<BounceBin> bounces = bounce_bins(request_);
@@ -65,13 +65,16 @@ class Generator {
             add(terminal, {}, {}, "visible", camera + terminal.text);
             for (const FirstBin& first : firsts) {
                 for (const BounceBin& bounce : bounces) {
-                    const std::string straight = request_.dialect == Dialect::osl && !(bounce.least == 1 && bounce.open_ended) ? "<Ts>*" : "";
+                    const std::string straight =
+                        request_.dialect == Dialect::osl && !(bounce.least == 1 && bounce.open_ended) ? "<Ts>*" : "";
                     add(terminal, first, bounce, "",
-                        camera + first.text + straight + any_events(bounce.least - 1, bounce.open_ended, request_.dialect) + terminal.text);
+                        camera + first.text + straight +
+                            any_events(bounce.least - 1, bounce.open_ended, request_.dialect) + terminal.text);
                 }
             }
             for (std::size_t k = 0; firsts.empty() && k < bounces.size(); ++k) {
-                add(terminal, {}, bounces[k], "", camera + any_events(bounces[k].least, bounces[k].open_ended, request_.dialect) + terminal.text);
+                add(terminal, {}, bounces[k], "",
+                    camera + any_events(bounces[k].least, bounces[k].open_ended, request_.dialect) + terminal.text);
             }
         }
         prove();
@@ -85,7 +88,8 @@ class Generator {
         }
         for (auto axis = request_.by.begin(); axis != request_.by.end(); ++axis) {
             if (std::find(axis + 1, request_.by.end(), *axis) != request_.by.end()) {
-                fail("the axis " + std::string(axis_names[static_cast<std::size_t>(*axis)]) + " is named twice; expected it once");
+                fail("the axis " + std::string(axis_names[static_cast<std::size_t>(*axis)]) +
+                     " is named twice; expected it once");
             }
         }
     }
@@ -99,8 +103,9 @@ class Generator {
         const std::vector<std::string> prefixes = required(expression_prefixes(of));
         if (!prefixes.empty()) {
             Error error;
-            error.message = "what is split carries the prefix '" + prefixes.front() + "', which changes what is splatted; expected a "
-                                                                                     "plain expression";
+            error.message = "what is split carries the prefix '" + prefixes.front() +
+                            "', which changes what is splatted; expected a "
+                            "plain expression";
             throw Failure{SourceText::whole_error(of, std::move(error))};
         }
         ChannelSource beauty;
@@ -110,7 +115,8 @@ class Generator {
             return;
         }
         if (request_.dialect == Dialect::osl || of.dialect == Dialect::osl) {
-            fail("osl has no operator that cuts a split to '" + of.expression + "'; expected --dialect renderman, or the whole beauty");
+            fail("osl has no operator that cuts a split to '" + of.expression +
+                 "'; expected --dialect renderman, or the whole beauty");
         }
         const std::size_t mark = of.expression.find("lpe:");
         whole_ = of.expression.substr(mark == std::string::npos ? 0 : mark + 4);
@@ -122,7 +128,8 @@ class Generator {
         split_.of->map = nullptr;
     }
 
-    void add(const TerminalBin& terminal, const FirstBin& first, const BounceBin& bounce, const std::string& visible, std::string text) {
+    void add(const TerminalBin& terminal, const FirstBin& first, const BounceBin& bounce, const std::string& visible,
+             std::string text) {
         std::string name = request_.prefix;
         bool shown = false;
         for (const SplitAxis axis : request_.by) {
@@ -183,7 +190,8 @@ class Generator {
     void prove() {
         PartitionReport report = required(check_partition(split_.channels, split_.of, request_.words));
         if (report.verdict != Verdict::partition) {
-            fail("this split is none: " + report.summary, "labels that fall together with letters of the dialect do that");
+            fail("this split is none: " + report.summary,
+                 "labels that fall together with letters of the dialect do that");
         }
         split_.summary = std::move(report.summary);
         if (empty_ > 0) {

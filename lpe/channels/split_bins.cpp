@@ -21,7 +21,8 @@ bool has_axis(const SplitRequest& request, SplitAxis axis) {
 std::string bin_name(const std::string& label, std::vector<std::string>& taken) {
     std::string name;
     for (const char c : label) {
-        const bool fits = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+        const bool fits =
+            (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
         if (fits) {
             name += c;
         } else if (name.empty() || name.back() != '_') {
@@ -79,7 +80,8 @@ std::vector<BounceBin> bounce_bins(const SplitRequest& request) {
     }
     const int count = request.bounces;
     if (count < 1 || count > most_bounces) {
-        fail("the split has " + std::to_string(count) + " bins of bounces; expected 1 to " + std::to_string(most_bounces));
+        fail("the split has " + std::to_string(count) + " bins of bounces; expected 1 to " +
+             std::to_string(most_bounces));
     }
     if (count == 2) {
         return {{"direct", 1, false}, {"indirect", 2, true}};
@@ -98,7 +100,8 @@ struct LightKind {
     std::string name, letter, plain;
 };
 
-/// L and B apart, or together as `lights`. In renderman L is B too; lights alone are what is neither B nor O, among terminals.
+/// L and B apart, or together as `lights`. In renderman L is B too; lights alone are what is neither B nor O, among
+/// terminals.
 std::vector<LightKind> light_kinds(const SplitRequest& request) {
     const bool osl = request.dialect == Dialect::osl;
     const bool apart = request.words.background && (osl || has_axis(request, SplitAxis::terminal));
@@ -123,8 +126,8 @@ std::string one_of(const std::vector<std::string>& items) {
 }
 
 /// The bins of one group: one a kind where the split tells kinds apart, else one in all. An empty label: every light.
-void add_group(std::vector<TerminalBin>& bins, const SplitRequest& request, const std::string& name, const std::string& label,
-               bool with_emission) {
+void add_group(std::vector<TerminalBin>& bins, const SplitRequest& request, const std::string& name,
+               const std::string& label, bool with_emission) {
     std::vector<std::string> together;
     const bool by_kind = has_axis(request, SplitAxis::terminal);
     for (const LightKind& kind : light_kinds(request)) {

@@ -77,7 +77,8 @@ std::optional<CoreSet> read_event(std::string_view text, Dialect dialect) {
         for (const char letter : letters) {
             for (const Scatter scatter : {Scatter::diffuse, Scatter::glossy, Scatter::singular}) {
                 const char own = scatter_letter(scatter);
-                const bool fits = letter == '.' || letter == own || (letter == 'S' && own == 'G' && dialect == Dialect::renderman);
+                const bool fits =
+                    letter == '.' || letter == own || (letter == 'S' && own == 'G' && dialect == Dialect::renderman);
                 for (std::uint8_t k = 0; fits && k <= (own == 'D' ? 4 : 8); ++k) {
                     if (number == 0 || k == number) {
                         cores.set(core_index({type, scatter, k, {}}));
@@ -116,7 +117,8 @@ std::vector<LobeItem> read_lobes(const SplitRequest& request) {
         }
         item.name = bin_name(equals == std::string::npos ? item.text : given.substr(0, equals), taken);
         if (!items.empty() && items.front().is_event != item.is_event) {
-            fail("the lobes '" + items.front().text + "' and '" + item.text + "' are of two kinds; expected events only (RD, S4, V) "
+            fail("the lobes '" + items.front().text + "' and '" + item.text +
+                 "' are of two kinds; expected events only (RD, S4, V) "
                  "or lobe names only (coat, glass)");
         }
         items.push_back(std::move(item));
@@ -146,7 +148,8 @@ void part(std::vector<LobeItem>& items, const CoreSet& all) {
 /// Event items crossed with objects, as texts of the renderman dialect.
 class RendermanFirst {
   public:
-    explicit RendermanFirst(const std::vector<LobeItem>& lobes) : lobes_(lobes), classes_(sets_of(lobes)), writer_(classes_, {}) {}
+    explicit RendermanFirst(const std::vector<LobeItem>& lobes)
+        : lobes_(lobes), classes_(sets_of(lobes)), writer_(classes_, {}) {}
 
     std::vector<FirstBin> run(const std::vector<std::string>& objects, bool by_object) {
         std::vector<FirstBin> bins;
@@ -156,13 +159,15 @@ class RendermanFirst {
             for (std::size_t lobe = 0; lobe < lobes_.size(); ++lobe) {
                 if ((lobes_[lobe].cores & ~volume_cores()).any()) {
                     const std::string text = labelled(lobe, quoted_label(object));
-                    bins.push_back({lobes_[lobe].name, name, text.find('>') == text.size() - 1 ? text : "[" + text + "]"});
+                    bins.push_back(
+                        {lobes_[lobe].name, name, text.find('>') == text.size() - 1 ? text : "[" + text + "]"});
                 }
             }
         }
         for (std::size_t lobe = 0; lobe < lobes_.size(); ++lobe) {
             bins.push_back({lobes_[lobe].name, by_object ? "other" : "",
-                            by_object ? outside(lobe, "[^" + quoted_list(objects) + "]") : written(writer_.write(surface(lobe, true), others(lobe)), lobe)});
+                            by_object ? outside(lobe, "[^" + quoted_list(objects) + "]")
+                                      : written(writer_.write(surface(lobe, true), others(lobe)), lobe)});
         }
         return bins;
     }
@@ -235,7 +240,8 @@ std::string osl_text(const CoreSet& cores) {
             }
         }
         if (!letters.empty()) {
-            items.push_back(std::string("<") + type_letter(type) + (letters.size() == 1 ? letters : "[" + letters + "]") + ">");
+            items.push_back(std::string("<") + type_letter(type) +
+                            (letters.size() == 1 ? letters : "[" + letters + "]") + ">");
         }
     }
     if ((cores & volume_cores()).any()) {
@@ -253,7 +259,9 @@ std::string osl_text(const CoreSet& cores) {
 
 std::vector<FirstBin> osl_first(const SplitRequest& request, std::vector<LobeItem> lobes) {
     if (has_axis(request, SplitAxis::object)) {
-        fail("osl cannot tell objects without a label from others, so it has no bin for them; expected --dialect renderman");
+        fail(
+            "osl cannot tell objects without a label from others, so it has no bin for them; expected --dialect "
+            "renderman");
     }
     for (const LobeItem& item : lobes) {
         if (!item.is_event) {
@@ -272,7 +280,8 @@ std::vector<FirstBin> osl_first(const SplitRequest& request, std::vector<LobeIte
 }
 
 /// Lobe names, read off the second label, crossed with objects, read off the first.
-std::vector<FirstBin> named_first(const std::vector<LobeItem>& lobes, const std::vector<std::string>& objects, bool by_object) {
+std::vector<FirstBin> named_first(const std::vector<LobeItem>& lobes, const std::vector<std::string>& objects,
+                                  bool by_object) {
     std::vector<std::string> lobe_labels, taken{"other"};
     for (const LobeItem& item : lobes) {
         lobe_labels.push_back(item.text);
@@ -281,7 +290,9 @@ std::vector<FirstBin> named_first(const std::vector<LobeItem>& lobes, const std:
     for (std::size_t object = 0; object <= objects.size(); ++object) {
         const bool rest = object == objects.size();
         const std::string name = !by_object ? "" : rest ? "other" : bin_name(objects[object], taken);
-        const std::string label = !by_object ? "." : rest ? "[^" + quoted_list(objects) + "]" : quoted_label(objects[object]);
+        const std::string label = !by_object ? "."
+                                  : rest     ? "[^" + quoted_list(objects) + "]"
+                                             : quoted_label(objects[object]);
         for (const LobeItem& item : lobes) {
             bins.push_back({item.name, name, "<.." + label + quoted_label(item.text) + ">"});
         }

@@ -1,6 +1,6 @@
-// USD ASCII: the RenderVar prims of a layer. Source: OpenUSD documentation, "UsdRender" (RenderVar: dataType, sourceName,
-// sourceType) and the layout of .usda files; no USD library is needed. Prims may be nested in any others and in variants;
-// layers are not composed, so only what this file says is seen.
+// USD ASCII: the RenderVar prims of a layer. Source: OpenUSD documentation, "UsdRender" (RenderVar: dataType,
+// sourceName, sourceType) and the layout of .usda files; no USD library is needed. Prims may be nested in any others
+// and in variants; layers are not composed, so only what this file says is seen.
 //
 //     def RenderVar "directDiffuse"
 //     {
@@ -22,7 +22,9 @@ namespace raylex::lpe {
 
 namespace {
 
-bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || (static_cast<unsigned char>(c) & 0x80U) != 0; }
+bool is_letter(char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || (static_cast<unsigned char>(c) & 0x80U) != 0;
+}
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 int hexadecimal(char c) {
@@ -58,7 +60,9 @@ class UsdaReader {
             in_.take_line();
         } else {
             in_.fail_at(0, "the file does not begin with '#usda 1.0'",
-                        in_.starts_with("PXR-USDC") ? "this is USD's binary form; 'usdcat -o file.usda' makes a text of it" : "");
+                        in_.starts_with("PXR-USDC")
+                            ? "this is USD's binary form; 'usdcat -o file.usda' makes a text of it"
+                            : "");
         }
         skip_blank();
         if (in_.peek() == '(') {
@@ -188,7 +192,8 @@ class UsdaReader {
             }
             if (c == '(' || c == '[' || c == '{') {
                 if (open.size() >= limits::file_nesting) {
-                    in_.fail_at(in_.position(), "brackets are nested deeper than " + std::to_string(limits::file_nesting));
+                    in_.fail_at(in_.position(),
+                                "brackets are nested deeper than " + std::to_string(limits::file_nesting));
                 }
                 open += c == '(' ? ')' : c == '[' ? ']' : '}';
                 in_.move_to(in_.position() + 1);
@@ -228,7 +233,8 @@ class UsdaReader {
         } else if (is_letter(c)) {
             take_word();
         } else if (is_digit(c) || c == '-' || c == '+' || c == '.') {
-            while (is_letter(in_.peek()) || is_digit(in_.peek()) || std::string_view("+-.").find(in_.peek()) != std::string_view::npos) {
+            while (is_letter(in_.peek()) || is_digit(in_.peek()) ||
+                   std::string_view("+-.").find(in_.peek()) != std::string_view::npos) {
                 in_.move_to(in_.position() + 1);
             }
         } else {
@@ -250,7 +256,8 @@ class UsdaReader {
             return;
         }
         if (!is_letter(in_.peek())) {
-            in_.fail_at(begin, "found " + in_.describe(begin) + "; expected a prim (def, over, class), an attribute or '}'");
+            in_.fail_at(begin,
+                        "found " + in_.describe(begin) + "; expected a prim (def, over, class), an attribute or '}'");
         }
         const std::string_view word = take_word();
         if (word == "def" || word == "over" || word == "class") {
@@ -272,7 +279,8 @@ class UsdaReader {
     void expect(char c) {
         skip_blank();
         if (in_.peek() != c || in_.at_end()) {
-            in_.fail_at(in_.position(), "found " + in_.describe(in_.position()) + "; expected '" + std::string(1, c) + "'");
+            in_.fail_at(in_.position(),
+                        "found " + in_.describe(in_.position()) + "; expected '" + std::string(1, c) + "'");
         }
         in_.move_to(in_.position() + 1);
         newlines_ = 0;
@@ -298,7 +306,8 @@ class UsdaReader {
             prim.untyped = true;
         }
         if (in_.peek() != '"' && in_.peek() != '\'') {
-            in_.fail_at(in_.position(), "found " + in_.describe(in_.position()) + "; expected the prim's name in quotes");
+            in_.fail_at(in_.position(),
+                        "found " + in_.describe(in_.position()) + "; expected the prim's name in quotes");
         }
         prim.name = take_string().text();
         skip_blank();
@@ -357,7 +366,8 @@ class UsdaReader {
             skip_blank(false);
         }
         if (!in_.at_end() && in_.peek() != '\n' && in_.peek() != ';' && in_.peek() != '}') {
-            in_.fail_at(in_.position(), "found " + in_.describe(in_.position()) + "; expected the end of the statement");
+            in_.fail_at(in_.position(),
+                        "found " + in_.describe(in_.position()) + "; expected the end of the statement");
         }
         if (!open_.empty() && (open_.back().render_var || open_.back().untyped)) {
             keep_attribute(name, std::move(value), in_.text().substr(begin, end - begin));
@@ -403,19 +413,22 @@ class UsdaReader {
             return;
         }
         if (!prim.source_name) {
-            in_.fail_at(prim.begin, "RenderVar '" + prim.name + "' has sourceType \"lpe\" but no sourceName; expected string "
-                                                                "sourceName = \"C...\"");
+            in_.fail_at(prim.begin, "RenderVar '" + prim.name +
+                                        "' has sourceType \"lpe\" but no sourceName; expected string "
+                                        "sourceName = \"C...\"");
         }
         if (!prim.source_name->is_string) {
-            in_.fail_at(prim.source_name->begin, "the sourceName of RenderVar '" + prim.name + "' is no string; expected an "
-                                                                                               "expression in quotes");
+            in_.fail_at(prim.source_name->begin, "the sourceName of RenderVar '" + prim.name +
+                                                     "' is no string; expected an "
+                                                     "expression in quotes");
         }
         if (++found_ > limits::file_channels) {
             in_.fail_at(prim.begin, "the file has more than " + std::to_string(limits::file_channels) + " channels");
         }
         const std::size_t offset = named_so ? expression_offset(prim.source_name->text.text()) : 0;
         if (offset >= prim.source_name->text.text().size()) {
-            in_.fail_at(prim.source_name->begin, "the sourceName of RenderVar '" + prim.name + "' is empty; expected an expression");
+            in_.fail_at(prim.source_name->begin,
+                        "the sourceName of RenderVar '" + prim.name + "' is empty; expected an expression");
         }
         FileChannel channel = std::move(prim.channel);
         const bool renamed = prim.aov_name && !prim.aov_name->text.text().empty();

@@ -76,7 +76,8 @@ std::string marked(const std::string& text) {
 
 void require_renderman(const ChannelSource& source, const char* format) {
     if (source.dialect != Dialect::renderman) {
-        refuse(source, "channel '" + source.name + "' is in the osl dialect; " + format + " holds renderman expressions",
+        refuse(source,
+               "channel '" + source.name + "' is in the osl dialect; " + format + " holds renderman expressions",
                "write a .toml or .usda file");
     }
 }
@@ -106,8 +107,8 @@ class Writer {
             note_extensions(channel.source, extensions_);
             const bool declared = channel.type.find("color3f") == std::string::npos;
             text += commented(channel.comment, "#");
-            text += "DisplayChannel " + quoted((declared ? channel.type : "color") + " " + channel.source.name) + " \"string source\" [" +
-                    quoted("color lpe:" + one_line(channel.source)) + "]";
+            text += "DisplayChannel " + quoted((declared ? channel.type : "color") + " " + channel.source.name) +
+                    " \"string source\" [" + quoted("color lpe:" + one_line(channel.source)) + "]";
             for (const std::string& parameter : kept(channel, "\"")) {
                 text += " " + parameter;
             }
@@ -122,8 +123,13 @@ class Writer {
         for (const LobeOption& option : file_.lobe_options) {
             if ((option.slot + option.names).find_first_of("\r\n") != std::string::npos || option.names.ends_with('\\'))
                 throw Failure{Error{"the option lpe:" + option.slot +
-                                        " holds a line end, or a backslash before one; expected none: rendermn.ini has one option a line",
-                                    option.origin, option.line, option.column, {}, {}}};
+                                        " holds a line end, or a backslash before one; expected none: rendermn.ini has "
+                                        "one option a line",
+                                    option.origin,
+                                    option.line,
+                                    option.column,
+                                    {},
+                                    {}}};
             text += "/prman/lpe/" + option.slot + "  " + option.names + "\n";
         }
         const auto add = [&](const ChannelSource& source) {
@@ -135,7 +141,8 @@ class Writer {
             }
             const std::string line = marked(one_line(source));
             if (line.ends_with('\\')) {
-                refuse(source, "channel '" + source.name + "' ends in a backslash, which continues a line of rendermn.ini",
+                refuse(source,
+                       "channel '" + source.name + "' ends in a backslash, which continues a line of rendermn.ini",
                        "write a .toml or .usda file");
             }
             text += "/prman/lpe/macro/" + source.name + "  " + line + "\n";
@@ -153,15 +160,16 @@ class Writer {
     }
 
     std::string usda() {
-        std::string text = "#usda 1.0\n(\n    defaultPrim = \"Render\"\n)\n\ndef Scope \"Render\"\n{\n    def Scope \"Vars\"\n    {\n";
+        std::string text =
+            "#usda 1.0\n(\n    defaultPrim = \"Render\"\n)\n\ndef Scope \"Render\"\n{\n    def Scope \"Vars\"\n    {\n";
         bool first = true;
         for (const FileChannel& channel : file_.channels) {
             text += first ? "" : "\n";
             first = false;
             const std::string prim = prim_name(channel.source.name);
             text += commented(channel.comment, "        #");
-            text += "        def RenderVar \"" + prim + "\"" + (channel.prim_metadata.empty() ? "" : " " + channel.prim_metadata) +
-                    "\n        {\n";
+            text += "        def RenderVar \"" + prim + "\"" +
+                    (channel.prim_metadata.empty() ? "" : " " + channel.prim_metadata) + "\n        {\n";
             const bool usd_type = channel.type.find(' ') == std::string::npos && channel.type != "color";
             text += "            uniform token dataType = " + quoted(usd_type ? channel.type : "color3f") + "\n";
             text += "            uniform string sourceName = " + quoted(marked(channel.source.expression)) + "\n";
@@ -219,7 +227,8 @@ class Writer {
 
     void finish(const std::string& format) {
         if (lost_ > 0) {
-            warnings_.push_back(std::to_string(lost_) + " parameters of channels have no place in " + format + "; they are left out");
+            warnings_.push_back(std::to_string(lost_) + " parameters of channels have no place in " + format +
+                                "; they are left out");
         }
         if (!extensions_.empty()) {
             std::string list;
@@ -238,7 +247,8 @@ class Writer {
 
 }  // namespace
 
-Result<std::string> write_channel_file(const ChannelFile& file, ChannelFormat format, std::vector<std::string>& warnings) {
+Result<std::string> write_channel_file(const ChannelFile& file, ChannelFormat format,
+                                       std::vector<std::string>& warnings) {
     return guarded([&]() -> std::string {
         Writer writer(file, warnings);
         switch (format) {

@@ -18,8 +18,9 @@ std::uint32_t ClassTable::classify(const Event& event) const {
     for (std::size_t slot = 0; slot < count && node->leaf == 0; ++slot) {
         const std::string_view label = event.labels[slot];
         const std::span<const Name> named(names.data() + node->first_name, node->names);
-        const auto place = std::lower_bound(named.begin(), named.end(), label,
-                                            [this](const Name& name, std::string_view wanted) { return text(name.text) < wanted; });
+        const auto place =
+            std::lower_bound(named.begin(), named.end(), label,
+                             [this](const Name& name, std::string_view wanted) { return text(name.text) < wanted; });
         if (place != named.end() && text(place->text) == label) {
             node = &nodes[place->node];
             continue;

@@ -90,14 +90,18 @@ class EventClasses::Builder {
             }
         }
         std::vector<std::uint32_t> sets;
-        std::set_difference(admitted.begin(), admitted.end(), excluded.begin(), excluded.end(), std::back_inserter(sets));
+        std::set_difference(admitted.begin(), admitted.end(), excluded.begin(), excluded.end(),
+                            std::back_inserter(sets));
         // set_difference counts repetitions; a set admitted twice and excluded once is excluded.
         sets.erase(std::unique(sets.begin(), sets.end()), sets.end());
-        std::erase_if(sets, [&](std::uint32_t set) { return std::binary_search(excluded.begin(), excluded.end(), set); });
-        const auto [place, fresh] = class_of_sets_.emplace(std::move(sets), static_cast<std::uint32_t>(classes_.count()));
+        std::erase_if(sets,
+                      [&](std::uint32_t set) { return std::binary_search(excluded.begin(), excluded.end(), set); });
+        const auto [place, fresh] =
+            class_of_sets_.emplace(std::move(sets), static_cast<std::uint32_t>(classes_.count()));
         if (fresh) {
             if (classes_.count() >= limits::event_classes) {
-                fail("the expressions tell more than " + std::to_string(limits::event_classes) + " kinds of events apart",
+                fail("the expressions tell more than " + std::to_string(limits::event_classes) +
+                         " kinds of events apart",
                      "name fewer labels, or compile the channels in several sets");
             }
             classes_.examples_.push_back(reached.example);
@@ -178,8 +182,8 @@ class EventClasses::Builder {
         ClassTable& table = classes_.table_;
         ClassTable::Node& node = table.nodes[index];
         const auto count = [](const auto& list) { return static_cast<std::uint32_t>(list.size()); };
-        node = {node.end_class, 0, count(table.names), count(named), count(table.globs), count(globs), count(table.kinds),
-                count(kinds)};
+        node = {node.end_class,     0,           count(table.names), count(named), count(table.globs), count(globs),
+                count(table.kinds), count(kinds)};
         for (const auto& [name, target] : named) {
             table.names.push_back({text(name), target});
         }

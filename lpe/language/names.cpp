@@ -16,8 +16,9 @@ namespace raylex::lpe {
 
 namespace {
 
-// Sources: RenderMan documentation, "Light Path Expressions" (rmanwiki.pixar.com, REN21 to REN26): the table of built-in
-// names, then the basic channels. `subsurface` stands in both with different expressions; the built-in name wins.
+// Sources: RenderMan documentation, "Light Path Expressions" (rmanwiki.pixar.com, REN21 to REN26): the table of
+// built-in names, then the basic channels. `subsurface` stands in both with different expressions; the built-in name
+// wins.
 constexpr std::array<NamedExpression, 16> builtin_table{{
     {"diffuse", "CD<L.>"},
     {"specular", "CS<L.>"},
@@ -53,12 +54,15 @@ std::size_t name_end(std::string_view text, std::size_t begin) {
 bool is_name(std::string_view text) { return !text.empty() && name_end(text, 0) == text.size(); }
 
 /// Letters and lobe numbers only: CDL, CS2O.
-bool reads_as_expression(std::string_view name) { return name.find_first_not_of("CLOBVRTDSGU0123456789") == std::string_view::npos; }
+bool reads_as_expression(std::string_view name) {
+    return name.find_first_not_of("CLOBVRTDSGU0123456789") == std::string_view::npos;
+}
 
 /// Two small letters side by side: no slip in an expression looks so, a mistyped name does.
 bool looks_like_word(std::string_view name) {
     const auto small = [](char c) { return c >= 'a' && c <= 'z'; };
-    return std::adjacent_find(name.begin(), name.end(), [&](char a, char b) { return small(a) && small(b); }) != name.end();
+    return std::adjacent_find(name.begin(), name.end(), [&](char a, char b) { return small(a) && small(b); }) !=
+           name.end();
 }
 
 std::size_t skip_blank(std::string_view text, std::size_t at) {
@@ -150,7 +154,8 @@ class Expander {
         // Without a map the text is in one piece, perhaps in a file we do not hold: blank lines and columns lead there.
         std::string padding(static_cast<std::size_t>(std::max(source.origin_line - 1, 0)), '\n');
         padding.append(static_cast<std::size_t>(std::max(source.origin_column - 1, 0)), ' ');
-        const std::string name = source.origin.empty() && !source.name.empty() ? "channel '" + source.name + "'" : source.origin;
+        const std::string name =
+            source.origin.empty() && !source.name.empty() ? "channel '" + source.name + "'" : source.origin;
         return std::make_shared<const TextFile>(TextFile{name, padding + source.expression, source.origin_line > 0});
     }
 
@@ -284,8 +289,9 @@ class Expander {
         }
         const Head head = read_head(known->definition.expression);
         if (!head.first_prefix.empty()) {
-            fail_at(from, begin, "'" + std::string(name) + "' carries the prefix '" + std::string(head.first_prefix) +
-                                     "', so it can only stand for a whole channel; expected a name without prefixes here");
+            fail_at(from, begin,
+                    "'" + std::string(name) + "' carries the prefix '" + std::string(head.first_prefix) +
+                        "', so it can only stand for a whole channel; expected a name without prefixes here");
         }
         note_group(*known, name, from.group);
         enter(from, begin, name);
@@ -331,8 +337,10 @@ class Expander {
         if (std::optional<ChannelSource> whole = definition_of(name)) {
             return Resolved{std::move(*whole), {}, via};
         }
-        for (std::size_t bar = name.rfind('_'); bar != std::string_view::npos && bar > 0; bar = name.rfind('_', bar - 1)) {
-            std::optional<ChannelSource> stem = bar + 1 < name.size() ? definition_of(name.substr(0, bar)) : std::nullopt;
+        for (std::size_t bar = name.rfind('_'); bar != std::string_view::npos && bar > 0;
+             bar = name.rfind('_', bar - 1)) {
+            std::optional<ChannelSource> stem =
+                bar + 1 < name.size() ? definition_of(name.substr(0, bar)) : std::nullopt;
             if (stem) {
                 return Resolved{std::move(*stem), std::string(name.substr(bar + 1)), via};
             }
@@ -360,10 +368,12 @@ class Expander {
     /// Remembers to warn where a light group changes nothing.
     void note_group(const Resolved& known, std::string_view name, const std::string& group) {
         if (!known.group.empty() && !has_lights(known.definition.expression)) {
-            expansion_.warnings.push_back("'" + std::string(name) + "': there is no <L.> in '" + known.definition.expression +
-                                          "', so the light group '" + known.group + "' changes nothing");
+            expansion_.warnings.push_back("'" + std::string(name) + "': there is no <L.> in '" +
+                                          known.definition.expression + "', so the light group '" + known.group +
+                                          "' changes nothing");
         } else if (!known.group.empty() && !group.empty() && known.group != group) {
-            expansion_.warnings.push_back("'" + std::string(name) + "' keeps its own light group '" + known.group + "'");
+            expansion_.warnings.push_back("'" + std::string(name) + "' keeps its own light group '" + known.group +
+                                          "'");
         }
     }
 
@@ -421,10 +431,12 @@ Status MacroTable::add(ChannelSource definition) {
             throw Failure{SourceText::whole_error(definition, std::move(error))};
         };
         if (!is_name(definition.name)) {
-            refuse("'" + definition.name + "' cannot be the name of a macro; expected letters, digits and _, a letter or _ first");
+            refuse("'" + definition.name +
+                   "' cannot be the name of a macro; expected letters, digits and _, a letter or _ first");
         }
         if (reads_as_expression(definition.name)) {
-            refuse("the macro name '" + definition.name + "' reads as an expression; expected a name with another letter in it");
+            refuse("the macro name '" + definition.name +
+                   "' reads as an expression; expected a name with another letter in it");
         }
         if (skip_blank(definition.expression, 0) == definition.expression.size()) {
             refuse("the macro '" + definition.name + "' is empty; expected an expression");

@@ -50,8 +50,9 @@ class OslParser {
         if (at('(')) {
             expression_.root = parse_parenthesis();
             if (position_ < text_.size()) {
-                expression_.warnings.push_back("everything after the ')' that closes the leading '(' is ignored, as in OSL: '" +
-                                               std::string(text_.substr(position_, 40)) + "'");
+                expression_.warnings.push_back(
+                    "everything after the ')' that closes the leading '(' is ignored, as in OSL: '" +
+                    std::string(text_.substr(position_, 40)) + "'");
             }
         } else {
             expression_.root = parse_items('\0');
@@ -205,8 +206,9 @@ class OslParser {
             max = max < 0 ? Node::unbounded : std::max(min, max);
         }
         if (min < 0 || !at('}')) {
-            source_.fail_at(position_, "found " + source_.describe(position_) + " in the repetition that starts at column " +
-                                           std::to_string(opening + 1) + "; expected {n}, {n,} or {n,m}");
+            source_.fail_at(position_, "found " + source_.describe(position_) +
+                                           " in the repetition that starts at column " + std::to_string(opening + 1) +
+                                           "; expected {n}, {n,} or {n,m}");
         }
         ++position_;
         return {min, max};
@@ -283,8 +285,9 @@ class OslParser {
             const auto [name, quoted] = parse_symbol();
             slot = quoted ? Slot::label : slot_of(name.front());
             if (slot == Slot::unknown) {
-                source_.fail_at(offset, "found " + source_.describe(offset) +
-                                            " inside [^...]; expected letters of C L B V T R O D G S s or quoted labels",
+                source_.fail_at(offset,
+                                "found " + source_.describe(offset) +
+                                    " inside [^...]; expected letters of C L B V T R O D G S s or quoted labels",
                                 source_.look_alike_hint(offset));
             }
             test.add_name(name);
@@ -298,8 +301,9 @@ class OslParser {
 
     void expect_closing(char closer, char opener, std::size_t opening) {
         if (!at(closer)) {
-            source_.fail_at(position_, "found " + source_.describe(position_) + "; expected '" + std::string(1, closer) +
-                                           "' for the '" + std::string(1, opener) + "' at column " + std::to_string(opening + 1));
+            source_.fail_at(position_, "found " + source_.describe(position_) + "; expected '" +
+                                           std::string(1, closer) + "' for the '" + std::string(1, opener) +
+                                           "' at column " + std::to_string(opening + 1));
         }
         ++position_;
     }
@@ -338,7 +342,8 @@ class OslParser {
             item = {{name == "." ? LabelTest::any() : one_symbol(name)}};
         }
         if (at('*') || at('+') || at('{')) {
-            source_.fail_at(position_, "found " + source_.describe(position_) + "; repetitions are not allowed inside <...>");
+            source_.fail_at(position_,
+                            "found " + source_.describe(position_) + "; repetitions are not allowed inside <...>");
         }
         return item;
     }
@@ -441,7 +446,8 @@ class OslParser {
         return set;
     }
 
-    /// What names of events in the first slot and of lobes in the second stand for. Wildcards and [^...] mean none of them.
+    /// What names of events in the first slot and of lobes in the second stand for. Wildcards and [^...] mean none of
+    /// them.
     void add_registered(CoreSet& cores, const LabelTest& type, const LabelTest& scatter) const {
         const Vocabulary* vocabulary = source_.vocabulary();
         if (vocabulary == nullptr) {

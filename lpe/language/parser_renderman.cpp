@@ -21,7 +21,9 @@ namespace {
 constexpr std::array<std::string_view, 7> prefix_names{"unoccluded", "noclamp",   "nothruput",      "shadows",
                                                        "holdouts",   "overwrite", "noinfinitecheck"};
 
-bool is_word_byte(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_'; }
+bool is_word_byte(char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+}
 
 class RendermanParser : private RendermanEvents {
   public:
@@ -64,13 +66,15 @@ class RendermanParser : private RendermanEvents {
             const std::string_view word = text_.substr(position_, end - position_);
             if (text_[end] == ':') {
                 if (word != "lpe" || !expression_.prefixes.empty()) {
-                    source_.fail_at(position_, "found '" + std::string(word) + ":'; expected 'lpe:' at the very beginning, or an event");
+                    source_.fail_at(position_, "found '" + std::string(word) +
+                                                   ":'; expected 'lpe:' at the very beginning, or an event");
                 }
             } else if (std::find(prefix_names.begin(), prefix_names.end(), word) == prefix_names.end()) {
                 const std::string near = nearest(word, prefix_names.data(), prefix_names.size());
-                source_.fail_at(position_, "unknown prefix '" + std::string(word) +
-                                               "'; expected unoccluded, noclamp, nothruput, shadows, holdouts, overwrite or "
-                                               "noinfinitecheck",
+                source_.fail_at(position_,
+                                "unknown prefix '" + std::string(word) +
+                                    "'; expected unoccluded, noclamp, nothruput, shadows, holdouts, overwrite or "
+                                    "noinfinitecheck",
                                 near.empty() ? "" : "did you mean '" + near + "'?");
             } else {
                 expression_.prefixes.emplace_back(word);

@@ -64,7 +64,8 @@ std::size_t core_index(const Event& event) {
         return user_base + (event.lobe_number < user_numbers ? event.lobe_number : 0U);
     }
     const std::size_t number = event.lobe_number < lobe_numbers ? event.lobe_number : 0U;
-    return (static_cast<std::size_t>(event.type) * scatter_kinds + static_cast<std::size_t>(event.scatter)) * lobe_numbers +
+    return (static_cast<std::size_t>(event.type) * scatter_kinds + static_cast<std::size_t>(event.scatter)) *
+               lobe_numbers +
            number;
 }
 
@@ -86,8 +87,8 @@ char scatter_letter(Scatter scatter) { return scatter_letters[static_cast<std::s
 
 bool LabelTest::matches(std::string_view label) const {
     const bool named = std::binary_search(names.begin(), names.end(), label);
-    const bool listed =
-        named || std::any_of(globs.begin(), globs.end(), [&](const std::string& glob) { return glob_matches(glob, label); });
+    const bool listed = named || std::any_of(globs.begin(), globs.end(),
+                                             [&](const std::string& glob) { return glob_matches(glob, label); });
     return listed != negated;
 }
 
@@ -103,11 +104,13 @@ void LabelTest::unite(const LabelTest& other) {
     if (!negated && !other.negated) {
         std::set_union(names.begin(), names.end(), other.names.begin(), other.names.end(), std::back_inserter(united));
     } else if (negated && other.negated) {
-        std::set_intersection(names.begin(), names.end(), other.names.begin(), other.names.end(), std::back_inserter(united));
+        std::set_intersection(names.begin(), names.end(), other.names.begin(), other.names.end(),
+                              std::back_inserter(united));
     } else {
         const auto& excluded = negated ? names : other.names;
         const auto& included = negated ? other.names : names;
-        std::set_difference(excluded.begin(), excluded.end(), included.begin(), included.end(), std::back_inserter(united));
+        std::set_difference(excluded.begin(), excluded.end(), included.begin(), included.end(),
+                            std::back_inserter(united));
         negated = true;
     }
     names = std::move(united);
@@ -140,7 +143,8 @@ bool matches(const EventPattern& pattern, const Event& event) {
     }
     for (std::size_t slot = pattern.labels.size(); slot < count && pattern.extra != Extra::ignored; ++slot) {
         const auto& reserved = reserved_names();
-        if (pattern.extra == Extra::refused || std::binary_search(reserved.begin(), reserved.end(), event.labels[slot])) {
+        if (pattern.extra == Extra::refused ||
+            std::binary_search(reserved.begin(), reserved.end(), event.labels[slot])) {
             return false;
         }
     }

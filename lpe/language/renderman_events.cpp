@@ -91,8 +91,8 @@ void RendermanEvents::fail_unexpected(const std::string& expected) {
 
 void RendermanEvents::expect_closing(char closer, char opener, std::size_t opening) {
     if (!take(closer)) {
-        fail_unexpected("expected '" + std::string(1, closer) + "' for the '" + std::string(1, opener) + "' at column " +
-                        std::to_string(opening + 1));
+        fail_unexpected("expected '" + std::string(1, closer) + "' for the '" + std::string(1, opener) +
+                        "' at column " + std::to_string(opening + 1));
     }
 }
 
@@ -222,7 +222,9 @@ CoreSet RendermanEvents::parse_slot(Slot slot) {
 
 CoreSet RendermanEvents::parse_slot_letter(Slot slot) {
     CoreSet cores;
-    const bool taken = slot == Slot::type ? take_type(cores) : (at('.') && take_type(cores)) || take_registered(cores) || take_scatter(cores);
+    const bool taken = slot == Slot::type
+                           ? take_type(cores)
+                           : (at('.') && take_type(cores)) || take_registered(cores) || take_scatter(cores);
     if (!taken) {
         fail_unexpected(slot == Slot::type ? "expected an event type: C L O B V R T . or [...] of them"
                                            : "expected a scattering: D G S D1-D4 S1-S8 . or [...] of them");

@@ -16,7 +16,8 @@ TextPlace place_of(const TextFile& file, std::size_t position) {
     const std::size_t before = position == 0 ? std::string::npos : text.rfind('\n', position - 1);
     const std::size_t begin = before == std::string::npos ? 0 : before + 1;
     TextPlace place;
-    place.line = 1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(begin), '\n'));
+    place.line =
+        1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(begin), '\n'));
     if (!file.numbered && text.find('\n') == std::string::npos) {
         place.line = 0;
     }

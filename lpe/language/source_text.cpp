@@ -93,11 +93,13 @@ void SourceText::fail_at(std::size_t offset, std::string message, std::string hi
     }
     const std::size_t before = text.rfind('\n', offset == 0 ? std::string::npos : offset - 1);
     const std::size_t begin = offset == 0 || before == std::string::npos ? 0 : before + 1;
-    const int lines_down = static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(offset), '\n'));
+    const int lines_down =
+        static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(offset), '\n'));
     Error error;
     error.message = std::move(message);
     error.hint = std::move(hint);
-    error.file = source_->origin.empty() && !source_->name.empty() ? "channel '" + source_->name + "'" : source_->origin;
+    error.file =
+        source_->origin.empty() && !source_->name.empty() ? "channel '" + source_->name + "'" : source_->origin;
     error.excerpt = text.substr(begin, text.find('\n', begin) - begin);
     error.column = static_cast<int>(offset - begin) + 1;
     if (source_->origin_line > 0) {

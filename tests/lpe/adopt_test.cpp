@@ -31,7 +31,8 @@ std::vector<ChannelSource> sources(const std::vector<std::string>& expressions, 
 std::vector<ChannelSource> channel_set(bool packed) {
     std::vector<ChannelSource> channels = sources({"CD+L", "C<RD'floor'>[DS]*L", "C<R.'wall*'>.*[<L.'key'>O]", "CU2L"});
     for (int k = 0; packed && k < 40; ++k) {
-        channels.push_back({.name = "x", .expression = "C.*<RD'obj" + std::to_string(k) + "'>.*L", .dialect = Dialect::osl});
+        channels.push_back(
+            {.name = "x", .expression = "C.*<RD'obj" + std::to_string(k) + "'>.*L", .dialect = Dialect::osl});
     }
     return channels;
 }
@@ -56,7 +57,8 @@ std::vector<Event> random_word(oracle::Random& random) {
     if (random.below(6) == 0) {
         word.push_back({EventType::user, Scatter::none, 2, {}});
     }
-    word.push_back({random.below(4) != 0 ? EventType::light : EventType::emission, Scatter::none, 0, {labels[random.below(7)]}});
+    word.push_back(
+        {random.below(4) != 0 ? EventType::light : EventType::emission, Scatter::none, 0, {labels[random.below(7)]}});
     return word;
 }
 
@@ -109,7 +111,8 @@ TEST_CASE("the file is little-endian and says its version", "[adopt][file]") {
 
 TEST_CASE("damaged and hostile files are refused or harmless", "[adopt][file][law7]") {
     const std::string bytes = to_bytes(*Program::compile(channel_set(true)));
-    for (const std::size_t size : {std::size_t{0}, std::size_t{4}, std::size_t{11}, std::size_t{30}, bytes.size() / 2, bytes.size() - 1}) {
+    for (const std::size_t size :
+         {std::size_t{0}, std::size_t{4}, std::size_t{11}, std::size_t{30}, bytes.size() / 2, bytes.size() - 1}) {
         CHECK_FALSE(program_from_bytes(std::string_view(bytes).substr(0, size), "cut"));
     }
     CHECK_FALSE(program_from_bytes(bytes + "x", "longer"));
@@ -263,7 +266,8 @@ TEST_CASE("registered names stand in expressions and events for user events and 
         CHECK_FALSE(matches("C'coat'L", dialect, other_coat));
         CHECK_FALSE(matches("C'coat'L", dialect, *skin));
         CHECK(matches("C<TD'face'>L", dialect, *skin));  // a lobe of its own is still a D
-        CHECK(matches("C<R.'coat'>L", dialect, {EventType::reflection, Scatter::diffuse, 0, {"coat"}}));  // a label there
+        CHECK(
+            matches("C<R.'coat'>L", dialect, {EventType::reflection, Scatter::diffuse, 0, {"coat"}}));  // a label there
     }
 }
 

@@ -77,9 +77,10 @@ std::size_t shortest_length(const std::vector<std::vector<Event>>& words, const 
 }
 
 // Without labels and lobe numbers, so that enumeration over the plain letters is exhaustive.
-const std::vector<std::string> expressions{"C.*",       "CD*L",         "C[DS]*[<L.>O]", "C<RD>.+",      "C.*D.*S.*", "C(D|SS)*B",
-                                           "!(C.*D.*)", "C[^D]*L&C.S*.", "C<T.>?[LO]",    "CV{1,2}[LBO]", "CLD",       "C.{2}O - CD.O",
-                                           "osl:C.*",   "osl:C[GS]+L",  "osl:C<R[DG]>.*"};
+const std::vector<std::string> expressions{"C.*",        "CD*L",         "C[DS]*[<L.>O]", "C<RD>.+",
+                                           "C.*D.*S.*",  "C(D|SS)*B",    "!(C.*D.*)",     "C[^D]*L&C.S*.",
+                                           "C<T.>?[LO]", "CV{1,2}[LBO]", "CLD",           "C.{2}O - CD.O",
+                                           "osl:C.*",    "osl:C[GS]+L",  "osl:C<R[DG]>.*"};
 constexpr std::size_t longest = 4;
 
 }  // namespace
@@ -119,8 +120,10 @@ TEST_CASE("equality, containment and emptiness agree with enumeration, and their
                     CHECK(proof->witness.events.size() == shortest);
                 }
                 if (!proof->holds) {
-                    const bool in_a = *match(source(expressions[a]).expression, proof->witness.events, source(expressions[a]).dialect);
-                    const bool in_b = *match(source(expressions[b]).expression, proof->witness.events, source(expressions[b]).dialect);
+                    const bool in_a = *match(source(expressions[a]).expression, proof->witness.events,
+                                             source(expressions[a]).dialect);
+                    const bool in_b = *match(source(expressions[b]).expression, proof->witness.events,
+                                             source(expressions[b]).dialect);
                     CHECK(in_a != in_b);
                     CHECK((proof == &*equal || in_b));
                 }
@@ -135,7 +138,8 @@ TEST_CASE("complement, union, intersection and difference have the paths that en
     without_straight.straight = false;
     PathSetOptions options;
     options.longest_counted = longest;
-    const auto check = [&](Operation operation, const std::vector<std::string>& texts, const std::vector<bool>& wanted) {
+    const auto check = [&](Operation operation, const std::vector<std::string>& texts,
+                           const std::vector<bool>& wanted) {
         const auto paths = look_at_paths(operation, sources(texts), without_straight, options);
         REQUIRE(paths);
         std::vector<std::uint64_t> counts(longest + 1, 0);
@@ -170,7 +174,8 @@ TEST_CASE("complement, union, intersection and difference have the paths that en
 }
 
 TEST_CASE("the samples of a set of paths are in it") {
-    for (const std::string text : {"C<RD'floor'>[DSV]+<L.'key*'>", "C(D2|S4)+<L.[^'key']>", "osl:C<RS[^'D']>.*B", "osl:C<Ts>*L"}) {
+    for (const std::string text :
+         {"C<RD'floor'>[DSV]+<L.'key*'>", "C(D2|S4)+<L.[^'key']>", "osl:C<RS[^'D']>.*B", "osl:C<Ts>*L"}) {
         CAPTURE(text);
         const auto paths = look_at_paths(Operation::words, sources({text}));
         REQUIRE(paths);
@@ -257,8 +262,9 @@ TEST_CASE("proofs cross dialects and say which expression is which") {
 
 TEST_CASE("hostile expressions end in an error that says what was too much") {
     const std::string doubling = "C.*D.{24}L";
-    for (const auto& failed : {check_empty(source(doubling)).ok(), check_equal(sources({doubling, "C.*"})).ok(),
-                               look_at_paths(Operation::complement, sources({doubling})).ok(), is_beauty(source(doubling)).ok()}) {
+    for (const auto& failed :
+         {check_empty(source(doubling)).ok(), check_equal(sources({doubling, "C.*"})).ok(),
+          look_at_paths(Operation::complement, sources({doubling})).ok(), is_beauty(source(doubling)).ok()}) {
         CHECK_FALSE(failed);
     }
     CHECK_FALSE(look_at_paths(Operation::words, sources({"CL", "CDL"})));

@@ -108,7 +108,8 @@ TEST_CASE("RIB channels are read with what stands around them", "[channels]") {
     CHECK(first.source.expression == "C<RD>[<L.>O]");
     CHECK(first.source.origin_line == 7);
     CHECK(first.comment == "The first layer.\nDirect only.");
-    CHECK(first.parameters == std::vector<std::string>{"\"string filter\" \"gaussian\"", "\"float[2] filterwidth\" [2 2]",
+    CHECK(first.parameters == std::vector<std::string>{"\"string filter\" \"gaussian\"",
+                                                       "\"float[2] filterwidth\" [2 2]",
                                                        "\"string statistics\" [\"variance\"]"});
     CHECK(file.channels[1].source.name == "escaped");
     CHECK(file.channels[1].type == "varying color");
@@ -150,7 +151,8 @@ TEST_CASE("what ends in a backslash is not written where that continues a line",
 }
 
 TEST_CASE("an expression that looks marked itself keeps its words in every format", "[channels]") {
-    const ChannelFile file = read("DisplayChannel \"color x\" \"string source\" [\"color lpe:C lpe:D\"]\n", ChannelFormat::rib);
+    const ChannelFile file =
+        read("DisplayChannel \"color x\" \"string source\" [\"color lpe:C lpe:D\"]\n", ChannelFormat::rib);
     REQUIRE(file.channels.size() == 1);
     REQUIRE(file.channels[0].source.expression == "C lpe:D");  // no expression, and no reason to make it another
     std::vector<std::string> warnings;
@@ -234,17 +236,21 @@ TEST_CASE("channels pass from format to format unchanged in meaning", "[channels
 }
 
 TEST_CASE("an error inside an expression points at the very byte of the file", "[channels][law7]") {
-    Error error = expression_error(read("# one\nDisplayChannel \"color a\" \"string source\" [\"color lpe:C<RX>L\"]\n", ChannelFormat::rib));
+    Error error = expression_error(
+        read("# one\nDisplayChannel \"color a\" \"string source\" [\"color lpe:C<RX>L\"]\n", ChannelFormat::rib));
     CHECK(error.file == "file");
     CHECK(error.line == 2);
     CHECK(error.column == 57);
     CHECK(error.excerpt.at(56) == 'X');
     // Behind an escape of two bytes and a continued line.
-    error = expression_error(read("DisplayChannel \"color a\" \"string source\" \"lpe:C<RD\\047f\\047>\\\nDX\"\n", ChannelFormat::rib));
+    error = expression_error(
+        read("DisplayChannel \"color a\" \"string source\" \"lpe:C<RD\\047f\\047>\\\nDX\"\n", ChannelFormat::rib));
     CHECK(error.line == 2);
     CHECK(error.column == 2);
-    error = expression_error(read("#usda 1.0\ndef RenderVar \"a\" {\n  string sourceName = \"\"\"C<RD\\'f\\'>\n  DX\"\"\"\n  token sourceType = \"lpe\"\n}\n",
-                                  ChannelFormat::usda));
+    error =
+        expression_error(read("#usda 1.0\ndef RenderVar \"a\" {\n  string sourceName = \"\"\"C<RD\\'f\\'>\n  "
+                              "DX\"\"\"\n  token sourceType = \"lpe\"\n}\n",
+                              ChannelFormat::usda));
     CHECK(error.line == 4);
     CHECK(error.column == 4);
     CHECK(error.excerpt == "  DX\"\"\"");
@@ -264,14 +270,15 @@ TEST_CASE("broken files are refused with file, line and column", "[channels][law
         {"DisplayChannel \"color a\" \"string source\"", ChannelFormat::rib, 1, 26, "no value"},
         {"DisplayChannel \"color a\" \"string source\" [1]", ChannelFormat::rib, 1, 42, "no string"},
         {"DisplayChannel \"color a\" \"string source\" \"color lpe:\"", ChannelFormat::rib, 1, 53, "empty expression"},
-        {"DisplayChannel \"color a\" \"string source\" \"float z\" \"string source\" \"color lpe:C\"", ChannelFormat::rib, 1, 52,
-         "second source"},
+        {"DisplayChannel \"color a\" \"string source\" \"float z\" \"string source\" \"color lpe:C\"",
+         ChannelFormat::rib, 1, 52, "second source"},
         {"Format 1 2\n\x80\x01", ChannelFormat::rib, 2, 1, "the byte 0x80"},
         {"def RenderVar \"a\" {}", ChannelFormat::usda, 1, 1, "#usda"},
         {"#usda 1.0\ndef RenderVar \"a\" {", ChannelFormat::usda, 2, 1, "not closed"},
         {"#usda 1.0\ndef RenderVar a {}", ChannelFormat::usda, 2, 15, "name in quotes"},
         {"#usda 1.0\ndef RenderVar \"a\" { token sourceType = \"lpe\" }", ChannelFormat::usda, 2, 1, "no sourceName"},
-        {"#usda 1.0\ndef RenderVar \"a\" { string sourceName = [1]; token sourceType = \"lpe\" }", ChannelFormat::usda, 2, 41, "no string"},
+        {"#usda 1.0\ndef RenderVar \"a\" { string sourceName = [1]; token sourceType = \"lpe\" }", ChannelFormat::usda,
+         2, 41, "no string"},
         {"#usda 1.0\n}", ChannelFormat::usda, 2, 1, "'}'"},
         {"#usda 1.0\nint a = (1]", ChannelFormat::usda, 2, 11, "expected ')'"},
         {"#usda 1.0\nstring a = \"x\n", ChannelFormat::usda, 2, 12, "not closed"},
@@ -295,20 +302,23 @@ TEST_CASE("broken files are refused with file, line and column", "[channels][law
 
 TEST_CASE("deep, long and damaged files end in a result or an error, quickly", "[channels][law7]") {
     for (const char open : {'(', '[', '{'}) {
-        CHECK(refused("#usda 1.0\nint a = " + std::string(100'000, open), ChannelFormat::usda).message.find("nested deeper") !=
-              std::string::npos);
+        CHECK(refused("#usda 1.0\nint a = " + std::string(100'000, open), ChannelFormat::usda)
+                  .message.find("nested deeper") != std::string::npos);
     }
     std::string prims = "#usda 1.0\n";
     for (int k = 0; k < 1000; ++k) {
         prims += "def \"a\" {";
     }
     CHECK(refused(prims, ChannelFormat::usda).message.find("nested deeper") != std::string::npos);
-    CHECK(refused("DisplayChannel \"" + std::string(1'000'000, 'x'), ChannelFormat::rib).message.find("not closed") != std::string::npos);
-    CHECK(refused(std::string(20'000'000, ' '), ChannelFormat::rib).message.find("20000000 bytes") != std::string::npos);
+    CHECK(refused("DisplayChannel \"" + std::string(1'000'000, 'x'), ChannelFormat::rib).message.find("not closed") !=
+          std::string::npos);
+    CHECK(refused(std::string(20'000'000, ' '), ChannelFormat::rib).message.find("20000000 bytes") !=
+          std::string::npos);
     std::mt19937 random(20261121);  // fixed: the same files every time
-    for (const auto& [text, format] : {std::pair<std::string, ChannelFormat>{rib_text, ChannelFormat::rib},
-                                       {usda_text, ChannelFormat::usda},
-                                       {"/prman/lpe/macro/a C\\\nD'#'L # x\n/prman/lpe/specular2 a,b\n", ChannelFormat::ini}}) {
+    for (const auto& [text, format] :
+         {std::pair<std::string, ChannelFormat>{rib_text, ChannelFormat::rib},
+          {usda_text, ChannelFormat::usda},
+          {"/prman/lpe/macro/a C\\\nD'#'L # x\n/prman/lpe/specular2 a,b\n", ChannelFormat::ini}}) {
         for (int round = 0; round < 3000; ++round) {
             std::string damaged = text;
             for (unsigned k = 1 + random() % 4; k > 0 && !damaged.empty(); --k) {
@@ -353,7 +363,8 @@ TEST_CASE("lobe slots number lobes by name, unmapped names not at all", "[channe
     CHECK(slots.number(Scatter::glossy, "Iridescence") == 0);  // the slot's defaults are gone
     REQUIRE(slots.set(option("diffuse2", "")));
     CHECK(slots.number(Scatter::diffuse, "diffuse") == 0);
-    CHECK(slots.settings() == std::vector<std::pair<std::string, std::string>>{{"diffuse2", ""}, {"specular5", " coat , Lacquer,"}});
+    CHECK(slots.settings() ==
+          std::vector<std::pair<std::string, std::string>>{{"diffuse2", ""}, {"specular5", " coat , Lacquer,"}});
     const auto twice = slots.set(option("specular6", "coat"));
     REQUIRE_FALSE(twice);
     CHECK(twice.error().line == 3);

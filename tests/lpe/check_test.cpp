@@ -62,7 +62,8 @@ TEST_CASE("the shipped partition is a partition of the beauty in both dialects",
         REQUIRE(report);
         INFO(report->summary);
         CHECK(report->verdict == Verdict::partition);
-        const auto of_beauty = check_partition(shipped(dialect), channel_of(std::string(beauty_expression(dialect)), dialect));
+        const auto of_beauty =
+            check_partition(shipped(dialect), channel_of(std::string(beauty_expression(dialect)), dialect));
         REQUIRE(of_beauty);
         CHECK(of_beauty->verdict == Verdict::partition);
     }
@@ -103,7 +104,8 @@ TEST_CASE("RenderMan's basic set is a partition of surface light and misses volu
 }
 
 TEST_CASE("overlapping channels are refuted by the shortest path that both count", "[check]") {
-    const auto report = check_partition(channels_of({{"diffuse", "C<RD>.*"}, {"key", "C.*<L.'key'>"}, {"rest", "C[^<RD>].*"}}));
+    const auto report =
+        check_partition(channels_of({{"diffuse", "C<RD>.*"}, {"key", "C.*<L.'key'>"}, {"rest", "C[^<RD>].*"}}));
     REQUIRE(report);
     CHECK(report->verdict == Verdict::counted_twice);
     CHECK(report->witness.text == "C,- L,-,key");
@@ -207,7 +209,8 @@ TEST_CASE("the two readings of | are told apart by a word", "[check]") {
 }
 
 TEST_CASE("a partition of osl channels is proved with straight-through events as letters", "[check]") {
-    const auto partial = channels_of({{"emissive", "C[LOB]"}, {"surface", "C[DGS].*"}, {"volume", "CV.*"}}, Dialect::osl);
+    const auto partial =
+        channels_of({{"emissive", "C[LOB]"}, {"surface", "C[DGS].*"}, {"volume", "CV.*"}}, Dialect::osl);
     const auto refuted = check_partition(partial);
     REQUIRE(refuted);
     CHECK(refuted->verdict == Verdict::missed);

@@ -128,9 +128,9 @@ TEST_CASE("a caret stands under the column, characters of several bytes counted 
 }
 
 TEST_CASE("events that do not read are refused with a column", "[errors][law7]") {
-    const std::pair<const char*, int> cases[] = {{"Q,D", 1}, {"C", 2},          {"C,", 3},      {"C,-x", 4},      {"R,D5", 4},
-                                                 {"U,-", 2}, {"C,- R,D,'a", 9}, {"R,D,'a'b", 8}, {"C,- , L,-", 5},
-                                                 {"U2,G", 4}};
+    const std::pair<const char*, int> cases[] = {{"Q,D", 1},       {"C", 2},   {"C,", 3},         {"C,-x", 4},
+                                                 {"R,D5", 4},      {"U,-", 2}, {"C,- R,D,'a", 9}, {"R,D,'a'b", 8},
+                                                 {"C,- , L,-", 5}, {"U2,G", 4}};
     for (const auto& [text, column] : cases) {
         INFO(text);
         const auto events = parse_events(text);

@@ -10,16 +10,17 @@ namespace raylex::lpe {
 
 TEST_CASE("what follows an empty label does not hide the event from expressions that do not ask for it") {
     // Objects without a label whose lobes have one, beside channels that name an object.
-    const std::vector<std::string> expressions{"C.*", "C<RD>[<L.>O]", "C<RD'floor'>.*", "C<.S'pass*'>*((U2L)|O)", "C<.S[^'floor']>L",
-                                               "C<RD.'diffuse'>L"};
+    const std::vector<std::string> expressions{
+        "C.*", "C<RD>[<L.>O]", "C<RD'floor'>.*", "C<.S'pass*'>*((U2L)|O)", "C<.S[^'floor']>L", "C<RD.'diffuse'>L"};
     std::vector<ChannelSource> channels;
     for (const std::string& expression : expressions) {
         channels.push_back({"c", expression});
     }
     const auto program = Program::compile(channels);
     REQUIRE(program.ok());
-    for (const char* path : {"C,- R,D,,diffuse L,-", "C,- R,S,,glass L,-", "C,- R,S2 L,-", "C,- R,D,,other L,-,key", "C,- R,D,floor,x L,-",
-                             "C,- T,S,passthru,x U2,-,,albedo L,-", "C,- R,G,,coat R,D,,diffuse B,-,,more"}) {
+    for (const char* path :
+         {"C,- R,D,,diffuse L,-", "C,- R,S,,glass L,-", "C,- R,S2 L,-", "C,- R,D,,other L,-,key", "C,- R,D,floor,x L,-",
+          "C,- T,S,passthru,x U2,-,,albedo L,-", "C,- R,G,,coat R,D,,diffuse B,-,,more"}) {
         const auto events = parse_events(path);
         REQUIRE(events.ok());
         std::vector<State> state(program->starts().begin(), program->starts().end());

@@ -32,7 +32,8 @@ Explanation explained(const std::string& text, const Words& words = {}) {
 }
 
 bool any_has(const std::vector<std::string>& lines, const std::string& part) {
-    return std::any_of(lines.begin(), lines.end(), [&](const std::string& line) { return line.find(part) != std::string::npos; });
+    return std::any_of(lines.begin(), lines.end(),
+                       [&](const std::string& line) { return line.find(part) != std::string::npos; });
 }
 
 }  // namespace
@@ -41,25 +42,37 @@ TEST_CASE("expressions are said as a person would say them") {
     const std::vector<std::pair<std::string, std::string>> cases{
         {"C<RD>L", "From the camera, one diffuse reflection, ending at a light."},
         {"C<RD>[DSV]+[<L.'key'>O]",
-         "From the camera, one diffuse reflection, then one or more scatterings of any kind, ending at a light of group 'key' or at "
+         "From the camera, one diffuse reflection, then one or more scatterings of any kind, ending at a light of "
+         "group 'key' or at "
          "emission."},
         {"C<RD>[DS]*[<L.'key'>O]",
-         "From the camera, one diffuse reflection, then any number of diffuse or specular scatterings, ending at a light of group "
+         "From the camera, one diffuse reflection, then any number of diffuse or specular scatterings, ending at a "
+         "light of group "
          "'key' or at emission."},
         {"CL", "From the camera straight to a light."},
         {"C.*", "From the camera, any number of scatterings of any kind, ending at a light or at emission."},
-        {"CV.*B", "From the camera, one volume scattering, then any number of scatterings of any kind, ending at the background."},
-        {"CD{2,4}S?B", "From the camera, two to four diffuse scatterings, then at most one specular scattering, ending at the background."},
-        {"C<RD'floor''coat'>L", "From the camera, one diffuse reflection off 'floor' by the lobe 'coat', ending at a light."},
+        {"CV.*B",
+         "From the camera, one volume scattering, then any number of scatterings of any kind, ending at the "
+         "background."},
+        {"CD{2,4}S?B",
+         "From the camera, two to four diffuse scatterings, then at most one specular scattering, ending at the "
+         "background."},
+        {"C<RD'floor''coat'>L",
+         "From the camera, one diffuse reflection off 'floor' by the lobe 'coat', ending at a light."},
         {"C<T.[^'glass']>L", "From the camera, one transmission through anything but 'glass', ending at a light."},
         {"C<R.'fl*'>L", "From the camera, one reflection off what is called 'fl*', ending at a light."},
         {"CS4L", "From the camera, one specular scattering (lobe S4), ending at a light."},
-        {"C(DS)+L", "From the camera, once or more (one diffuse scattering, then one specular scattering), ending at a light."},
+        {"C(DS)+L",
+         "From the camera, once or more (one diffuse scattering, then one specular scattering), ending at a light."},
         {"C(D[DS]*[LO])|[LO]",
-         "From the camera, either (a) one diffuse scattering, then any number of diffuse or specular scatterings, ending at a light or "
+         "From the camera, either (a) one diffuse scattering, then any number of diffuse or specular scatterings, "
+         "ending at a light or "
          "at emission; or (b) straight to a light or emission."},
-        {"C[<L.>O]-CB", "From the camera straight to a light or emission; but not from the camera straight to the background."},
-        {"C<.S'passthru'>*U2L", "From the camera, any number of specular scatterings at 'passthru', then one user event U2, ending at a light."},
+        {"C[<L.>O]-CB",
+         "From the camera straight to a light or emission; but not from the camera straight to the background."},
+        {"C<.S'passthru'>*U2L",
+         "From the camera, any number of specular scatterings at 'passthru', then one user event U2, ending at a "
+         "light."},
         {"osl:C[DG]+L", "From the camera, one or more diffuse or glossy scatterings, ending at a light."},
         {"osl:C<Ts>*B", "From the camera, any number of straight passages, ending at the background."},
     };
@@ -75,7 +88,8 @@ TEST_CASE("every piece names its own bytes") {
     for (const Piece& piece : explanation.pieces) {
         texts.push_back(explanation.expression.substr(piece.begin, piece.end - piece.begin) + " = " + piece.words);
     }
-    CHECK(texts == std::vector<std::string>{"C = the camera", "<RD> = one diffuse reflection", "[DSV]+ = one or more scatterings of any kind",
+    CHECK(texts == std::vector<std::string>{"C = the camera", "<RD> = one diffuse reflection",
+                                            "[DSV]+ = one or more scatterings of any kind",
                                             "<L.'key'> = the end at a light of group 'key'"});
 }
 
@@ -136,7 +150,8 @@ TEST_CASE("slips are warned of") {
     CHECK(explained("C<RD>[DSV]+[<L.>O]").warnings.empty());
     // A scene without the label: a piece that can never match there.
     Words scene;
-    scene.alphabet = Alphabet{{{EventType::reflection, Scatter::diffuse, 0, {"floor"}}}, {{EventType::light, Scatter::none, 0, {}}}};
+    scene.alphabet =
+        Alphabet{{{EventType::reflection, Scatter::diffuse, 0, {"floor"}}}, {{EventType::light, Scatter::none, 0, {}}}};
     CHECK(any_has(explained("C[<RD'flor'><RD'floor'>]L", scene).warnings, "'<RD'flor'>' (column 3) can never match"));
 }
 
@@ -201,8 +216,9 @@ TEST_CASE("hostile expressions are explained or refused within seconds") {
         labels += "<R.'a" + std::to_string(k) + "''b" + std::to_string(k) + "'>";
     }
     const auto start = std::chrono::steady_clock::now();
-    for (const std::string& text : {nested, letters + "L", labels + "]*L", std::string("C(((((D*)*)*)*)*)*L"), std::string("C.*D.{24}L"),
-                                    std::string("C(D{30}){30}L"), std::string("CD{900}L"), std::string(60'000, '.')}) {
+    for (const std::string& text :
+         {nested, letters + "L", labels + "]*L", std::string("C(((((D*)*)*)*)*)*L"), std::string("C.*D.{24}L"),
+          std::string("C(D{30}){30}L"), std::string("CD{900}L"), std::string(60'000, '.')}) {
         const auto explanation = explain(source(text));
         if (!explanation) {
             CHECK_FALSE(explanation.error().message.empty());

@@ -44,17 +44,19 @@ std::vector<std::vector<Event>> some_words() {
     return words;
 }
 
-/// The channels the graph accepts the path for, following edges by their labels; each must be an expression of the dialect.
+/// The channels the graph accepts the path for, following edges by their labels; each must be an expression of the
+/// dialect.
 std::vector<std::size_t> accepted_by(const Graph& graph, const std::vector<Event>& path, Dialect dialect) {
     std::size_t state = 0;
     for (const Event& event : path) {
         std::optional<std::size_t> next;
         for (const GraphEdge& edge : graph.edges) {
-            const bool fits = edge.from == state && std::any_of(edge.items.begin(), edge.items.end(), [&](const std::string& item) {
-                const auto answer = match(item, std::vector<Event>{event}, dialect);
-                REQUIRE(answer);
-                return *answer;
-            });
+            const bool fits =
+                edge.from == state && std::any_of(edge.items.begin(), edge.items.end(), [&](const std::string& item) {
+                    const auto answer = match(item, std::vector<Event>{event}, dialect);
+                    REQUIRE(answer);
+                    return *answer;
+                });
             if (fits) {
                 CHECK_FALSE(next);  // deterministic
                 next = edge.to;
@@ -83,8 +85,10 @@ std::size_t count(const std::string& text, const std::string& part) {
 }  // namespace
 
 TEST_CASE("following a graph by its labels accepts what the channels accept") {
-    const std::vector<std::vector<std::string>> sets{
-        {"CD*L", "C.*S.*"}, {"C<RD'a'>.*", "C.*<L.'k'>"}, {"C[^D]*O", "C.* - CD.*", "C<T.>B"}, {"C<R[DG]>+<L.[^'k']>", "CS2.*"}};
+    const std::vector<std::vector<std::string>> sets{{"CD*L", "C.*S.*"},
+                                                     {"C<RD'a'>.*", "C.*<L.'k'>"},
+                                                     {"C[^D]*O", "C.* - CD.*", "C<T.>B"},
+                                                     {"C<R[DG]>+<L.[^'k']>", "CS2.*"}};
     for (const auto& set : sets) {
         const std::vector<ChannelSource> channels = sources(set);
         const auto graph = graph_of(channels);
@@ -141,8 +145,11 @@ TEST_CASE("the graph of the shipped partition has a state for each channel's end
 }
 
 TEST_CASE("in the drawing no state or label lies on another, and all text is XML") {
-    for (const auto& set : std::vector<std::vector<std::string>>{
-             {"CD{1,3}(S|V){2,4}<L.'key'>", "C.*<R.'floor'>.*B", "C(DS)*L"}, {"C.*<.D'a'>.{3}L"}, {"C.*"}, {"C<RD'a&b<\">'>L"}}) {
+    for (const auto& set :
+         std::vector<std::vector<std::string>>{{"CD{1,3}(S|V){2,4}<L.'key'>", "C.*<R.'floor'>.*B", "C(DS)*L"},
+                                               {"C.*<.D'a'>.{3}L"},
+                                               {"C.*"},
+                                               {"C<RD'a&b<\">'>L"}}) {
         const auto graph = graph_of(sources(set));
         REQUIRE(graph);
         const GraphLayout layout = layout_of(*graph);

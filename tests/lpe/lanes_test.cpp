@@ -49,7 +49,8 @@ std::vector<Event> labelled_path(oracle::Random& random, std::size_t labels) {
         word.push_back(event);
     }
     const EventType terminals[] = {EventType::light, EventType::background, EventType::emission};
-    word.push_back({terminals[random.below(3)], Scatter::none, 0, {random.below(3) != 0 ? label(random.below(8)) : "lamp"}});
+    word.push_back(
+        {terminals[random.below(3)], Scatter::none, 0, {random.below(3) != 0 ? label(random.below(8)) : "lamp"}});
     return word;
 }
 
@@ -64,7 +65,8 @@ Followed follow(const Program& program, const std::vector<Event>& path) {
     for (const Event& event : path) {
         result.alive = program.advance(words.data(), program.classify(event), words.data());
     }
-    program.for_each_accepted(words.data(), [&](std::uint16_t channel) { REQUIRE(result.channels.insert(channel).second); });
+    program.for_each_accepted(words.data(),
+                              [&](std::uint16_t channel) { REQUIRE(result.channels.insert(channel).second); });
     CHECK(program.accepts_any_of(words.data()) == !result.channels.empty());
     std::set<std::size_t> in_blocks;
     program.for_each_accepted_block(words.data(), [&](std::uint16_t channel) {
@@ -142,7 +144,9 @@ TEST_CASE("lanes of every width, in both dialects, accept what each channel acce
         add_family(channels, "C.*<RD'@'>.*B", 20);
         add_family(channels, "C[^<RD'@'>]*L", 20, Dialect::renderman);  // the same bit, the other way round
     }
-    SECTION("renderman: straight-through events leave no event") { add_family(channels, "C.*<RD'@'>.*[<L.>O]", 40, Dialect::renderman); }
+    SECTION("renderman: straight-through events leave no event") {
+        add_family(channels, "C.*<RD'@'>.*[<L.>O]", 40, Dialect::renderman);
+    }
     SECTION("renderman: user events") { add_family(channels, "C.*<RD'@'>[.U1U2]*L", 40, Dialect::renderman); }
     SECTION("beside channels that look at the first hit") {
         add_family(channels, "C.*<RD'@'>.*", 40);

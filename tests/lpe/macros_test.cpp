@@ -81,7 +81,8 @@ TEST_CASE("a light group that changes nothing is warned of", "[macros]") {
 }
 
 TEST_CASE("macros stand for channels and, after '$', inside expressions as if in parentheses", "[macros]") {
-    const MacroTable macros = table({{"bounce", "[DS]|V"}, {"direct", "C<RD><L.>"}, {"both", "$direct|(C$bounce<L.>)"}});
+    const MacroTable macros =
+        table({{"bounce", "[DS]|V"}, {"direct", "C<RD><L.>"}, {"both", "$direct|(C$bounce<L.>)"}});
     CHECK(expanded("direct", macros) == "C<RD><L.>");
     CHECK(expanded("C$bounce*L", macros) == "C([DS]|V)*L");
     CHECK(expanded("C${bounce}S", macros) == "C([DS]|V)S");

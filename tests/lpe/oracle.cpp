@@ -13,7 +13,9 @@ namespace {
 enum class Kind { event, sequence, choice, repeat, complement, both, without };
 
 bool is_user(const Event& event) { return event.type == EventType::user; }
-bool is_straight(const Event& event) { return event.type == EventType::transmission && event.scatter == Scatter::straight; }
+bool is_straight(const Event& event) {
+    return event.type == EventType::transmission && event.scatter == Scatter::straight;
+}
 std::string label(const Event& event, std::size_t slot) { return slot < event.labels.size() ? event.labels[slot] : ""; }
 
 /// OSL's words: how many labels an event has, trailing empty ones not counted.
@@ -69,7 +71,8 @@ std::vector<Token> build_tokens(Dialect dialect) {
     } else {
         add("<Ts>", is_straight);
         add("<RD.'b'>", [](const Event& e) {
-            return e.type == EventType::reflection && e.scatter == Scatter::diffuse && label_count(e) > 1 && label(e, 1) == "b";
+            return e.type == EventType::reflection && e.scatter == Scatter::diffuse && label_count(e) > 1 &&
+                   label(e, 1) == "b";
         });
     }
     return list;
@@ -116,7 +119,9 @@ class Reader {
     }
 
   private:
-    const Token* here() const { return position_ < sequence_.size() ? &tokens(dialect_)[sequence_[position_]] : nullptr; }
+    const Token* here() const {
+        return position_ < sequence_.size() ? &tokens(dialect_)[sequence_[position_]] : nullptr;
+    }
     bool at(const std::string& text) const { return here() != nullptr && here()->text == text; }
     bool take(const std::string& text) { return at(text) && ++position_ > 0; }
 
@@ -314,7 +319,9 @@ const std::vector<Token>& tokens(Dialect dialect) {
     return dialect == Dialect::renderman ? renderman : osl;
 }
 
-std::shared_ptr<Tree> parse(const std::vector<std::size_t>& sequence, Dialect dialect) { return Reader(sequence, dialect).run(); }
+std::shared_ptr<Tree> parse(const std::vector<std::size_t>& sequence, Dialect dialect) {
+    return Reader(sequence, dialect).run();
+}
 
 bool matches(const Tree& tree, const Path& path, Dialect dialect) {
     Path seen = path;
@@ -454,7 +461,9 @@ std::vector<std::size_t> random_expression(Random& random, Dialect dialect, std:
     const std::size_t left = 1 + random.below(size - 1);
     const auto a = random_expression(random, dialect, left);
     const auto b = random_expression(random, dialect, size - left);
-    const auto wrapped = [&](const std::vector<std::size_t>& inner) { return join(join({mark("(")}, inner), {mark(")")}); };
+    const auto wrapped = [&](const std::vector<std::size_t>& inner) {
+        return join(join({mark("(")}, inner), {mark(")")});
+    };
     switch (random.below(dialect == Dialect::renderman ? 10 : 7)) {
         case 0: return join(wrapped(a), join({mark("|")}, wrapped(b)));
         case 1: return join(a, join({mark("|")}, b));

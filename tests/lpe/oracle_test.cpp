@@ -125,7 +125,8 @@ void compare_random(Dialect dialect, std::uint64_t seed, int rounds) {
                 const bool expected = oracle::matches(*trees[k], path, dialect);
                 accepted += expected ? 1 : 0;
                 if (found[k] != expected) {
-                    FAIL("'" << sources[k].expression << "' on '" << to_text(path) << "': " << found[k] << ", oracle " << expected);
+                    FAIL("'" << sources[k].expression << "' on '" << to_text(path) << "': " << found[k] << ", oracle "
+                             << expected);
                 }
             }
         }
@@ -136,7 +137,8 @@ void compare_random(Dialect dialect, std::uint64_t seed, int rounds) {
 
 }  // namespace
 
-TEST_CASE("every expression of up to three tokens agrees with the oracle on every short path", "[release-only][oracle]") {
+TEST_CASE("every expression of up to three tokens agrees with the oracle on every short path",
+          "[release-only][oracle]") {
     for (const Dialect dialect : {Dialect::renderman, Dialect::osl}) {
         const auto paths = oracle::all_paths(dialect, 3);
         Tally tally;
@@ -167,12 +169,14 @@ TEST_CASE("the two oracles, by positions and by sets of words, agree", "[release
     }
 }
 
-TEST_CASE("every expression of four and of five tokens agrees with the oracle on every path of up to five events", "[.full][oracle]") {
+TEST_CASE("every expression of four and of five tokens agrees with the oracle on every path of up to five events",
+          "[.full][oracle]") {
     for (const Dialect dialect : {Dialect::renderman, Dialect::osl}) {
         Tally tally;
         compare_all_languages(dialect, 4, tally);
         compare_all_languages(dialect, 5, tally);
-        WARN(tally.expressions << " expressions, " << tally.accepted_words << " of " << tally.words << " words accepted");
+        WARN(tally.expressions << " expressions, " << tally.accepted_words << " of " << tally.words
+                               << " words accepted");
         CHECK(tally.expressions > 100'000);
         CHECK(tally.accepted_words > 1'000'000);
     }

@@ -89,7 +89,8 @@ TEST_CASE("words of a scene make rests shorter", "[rest]") {
 }
 
 TEST_CASE("whatever is printed was proved: random sets of channels", "[rest]") {
-    const std::vector<std::string> pieces{"D", "S", "<RD>", "<TS>", "V", ".", "'a'", "<RD'b'>", "[DS]", "[^D]", "<RS4>", "(D|S)", "(SV)"};
+    const std::vector<std::string> pieces{"D",       "S",    "<RD>", "<TS>",  "V",     ".",   "'a'",
+                                          "<RD'b'>", "[DS]", "[^D]", "<RS4>", "(D|S)", "(SV)"};
     const std::vector<std::string> repeats{"", "", "*", "+", "?", "{2}"};
     const std::vector<std::string> ends{"L", "O", "[LO]", "<L.'k'>", "B"};
     std::mt19937 random(20261121);

@@ -17,12 +17,14 @@ namespace {
 std::vector<ChannelSource> shipped(Dialect dialect) {
     std::vector<ChannelSource> channels;
     for (const NamedExpression& entry : shipped_partition(dialect)) {
-        channels.push_back({.name = std::string(entry.name), .expression = std::string(entry.expression), .dialect = dialect});
+        channels.push_back(
+            {.name = std::string(entry.name), .expression = std::string(entry.expression), .dialect = dialect});
     }
     return channels;
 }
 
-void add(std::vector<ChannelSource>& channels, Dialect dialect, const std::string& before, const std::string& after, int count) {
+void add(std::vector<ChannelSource>& channels, Dialect dialect, const std::string& before, const std::string& after,
+         int count) {
     for (int k = 0; k < count; ++k) {
         channels.push_back({.name = {}, .expression = before + "obj" + std::to_string(k) + after, .dialect = dialect});
     }

@@ -76,7 +76,8 @@ TEST_CASE("a split by light group, lobe and bounce puts each path where its name
 }
 
 TEST_CASE("every combination of axes is a partition in both dialects", "[split][law1]") {
-    const SplitAxis all[] = {SplitAxis::light_group, SplitAxis::lobe, SplitAxis::bounce, SplitAxis::object, SplitAxis::terminal};
+    const SplitAxis all[] = {SplitAxis::light_group, SplitAxis::lobe, SplitAxis::bounce, SplitAxis::object,
+                             SplitAxis::terminal};
     for (unsigned set = 1; set < 32; ++set) {
         for (const Dialect dialect : {Dialect::renderman, Dialect::osl}) {
             SplitRequest request;
@@ -103,8 +104,8 @@ TEST_CASE("every combination of axes is a partition in both dialects", "[split][
             std::set<std::string> names;
             for (const ChannelSource& channel : split->channels) {
                 CHECK(names.insert(channel.name).second);
-                CHECK(channel.name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") ==
-                      std::string::npos);
+                CHECK(channel.name.find_first_not_of(
+                          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") == std::string::npos);
                 const auto word = find_word(channel, request.words);
                 REQUIRE(word);
                 CHECK(word->has_value());  // no bin is empty
@@ -167,7 +168,8 @@ TEST_CASE("a split of less than the beauty is cut to it", "[split][law1]") {
 TEST_CASE("512 channels are generated and proved within a second", "[split]") {
     SplitRequest request = by({SplitAxis::light_group, SplitAxis::lobe, SplitAxis::bounce});
     request.groups = {"a", "b", "c", "d", "e", "f", "g"};
-    request.lobes = {"RD1", "RD2", "RD3", "RD4", "RS1", "RS2", "RS3", "RS4", "RS5", "RS6", "RS7", "RS8", "TD", "TS", "V"};
+    request.lobes = {"RD1", "RD2", "RD3", "RD4", "RS1", "RS2", "RS3", "RS4",
+                     "RS5", "RS6", "RS7", "RS8", "TD",  "TS",  "V"};
     request.bounces = 4;
     const auto start = std::chrono::steady_clock::now();
     const Split split = required(request);

@@ -9,16 +9,16 @@ TEST_CASE("the osl dialect agrees with Open Shading Language on every conformanc
     const auto report = run_vectors(raylex::test::source_dir() + "/tests/lpe/data/lpe_vectors_osl.tsv", Dialect::osl);
     REQUIRE(report);
     for (const VectorRow& row : report->disagree) {
-        UNSCOPED_INFO(row.line << ": " << row.expression << " on " << row.events << ": expected " << row.expected << ", found "
-                               << row.found << " " << row.message);
+        UNSCOPED_INFO(row.line << ": " << row.expression << " on " << row.events << ": expected " << row.expected
+                               << ", found " << row.found << " " << row.message);
     }
     CHECK(report->disagree.empty());
     CHECK(report->agree == 1616);
 }
 
 TEST_CASE("a vector that disagrees is reported with its line and what was found", "[vectors]") {
-    const auto report = run_vectors_text("# comment\nCDL\tC,- R,D L,-\t0\nC[\tC,-\t1\nCDL\tC,- R,D L,-\t1\nC()\t\tNOCRASH\n", "mine",
-                                         Dialect::osl);
+    const auto report = run_vectors_text(
+        "# comment\nCDL\tC,- R,D L,-\t0\nC[\tC,-\t1\nCDL\tC,- R,D L,-\t1\nC()\t\tNOCRASH\n", "mine", Dialect::osl);
     REQUIRE(report);
     CHECK(report->agree == 2);
     REQUIRE(report->disagree.size() == 2);

@@ -30,7 +30,8 @@ struct Case {
 std::vector<std::string> pieces_of(const WhyNot& why) {
     std::vector<std::string> texts;
     for (const WantedPiece& piece : why.pieces) {
-        texts.push_back(std::to_string(piece.begin + 1) + ":" + why.expression.substr(piece.begin, piece.end - piece.begin));
+        texts.push_back(std::to_string(piece.begin + 1) + ":" +
+                        why.expression.substr(piece.begin, piece.end - piece.begin));
     }
     return texts;
 }
@@ -45,7 +46,11 @@ TEST_CASE("the longest live prefix and the pieces that could have followed are n
         {"CD*L", "C,- R,D", 2, "one diffuse scattering or a light", {"2:D", "4:L"}},
         {"C(D|(SD))*L", "C,- R,D R,S", 3, "one diffuse scattering", {"7:D"}},
         {"CDSD", "C,- R,S", 1, "one diffuse scattering", {"2:D"}},
-        {"CD+[<L.'key'>O]", "C,- R,D L,-,fill", 2, "one diffuse scattering, a light of group 'key' or emission", {"2:D", "5:<L.'key'>", "14:O"}},
+        {"CD+[<L.'key'>O]",
+         "C,- R,D L,-,fill",
+         2,
+         "one diffuse scattering, a light of group 'key' or emission",
+         {"2:D", "5:<L.'key'>", "14:O"}},
         {"osl:CDSDL", "C,- R,D R,S R,G L,-", 3, "one diffuse scattering", {"4:D"}},
         {"osl:CL", "C,- B,-", 1, "a light", {"2:L"}},
         {"osl:C<RD'floor'>L", "C,- R,D L,-", 1, "one diffuse reflection off 'floor'", {"2:<RD'floor'>"}},
@@ -107,7 +112,8 @@ TEST_CASE("no path that goes on as the refused one did is accepted, and events t
         const auto paths = oracle::all_paths(dialect, 3);
         const std::vector<std::string> expressions =
             dialect == Dialect::renderman
-                ? std::vector<std::string>{"CD*L", "C(D|SS)L", "C.D", "C[^D]*O", "C<RD>?.", "!(CD.*)", "C.* & .*L", "CS{2}"}
+                ? std::vector<std::string>{"CD*L",    "C(D|SS)L", "C.D",       "C[^D]*O",
+                                           "C<RD>?.", "!(CD.*)",  "C.* & .*L", "CS{2}"}
                 : std::vector<std::string>{"CD*L", "C(D|SS)L", "C.D", "C[^D]*O", "C<R>*.", "CS{2}"};
         for (const std::string& text : expressions) {
             ChannelSource channel = source(text);
@@ -132,7 +138,8 @@ TEST_CASE("no path that goes on as the refused one did is accepted, and events t
                 }
                 const std::size_t failed = why->live_events + 1;
                 const bool goes_on = std::any_of(accepted.begin(), accepted.end(), [&](const oracle::Path* other) {
-                    return other->size() >= failed && std::equal(path.begin(), path.begin() + static_cast<std::ptrdiff_t>(failed), other->begin());
+                    return other->size() >= failed &&
+                           std::equal(path.begin(), path.begin() + static_cast<std::ptrdiff_t>(failed), other->begin());
                 });
                 CHECK_FALSE(goes_on);
             }

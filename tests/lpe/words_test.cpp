@@ -63,13 +63,14 @@ TEST_CASE("a depth limit past the bound is no limit, so that no proof is relativ
 
 TEST_CASE("proofs on an alphabet tell apart what expressions name and no more") {
     Words words;
-    words.alphabet = Alphabet{{reflection(Scatter::diffuse, "floor", "diffuse"), reflection(Scatter::diffuse, "wall", "diffuse"),
-                               reflection(Scatter::glossy, "lamp_1", "coat"), reflection(Scatter::glossy, "lamp_2", "coat")},
-                              {light(""), light("key")}};
+    words.alphabet =
+        Alphabet{{reflection(Scatter::diffuse, "floor", "diffuse"), reflection(Scatter::diffuse, "wall", "diffuse"),
+                  reflection(Scatter::glossy, "lamp_1", "coat"), reflection(Scatter::glossy, "lamp_2", "coat")},
+                 {light(""), light("key")}};
     CHECK(verdict({{"floor", "C<RD'floor'>.*"}, {"rest", "C<RD'wall'>.*"}, {"lamps", "CG.*"}, {"seen", "CL"}}, words) ==
           Verdict::partition);
-    CHECK(verdict({{"a", "C<RD'floor'>.*"}, {"b", "C<RD[^'floor']>.*"}, {"lamps", "C<RG'lamp_*'>.*"}, {"seen", "CL"}}, words) ==
-          Verdict::partition);
+    CHECK(verdict({{"a", "C<RD'floor'>.*"}, {"b", "C<RD[^'floor']>.*"}, {"lamps", "C<RG'lamp_*'>.*"}, {"seen", "CL"}},
+                  words) == Verdict::partition);
     CHECK(verdict({{"a", "CD.*"}, {"b", "C<RG'lamp_1'>.*"}, {"seen", "CL"}}, words) == Verdict::missed);
     CHECK(verdict({{"key", "C.*<L.'key'>"}, {"other", "C.*<L.''>"}}, words) == Verdict::partition);
     const auto word = find_word({"", "C<.G'*'>L"}, words);
@@ -88,9 +89,10 @@ TEST_CASE("proofs on ten thousand labels take as long as on the labels that are 
     }
     words.alphabet->terminals = {light(""), light("key")};
     const auto start = std::chrono::steady_clock::now();
-    CHECK(verdict({{"one", "C<RD'object_7'>.*"}, {"others", "C<RD[^'object_7']>.*"}, {"coats", "CG.*"}, {"seen", "CL"}}, words) ==
-          Verdict::partition);
-    // Some 2 ms; without folding the labels the proof is refused (too many kinds of events). The rest is for busy machines.
+    CHECK(verdict({{"one", "C<RD'object_7'>.*"}, {"others", "C<RD[^'object_7']>.*"}, {"coats", "CG.*"}, {"seen", "CL"}},
+                  words) == Verdict::partition);
+    // Some 2 ms; without folding the labels the proof is refused (too many kinds of events). The rest is for busy
+    // machines.
     CHECK(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() < 0.5);
 }
 
