@@ -33,7 +33,9 @@ struct Time {
 Time now() {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
-    const auto seconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); };
+    const auto seconds = [](const timeval& t) {
+        return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+    };
     return {std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(),
             seconds(usage.ru_utime) + seconds(usage.ru_stime)};
 }

@@ -47,8 +47,8 @@ void law5(benchmark::State& state, const std::string& set) {
     table.begin(std::vector<CameraRow>(1));
     LpeServices services(setup, table, 0);
     constexpr std::size_t paths = 256, most_lobes = 4;
-    const std::array<lpe::Scatter, most_lobes> scatter{lpe::Scatter::diffuse, lpe::Scatter::glossy, lpe::Scatter::singular,
-                                                       lpe::Scatter::glossy};
+    const std::array<lpe::Scatter, most_lobes> scatter{lpe::Scatter::diffuse, lpe::Scatter::glossy,
+                                                       lpe::Scatter::singular, lpe::Scatter::glossy};
     const std::vector<std::string> objects{"floor", "wall", "hero", "glass", "skin", ""};
     lpe::bench::Random random;
     std::vector<std::array<LobePart, most_lobes>> vertices(paths * depth);
@@ -72,8 +72,8 @@ void law5(benchmark::State& state, const std::string& set) {
         }
     }
     const double runs = static_cast<double>(state.iterations()) * static_cast<double>(paths);
-    state.counters["time/event"] =
-        benchmark::Counter(runs * static_cast<double>(depth), benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+    state.counters["time/event"] = benchmark::Counter(runs * static_cast<double>(depth),
+                                                      benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
     state.counters["branches at the end"] = branches / runs;
 }
 
@@ -92,11 +92,13 @@ void contribute(benchmark::State& state, const std::string& set) {
         for (std::size_t k = 1; k < path.events.size(); ++k) services.move(tracker, setup.classify(path.events[k]));
         ends.push_back(tracker);
         std::vector<lpe::State> words(setup.program().starts().begin(), setup.program().starts().end());
-        for (const lpe::Event& event : path.events) setup.program().advance(words.data(), setup.classify(event), words.data());
+        for (const lpe::Event& event : path.events)
+            setup.program().advance(words.data(), setup.classify(event), words.data());
         setup.program().for_each_accepted(words.data(), [&](std::uint16_t) { ++matches; });
     }
     for (auto _ : state) {
-        for (const Tracker& tracker : ends) services.contribute(Rgb(0.25f, 0.5f, 0.75f), Technique::scattering, tracker);
+        for (const Tracker& tracker : ends)
+            services.contribute(Rgb(0.25f, 0.5f, 0.75f), Technique::scattering, tracker);
         benchmark::ClobberMemory();
     }
     const double count = static_cast<double>(paths.size());

@@ -211,7 +211,8 @@ std::vector<std::string> identity_differences(const RecordIdentity& there, const
                               (other != nullptr ? shortened(*other) : std::string("nothing")) + " here");
     }
     for (const auto& [name, value] : here)
-        if (value_in(there, name) == nullptr) differences.push_back(name + ": nothing there, " + shortened(value) + " here");
+        if (value_in(there, name) == nullptr)
+            differences.push_back(name + ": nothing there, " + shortened(value) + " here");
     return differences;
 }
 

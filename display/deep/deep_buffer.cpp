@@ -23,8 +23,8 @@ std::uint32_t depth_key(float depth, int level) {
 }
 
 /// A volume's and a surface's bin of one key may interleave; the transmittances were made in the order of the bins, so
-/// that order stays and depths are moved, within the key, to agree with it: by ImfDeepImageState.h, (Z, ZBack) must rise
-/// strictly, and tidy spans must not reach into each other.
+/// that order stays and depths are moved, within the key, to agree with it: by ImfDeepImageState.h, (Z, ZBack) must
+/// rise strictly, and tidy spans must not reach into each other.
 void put_in_order(DeepSample& front, DeepSample& back, bool tidy) {
     back.z = std::max(back.z, front.z);
     if (tidy) front.z_back = std::min(front.z_back, back.z);
@@ -91,7 +91,8 @@ Status DeepBuffer::check(std::span<const ChannelDefinition> channels, std::span<
     for (const ChannelId id : chosen) {
         const ChannelDefinition& channel = channels[static_cast<std::size_t>(id)];
         if (!takes_samples(channel))
-            return error_at({}, "channel '" + channel.name + "' cannot be deep: it is made of another channel's samples; expected "
+            return error_at({}, "channel '" + channel.name +
+                                    "' cannot be deep: it is made of another channel's samples; expected "
                                     "light or a filtered channel");
         if (channel.type == ChannelType::integer || channel.rule != FilterRule::filter)
             return error_at({}, "channel '" + channel.name + "' cannot be deep: it is " +
@@ -117,7 +118,8 @@ void DeepBuffer::accumulate(const SampleTable& table) {
         Pixel& pixel = pixels_[static_cast<std::size_t>(camera.pixel_y) * static_cast<std::size_t>(width_) +
                                static_cast<std::size_t>(camera.pixel_x)];
         rows.assign(1, row);
-        rows.insert(rows.end(), extra[static_cast<std::size_t>(row)].begin(), extra[static_cast<std::size_t>(row)].end());
+        rows.insert(rows.end(), extra[static_cast<std::size_t>(row)].begin(),
+                    extra[static_cast<std::size_t>(row)].end());
         add_sample(pixel, table, static_cast<double>(camera.filter_weight), rows);
     }
 }
@@ -242,7 +244,8 @@ std::vector<DeepSample> DeepBuffer::resolve(int x, int y) const {
         sample.z = bin.nearest;
         sample.z_back = bin.farthest;
         if (points && bin.key != background_key && sums[0] > 0) {
-            const auto mean = static_cast<float>(std::exp2(to_long_double(sums[1], quantum) / to_long_double(sums[0], quantum)));
+            const auto mean =
+                static_cast<float>(std::exp2(to_long_double(sums[1], quantum) / to_long_double(sums[0], quantum)));
             sample.z = sample.z_back = std::clamp(mean, bin.nearest, bin.farthest);
         } else if (points) {
             sample.z_back = sample.z;

@@ -22,7 +22,8 @@ Result<std::unique_ptr<DisplayDriver>> make_display_driver(const std::string& na
     if (!entry) return entry.error();
     auto driver = (*entry)->factory(parameters, context);
     if (!driver) return driver;
-    if (Status used = check_all_used(parameters, (*entry)->parameters, "display driver", name); !used) return used.error();
+    if (Status used = check_all_used(parameters, (*entry)->parameters, "display driver", name); !used)
+        return used.error();
     return driver;
 }
 

@@ -162,7 +162,8 @@ void PacketSender::State::run() {
     }
 }
 
-PacketSender::PacketSender(const std::string& host, int port, std::size_t capacity) : state_(std::make_shared<State>()) {
+PacketSender::PacketSender(const std::string& host, int port, std::size_t capacity)
+    : state_(std::make_shared<State>()) {
     state_->host = host;
     state_->port = port;
     state_->capacity = capacity;

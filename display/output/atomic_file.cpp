@@ -256,7 +256,8 @@ void remove_abandoned(const std::string& path) {
         int process = 0, number = 0, end = 0;
         if (!name.starts_with(prefix)) continue;
         const char* rest = name.c_str() + prefix.size();
-        if (std::sscanf(rest, "%d-%d.partial%n", &process, &number, &end) != 2 || end == 0 || rest[end] != '\0') continue;
+        if (std::sscanf(rest, "%d-%d.partial%n", &process, &number, &end) != 2 || end == 0 || rest[end] != '\0')
+            continue;
         if (process > 0 && kill(process, 0) != 0 && errno == ESRCH) abandoned.push_back(entry.path());
     }
     for (const auto& each : abandoned) std::filesystem::remove(each, failed);

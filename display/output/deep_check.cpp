@@ -164,7 +164,8 @@ Result<DeepVerdict> check_deep(const std::string& path, const ExrImage& image) {
         int index = -1;
         for (int i = 0; i < file.parts() && index < 0; ++i)
             if (file.header(i).hasType() && file.header(i).type() == Imf::DEEPSCANLINE) index = i;
-        if (index < 0) return deep_error(path, "there is no deep scanline part in this file; expected a deep OpenEXR file");
+        if (index < 0)
+            return deep_error(path, "there is no deep scanline part in this file; expected a deep OpenEXR file");
         const Imf::Header& header = file.header(index);
         const Imath::Box2i window = header.dataWindow();
         if (window.max.x - window.min.x + 1 != image.width || window.max.y - window.min.y + 1 != image.height)
@@ -177,8 +178,9 @@ Result<DeepVerdict> check_deep(const std::string& path, const ExrImage& image) {
             if (header.channels().findChannel(needed) == nullptr)
                 return deep_error(path, std::string("the deep image has no channel ") + needed + "; expected Z and A");
         if (comparison.pairs.empty())
-            return deep_error(path, "no channel of the deep image is one of the shallow image; expected R G B, or layers "
-                                    "of the same names");
+            return deep_error(path,
+                              "no channel of the deep image is one of the shallow image; expected R G B, or layers "
+                              "of the same names");
         std::vector<std::string> names{"Z", header.channels().findChannel("ZBack") != nullptr ? "ZBack" : "Z", "A"};
         for (const Pair& pair : comparison.pairs) names.push_back(pair.channel);
         Imf::DeepScanLineInputPart part(file, index);

@@ -65,8 +65,9 @@ Imf::Header deep_header(const DeepBuffer& deep, ChannelId beauty, const std::vec
     const DeepCounts counts = deep.counts();
     attributes["raylex/deepTolerance"] = std::to_string(deep.options().tolerance);
     attributes["raylex/deepMostSamples"] = std::to_string(deep.options().most_samples);
-    attributes["raylex/deepMerged"] = std::to_string(counts.merged_pixels) + " pixels passed the limit; depths within " +
-                                      std::to_string(counts.coarsest) + " of each other were merged there";
+    attributes["raylex/deepMerged"] = std::to_string(counts.merged_pixels) +
+                                      " pixels passed the limit; depths within " + std::to_string(counts.coarsest) +
+                                      " of each other were merged there";
     if (!description.complete) attributes["raylex/incomplete"] = "true";
     attributes.emplace("software", "raylex");
     for (const auto& [name, value] : attributes) header.insert(name, Imf::StringAttribute(value));
@@ -156,8 +157,9 @@ Result<DeepStorage> parse_deep_storage(const std::string& text, const SourceLoca
         else if (word == "rle") storage.compression = ExrCompression::rle;
         else if (word == "zips") storage.compression = ExrCompression::zips;
         else
-            return error_at(where, "'" + word + "' is no storage of deep data; expected half or float, and one of none, "
-                                   "rle, zips (OpenEXR has no other compression for it)");
+            return error_at(where, "'" + word +
+                                       "' is no storage of deep data; expected half or float, and one of none, "
+                                       "rle, zips (OpenEXR has no other compression for it)");
     }
     if (!any) return error_at(where, "nothing is said about the storage of deep data; expected such as 'half zips'");
     return storage;

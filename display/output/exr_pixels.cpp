@@ -19,8 +19,8 @@ const ChannelDefinition& definition_of(const PixelImage& frame_buffer, const Pla
 // written, and halves end at 65504.
 bool may_need_repair(const ChannelDefinition& channel, StoredType type) {
     if (channel.type == ChannelType::integer) return false;
-    return type == StoredType::half_float ||
-           (channel.rule != FilterRule::filter && channel.rule != FilterRule::average && channel.rule != FilterRule::sum);
+    return type == StoredType::half_float || (channel.rule != FilterRule::filter &&
+                                              channel.rule != FilterRule::average && channel.rule != FilterRule::sum);
 }
 
 // The common case, free of calls: float, everything in range.
@@ -48,7 +48,8 @@ std::vector<char> stored_plane(const double* values, std::size_t count, std::siz
     for (std::size_t i = 0; i < count; ++i) {
         const double value = values[i * stride];
         if (type == StoredType::unsigned_int) {
-            const auto integer = static_cast<std::uint32_t>(std::isfinite(value) ? static_cast<std::int64_t>(value) : 0);
+            const auto integer =
+                static_cast<std::uint32_t>(std::isfinite(value) ? static_cast<std::int64_t>(value) : 0);
             std::memcpy(bytes.data() + 4 * i, &integer, 4);
             continue;
         }

@@ -72,8 +72,9 @@ Status override_row(ExrStorage& row, ChannelKind kind, bool all, const std::stri
                                            "' loses bits, so that splits would not sum; expected none, rle, zips, zip "
                                            "or piz");
         return error_at(where,
-                        "'" + word + "' says nothing about storage; expected half or float, and one of none, rle, zips, "
-                                     "zip, piz",
+                        "'" + word +
+                            "' says nothing about storage; expected half or float, and one of none, rle, zips, "
+                            "zip, piz",
                         near_hint(word, known));
     }
     if (!any)

@@ -125,7 +125,8 @@ void write_part(Imf::MultiPartOutputFile& file, int index, const PlannedPart& pa
 bool is_quick(const std::vector<PlannedPart>& parts, int width) {
     constexpr int narrow = 1024;
     return width < narrow && std::all_of(parts.begin(), parts.end(), [](const PlannedPart& part) {
-               return part.storage.compression == ExrCompression::none || part.storage.compression == ExrCompression::rle;
+               return part.storage.compression == ExrCompression::none ||
+                      part.storage.compression == ExrCompression::rle;
            });
 }
 

@@ -120,10 +120,11 @@ void add_shard(CLI::App& command, ExperimentOptions& options) {
                     "only every PARTS-th cell of the plan, beginning with the PART-th; merge makes one of them again")
         ->option_text("PART/PARTS");
     command
-        .add_option("--split-cells", options.split_cells,
-                    "renders the samples of each cell in N parts, which --shard shares out like cells; merge makes the cell of "
-                    "them, the same bits. Cells that end by time or by error, of external commands, of Markov chains or of few "
-                    "samples stay whole")
+        .add_option(
+            "--split-cells", options.split_cells,
+            "renders the samples of each cell in N parts, which --shard shares out like cells; merge makes the cell of "
+            "them, the same bits. Cells that end by time or by error, of external commands, of Markov chains or of few "
+            "samples stay whole")
         ->option_text("N")
         ->check(CLI::Range(1U, 4096U));
 }

@@ -5,8 +5,9 @@
 namespace raylex::experiments {
 
 void add_lpe_command(CLI::App& app, CommandContext& context) {
-    CLI::App* command = app.add_subcommand(
-        "lpe", "Light path expressions: explains, matches, draws and compares them, proves that channels partition the beauty.");
+    CLI::App* command = app.add_subcommand("lpe",
+                                           "Light path expressions: explains, matches, draws and compares them, proves "
+                                           "that channels partition the beauty.");
     command->require_subcommand(1);
     add_lpe_match_commands(*command, context);
     add_lpe_check_commands(*command, context);

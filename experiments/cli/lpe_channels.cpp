@@ -42,9 +42,10 @@ CLI::Option* add_channel_files(CLI::App& command, ChannelArguments& arguments) {
         ->option_text("F")
         ->check(CLI::IsMember(channel_format_names()));
     return command
-        .add_option("--channels", arguments.files,
-                    "file of channels: TOML tables, RIB DisplayChannel lines, USD ASCII RenderVar prims or rendermn.ini "
-                    "macros; may be repeated")
+        .add_option(
+            "--channels", arguments.files,
+            "file of channels: TOML tables, RIB DisplayChannel lines, USD ASCII RenderVar prims or rendermn.ini "
+            "macros; may be repeated")
         ->option_text("FILE")
         ->expected(1)
         ->allow_extra_args(false)
@@ -53,7 +54,8 @@ CLI::Option* add_channel_files(CLI::App& command, ChannelArguments& arguments) {
 
 CLI::Option* add_channel_arguments(CLI::App& command, ChannelArguments& arguments) {
     add_channel_files(command, arguments);
-    return command.add_option("NAME=EXPR", arguments.named, "channels; they follow those of --channels")->option_text("...");
+    return command.add_option("NAME=EXPR", arguments.named, "channels; they follow those of --channels")
+        ->option_text("...");
 }
 
 Result<ChannelSet> read_channel_set(const ChannelArguments& arguments, lpe::Dialect dialect) {
@@ -76,9 +78,10 @@ Result<ChannelSet> read_channel_set(const ChannelArguments& arguments, lpe::Dial
         const std::string first = place->second->origin_line > 0 ? place->second->origin + ":" +
                                                                        std::to_string(place->second->origin_line)
                                                                  : place->second->origin;
-        return error_at({source.origin_line > 0 ? source.origin : std::string(), source.origin_line, 0},
-                        "the channel name '" + source.name + "' is used twice; expected every channel to have its own name",
-                        source.origin_line > 0 ? "the first one is in " + first : std::string());
+        return error_at(
+            {source.origin_line > 0 ? source.origin : std::string(), source.origin_line, 0},
+            "the channel name '" + source.name + "' is used twice; expected every channel to have its own name",
+            source.origin_line > 0 ? "the first one is in " + first : std::string());
     }
     return set;
 }

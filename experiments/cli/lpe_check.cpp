@@ -31,7 +31,8 @@ struct RelationOptions {
 };
 
 /// Prints the verdict, then the path against it as events, and returns the exit code.
-int verdict(bool holds, const std::string& summary, const lpe::Witness& witness, const std::vector<std::string>& warnings) {
+int verdict(bool holds, const std::string& summary, const lpe::Witness& witness,
+            const std::vector<std::string>& warnings) {
     for (const std::string& warning : warnings) print_warning(warning);
     print_line(summary);
     if (holds) return exit_holds;
@@ -44,7 +45,8 @@ int verdict(const Result<lpe::Proof>& proof) {
     return verdict(proof->holds, proof->summary, proof->witness, proof->warnings);
 }
 
-/// Says what the channels leave, where they share no path; with --rest the layer is added to them and the proof done again.
+/// Says what the channels leave, where they share no path; with --rest the layer is added to them and the proof done
+/// again.
 Result<lpe::PartitionReport> complete(const CheckOptions& options, std::vector<lpe::ChannelSource>& sources,
                                       const std::optional<lpe::ChannelSource>& of, lpe::PartitionReport report) {
     if (report.verdict != lpe::Verdict::missed) return report;
@@ -66,7 +68,8 @@ Result<lpe::PartitionReport> complete(const CheckOptions& options, std::vector<l
 }
 
 /// The channels of the set by name. Errors: a name that is not there.
-Result<std::vector<lpe::ChannelSource>> members(const std::vector<lpe::ChannelSource>& sources, const PartitionRequest& partition,
+Result<std::vector<lpe::ChannelSource>> members(const std::vector<lpe::ChannelSource>& sources,
+                                                const PartitionRequest& partition,
                                                 const std::vector<std::string>& wanted) {
     std::vector<lpe::ChannelSource> result;
     for (const std::string& name : wanted) {
@@ -102,21 +105,25 @@ int run_declared(const std::vector<lpe::ChannelSource>& sources, const std::vect
         if (partition.rest.empty()) {
             auto report = lpe::check_partition(*channels, of, words);
             if (!report) return report_error(report.error());
-            one = verdict(report->verdict == lpe::Verdict::partition, name + report->summary, report->witness, report->warnings);
+            one = verdict(report->verdict == lpe::Verdict::partition, name + report->summary, report->witness,
+                          report->warnings);
         } else {
             auto report = lpe::check_disjoint(*channels, words);
             if (!report) return report_error(report.error());
-            one = verdict(report->disjoint, name + report->summary + (report->disjoint ? "; '" + partition.rest + "' takes the rest" : ""),
-                          report->witness, report->warnings);
+            one =
+                verdict(report->disjoint,
+                        name + report->summary + (report->disjoint ? "; '" + partition.rest + "' takes the rest" : ""),
+                        report->witness, report->warnings);
         }
         code = std::max(code, one);
     }
     return code;
 }
 
-/// Takes out of an artist's list the channels that are the whole, however they are written, and returns the first of them:
-/// the beauty beside its parts is no part. None of several channels, or of one alone, may be left over.
-Result<std::optional<lpe::ChannelSource>> take_beauty(std::vector<lpe::ChannelSource>& sources, const lpe::Words& words) {
+/// Takes out of an artist's list the channels that are the whole, however they are written, and returns the first of
+/// them: the beauty beside its parts is no part. None of several channels, or of one alone, may be left over.
+Result<std::optional<lpe::ChannelSource>> take_beauty(std::vector<lpe::ChannelSource>& sources,
+                                                      const lpe::Words& words) {
     std::optional<lpe::ChannelSource> beauty;
     lpe::Words without_media = words;
     without_media.volume = false;
@@ -178,7 +185,8 @@ int run_check(CheckOptions options) {
     for (const lpe::ChannelSource& source : *sources)
         if (source.name == options.rest)
             return report_error("--rest " + options.rest + ": a channel has that name; expected another one");
-    const bool declared = !set->partitions.empty() && options.of.empty() && options.rest.empty() && options.what == "partition";
+    const bool declared =
+        !set->partitions.empty() && options.of.empty() && options.rest.empty() && options.what == "partition";
     const int code = declared ? run_declared(*sources, set->partitions, options.words) : run_proof(options, *sources);
     if (code == exit_bad_input || options.output.path.empty()) return code;
     if (!options.rest.empty() && sources->back().name == options.rest)
@@ -188,19 +196,21 @@ int run_check(CheckOptions options) {
 }
 
 int run_equal(const RelationOptions& options) {
-    const std::vector<lpe::ChannelSource> both{bare_expression(options.first, options.dialect.value(), "", "first expression"),
-                                               bare_expression(options.second, options.dialect.value(), "", "second expression")};
+    const std::vector<lpe::ChannelSource> both{
+        bare_expression(options.first, options.dialect.value(), "", "first expression"),
+        bare_expression(options.second, options.dialect.value(), "", "second expression")};
     return verdict(lpe::check_equal(both, options.words));
 }
 
 int run_contains(const RelationOptions& options) {
-    return verdict(lpe::check_contains(bare_expression(options.first, options.dialect.value(), "", "first expression"),
-                                       bare_expression(options.second, options.dialect.value(), "", "second expression"),
-                                       options.words));
+    return verdict(lpe::check_contains(
+        bare_expression(options.first, options.dialect.value(), "", "first expression"),
+        bare_expression(options.second, options.dialect.value(), "", "second expression"), options.words));
 }
 
 int run_empty(const RelationOptions& options) {
-    return verdict(lpe::check_empty(bare_expression(options.first, options.dialect.value(), "", "expression"), options.words));
+    return verdict(
+        lpe::check_empty(bare_expression(options.first, options.dialect.value(), "", "expression"), options.words));
 }
 
 void add_check(CLI::App& lpe, CommandContext& context) {
@@ -209,12 +219,15 @@ void add_check(CLI::App& lpe, CommandContext& context) {
         "check", "Proves that the channels partition the beauty, or prints the shortest path that shows the contrary.");
     add_channel_arguments(*check, options->channels);
     check
-        ->add_option("--what", options->what,
-                     "partition (default): every path is in exactly one channel; disjoint: none is in two; covers: every "
-                     "path is in at least one")
+        ->add_option(
+            "--what", options->what,
+            "partition (default): every path is in exactly one channel; disjoint: none is in two; covers: every "
+            "path is in at least one")
         ->option_text("partition|disjoint|covers")
         ->check(CLI::IsMember({"partition", "disjoint", "covers"}));
-    check->add_option("--of", options->of, "what is split, an expression or the name of a channel of --channels; default: the channel of a "
+    check
+        ->add_option("--of", options->of,
+                     "what is split, an expression or the name of a channel of --channels; default: the channel of a "
                      "file that denotes the beauty, else every path a scene can produce")
         ->option_text("BEAUTY");
     check
@@ -226,22 +239,26 @@ void add_check(CLI::App& lpe, CommandContext& context) {
     add_dialect_option(*check, options->dialect);
     check->footer(
         "Where a TOML file declares partitions, each of them is proved; otherwise all channels together.\n"
-        "The path is said in words, then printed as 'raylex lpe match' reads it. Channels with prefixes (noclamp;, ...) are "
+        "The path is said in words, then printed as 'raylex lpe match' reads it. Channels with prefixes (noclamp;, "
+        "...) are "
         "refused.\nSee also: lpe equal, contains and empty for single expressions.\n"
         "Exit codes: 0 proved, 1 a path is missed, counted twice or outside, 2 bad usage or input.");
     check->callback([options, &context] { context.exit_code = run_check(*options); });
 }
 
-void add_relation(CLI::App& lpe, CommandContext& context, const std::string& name, const std::string& description, bool two,
-                  const std::string& holds, int (*run)(const RelationOptions&)) {
+void add_relation(CLI::App& lpe, CommandContext& context, const std::string& name, const std::string& description,
+                  bool two, const std::string& holds, int (*run)(const RelationOptions&)) {
     auto options = std::make_shared<RelationOptions>();
     CLI::App* command = lpe.add_subcommand(name, description);
     command->add_option(two ? "A" : "EXPR", options->first, "an expression")->required()->option_text("(required)");
     if (two) command->add_option("B", options->second, "another")->required()->option_text("(required)");
     add_scene_option(*command, options->scene);
     add_dialect_option(*command, options->dialect);
-    command->footer("Every path that some scene, or the one of --scene, can produce is taken into account. Prefixes play no part: they do not change which paths match.\n"
-                    "Exit codes: 0 " + holds + ", 1 not: the shortest path that shows it is printed, 2 bad usage or input.");
+    command->footer(
+        "Every path that some scene, or the one of --scene, can produce is taken into account. Prefixes play no part: "
+        "they do not change which paths match.\n"
+        "Exit codes: 0 " +
+        holds + ", 1 not: the shortest path that shows it is printed, 2 bad usage or input.");
     command->callback([options, run, &context] {
         auto scene = options->scene.load();
         if (scene) options->words = words_of(*scene);
@@ -253,11 +270,12 @@ void add_relation(CLI::App& lpe, CommandContext& context, const std::string& nam
 
 void add_lpe_check_commands(CLI::App& lpe, CommandContext& context) {
     add_check(lpe, context);
-    add_relation(lpe, context, "equal", "Proves that two expressions match the same paths, whatever their dialects.", true, "equal",
-                 run_equal);
+    add_relation(lpe, context, "equal", "Proves that two expressions match the same paths, whatever their dialects.",
+                 true, "equal", run_equal);
     add_relation(lpe, context, "contains", "Proves that the first expression matches every path of the second.", true,
                  "contained", run_contains);
-    add_relation(lpe, context, "empty", "Proves that no path matches the expression.", false, "no path matches", run_empty);
+    add_relation(lpe, context, "empty", "Proves that no path matches the expression.", false, "no path matches",
+                 run_empty);
 }
 
 }  // namespace raylex::experiments

@@ -19,8 +19,8 @@ struct ExplainOptions {
 
 /// Characters on the screen, more or less: bytes that begin one.
 std::size_t width_of(const std::string& text) {
-    return static_cast<std::size_t>(
-        std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
+    return static_cast<std::size_t>(std::count_if(
+        text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
 }
 
 void print_pieces(const lpe::Explanation& explanation) {
@@ -89,17 +89,22 @@ void add_lpe_explain_commands(CLI::App& lpe, CommandContext& context) {
     CLI::App* explain = lpe.add_subcommand(
         "explain",
         "Says in words what an expression means, shows paths that it matches, and warns of what is easily mistaken.");
-    explain->add_option("EXPR", options->expression,
-                        "the expression, a built-in name such as lpe:indirectdiffuse, or the name of a channel of --channels")
+    explain
+        ->add_option(
+            "EXPR", options->expression,
+            "the expression, a built-in name such as lpe:indirectdiffuse, or the name of a channel of --channels")
         ->required()
         ->option_text("(required)");
     add_channel_files(*explain, options->channels);
     add_scene_option(*explain, options->scene);
     add_dialect_option(*explain, options->dialect);
     explain->footer(
-        "Prints the expression as a sentence and piece by piece; what its prefixes do; whether it is the beauty, a shipped "
-        "channel\nor a built-in name however it is written; a few paths, in words and as 'raylex lpe match' reads them; "
-        "what it leaves out that\none might expect in it; warnings, where another reading of '|' would differ or a piece "
+        "Prints the expression as a sentence and piece by piece; what its prefixes do; whether it is the beauty, a "
+        "shipped "
+        "channel\nor a built-in name however it is written; a few paths, in words and as 'raylex lpe match' reads "
+        "them; "
+        "what it leaves out that\none might expect in it; warnings, where another reading of '|' would differ or a "
+        "piece "
         "can never match.\nExit codes: 0 explained, 1 explained, and no path matches, 2 bad usage or input.");
     explain->callback([options, &context] { context.exit_code = run_explain(*options); });
 }

@@ -57,10 +57,14 @@ void add_lpe_graph_commands(CLI::App& lpe, CommandContext& context) {
         ->option_text("FILE.{svg,dot}");
     add_dialect_option(*graph, options->dialect);
     graph->footer(
-        "All channels share one automaton, cut to the paths a scene can produce. An edge is labelled with the events that take "
-        "it, in\nthe notation of expressions; where paths may end stand the names of the channels that match; what leads "
-        "nowhere is left out.\nIn the SVG the pointer over a state shows a shortest path to it. No other program is needed; "
-        "Graphviz reads the DOT.\nAt most 32 channels and 250 states. Example: raylex lpe graph 'CDS+L' -o caustics.svg\n"
+        "All channels share one automaton, cut to the paths a scene can produce. An edge is labelled with the events "
+        "that take "
+        "it, in\nthe notation of expressions; where paths may end stand the names of the channels that match; what "
+        "leads "
+        "nowhere is left out.\nIn the SVG the pointer over a state shows a shortest path to it. No other program is "
+        "needed; "
+        "Graphviz reads the DOT.\nAt most 32 channels and 250 states. Example: raylex lpe graph 'CDS+L' -o "
+        "caustics.svg\n"
         "Exit codes: 0 drawn, 2 bad usage or input.");
     graph->callback([options, &context] { context.exit_code = run_graph(*options); });
 }

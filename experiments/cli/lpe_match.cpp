@@ -49,13 +49,16 @@ void print_reason(const lpe::WhyNot& why, const lpe::PlacedEvents& path, const M
     const bool ended = live == path.events.size();
     const std::span<const lpe::Event> good(path.events.data(), live);
     print_line(live == 0 ? "not even the first event fits:"
-                         : ended ? "all " + std::to_string(live) + " events fit, but the path ends too early: " + lpe::to_sentence(good)
-                                 : "the path fits up to event " + std::to_string(live) + ": " + lpe::to_sentence(good));
+               : ended   ? "all " + std::to_string(live) +
+                             " events fit, but the path ends too early: " + lpe::to_sentence(good)
+                       : "the path fits up to event " + std::to_string(live) + ": " + lpe::to_sentence(good));
     if (options.events.find('\n') == std::string::npos) {
         print_line("  " + options.events);
         print_line("  " + std::string(ended ? options.events.size() : path.offsets[live], ' ') + "^");
     }
-    std::string line = ended ? "found the end of the path" : "found " + lpe::to_sentence(path.events[live]) + " at column " + std::to_string(path.offsets[live] + 1);
+    std::string line =
+        ended ? "found the end of the path"
+              : "found " + lpe::to_sentence(path.events[live]) + " at column " + std::to_string(path.offsets[live] + 1);
     line += "; wanted ";
     line += why.wanted.empty() ? "the end of the path" : why.wanted;
     if (why.complete && !why.wanted.empty()) line += ", or the end of the path";
@@ -67,7 +70,8 @@ void print_reason(const lpe::WhyNot& why, const lpe::PlacedEvents& path, const M
 }
 
 int run_match(MatchOptions& options) {
-    for (const std::string& argument : options.event_arguments) options.events += (options.events.empty() ? "" : " ") + argument;
+    for (const std::string& argument : options.event_arguments)
+        options.events += (options.events.empty() ? "" : " ") + argument;
     auto path = lpe::parse_placed_events(options.events);
     if (!path) return report_error(about_argument(path.error(), "events", options.events));
     const lpe::ChannelSource source = bare_expression(options.expression, options.dialect.value(), "", "expression");

@@ -34,19 +34,23 @@ void print_paths(const lpe::PathSet& paths) {
     std::string line = "Kinds of paths by number of events:";
     for (std::size_t events = 0; events < paths.counts.size(); ++events) {
         if (paths.counts[events] > 0)
-            line += (line.back() == ':' ? " " : ", ") + std::to_string(events) + ": " + count_text(paths.counts[events]);
+            line +=
+                (line.back() == ':' ? " " : ", ") + std::to_string(events) + ": " + count_text(paths.counts[events]);
     }
     if (line.back() == ':') line += " none that short";
     print_line(line);
-    print_line(paths.longest ? "The longest has " + std::to_string(*paths.longest) + " events." : "There is no longest path.");
+    print_line(paths.longest ? "The longest has " + std::to_string(*paths.longest) + " events."
+                             : "There is no longest path.");
 }
 
 int run_paths(lpe::Operation operation, const PathOptions& options, const std::vector<std::string>& others) {
     std::vector<lpe::ChannelSource> sources{
         bare_expression(options.first, options.dialect.value(), "", others.empty() ? "expression" : "expression 1")};
     for (const std::string& text : others) {
-        if (text.starts_with('-')) return report_error("unknown option '" + text + "'; expected --samples, --events or --dialect");
-        sources.push_back(bare_expression(text, options.dialect.value(), "", "expression " + std::to_string(sources.size() + 1)));
+        if (text.starts_with('-'))
+            return report_error("unknown option '" + text + "'; expected --samples, --events or --dialect");
+        sources.push_back(
+            bare_expression(text, options.dialect.value(), "", "expression " + std::to_string(sources.size() + 1)));
     }
     lpe::PathSetOptions look;
     look.samples = options.samples;
@@ -66,22 +70,25 @@ struct Command {
 };
 
 constexpr std::array<Command, 5> commands{{
-    {lpe::Operation::words, "words", "Shows paths that the expression matches: the shortest, a few others, and how many there are.",
+    {lpe::Operation::words, "words",
+     "Shows paths that the expression matches: the shortest, a few others, and how many there are.",
      "raylex lpe words 'C<RD>L'", false},
     {lpe::Operation::complement, "complement", "Shows paths of the beauty that the expression does not match.",
      "raylex lpe complement 'C[DS]*L'", false},
     {lpe::Operation::intersection, "intersection", "Shows paths that all of the expressions match.",
      "raylex lpe intersection 'C.*D.*' 'C.*S.*'", true},
-    {lpe::Operation::united, "union", "Shows paths that any of the expressions matches.",
-     "raylex lpe union 'CL' 'CDL'", true},
-    {lpe::Operation::difference, "difference", "Shows paths that the first expression matches and none of the others does.",
+    {lpe::Operation::united, "union", "Shows paths that any of the expressions matches.", "raylex lpe union 'CL' 'CDL'",
+     true},
+    {lpe::Operation::difference, "difference",
+     "Shows paths that the first expression matches and none of the others does.",
      "raylex lpe difference 'C<RD>.*' 'osl:C<RD>.*'", true},
 }};
 
 void add_command(CLI::App& lpe, CommandContext& context, const Command& entry) {
     auto options = std::make_shared<PathOptions>();
     CLI::App* command = lpe.add_subcommand(entry.name, entry.description);
-    // A list option would take an expression such as [C]L[DS] for a list of its own, so the others are left to the rest.
+    // A list option would take an expression such as [C]L[DS] for a list of its own, so the others are left to the
+    // rest.
     command->add_option("EXPR", options->first, entry.many ? "the expressions, one or more" : "the expression")
         ->required()
         ->option_text(entry.many ? "..." : "(required)");
@@ -94,9 +101,12 @@ void add_command(CLI::App& lpe, CommandContext& context, const Command& entry) {
         ->check(CLI::Range(2, 64));
     add_dialect_option(*command, options->dialect);
     command->footer(
-        "Paths a scene can produce, the shortest first, each in words and as 'raylex lpe match' reads it. In the counts, events "
-        "that\ndiffer in type or scattering are different; lobe numbers and labels count as far as the expressions tell them "
-        "apart.\nExpressions of different dialects may be put together. Example: " + std::string(entry.example) +
+        "Paths a scene can produce, the shortest first, each in words and as 'raylex lpe match' reads it. In the "
+        "counts, events "
+        "that\ndiffer in type or scattering are different; lobe numbers and labels count as far as the expressions "
+        "tell them "
+        "apart.\nExpressions of different dialects may be put together. Example: " +
+        std::string(entry.example) +
         "\nExit codes: 0 there are such paths, 1 there is none (proved), 2 bad usage or input.");
     command->callback([options, command, operation = entry.operation, &context] {
         context.exit_code = run_paths(operation, *options, command->remaining());

@@ -17,9 +17,10 @@ Result<std::optional<SceneWords>> SceneOption::load() const {
 CLI::Option* add_scene_option(CLI::App& command, SceneOption& scene) {
     add_plugin_option(command, scene.plugins);
     return command
-        .add_option("--scene", scene.path,
-                    "only paths that this scene can produce count: its labels, lobes, lights, media and depth, as the job "
-                    "labels and renders it")
+        .add_option(
+            "--scene", scene.path,
+            "only paths that this scene can produce count: its labels, lobes, lights, media and depth, as the job "
+            "labels and renders it")
         ->option_text("SCENE.pbrt|JOB.toml");
 }
 

@@ -79,20 +79,25 @@ int run_split(SplitOptions options) {
 
 void add_axes(CLI::App& split, SplitOptions& options) {
     const auto list = [&](const char* name, std::vector<std::string>& to, const char* description, const char* text) {
-        return split.add_option(name, to, description)->option_text(text)->delimiter(',')->expected(1)->multi_option_policy(
-            CLI::MultiOptionPolicy::TakeAll);
+        return split.add_option(name, to, description)
+            ->option_text(text)
+            ->delimiter(',')
+            ->expected(1)
+            ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     };
     list("--by", options.by, "axes, in the order in which they make names: light-group, lobe, bounce, object, terminal",
          "AXIS[,AXIS...]")
         ->required();
-    list("--groups", options.request.groups, "light groups, for the axis light-group; all other lights are in 'default'; default: those of --scene",
+    list("--groups", options.request.groups,
+         "light groups, for the axis light-group; all other lights are in 'default'; default: those of --scene",
          "NAME[,NAME...]");
     list("--lobes", options.request.lobes,
-         "lobes of the first scattering, for the axis lobe: events such as RD, S4, T, V or coat=S4, or lobe names such as "
+         "lobes of the first scattering, for the axis lobe: events such as RD, S4, T, V or coat=S4, or lobe names such "
+         "as "
          "coat; default RD,RS,TD,TS,V",
          "LOBE[,LOBE...]");
-    list("--objects", options.request.objects, "labels of the first object, for the axis object; the others are in 'other'",
-         "NAME[,NAME...]");
+    list("--objects", options.request.objects,
+         "labels of the first object, for the axis object; the others are in 'other'", "NAME[,NAME...]");
     split.add_option("--bounces", options.request.bounces, "bins of the axis bounce, the last open-ended; default 3")
         ->option_text("N")
         ->check(CLI::Range(1, 64));
@@ -111,7 +116,8 @@ void add_lpe_split_commands(CLI::App& lpe, CommandContext& context) {
         ->option_text("BEAUTY");
     add_channel_output(*split, options->output, "file to write; default: standard output, as TOML");
     split->add_option("--prefix", options->request.prefix, "begins every channel's name")->option_text("TEXT");
-    split->add_option("--partition", options->partition, "the partition's name in TOML; default split")->option_text("NAME");
+    split->add_option("--partition", options->partition, "the partition's name in TOML; default split")
+        ->option_text("NAME");
     split->add_flag("--no-volume", options->no_volume, "no path scatters in a medium: leaves V out");
     split->add_flag("--all-labelled", options->all_labelled,
                     "every light has a group; osl needs this, for it cannot tell lights without one apart");
@@ -119,7 +125,8 @@ void add_lpe_split_commands(CLI::App& lpe, CommandContext& context) {
     add_scene_option(*split, options->scene);
     add_dialect_option(*split, options->dialect);
     split->footer(
-        "Light seen directly is in the bin 'visible' of the axes lobe, object and bounce; emission is in the light group "
+        "Light seen directly is in the bin 'visible' of the axes lobe, object and bounce; emission is in the light "
+        "group "
         "'default'.\n"
         "Of --bounces 2 the bins are 'direct' and 'indirect'. The verdict goes to standard error.\n"
         "Example: raylex lpe split --by light-group,lobe --groups key,fill -o split.toml\n"

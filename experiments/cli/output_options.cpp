@@ -21,7 +21,8 @@ std::string driver_list() {
 
 Status apply_filters(const OutputOptions& options, Job& job) {
     for (const std::string& text : options.sample_filters) {
-        auto request = parse_object_request(text, display::sample_filter_registry(), "sample filter", {"--sample-filter", 0, 0});
+        auto request =
+            parse_object_request(text, display::sample_filter_registry(), "sample filter", {"--sample-filter", 0, 0});
         if (!request) return request.error();
         transport::SceneEntity filter;
         filter.type = std::move(request->name);
@@ -30,8 +31,8 @@ Status apply_filters(const OutputOptions& options, Job& job) {
         job.settings.sample_filters.push_back(std::move(filter));
     }
     for (const std::string& text : options.display_filters) {
-        auto request =
-            parse_object_request(text, display::display_filter_registry(), "display filter", {"--display-filter", 0, 0});
+        auto request = parse_object_request(text, display::display_filter_registry(), "display filter",
+                                            {"--display-filter", 0, 0});
         if (!request) return request.error();
         job.outputs.filters.push_back(std::move(*request));
     }
@@ -90,7 +91,8 @@ void add_output_options(CLI::App& command, OutputOptions& options) {
     command.add_option("--deep", options.deep, "also writes a deep image: Z, ZBack, A and the beauty")
         ->option_text("OUT.exr");
     command
-        .add_option("--deep-channels", options.deep_channels, "light or filtered layers that the deep image has as well")
+        .add_option("--deep-channels", options.deep_channels,
+                    "light or filtered layers that the deep image has as well")
         ->option_text("NAME,...")
         ->delimiter(',')
         ->expected(1);
@@ -106,7 +108,8 @@ void add_output_options(CLI::App& command, OutputOptions& options) {
     command.add_option("--deep-storage", options.deep_storage, "half or float colours, and none, rle or zips")
         ->option_text("'TYPE COMPRESSION'");
     command
-        .add_option("--memory-limit", options.memory_limit, "refuses a render whose layers need more, such as 8G; default none")
+        .add_option("--memory-limit", options.memory_limit,
+                    "refuses a render whose layers need more, such as 8G; default none")
         ->option_text("SIZE");
 }
 
@@ -138,7 +141,8 @@ Status apply_output_options(const OutputOptions& options, Job& job) {
     for (const std::string& text : options.storage) {
         const std::size_t equals = text.find('=');
         if (equals == std::string::npos)
-            return error_at({"--exr", 0, 0}, "'" + text + "' says no kind of channel; expected such as light='half piz'");
+            return error_at({"--exr", 0, 0},
+                            "'" + text + "' says no kind of channel; expected such as light='half piz'");
         Status status = display::override_exr_storage(job.outputs.storage, text.substr(0, equals),
                                                       text.substr(equals + 1), {"--exr", 0, 0});
         if (!status) return status;

@@ -84,9 +84,10 @@ int list_plugins(const std::vector<std::string>& files) {
 
 void add_plugin_option(CLI::App& command, std::vector<std::string>& files) {
     command
-        .add_option("--plugin", files,
-                    "loads a plugin: a shared library that brings integrators, materials, filters, drivers and the like, "
-                    "which are then used by name; 'raylex plugins FILE.so' lists them; may be repeated")
+        .add_option(
+            "--plugin", files,
+            "loads a plugin: a shared library that brings integrators, materials, filters, drivers and the like, "
+            "which are then used by name; 'raylex plugins FILE.so' lists them; may be repeated")
         ->option_text("FILE.so")
         ->expected(1)
         ->allow_extra_args(false)
@@ -95,7 +96,9 @@ void add_plugin_option(CLI::App& command, std::vector<std::string>& files) {
 
 Status load_plugins(const std::vector<std::string>& files) {
     for (const std::string& file : files)
-        if (Status loaded = transport::load_plugin(is_shipped_plugin(file) ? shipped_plugin(file) : file, {"--plugin", 0, 0}); !loaded)
+        if (Status loaded =
+                transport::load_plugin(is_shipped_plugin(file) ? shipped_plugin(file) : file, {"--plugin", 0, 0});
+            !loaded)
             return loaded;
     return success();
 }

@@ -105,8 +105,9 @@ class Planner {
         if (never && *never)
             plan_.notes.push_back(who + " can match no path of this scene, and its layer will be black: " + **never);
         else if (holdouts && !scene_.holdouts)
-            plan_.notes.push_back(who + " takes what is seen first at holdouts, and no object is one: its layer will be "
-                                        "black; expected a [[label]] rule with holdout = true");
+            plan_.notes.push_back(who +
+                                  " takes what is seen first at holdouts, and no object is one: its layer will be "
+                                  "black; expected a [[label]] rule with holdout = true");
         const auto unknown = unknown_labels(source, scene_);
         if (unknown && !(never && *never))
             for (const std::string& each : *unknown) plan_.notes.push_back(who + ": " + each);
@@ -125,7 +126,8 @@ class Planner {
         return add_channel(std::move(rest), where);
     }
 
-    /// What the rest layer holds, as an expression for its header, where a short one holds in every scene or in this one.
+    /// What the rest layer holds, as an expression for its header, where a short one holds in every scene or in this
+    /// one.
     [[nodiscard]] std::string rest_text(const std::vector<std::string>& channels) const {
         const std::vector<lpe::ChannelSource> sources = sources_of(channels);
         for (const lpe::Words& words : {lpe::Words{}, words_}) {

@@ -228,8 +228,9 @@ std::string lack_of(lpe::Event event, const SceneWords& scene) {
         if (event.type == lpe::EventType::emission) {
             const bool glows = std::any_of(scene.alphabet.terminals.begin(), scene.alphabet.terminals.end(),
                                            [](const lpe::Event& e) { return e.type == lpe::EventType::emission; });
-            return glows ? "emission (O) with the label '" + event.labels[0] + "', and what glows in this scene has none"
-                         : "emission (O), and nothing in this scene glows";
+            return glows
+                       ? "emission (O) with the label '" + event.labels[0] + "', and what glows in this scene has none"
+                       : "emission (O), and nothing in this scene glows";
         }
         const bool infinite = event.type == lpe::EventType::background;
         if (infinite ? !scene.alphabet.has_background : !scene.alphabet.has_lights)
@@ -246,7 +247,8 @@ std::string lack_of(lpe::Event event, const SceneWords& scene) {
         for (const lpe::Event& each : scene.alphabet.scattering)
             if (each.type == lpe::EventType::volume) media.insert(each.labels[0]);
         if (media.empty()) return "a medium that scatters (V), and this scene has none";
-        if (media.contains(event.labels[0])) return "a lobe of the medium '" + event.labels[0] + "', and media have none";
+        if (media.contains(event.labels[0]))
+            return "a lobe of the medium '" + event.labels[0] + "', and media have none";
         return "a medium that scatters (V) labelled '" + event.labels[0] + "', and this scene has none" +
                did_you_mean(event.labels[0], media);
     }
@@ -259,7 +261,8 @@ std::string lack_of(lpe::Event event, const SceneWords& scene) {
                ", and this scene has none" + did_you_mean(event.labels[0], known[object]);
     lpe::Event plain = event;
     plain.labels.clear();
-    std::string what = user ? "the user event U" + std::to_string(event.lobe_number) : lpe::to_sentence(std::vector<lpe::Event>{plain});
+    std::string what = user ? "the user event U" + std::to_string(event.lobe_number)
+                            : lpe::to_sentence(std::vector<lpe::Event>{plain});
     if (!event.labels[1].empty() && event.labels[1] != "another") what += " by the lobe '" + event.labels[1] + "'";
     if (user && !has_lobe(events, event))
         return what + ", which the integrator does not report" + did_you_mean(event.labels[1], known[lobe]);
@@ -302,9 +305,10 @@ Result<std::vector<std::string>> unknown_labels(const lpe::ChannelSource& channe
             roles += (roles.empty() ? "" : " or ") + std::string(role_names[role]);
         }
         if (label.roles.empty()) continue;
-        const bool found = label.glob ? std::any_of(candidates.begin(), candidates.end(),
-                                                    [&](const std::string& each) { return lpe::glob_matches(label.text, each); })
-                                      : candidates.contains(label.text);
+        const bool found =
+            label.glob ? std::any_of(candidates.begin(), candidates.end(),
+                                     [&](const std::string& each) { return lpe::glob_matches(label.text, each); })
+                       : candidates.contains(label.text);
         if (found) continue;
         std::string note = label.glob ? "'" + label.text + "' matches no " + roles + " of this scene"
                                       : "'" + label.text + "' is no " + roles + " of this scene";

@@ -22,7 +22,8 @@ namespace fs = std::filesystem;
 
 Result<std::string> read_text(const std::string& path) {
     std::error_code failed;
-    if (fs::is_directory(path, failed)) return error_at({path, 0, 0}, "this is a directory; expected a file of channels");
+    if (fs::is_directory(path, failed))
+        return error_at({path, 0, 0}, "this is a directory; expected a file of channels");
     std::ifstream file(path, std::ios::binary);
     if (!file) return error_at({path, 0, 0}, "cannot read the file of channels: " + std::string(std::strerror(errno)));
     std::string text(lpe::limits::channel_file_bytes + 1, '\0');
@@ -150,12 +151,14 @@ std::string toml_text(const ChannelSet& set, std::vector<std::string>& warnings)
     std::string text;
     const auto separate = [&text] { text += text.empty() ? "" : "\n"; };
     if (!set.file.macros.empty()) text += "[macros]\n";
-    for (const lpe::ChannelSource& macro : set.file.macros) text += macro.name + " = " + quoted(macro.expression) + "\n";
+    for (const lpe::ChannelSource& macro : set.file.macros)
+        text += macro.name + " = " + quoted(macro.expression) + "\n";
     if (!set.file.lobe_options.empty()) {
         separate();
         text += "[lobe_slots]\n";
     }
-    for (const lpe::LobeOption& option : set.file.lobe_options) text += option.slot + " = " + quoted(option.names) + "\n";
+    for (const lpe::LobeOption& option : set.file.lobe_options)
+        text += option.slot + " = " + quoted(option.names) + "\n";
     LayerNames names;
     std::size_t lost = 0;
     for (const lpe::FileChannel& channel : set.file.channels) {
@@ -188,7 +191,8 @@ const std::vector<std::string>& channel_format_names() {
     return names;
 }
 
-Result<ChannelSet> read_channel_files(const std::vector<std::string>& paths, const std::string& format, lpe::Dialect dialect) {
+Result<ChannelSet> read_channel_files(const std::vector<std::string>& paths, const std::string& format,
+                                      lpe::Dialect dialect) {
     ChannelSet set;
     for (const std::string& path : paths)
         if (Status added = add_file(path, format, dialect, set); !added) return added.error();
@@ -219,7 +223,8 @@ Result<std::vector<lpe::ChannelSource>> expanded_channels(const ChannelSet& set,
 
 Result<std::string> channel_set_text(const ChannelSet& set, const std::string& path, const std::string& format,
                                      std::vector<std::string>& warnings) {
-    if (format == "toml" || (format.empty() && (path.empty() || path.ends_with(".toml")))) return toml_text(set, warnings);
+    if (format == "toml" || (format.empty() && (path.empty() || path.ends_with(".toml"))))
+        return toml_text(set, warnings);
     std::optional<lpe::ChannelFormat> kind = format_named(format);
     if (!kind) {
         auto told = lpe::channel_format(path, {});

@@ -41,7 +41,8 @@ Result<ColorSetup> open_color(const Job& job) {
         const bool pictures =
             !job.preview.empty() || std::any_of(job.outputs.drivers.begin(), job.outputs.drivers.end(),
                                                 [](const auto& driver) { return driver.name == "png"; });
-        if (!job.ocio_config.empty() || pictures || job.texture_rules || !job.rendering_space.empty()) return manager.error();
+        if (!job.ocio_config.empty() || pictures || job.texture_rules || !job.rendering_space.empty())
+            return manager.error();
         setup.description = "none: " + manager.error().message;
         setup.warning = manager.error().to_string();
         return setup;
@@ -68,7 +69,8 @@ Result<display::Chromaticities> choose_rendering_space(const Job& job, const Col
             auto rule = color.manager->file_color(path, native);
             if (!rule) return rule.error();
             std::string& list = *color.texture_spaces;
-            list += (list.empty() ? "" : "; ") + path + ": " + rule->space + (rule->by_default ? " (no rule fits)" : "");
+            list +=
+                (list.empty() ? "" : "; ") + path + ": " + rule->space + (rule->by_default ? " (no rule fits)" : "");
             return rule->convert;
         };
     if (job.rendering_space.empty()) return native;

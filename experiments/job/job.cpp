@@ -60,8 +60,8 @@ Status check_layer_name(const std::string& name, const SourceLocation& where) {
                                    "a letter or _, and no dot at the end");
     for (const char* taken : {"CryptoObject", "CryptoMaterial", "CryptoAsset"})
         if (name.starts_with(taken))
-            return error_at(where, "the channel name '" + name + "' begins like the layers of a cryptomatte, '" + taken +
-                                       "'; expected another name");
+            return error_at(where, "the channel name '" + name + "' begins like the layers of a cryptomatte, '" +
+                                       taken + "'; expected another name");
     for (const char* taken : {"beauty", "rgba", "R", "G", "B", "A", "Y"})
         if (name == taken)
             return error_at(where,

@@ -61,8 +61,8 @@ std::string shell_command(const std::vector<std::string>& arguments) {
     return command;
 }
 
-std::string replay_command(const Job& job, const transport::RenderOutput& output, const std::vector<std::string>& arguments,
-                           const display::InvalidSample& sample) {
+std::string replay_command(const Job& job, const transport::RenderOutput& output,
+                           const std::vector<std::string>& arguments, const display::InvalidSample& sample) {
     std::vector<std::string> again = arguments;
     if (job.settings.isa.empty()) again.insert(again.end(), {"--isa", output.isa});
     again.insert(again.end(), {"--replay", std::to_string(sample.pixel_x) + "," + std::to_string(sample.pixel_y) + "," +

@@ -45,8 +45,9 @@ void read_metric_channel(TomlSource& source, const toml::node& node, display::Ad
         read_number(reader, "weight", std::numeric_limits<double>::min(), channel.weight);
         reader.close();
     } else {
-        source.fail(channel.location, "a channel of [adaptive] is neither a name nor a table; expected such as \"beauty\" or "
-                                      "{name = \"beauty\", weight = 2}");
+        source.fail(channel.location,
+                    "a channel of [adaptive] is neither a name nor a table; expected such as \"beauty\" or "
+                    "{name = \"beauty\", weight = 2}");
         return;
     }
     adaptive.channels.push_back(std::move(channel));
@@ -143,8 +144,9 @@ std::string checkpoint_file(const Job& job) {
 Status check_recovery(const Job& job) {
     if (job.checkpoint_seconds == 0 && !job.resume) return success();
     if (!job.outputs.deep.file.empty())
-        return error_at(job.outputs.deep.location, "a deep image is not saved in checkpoints, so --checkpoint and --resume "
-                                                   "cannot be used with it",
+        return error_at(job.outputs.deep.location,
+                        "a deep image is not saved in checkpoints, so --checkpoint and --resume "
+                        "cannot be used with it",
                         "leave out the deep image, or --checkpoint and --resume");
     const std::string file = checkpoint_file(job);
     std::error_code failed;

@@ -132,7 +132,8 @@ std::string statistics_json(const RunRecord& record) {
     json["samples"] = {{"camera", statistics.camera_samples},
                        {"per_pixel", output.samples_per_pixel},
                        {"per_cpu_second", cpu > 0 ? static_cast<double>(statistics.camera_samples) / cpu : 0.0}};
-    if (output.frame_buffer.light_path_count() > 0) json["samples"]["light_paths"] = output.frame_buffer.light_path_count();
+    if (output.frame_buffer.light_path_count() > 0)
+        json["samples"]["light_paths"] = output.frame_buffer.light_path_count();
     if (output.resumed_samples > 0) json["samples"]["resumed"] = output.resumed_samples;
     if (output.adaptive)
         json["adaptive"] = {{"settings", describe(*record.job->settings.adaptive)},

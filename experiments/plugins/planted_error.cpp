@@ -1,6 +1,6 @@
-// A path tracer with one mistake in it, for experiments/studies/planted-error.toml: what a study must find. Light sampling at every
-// surface, one ray at a time, written for reading. Also what to start from for an integrator of one's own: take the mistake
-// out, put an idea in, and let the same experiment judge it.
+// A path tracer with one mistake in it, for experiments/studies/planted-error.toml: what a study must find. Light
+// sampling at every surface, one ray at a time, written for reading. Also what to start from for an integrator of one's
+// own: take the mistake out, put an idea in, and let the same experiment judge it.
 #include <array>
 
 #include "transport/plugins/plugin.h"
@@ -12,7 +12,8 @@ using namespace raylex::transport;
 
 class PlantedError final : public Integrator {
   public:
-    PlantedError(bool mistake, std::int64_t max_depth) : mistake_(mistake), max_depth_(static_cast<std::uint32_t>(max_depth)) {}
+    PlantedError(bool mistake, std::int64_t max_depth)
+        : mistake_(mistake), max_depth_(static_cast<std::uint32_t>(max_depth)) {}
 
     Status prepare(const IntegratorContext& context) override { return context_ = context, success(); }
     [[nodiscard]] IntegratorTraits traits() const override {
@@ -32,7 +33,8 @@ class PlantedError final : public Integrator {
     static constexpr std::uint32_t dimensions = 8;   // random numbers of a vertex
     static constexpr float survival = 0.75f;
 
-    void trace(Ray ray, const PixelSampler& sampler, int row, IntegratorCounters& counters, ThreadServices& services) const {
+    void trace(Ray ray, const PixelSampler& sampler, int row, IntegratorCounters& counters,
+               ThreadServices& services) const {
         const SceneView& scene = context_.scene;
         display::Tracker path = services.lpe.begin(row);
         Rgb throughput(1);
@@ -46,7 +48,8 @@ class PlantedError final : public Integrator {
             if (!hit->valid()) {
                 if (certain)
                     for (const std::uint32_t light : scene.lights->environments())
-                        add(throughput * scene.lights->environment_radiance(light, ray.direction), light, path, services);
+                        add(throughput * scene.lights->environment_radiance(light, ray.direction), light, path,
+                            services);
                 return;
             }
             scene.geometry->surfaces({&ray, 1}, hit, point, source);
@@ -57,7 +60,8 @@ class PlantedError final : public Integrator {
             const ShapeGeometry& shape = scene.geometry->shapes()[hit->shape];
             if (certain && shape.first_light != Hit::none) {
                 const std::uint32_t light = shape.first_light + hit->primitive;
-                add(throughput * scene.lights->emitted(light, point->geometric_normal, point->wo), light, path, services);
+                add(throughput * scene.lights->emitted(light, point->geometric_normal, point->wo), light, path,
+                    services);
             }
             if (depth == max_depth_) return;
             point->random_key = sampler.key(first);
@@ -83,13 +87,13 @@ class PlantedError final : public Integrator {
     }
 
     void sample_light(const SurfacePoint& point, const SurfaceSource& source, const Bsdf& bsdf, const Rgb& throughput,
-                      display::Tracker path, const PixelSampler& sampler, std::uint32_t first, IntegratorCounters& counters,
-                      ThreadServices& services) const {
+                      display::Tracker path, const PixelSampler& sampler, std::uint32_t first,
+                      IntegratorCounters& counters, ThreadServices& services) const {
         const SceneView& scene = context_.scene;
         LightSample sample;
         if (!bsdf.has_density() || !scene.lights->can_sample(LightChoice::light_sampling) ||
-            !scene.lights->sample(LightChoice::light_sampling, *scene.geometry, point.position, sampler.get_1d(first + 5),
-                                  sampler.get_2d(first + 6), sample))
+            !scene.lights->sample(LightChoice::light_sampling, *scene.geometry, point.position,
+                                  sampler.get_1d(first + 5), sampler.get_2d(first + 6), sample))
             return;
         const BsdfEvaluation f = bsdf.evaluate(point.wo, sample.wi);
         if (f.value.is_black()) return;
@@ -103,7 +107,8 @@ class PlantedError final : public Integrator {
     }
 
     /// One step along the path: each lobe's event with its part of the value (Law 5).
-    void move(display::Tracker& path, const SurfaceSource& source, const LobeList& lobes, ThreadServices& services) const {
+    void move(display::Tracker& path, const SurfaceSource& source, const LobeList& lobes,
+              ThreadServices& services) const {
         std::array<display::LobePart, max_lobes> parts;
         const auto count = static_cast<std::size_t>(lobes.count);
         for (std::size_t i = 0; i < count; ++i)
@@ -121,7 +126,8 @@ class PlantedError final : public Integrator {
     IntegratorContext context_;
 };
 
-Result<std::unique_ptr<Integrator>> make_planted_error(const SceneEntity& entity, std::optional<std::int64_t> max_depth) {
+Result<std::unique_ptr<Integrator>> make_planted_error(const SceneEntity& entity,
+                                                       std::optional<std::int64_t> max_depth) {
     ParameterReader reader(entity.parameters);
     const bool mistake = reader.boolean("mistake", true);
     const int depth = reader.integer("maxdepth", 5, 0, 1000);
@@ -132,7 +138,8 @@ Result<std::unique_ptr<Integrator>> make_planted_error(const SceneEntity& entity
 }  // namespace
 
 RAYLEX_PLUGIN(host) {
-    host.add_integrator({"plantederror", "a path tracer by light sampling that forgets to divide by the survival probability",
+    host.add_integrator({"plantederror",
+                         "a path tracer by light sampling that forgets to divide by the survival probability",
                          {{"mistake", ParameterType::boolean, "true", "false: the same without the mistake"},
                           {"maxdepth", ParameterType::integer, "5", "scattering events of a path at most"}},
                          make_planted_error});

@@ -16,7 +16,11 @@ class PngDriver : public display::DisplayDriver {
   public:
     PngDriver(std::string file, std::string layer, PictureOptions options, const display::ColorManager& color,
               SourceLocation where)
-        : file_(std::move(file)), layer_(std::move(layer)), options_(std::move(options)), color_(color), where_(std::move(where)) {}
+        : file_(std::move(file)),
+          layer_(std::move(layer)),
+          options_(std::move(options)),
+          color_(color),
+          where_(std::move(where)) {}
 
     Status open(const display::DriverImage& image) override {
         if (Status writable = display::check_writable(file_); !writable) return writable;
@@ -53,7 +57,8 @@ class PngDriver : public display::DisplayDriver {
 
 /// A display and view of the config, or an Error that names what there is.
 Status check_view(const display::ColorManager& color, const PictureOptions& options, const SourceLocation& where) {
-    const auto require = [&](const char* what, const std::string& name, const std::vector<std::string>& known) -> Status {
+    const auto require = [&](const char* what, const std::string& name,
+                             const std::vector<std::string>& known) -> Status {
         if (name.empty() || std::find(known.begin(), known.end(), name) != known.end()) return success();
         std::string list;
         for (const std::string& each : known) list += (list.empty() ? "" : ", ") + each;
@@ -80,11 +85,13 @@ Result<std::unique_ptr<display::DisplayDriver>> make_png(const ParameterSet& set
     if (!exposure) return exposure.error();
     if (!size) return size.error();
     if (std::filesystem::path(*file).extension() != ".png")
-        return error_at(set.location, "the preview '" + *file + "' has no name ending in .png; expected a PNG file name");
+        return error_at(set.location,
+                        "the preview '" + *file + "' has no name ending in .png; expected a PNG file name");
     if (*size < 0 || *size > 65536)
         return error_at(set.location, "'size' is " + std::to_string(*size) + " pixels; expected 1 to 65536, or 0");
     if (context.color == nullptr)
-        return error_at(set.location, "there is no colour config to make previews with; expected one in $OCIO or --ocio");
+        return error_at(set.location,
+                        "there is no colour config to make previews with; expected one in $OCIO or --ocio");
     PictureOptions options{static_cast<int>(*size), *exposure, display->empty() ? context.display : *display, *view};
     if (Status known = check_view(*context.color, options, set.location); !known) return known.error();
     return std::unique_ptr<display::DisplayDriver>(

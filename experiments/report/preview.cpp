@@ -105,7 +105,8 @@ std::array<unsigned char, 3> geometry_pixel(LayerLook look, const std::array<dou
 /// Two ranks of a cryptomatte: the ids' colours, weighted by coverage, over blocks of pixels.
 std::vector<unsigned char> matte_picture(const display::ExrImage& image, const display::ImageLayer& layer, int block,
                                          int width, int height) {
-    const std::array<const ImagePlane*, 4> planes{layer.plane("R"), layer.plane("G"), layer.plane("B"), layer.plane("A")};
+    const std::array<const ImagePlane*, 4> planes{layer.plane("R"), layer.plane("G"), layer.plane("B"),
+                                                  layer.plane("A")};
     std::vector<unsigned char> rgb;
     rgb.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3);
     for (int y = 0; y < height; ++y)

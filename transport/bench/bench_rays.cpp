@@ -2,8 +2,8 @@
 //
 //   bench_rays SCENE.pbrt [SAMPLES] [ROUNDS]
 //
-// One render logs every ray it traces. Then, in turn and on one thread: the render without a log (A), and its rays alone
-// through the same Embree calls (B). Prints each round's ratio B / A of CPU seconds and the medians.
+// One render logs every ray it traces. Then, in turn and on one thread: the render without a log (A), and its rays
+// alone through the same Embree calls (B). Prints each round's ratio B / A of CPU seconds and the medians.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -79,9 +79,11 @@ int main(int argc, char** argv) {
         shares.push_back(raw / whole);
         samples_rate.push_back(static_cast<double>(output.statistics.camera_samples) / whole);
         raw_rate.push_back(rays / raw);
-        std::printf("round %d: render %.3f CPU s, its rays alone %.3f CPU s, share %.3f\n", round + 1, whole, raw, raw / whole);
+        std::printf("round %d: render %.3f CPU s, its rays alone %.3f CPU s, share %.3f\n", round + 1, whole, raw,
+                    raw / whole);
     }
-    std::printf("median: %.2f M samples per CPU second; raw %.1f M rays per CPU second; share of raw throughput %.1f %%\n",
-                median(samples_rate) / 1e6, median(raw_rate) / 1e6, 100 * median(shares));
+    std::printf(
+        "median: %.2f M samples per CPU second; raw %.1f M rays per CPU second; share of raw throughput %.1f %%\n",
+        median(samples_rate) / 1e6, median(raw_rate) / 1e6, 100 * median(shares));
     return 0;
 }

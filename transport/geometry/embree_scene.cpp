@@ -148,7 +148,8 @@ Status check_quadric(const SceneShape& shape) {
     return success();
 }
 
-/// Embree's instruction sets that this machine has, widest first. Each asks for all of Embree's feature set of that name.
+/// Embree's instruction sets that this machine has, widest first. Each asks for all of Embree's feature set of that
+/// name.
 std::vector<std::string> supported_instruction_sets() {
     __builtin_cpu_init();
     const bool sse42 = __builtin_cpu_supports("sse4.2") && __builtin_cpu_supports("popcnt");

@@ -40,8 +40,8 @@ void triangle_surface(const ShapeGeometry& shape, const Hit& hit, SurfacePoint& 
     const float b1 = hit.u, b2 = hit.v, b0 = 1 - b1 - b2;
     point.position = p0 * b0 + p1 * b1 + p2 * b2;
     const Vec3 e1 = p1 - p0, e2 = p2 - p0;
-    // In double: a product of floats is exact there, so slivers keep their normal, and the length of the cross product of
-    // edges of 1e-10 does not drown (its square is below the smallest float).
+    // In double: a product of floats is exact there, so slivers keep their normal, and the length of the cross product
+    // of edges of 1e-10 does not drown (its square is below the smallest float).
     const DVec3 n = cross(DVec3(e1), DVec3(e2));
     const double inverse = 1 / length(n);
     const auto inverse_length = static_cast<float>(inverse);

@@ -90,16 +90,19 @@ struct DetailBuilder {
 
     /// From how the interpolated normal turns: half the trace of the shape operator.
     [[nodiscard]] double normals_curvature(const std::uint32_t* index, const DVec3& e1, const DVec3& e2) const {
-        const DVec3 n0 = world_normal(DVec3(shape.normals[index[0]])), n1 = world_normal(DVec3(shape.normals[index[1]])),
+        const DVec3 n0 = world_normal(DVec3(shape.normals[index[0]])),
+                    n1 = world_normal(DVec3(shape.normals[index[1]])),
                     n2 = world_normal(DVec3(shape.normals[index[2]]));
-        const DVec3 d1 = n1 - n0, d2 = n2 - n0, n = n0 + d1 * static_cast<double>(hit.u) + d2 * static_cast<double>(hit.v);
+        const DVec3 d1 = n1 - n0, d2 = n2 - n0,
+                    n = n0 + d1 * static_cast<double>(hit.u) + d2 * static_cast<double>(hit.v);
         const double l = length(n);
         const DVec3 a = world_vector(e1), b = world_vector(e2);
         const Metric metric(a, b);
         if (!(l > 0) || !(metric.determinant > 0)) return 0;
         const DVec3 unit = n * (1 / l);
         const DVec3 turn1 = (d1 - unit * dot(unit, d1)) * (1 / l), turn2 = (d2 - unit * dot(unit, d2)) * (1 / l);
-        const double trace = metric.g * dot(a, turn1) - metric.f * (dot(a, turn2) + dot(b, turn1)) + metric.e * dot(b, turn2);
+        const double trace =
+            metric.g * dot(a, turn1) - metric.f * (dot(a, turn2) + dot(b, turn1)) + metric.e * dot(b, turn2);
         const double h = 0.5 * trace / metric.determinant;
         return dot(unit, DVec3(point.wo)) < 0 ? -h : h;
     }

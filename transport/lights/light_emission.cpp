@@ -7,7 +7,8 @@
 namespace raylex::transport {
 namespace {
 
-/// Of the disk that covers the scene: a little more than the sphere about its bounds, so that rounding cuts nothing off.
+/// Of the disk that covers the scene: a little more than the sphere about its bounds, so that rounding cuts nothing
+/// off.
 float covering_radius(const EmbreeScene& geometry) {
     return std::max(geometry.bounds().radius(), 1e-30f) * (1 + 1e-5f);
 }
@@ -81,7 +82,8 @@ bool LightTable::sample_emission(const EmbreeScene& geometry, float u_choice, Ve
         case LightKind::image_environment: {
             float pdf = 0;
             Rgb radiance;
-            if (!images_[static_cast<std::size_t>(light.environment)].sample(u_direction, from.wi, radiance, pdf)) return false;
+            if (!images_[static_cast<std::size_t>(light.environment)].sample(u_direction, from.wi, radiance, pdf))
+                return false;
             from.pdf *= pdf;
             s.power = radiance * light.emission;
             break;

@@ -148,8 +148,8 @@ bool LightTable::sample(LightChoice choice, const EmbreeScene& geometry, const V
         case LightKind::quadric:
             return sample_quadric(light, geometry.shapes()[light.shape].quadric, from, u, s);
         case LightKind::sphere:
-            return sample_sphere(light, geometry.shapes()[light.shape].quadric, geometry.shapes()[light.shape].alpha >= 0,
-                                 from, u, s);
+            return sample_sphere(light, geometry.shapes()[light.shape].quadric,
+                                 geometry.shapes()[light.shape].alpha >= 0, from, u, s);
         case LightKind::point:
         case LightKind::spot:
             return sample_point(light, from, s);

@@ -64,7 +64,8 @@ LobeId base_lobe(bool delta) {
 }
 
 template <class Base>
-BsdfEvaluation evaluate_layered(const LayeredClosure<Base>& layered, const Vec3& wo, const Vec3& wi, std::uint32_t key) {
+BsdfEvaluation evaluate_layered(const LayeredClosure<Base>& layered, const Vec3& wo, const Vec3& wi,
+                                std::uint32_t key) {
     const float pdf = layered.pdf(wo, wi);
     if (!(pdf > 0)) return {};
     const Rgb entered = layered.base_value(wo, wi, key);
@@ -91,7 +92,8 @@ BsdfEvaluation evaluate_additive(const AdditiveClosure& closure, const Vec3& wo,
     return two_lobes(lobes::diffuse, closure.diffuse.value(wo, wi), lobes::specular_glossy, specular, pdf);
 }
 
-BsdfSample sample_additive(const Frame& frame, const AdditiveClosure& closure, const Vec3& wo, float u_lobe, const Vec2& u) {
+BsdfSample sample_additive(const Frame& frame, const AdditiveClosure& closure, const Vec3& wo, float u_lobe,
+                           const Vec2& u) {
     BsdfSample result;
     Vec3 wi;
     if (!closure.sample_direction(wo, u_lobe, u, wi)) return result;
@@ -174,7 +176,8 @@ BsdfSample Bsdf::sample_other(const Vec3& wo_world, float u_lobe, const Vec2& u)
     if (kind_ == Kind::black || kind_ == Kind::pass_through) return {};
     const Vec3 wo = frame_.to_local(wo_world);
     switch (kind_) {
-        case Kind::conductor: return to_sample(frame_, conductor_.sample(wo, u_lobe, u), conductor_lobe(conductor_.is_delta()));
+        case Kind::conductor:
+            return to_sample(frame_, conductor_.sample(wo, u_lobe, u), conductor_lobe(conductor_.is_delta()));
         case Kind::dielectric: {
             const LocalSample s = dielectric_.sample(wo, u_lobe, u, TransportMode::radiance, Sides::both);
             return to_sample(frame_, s, glass_lobe(s.transmitted, s.delta));

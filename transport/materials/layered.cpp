@@ -26,7 +26,8 @@ class WalkRandom {
 
   private:
     void absorb(float a, float b) {
-        state_ = mix_bits(state_ ^ (std::uint64_t{std::bit_cast<std::uint32_t>(a)} << 32 | std::bit_cast<std::uint32_t>(b)));
+        state_ =
+            mix_bits(state_ ^ (std::uint64_t{std::bit_cast<std::uint32_t>(a)} << 32 | std::bit_cast<std::uint32_t>(b)));
     }
     std::uint64_t state_;
 };
@@ -102,13 +103,15 @@ class Evaluation {
           base_delta_(base_.is_delta()) {
         exit_.wi = wi;
         const float u_lobe = random_.one();
-        exit_.inside = coat_.interface.sample(wi, u_lobe, random_.two(), TransportMode::importance, Sides::transmission);
+        exit_.inside =
+            coat_.interface.sample(wi, u_lobe, random_.two(), TransportMode::importance, Sides::transmission);
         if (exit_.inside.pdf > 0) exit_.scale = exit_.inside.weight.r * std::abs(wi.z / exit_.inside.wi.z);
     }
 
     Rgb walk(const Vec3& wo) {
         const float u_lobe = random_.one();
-        const LocalSample in = coat_.interface.sample(wo, u_lobe, random_.two(), TransportMode::radiance, Sides::transmission);
+        const LocalSample in =
+            coat_.interface.sample(wo, u_lobe, random_.two(), TransportMode::radiance, Sides::transmission);
         if (!(in.pdf > 0) || !(exit_.inside.pdf > 0)) return {};
         at_ = {coat_.thickness, in.wi};
         beta_ = in.weight;
@@ -137,7 +140,8 @@ class Evaluation {
 
     bool below_coat() {
         const float u_lobe = random_.one();
-        return follow(coat_.interface.sample(-at_.w, u_lobe, random_.two(), TransportMode::radiance, Sides::reflection));
+        return follow(
+            coat_.interface.sample(-at_.w, u_lobe, random_.two(), TransportMode::radiance, Sides::reflection));
     }
 
     bool at_base() {
@@ -195,8 +199,8 @@ Vec3 refract_down(const Vec3& w, float eta) {
     return {-w.x / eta, -w.y / eta, -cos_t};
 }
 
-/// Density of what entered, through one reflection at a rough conductor. A tilt of the coat's facets bends a refracted ray
-/// by (1 - 1/eta) of it, a tilt of the base's facets by 2: slopes' variances add up with those factors.
+/// Density of what entered, through one reflection at a rough conductor. A tilt of the coat's facets bends a refracted
+/// ray by (1 - 1/eta) of it, a tilt of the base's facets by 2: slopes' variances add up with those factors.
 float conductor_density(const CoatLayer& coat, const ConductorClosure& base, const Vec3& wo, const Vec3& wi) {
     const float eta = coat.interface.eta;
     const Vec3 in = -refract_down(wo, eta), out = -refract_down(wi, eta);

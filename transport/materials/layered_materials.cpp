@@ -56,7 +56,8 @@ Frame layered_frame(const SurfacePoint& p, const Ggx& coat, const Ggx& base) {
 
 class CoatedDiffuseMaterial final : public Material {
   public:
-    CoatedDiffuseMaterial(const CoatInput& coat, const RgbInput& reflectance) : coat_(coat), reflectance_(reflectance) {}
+    CoatedDiffuseMaterial(const CoatInput& coat, const RgbInput& reflectance)
+        : coat_(coat), reflectance_(reflectance) {}
     void shade(const TextureTable& textures, HitIndices hits, std::span<const SurfacePoint> points,
                std::span<Bsdf> closures) const override {
         for (const std::uint32_t i : hits) {
@@ -87,7 +88,8 @@ class CoatedConductorMaterial final : public Material {
             LayeredClosure<ConductorClosure> layered;
             layered.coat = coat_.at(textures, p);
             layered.base = metal_.at(textures, p, coat_.eta);
-            closures[i].set(layered_frame(p, layered.coat.interface.facets, layered.base.facets), layered, p.random_key);
+            closures[i].set(layered_frame(p, layered.coat.interface.facets, layered.base.facets), layered,
+                            p.random_key);
         }
     }
     /// The base is singular only where coat and base both are and the slab does not scatter.

@@ -83,7 +83,8 @@ void MaterialTable::shade(const TextureTable& textures, std::span<const SurfaceP
     }
     for (const std::uint32_t material : buckets.used) {
         std::size_t count = 0;
-        for (std::uint32_t i = buckets.head[material]; i != Buckets::none; i = buckets.next[i]) buckets.order[count++] = i;
+        for (std::uint32_t i = buckets.head[material]; i != Buckets::none; i = buckets.next[i])
+            buckets.order[count++] = i;
         buckets.head[material] = Buckets::none;
         materials_[material]->shade(textures, {buckets.order.data(), count}, points, closures);
     }

@@ -16,12 +16,16 @@ std::string quoted(std::string_view prefix, std::string_view name) {
 }  // namespace
 
 bool RoughnessInput::may_be_smooth() const {
-    const auto low = [this](const RealInput& i) { return i.texture >= 0 || (remap ? safe_sqrt(i.value) : i.value) < Ggx::smooth_below; };
+    const auto low = [this](const RealInput& i) {
+        return i.texture >= 0 || (remap ? safe_sqrt(i.value) : i.value) < Ggx::smooth_below;
+    };
     return low(u) && low(v);
 }
 
 bool RoughnessInput::may_be_rough() const {
-    const auto high = [this](const RealInput& i) { return i.texture >= 0 || (remap ? safe_sqrt(i.value) : i.value) >= Ggx::smooth_below; };
+    const auto high = [this](const RealInput& i) {
+        return i.texture >= 0 || (remap ? safe_sqrt(i.value) : i.value) >= Ggx::smooth_below;
+    };
     return high(u) || high(v);
 }
 
@@ -43,12 +47,14 @@ MaterialReader::MaterialReader(const SceneEntity& entity, const MaterialContext&
     if (const Parameter* p = set().find("normalmap"); p != nullptr)
         fail(error_at(where(*p), "\"normalmap\" is not supported, and without it the image would be wrong"));
     if (const Parameter* p = set().find("displacement"); p != nullptr && p->type == ParameterType::texture)
-        fail(error_at(where(*p), "\"displacement\" by a texture is not supported, and without it the image would be wrong"));
+        fail(error_at(where(*p),
+                      "\"displacement\" by a texture is not supported, and without it the image would be wrong"));
     static_cast<void>(set().find("type"));     // how MakeNamedMaterial names it
 }
 
 RgbInput MaterialReader::rgb(std::string_view name, const Rgb& fallback, SpectrumRole role) {
-    const TextureId id = take(context_.textures.rgb_parameter(set(), name, fallback, role, context_.scene.color), TextureId{-1});
+    const TextureId id =
+        take(context_.textures.rgb_parameter(set(), name, fallback, role, context_.scene.color), TextureId{-1});
     if (id < 0) return {fallback, -1};
     if (context_.textures.is_constant(id)) return {context_.textures.rgb(id, {}), -1};
     return {fallback, id};
@@ -70,7 +76,8 @@ RoughnessInput MaterialReader::roughness(std::string_view prefix, float fallback
     result.remap = boolean("remaproughness", true);
     for (const RealInput& each : {result.u, result.v})
         if (each.texture < 0 && !(each.value >= 0))
-            fail(error_at(entity_.location, quoted(p, "roughness") + " is " + std::to_string(each.value) + "; expected 0 or more"));
+            fail(error_at(entity_.location,
+                          quoted(p, "roughness") + " is " + std::to_string(each.value) + "; expected 0 or more"));
     return result;
 }
 
@@ -86,7 +93,8 @@ ConductorInput MaterialReader::conductor(std::string_view prefix) {
     if (set().find("reflectance") != nullptr) {
         for (const char* other : {"eta", "k"})
             if (const Parameter* both = set().find(p + other); both != nullptr)
-                fail(error_at(where(*both), quoted("", "reflectance") + " and " + quoted(p, other) + " are both given; expected only one of them"));
+                fail(error_at(where(*both), quoted("", "reflectance") + " and " + quoted(p, other) +
+                                                " are both given; expected only one of them"));
         result.by_reflectance = true;
         result.reflectance = rgb("reflectance", Rgb(0));
         return result;

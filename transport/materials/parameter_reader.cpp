@@ -27,12 +27,14 @@ float ParameterReader::real(std::string_view name, float fallback, float least, 
         std::array<char, 32> text{};
         return std::string(text.data(), std::to_chars(text.data(), text.data() + text.size(), number).ptr);
     };
-    fail(error_at(place_of(name), "parameter '" + std::string(name) + "' is " + shown(value) + "; expected " +
-                                      (std::isinf(most) ? shown(least) + " or more" : shown(least) + " to " + shown(most))));
+    fail(error_at(place_of(name),
+                  "parameter '" + std::string(name) + "' is " + shown(value) + "; expected " +
+                      (std::isinf(most) ? shown(least) + " or more" : shown(least) + " to " + shown(most))));
     return fallback;
 }
 
-std::size_t ParameterReader::choice(std::string_view name, const std::vector<std::string>& known, std::size_t fallback) {
+std::size_t ParameterReader::choice(std::string_view name, const std::vector<std::string>& known,
+                                    std::size_t fallback) {
     const std::string found = string(name, known[fallback]);
     for (std::size_t i = 0; i < known.size(); ++i)
         if (known[i] == found) return i;

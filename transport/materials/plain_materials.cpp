@@ -90,7 +90,8 @@ class ThinDielectricMaterial final : public Material {
 
 class InterfaceMaterial final : public Material {
   public:
-    void shade(const TextureTable&, HitIndices hits, std::span<const SurfacePoint>, std::span<Bsdf> closures) const override {
+    void shade(const TextureTable&, HitIndices hits, std::span<const SurfacePoint>,
+               std::span<Bsdf> closures) const override {
         for (const std::uint32_t i : hits) closures[i].set_pass_through();
     }
     void append_lobes(std::vector<LobeId>&) const override {}

@@ -91,15 +91,25 @@ void register_raylex_materials(Registry<MaterialFactory>& registry) {
                    {"remaproughness", boolean, "true", "alpha = sqrt(roughness) instead of roughness"},
                    {"constantreflectance", boolean, "false", "`specular` at every angle instead of Fresnel's law"}},
                   make_additive});
-    registry.add({"raylex:mirror", "ideal reflection of constant reflectance",
+    registry.add({"raylex:mirror",
+                  "ideal reflection of constant reflectance",
                   {{"reflectance", rgb, "0.5", "at every angle"}},
-                  [](const SceneEntity& e, const MaterialContext& c) { return make_ideal(e, c, nullptr, "reflectance", nullptr); }});
-    registry.add({"raylex:diffuse-mirror", "Lambert and ideal reflection on one surface",
-                  {{"diffuse", rgb, "0.5", "albedo of the Lambert lobe"}, {"specular", rgb, "0.5", "reflectance of the mirror"}},
-                  [](const SceneEntity& e, const MaterialContext& c) { return make_ideal(e, c, "diffuse", "specular", nullptr); }});
-    registry.add({"raylex:sheet", "index-matched sheet: straight on, as a transmission event",
+                  [](const SceneEntity& e, const MaterialContext& c) {
+                      return make_ideal(e, c, nullptr, "reflectance", nullptr);
+                  }});
+    registry.add(
+        {"raylex:diffuse-mirror",
+         "Lambert and ideal reflection on one surface",
+         {{"diffuse", rgb, "0.5", "albedo of the Lambert lobe"}, {"specular", rgb, "0.5", "reflectance of the mirror"}},
+         [](const SceneEntity& e, const MaterialContext& c) {
+             return make_ideal(e, c, "diffuse", "specular", nullptr);
+         }});
+    registry.add({"raylex:sheet",
+                  "index-matched sheet: straight on, as a transmission event",
                   {{"transmittance", rgb, "0.5", "at every angle"}},
-                  [](const SceneEntity& e, const MaterialContext& c) { return make_ideal(e, c, nullptr, nullptr, "transmittance"); }});
+                  [](const SceneEntity& e, const MaterialContext& c) {
+                      return make_ideal(e, c, nullptr, nullptr, "transmittance");
+                  }});
 }
 
 }  // namespace raylex::transport

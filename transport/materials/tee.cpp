@@ -30,7 +30,8 @@ class Tee final : public Pattern {
         const display::ChannelId id = find(display.get_display_channels());
         if (id != display::invalid_channel) display.write(id, row, value);
     }
-    /// A scene outlives renders, whose channels differ: where the name stood last time is looked at first, and verified.
+    /// A scene outlives renders, whose channels differ: where the name stood last time is looked at first, and
+    /// verified.
     [[nodiscard]] display::ChannelId find(std::span<const display::DisplayChannel> channels) const {
         const std::size_t last = last_.load(std::memory_order_relaxed);
         if (last < channels.size() && is_mine(channels[last])) return channels[last].id;
@@ -58,8 +59,9 @@ Result<std::string> channel_of(const SceneTexture& texture) {
     const Parameter* parameter = texture.parameters.find("channel");
     if (parameter == nullptr || parameter->type != ParameterType::string || parameter->strings.size() != 1 ||
         parameter->strings.front().empty())
-        return error_at(parameter != nullptr ? parameter->location : texture.location,
-                        "tee texture '" + texture.name + "' names no channel; expected \"string channel\" with one name");
+        return error_at(
+            parameter != nullptr ? parameter->location : texture.location,
+            "tee texture '" + texture.name + "' names no channel; expected \"string channel\" with one name");
     return parameter->strings.front();
 }
 
@@ -91,7 +93,8 @@ Result<std::vector<display::ChannelDefinition>> tee_channels(const SceneDescript
         channel.origin = where.file;
         channel.origin_line = where.line;
         channel.origin_column = where.column;
-        const auto earlier = std::find_if(channels.begin(), channels.end(), [&](const auto& c) { return c.name == *name; });
+        const auto earlier =
+            std::find_if(channels.begin(), channels.end(), [&](const auto& c) { return c.name == *name; });
         if (earlier == channels.end()) channels.push_back(std::move(channel));
         else if (earlier->type != channel.type)
             return error_at(where, "channel '" + *name + "' is a " + (texture.spectrum ? "float" : "spectrum") +

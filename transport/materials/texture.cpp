@@ -78,8 +78,8 @@ struct TextureTable::Storage final : TextureLookup {
     ColorContext color;
     std::string scene_file;
 
-    Result<TextureId> reference(const Parameter& parameter, const SourceLocation& where, bool spectrum, SpectrumRole role,
-                                std::size_t visible);
+    Result<TextureId> reference(const Parameter& parameter, const SourceLocation& where, bool spectrum,
+                                SpectrumRole role, std::size_t visible);
     Result<TextureId> rgb_input(const ParameterSet& set, std::string_view name, const Rgb& fallback, SpectrumRole role,
                                 std::size_t visible);
     Result<TextureId> real_input(const ParameterSet& set, std::string_view name, float fallback, std::size_t visible);
@@ -190,7 +190,8 @@ Result<Node> TextureTable::Storage::compile_image(const SceneTexture& source, Sp
     const std::string name = reader.string("filename", "");
     const std::string encoding = reader.string("encoding", "");
     ImageStage stage{};
-    stage.sampler.wrap = static_cast<WrapMode>(reader.choice("wrap", {"repeat", "black", "clamp", "octahedralsphere"}, 0));
+    stage.sampler.wrap =
+        static_cast<WrapMode>(reader.choice("wrap", {"repeat", "black", "clamp", "octahedralsphere"}, 0));
     stage.sampler.nearest = reader.choice("filter", {"bilinear", "point", "trilinear", "ewa", "EWA"}, 0) == 1;
     reader.real("maxanisotropy", 8);
     stage.scale = reader.real("scale", 1);
@@ -296,8 +297,8 @@ Result<TextureId> TextureTable::Storage::compile(std::size_t index, SpectrumRole
     return id;
 }
 
-Result<TextureId> TextureTable::Storage::reference(const Parameter& parameter, const SourceLocation& where, bool spectrum,
-                                                   SpectrumRole role, std::size_t visible) {
+Result<TextureId> TextureTable::Storage::reference(const Parameter& parameter, const SourceLocation& where,
+                                                   bool spectrum, SpectrumRole role, std::size_t visible) {
     const char* kind = spectrum ? "colour" : "float";
     if (parameter.strings.size() != 1)
         return error_at(where, "texture parameter '" + parameter.name + "' must name one " + kind + " texture");
@@ -315,7 +316,8 @@ Result<TextureId> TextureTable::Storage::reference(const Parameter& parameter, c
     if (later) hint = "a texture of that name is defined further down: textures may only use earlier ones";
     else if (other_kind) hint = std::string("there is a ") + (spectrum ? "float" : "colour") + " texture of that name";
     else if (const std::string near = nearest_name(name, known); !near.empty()) hint = "did you mean '" + near + "'?";
-    return error_at(where, std::string("unknown ") + kind + " texture '" + name + "' for parameter '" + parameter.name + "'", hint);
+    return error_at(
+        where, std::string("unknown ") + kind + " texture '" + name + "' for parameter '" + parameter.name + "'", hint);
 }
 
 Result<TextureId> TextureTable::Storage::rgb_input(const ParameterSet& set, std::string_view name, const Rgb& fallback,

@@ -31,7 +31,8 @@ Vec3 read_vector(ParameterReader& reader, std::string_view name, const Vec3& fal
 
 TextureMapping read_mapping(ParameterReader& reader, const Transform& world_from_texture) {
     TextureMapping mapping;
-    mapping.kind = static_cast<TextureMapping::Kind>(reader.choice("mapping", {"uv", "spherical", "cylindrical", "planar"}, 0));
+    mapping.kind =
+        static_cast<TextureMapping::Kind>(reader.choice("mapping", {"uv", "spherical", "cylindrical", "planar"}, 0));
     mapping.texture_from_world = world_from_texture.inverse();
     if (mapping.kind == TextureMapping::Kind::uv) {
         mapping.scale_u = reader.real("uscale", 1);

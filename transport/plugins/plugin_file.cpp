@@ -107,7 +107,8 @@ Status check_plugin_stamp(const PluginStamp& stamp, const std::string& file, con
     if (stamp.compiler != own.compiler)
         return refuse("it was built by " + text_of(stamp.compiler) + ", this by " + text_of(own.compiler));
     if (stamp.standard_library != own.standard_library)
-        return refuse("it was built with " + text_of(stamp.standard_library) + ", this with " + text_of(own.standard_library));
+        return refuse("it was built with " + text_of(stamp.standard_library) + ", this with " +
+                      text_of(own.standard_library));
     if (stamp.interface != own.interface)
         return refuse("it was built with other headers of raylex " + text_of(own.version) + " than this");
     for (std::size_t i = 0; i < own.layout.size(); ++i)

@@ -9,17 +9,23 @@ PluginHost::PluginHost(std::vector<PluginEntry> taken) : taken_(std::move(taken)
 
 template <class Factory>
 void PluginHost::add(Registry<Factory>& registry, typename Registry<Factory>::Entry entry) {
-    const auto same = [&](const PluginEntry& other) { return other.kind == registry.kind() && other.name == entry.name; };
+    const auto same = [&](const PluginEntry& other) {
+        return other.kind == registry.kind() && other.name == entry.name;
+    };
     const std::string what = registry.kind() + " '" + entry.name + "'";
     if (entry.name.empty() || !entry.factory) return refuse("its " + what + " has no name or no factory");
-    if (std::any_of(taken_.begin(), taken_.end(), same)) return refuse("another plugin has registered the " + what + " already");
+    if (std::any_of(taken_.begin(), taken_.end(), same))
+        return refuse("another plugin has registered the " + what + " already");
     if (std::any_of(entries_.begin(), entries_.end(), same)) return refuse("it registers the " + what + " twice");
-    entries_.push_back({registry.kind(), entry.name, entry.help, entry.parameters, registry.find(entry.name) != nullptr});
+    entries_.push_back(
+        {registry.kind(), entry.name, entry.help, entry.parameters, registry.find(entry.name) != nullptr});
     undo_.emplace_back([&registry, before = registry] { registry = before; });
     registry.add(std::move(entry));
 }
 
-void PluginHost::add_integrator(Registry<IntegratorFactory>::Entry entry) { add(integrator_registry(), std::move(entry)); }
+void PluginHost::add_integrator(Registry<IntegratorFactory>::Entry entry) {
+    add(integrator_registry(), std::move(entry));
+}
 void PluginHost::add_material(Registry<MaterialFactory>::Entry entry) { add(material_registry(), std::move(entry)); }
 void PluginHost::add_pattern(Registry<PatternFactory>::Entry entry) { add(pattern_registry(), std::move(entry)); }
 void PluginHost::add_medium(Registry<MediumFactory>::Entry entry) { add(medium_registry(), std::move(entry)); }

@@ -41,9 +41,10 @@ Status load_plugin(const std::string& file, const SourceLocation& where) {
     // Everything is bound now, so that a missing symbol is an error here and no crash later.
     void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (library == nullptr)
-        return error_at(where, "plugin '" + file + "' cannot be loaded: " + last_loader_error(),
-                        "a symbol of raylex that is missing was declared but never defined, or this program exports none "
-                        "(raylex_plugin_host)");
+        return error_at(
+            where, "plugin '" + file + "' cannot be loaded: " + last_loader_error(),
+            "a symbol of raylex that is missing was declared but never defined, or this program exports none "
+            "(raylex_plugin_host)");
     const auto entry = reinterpret_cast<EntryPoint>(dlsym(library, "raylex_register_plugin"));
     if (entry == nullptr)
         return error_at(where, "plugin '" + file + "' has no entry point; expected RAYLEX_PLUGIN(host) { ... }");

@@ -88,10 +88,10 @@ Ray PerspectiveCamera::generate(float x, float y, const Vec2& lens) const {
 }
 
 // A raster position r and a point of the lens o give the direction D(r) = M (f q(r) - o), where q(r) lies on the plane
-// at distance 1, f is the focal distance and M the linear part of camera to world. Then d(omega)/d(r) = |det(D, D_x,
-// D_y)| / |D|^3 = |det M| f^3 pixel_area / |D|^3, and a point at p in camera space, seen from o, lies on D at |D| =
-// distance f / (p - o)_z. The measurement is a mean over the lens, from which o is drawn, so that densities of o
-// cancel.
+// at distance 1, f is the focal distance and M the linear part of camera to world. Then
+//     d(omega)/d(r) = |det(D, D_x, D_y)| / |D|^3 = |det M| f^3 pixel_area / |D|^3,
+// and a point at p in camera space, seen from o, lies on D at |D| = distance f / (p - o)_z. The measurement is a mean
+// over the lens, from which o is drawn, so that densities of o cancel.
 bool PerspectiveCamera::connect(const Vec3& point, const Vec2& lens, CameraConnection& connection) const {
     DVec3 seen = to_camera_.point(DVec3(point));
     if (!(seen.z > 0)) return false;

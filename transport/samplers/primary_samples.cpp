@@ -12,7 +12,8 @@ constexpr std::uint64_t choices = std::uint64_t{1} << 40;   // names no dimensio
 
 /// A standard normal number (Box and Muller) of 64 random bits.
 float normal_number(std::uint64_t bits) {
-    const float u = (static_cast<float>(bits >> 40) + 0.5f) * 0x1p-24f, v = static_cast<float>(bits & 0xffffff) * 0x1p-24f;
+    const float u = (static_cast<float>(bits >> 40) + 0.5f) * 0x1p-24f,
+                v = static_cast<float>(bits & 0xffffff) * 0x1p-24f;
     return std::sqrt(-2 * std::log(u)) * std::cos(2 * pi * v);
 }
 
@@ -83,8 +84,8 @@ float PrimarySamples::get(std::uint32_t dimension, bool second) {
     Number& number = find(name);
     if (number.changed == step_) return number.value;
     if (number.changed <= last_large_ && number.changed != last_large_) {
-        // Not there at the last large step, or older than it: as that step would have drawn it. The draw is of now, which
-        // is as good: nobody has seen another.
+        // Not there at the last large step, or older than it: as that step would have drawn it. The draw is of now,
+        // which is as good: nobody has seen another.
         number.value = unit_float(bits(name + choices));
         number.changed = last_large_;
     }

@@ -73,9 +73,9 @@ class SceneHash {
         add(light.group);
     }
     void add(const SceneShape& shape) {
-        const auto& [kind, source_file, location, positions, normals, uvs, indices, radius, z_min, z_max, phi_max, height,
-                     inner_radius, object_to_world, flip_normal, material, area_light, inside_medium, outside_medium, alpha,
-                     alpha_texture, label, holdout] = shape;
+        const auto& [kind, source_file, location, positions, normals, uvs, indices, radius, z_min, z_max, phi_max,
+                     height, inner_radius, object_to_world, flip_normal, material, area_light, inside_medium,
+                     outside_medium, alpha, alpha_texture, label, holdout] = shape;
         static_cast<void>(location);
         add(kind);
         add(source_file);  // an asset's name, which cryptomattes show

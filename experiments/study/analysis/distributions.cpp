@@ -50,8 +50,8 @@ double detectable_shift(double alpha, double power, double degrees) {
     const double critical = -student_t_quantile(alpha / 2, degrees);
     // Above this many degrees the noncentral series is slow and the normal shift is exact to 1e-3 of a standard error.
     if (degrees > 2000) return critical + normal_quantile(power);
-    // With a degree or two the critical value runs to millions. Beside so large a shift the numerator's own noise, 1, is
-    // nothing: T is shift / sqrt(chi^2 / degrees), to a relative 1 / critical; and the series would leave 32 bits.
+    // With a degree or two the critical value runs to millions. Beside so large a shift the numerator's own noise, 1,
+    // is nothing: T is shift / sqrt(chi^2 / degrees), to a relative 1 / critical; and the series would leave 32 bits.
     if (critical > 1000) return critical * std::sqrt(boost::math::quantile(ChiSquared(degrees), power) / degrees);
     double low = 0, high = 2 * critical + 10;
     while (1 - boost::math::cdf(NoncentralT(degrees, high), critical) < power) high *= 2;

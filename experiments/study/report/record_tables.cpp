@@ -70,8 +70,11 @@ std::string splits_table(const Study& study) {
         if (count.fails > 0) pictures += residual_picture(study, key[0], key[1], count.worst_cell);
     }
     if (!pictures.empty())
-        pictures = "<p>Where splits fail, in their worst cell. Black to violet: within the bound of rounding; red to pale yellow: "
-                   "beyond it, light that is counted twice or missed.</p>\n<div class=\"residuals\">" + pictures + "</div>\n";
+        pictures =
+            "<p>Where splits fail, in their worst cell. Black to violet: within the bound of rounding; red to pale "
+            "yellow: "
+            "beyond it, light that is counted twice or missed.</p>\n<div class=\"residuals\">" +
+            pictures + "</div>\n";
     return table(
                "<th>Scene</th><th>Partition</th><th>Variant</th><th>Verdict</th><th>Cells in which it holds</th>"
                "<th class=\"formula\">Worst pixel<code>|sum of layers - whole| / (sum of |layers| + "

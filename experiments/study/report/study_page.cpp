@@ -51,8 +51,10 @@ std::string summary(const Study& study) {
                        counted(study.variants.size(), "variant", "variants") + "; " + duration_text(seconds) +
                        " of rendering.</p>\n<ul class=\"summary\">\n";
     if (splits > 0)
-        text += mark(broken == 0, broken == 0 ? "Every split sums" : counted(broken, "split does", "splits do") + " not sum") +
-                (broken < 2 ? "to what it splits, in " : "to what they split, in ") + counted(splits, "verdict", "verdicts") + " over all cells.</li>\n";
+        text += mark(broken == 0,
+                     broken == 0 ? "Every split sums" : counted(broken, "split does", "splits do") + " not sum") +
+                (broken < 2 ? "to what it splits, in " : "to what they split, in ") +
+                counted(splits, "verdict", "verdicts") + " over all cells.</li>\n";
     std::vector<std::string> wrong, doubtful;
     std::size_t tested = 0;
     for (const BiasEntry& entry : study.bias) {
@@ -64,7 +66,8 @@ std::string summary(const Study& study) {
         std::vector<std::string>& list = entry.convicts() ? wrong : doubtful;
         if (variant->unbiased && std::find(list.begin(), list.end(), name) == list.end()) list.push_back(name);
     }
-    std::erase_if(doubtful, [&](const std::string& name) { return std::find(wrong.begin(), wrong.end(), name) != wrong.end(); });
+    std::erase_if(doubtful,
+                  [&](const std::string& name) { return std::find(wrong.begin(), wrong.end(), name) != wrong.end(); });
     if (!wrong.empty()) {
         text += mark(false, "Declared unbiased but differs from the reference:");
         for (const std::string& name : wrong) text += (&name == &wrong.front() ? "" : ", ") + escape_html(name);

@@ -248,9 +248,10 @@ std::string bias_table(const Study& study, const SceneInfo& scene) {
                         text_cell(v.note));
             continue;
         }
-        cells += entry.convicts() ? std::string("<td class=\"fails\">differs") + (unbiased ? "" : ", as declared") + "</td>"
-                 : v.differs      ? "<td class=\"warn\">differs, but a few rare samples decide</td>"
-                                  : "<td class=\"holds\">no bias found</td>";
+        cells += entry.convicts()
+                     ? std::string("<td class=\"fails\">differs") + (unbiased ? "" : ", as declared") + "</td>"
+                 : v.differs ? "<td class=\"warn\">differs, but a few rare samples decide</td>"
+                             : "<td class=\"holds\">no bias found</td>";
         cells += cell(figure(v.adjusted_p, 2)) +
                  cell(std::isfinite(v.mean_difference) ? percent_text(v.mean_difference) : "&ndash;");
         std::string where = v.worst_is_whole ? "whole image"
