@@ -135,7 +135,8 @@ TEST_CASE("what killed processes left is removed, and nothing else", "[display][
         write_bytes(name, "x");
     raylex::display::remove_abandoned(path);
     CHECK(folder.names().size() == 4);
-    for (const std::string& name : {path, mine, path + ".99999999-0.partial.bak", folder.path("b.exr.99999999-0.partial")})
+    for (const std::string& name :
+         {path, mine, path + ".99999999-0.partial.bak", folder.path("b.exr.99999999-0.partial")})
         CHECK(std::filesystem::exists(name));
 }
 

@@ -153,7 +153,8 @@ TEST_CASE("a file rule that can never fit is told", "[display][ocio]") {
     REQUIRE(manager->warnings().size() == 1);
     CHECK(manager->warnings()[0].find("'pictures'") != std::string::npos);
     CHECK(manager->warnings()[0].find("'(png|jpe?g)', which is a glob") != std::string::npos);
-    CHECK(manager->file_color("wood.png", raylex::display::rec709_primaries())->space == "srgb_texture");  // falls through
+    CHECK(manager->file_color("wood.png", raylex::display::rec709_primaries())->space ==
+          "srgb_texture");  // falls through
 }
 
 TEST_CASE("conversions between a config's spaces and chromaticities agree with the primaries' own matrices",

@@ -53,7 +53,8 @@ void give(SampleSink& sink, FrameBuffer* frame_buffer, const std::vector<Sample>
         for (std::size_t i = 0; i < rows.size(); ++i) {
             bool camera = true;
             for (const Hit& hit : samples[begin + i]) {
-                const auto row = static_cast<std::size_t>(camera ? static_cast<int>(i) : table.add_row(static_cast<int>(i)));
+                const auto row =
+                    static_cast<std::size_t>(camera ? static_cast<int>(i) : table.add_row(static_cast<int>(i)));
                 camera = false;
                 table.depth[row] = hit.depth;
                 table.opacity[row] = RgbD(hit.opacity);
@@ -61,7 +62,8 @@ void give(SampleSink& sink, FrameBuffer* frame_buffer, const std::vector<Sample>
                 for (ChannelId id = 0; id < 2; ++id) {
                     table.touch(id);
                     for (std::size_t c = 0; c < 3; ++c)
-                        table.values(id)[3 * row + c] = hit.light * (id == 0 ? 1.0 : 0.5) * (1.0 + 0.1 * static_cast<double>(c));
+                        table.values(id)[3 * row + c] =
+                            hit.light * (id == 0 ? 1.0 : 0.5) * (1.0 + 0.1 * static_cast<double>(c));
                 }
             }
         }
@@ -287,7 +289,8 @@ TEST_CASE("a deep file that does not flatten to the image is told from one that 
     const Folder folder;
     const Rendered image = rendered({});
     Rendered other{DeepBuffer(12, 12, channels(), {0, 1}, {}), FrameBuffer({12, 12}, channels())};
-    for (int i = 0; i < 144; ++i) give(other.deep, &other.flat, busy_pixel(static_cast<unsigned>(i), i == 70 ? 63 : 64), i % 12, i / 12);
+    for (int i = 0; i < 144; ++i)
+        give(other.deep, &other.flat, busy_pixel(static_cast<unsigned>(i), i == 70 ? 63 : 64), i % 12, i / 12);
     REQUIRE(write_exr(folder.path("flat.exr"), image.flat, 0, {}).ok());
     REQUIRE(write_deep_exr(folder.path("deep.exr"), other.deep, 0, {}, {}).ok());
     const auto flat = read_exr(folder.path("flat.exr"));
@@ -298,7 +301,8 @@ TEST_CASE("a deep file that does not flatten to the image is told from one that 
     CHECK(verdict->color_x == 10);
     CHECK(verdict->color_y == 5);
 
-    CHECK(check_deep(folder.path("flat.exr"), *flat).error().message.find("no deep scanline part") != std::string::npos);
+    CHECK(check_deep(folder.path("flat.exr"), *flat).error().message.find("no deep scanline part") !=
+          std::string::npos);
     CHECK(!check_deep(folder.path("none.exr"), *flat).ok());
     const std::string bytes = raylex::test::read_bytes(folder.path("deep.exr"));
     for (const std::size_t length : {bytes.size() / 2, bytes.size() - 100}) {

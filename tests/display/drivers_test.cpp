@@ -276,7 +276,9 @@ TEST_CASE("addresses of viewers are read as people write them", "[display][tev][
 
 TEST_CASE("a registered driver comes in by the same door", "[display][drivers]") {
     struct Counter : DisplayDriver {
-        raylex::Status open(const DriverImage& image) override { return layers = image.layers.size(), raylex::success(); }
+        raylex::Status open(const DriverImage& image) override {
+            return layers = image.layers.size(), raylex::success();
+        }
         [[nodiscard]] bool is_live() const override { return true; }
         bool region(const DriverRegion& r) override { return pixels += r.values.size(), true; }
         void progress(double fraction) override { last = fraction; }

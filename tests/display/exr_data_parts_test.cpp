@@ -44,6 +44,7 @@ TEST_CASE("a data part is written bit by bit, its attributes into its own header
     Imf::MultiPartInputFile file(path.c_str());
     REQUIRE(file.parts() == 2);
     for (int part = 0; part < 2; ++part)
-        CHECK(file.header(part).typedAttribute<Imf::StringAttribute>("cryptomatte/3ae39a5/manifest").value() == manifest);
+        CHECK(file.header(part).typedAttribute<Imf::StringAttribute>("cryptomatte/3ae39a5/manifest").value() ==
+              manifest);
     CHECK(file.header(1).typedAttribute<Imf::StringAttribute>("colorInteropID").value() == "data");
 }

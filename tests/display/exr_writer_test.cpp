@@ -233,7 +233,8 @@ TEST_CASE("light beyond half becomes the largest half and is counted", "[display
     REQUIRE(write_exr(folder.path("a.exr"), buffer, 0, chosen).ok());
     const auto image = read_exr(folder.path("a.exr"));
     CHECK(image->layer("")->planes[0].values[0] == 65504);
-    CHECK(image->attributes.at("repaired/beauty") == "0 values not a number, set to 0; 3 beyond half, set to the largest");
+    CHECK(image->attributes.at("repaired/beauty") ==
+          "0 values not a number, set to 0; 3 beyond half, set to the largest");
 }
 
 TEST_CASE("known primaries have their interop id, others none", "[display][exr]") {

@@ -106,7 +106,8 @@ TEST_CASE("an earlier record survives a fault in every call that writes the next
     set_file_fault([&](FileCall call, const std::string&) { return calls.push_back(call), 0; });
     REQUIRE(write_record_file(folder.path("other"), record).ok());
     CHECK(std::count(calls.begin(), calls.end(), FileCall::write) >= 2);
-    for (const FileCall kind : {FileCall::open, FileCall::sync, FileCall::close, FileCall::rename, FileCall::sync_folder})
+    for (const FileCall kind :
+         {FileCall::open, FileCall::sync, FileCall::close, FileCall::rename, FileCall::sync_folder})
         CHECK(std::count(calls.begin(), calls.end(), kind) == 1);
     for (std::size_t faulty = 0; faulty < calls.size(); ++faulty) {
         std::size_t call = 0;

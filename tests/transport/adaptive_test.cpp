@@ -141,7 +141,8 @@ Findings findings(int neighbourhood, std::uint64_t least, double error, int seed
     const std::vector<double> variances = plain->frame_buffer.resolve_variance_of_mean(plain->beauty);
     double reference_variance = 0;
     for (std::size_t i = 0; i < variances.size(); i += 3) {
-        const double deviation = (std::sqrt(variances[i]) + std::sqrt(variances[i + 1]) + std::sqrt(variances[i + 2])) / 3;
+        const double deviation =
+            (std::sqrt(variances[i]) + std::sqrt(variances[i + 1]) + std::sqrt(variances[i + 2])) / 3;
         reference_variance += deviation * deviation;
     }
     const double pixels = static_cast<double>(variances.size()) / 3;
@@ -189,10 +190,11 @@ TEST_CASE("what the neighbourhood does to adaptive sampling", "[render][adaptive
     for (const std::uint64_t least : {std::uint64_t{64}, std::uint64_t{16}})
         for (const int neighbourhood : {0, 1, 2}) {
             const Findings found = findings(neighbourhood, least, 0.1, 100);
-            std::printf("at least %d samples, neighbourhood %d: %.0f samples per pixel, bias %+.2f %% +- %.2f %% (standard "
-                        "error), %.3f %% of pixels wrong by more than 30 %%\n",
-                        static_cast<int>(least), neighbourhood, found.samples_per_pixel, 100 * found.bias.mean,
-                        100 * found.bias.error, 100 * found.strays);
+            std::printf(
+                "at least %d samples, neighbourhood %d: %.0f samples per pixel, bias %+.2f %% +- %.2f %% (standard "
+                "error), %.3f %% of pixels wrong by more than 30 %%\n",
+                static_cast<int>(least), neighbourhood, found.samples_per_pixel, 100 * found.bias.mean,
+                100 * found.bias.error, 100 * found.strays);
             CHECK(std::abs(found.bias.mean) < 0.005 + 4 * found.bias.error);
         }
 }

@@ -186,12 +186,13 @@ TEST_CASE("derivatives, object space and parameters of meshes, patches and disks
     check_values(bare.at("dPdv"), {0, 8, 0});
     check_values(bare.at("st"), {0.5, 0.375, 0});
     // A disk of radius 5 with a hole of 1, hit 2 to the left of its centre: v runs inwards over 4.
-    const auto disk = aovs_of(header(1) + "Translate 2 0 8\nShape \"disk\" \"float radius\" 5 \"float innerradius\" 1\n");
+    const auto disk =
+        aovs_of(header(1) + "Translate 2 0 8\nShape \"disk\" \"float radius\" 5 \"float innerradius\" 1\n");
     check_values(disk.at("Po"), {-2, 0, 0});
     check_values(disk.at("dPdv"), {4, 0, 0});
     check_values(disk.at("st"), {0.5, 0.75, 0});
-    const auto cylinder =
-        aovs_of(header(1) + "Translate 0 1 8\nRotate 90 1 0 0\nShape \"cylinder\" \"float zmin\" -3 \"float zmax\" 3\n");
+    const auto cylinder = aovs_of(
+        header(1) + "Translate 0 1 8\nRotate 90 1 0 0\nShape \"cylinder\" \"float zmin\" -3 \"float zmax\" 3\n");
     CHECK(std::abs(cylinder.at("dPdv")[1]) == Approx(6));
     check_values(cylinder.at("P"), {0, 0, 7});
 }
@@ -219,8 +220,8 @@ TEST_CASE("inside glass the index on the camera's side is the glass's", "[geoaov
 }
 
 TEST_CASE("the wireframe is a line one pixel wide", "[geoaovs][render]") {
-    // A triangle whose sides are 0.6, 0.6 and 0.6 sqrt(2) of the image wide, 40 degrees over 64 pixels, at an angle: the
-    // screen positions are what counts. Its lines cover about their length in pixels; corners are counted twice.
+    // A triangle whose sides are 0.6, 0.6 and 0.6 sqrt(2) of the image wide, 40 degrees over 64 pixels, at an angle:
+    // the screen positions are what counts. Its lines cover about their length in pixels; corners are counted twice.
     const double t = std::tan(20 * 3.14159265358979323846 / 180);
     const auto corner = [&](double x, double y, double z) {
         return std::to_string(x * t * z) + " " + std::to_string(y * t * z) + " " + std::to_string(z) + " ";
@@ -241,7 +242,8 @@ TEST_CASE("the wireframe is a line one pixel wide", "[geoaovs][render]") {
     CHECK(area == Approx(side * side / 2).epsilon(0.01));
 }
 
-TEST_CASE("asking for every AOV leaves the beauty's bits, and no thread shows but in cpuTime", "[geoaovs][law2][law3]") {
+TEST_CASE("asking for every AOV leaves the beauty's bits, and no thread shows but in cpuTime",
+          "[geoaovs][law2][law3]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings;
     settings.samples_per_pixel = 16;

@@ -14,8 +14,8 @@ std::string everything(const transport::RenderOutput& output) {
     output.frame_buffer.append_record(bytes);
     for (const auto& matte : output.cryptomatte) matte.coverage().append_record(bytes);
     const transport::RenderStatistics& s = output.statistics;
-    for (const std::uint64_t number : {s.camera_samples, s.camera_rays, s.scattering_rays, s.shadow_rays, s.invalid_samples,
-                                       s.attribution_overflow, s.refused_services_calls})
+    for (const std::uint64_t number : {s.camera_samples, s.camera_rays, s.scattering_rays, s.shadow_rays,
+                                       s.invalid_samples, s.attribution_overflow, s.refused_services_calls})
         bytes += std::to_string(number) + " ";
     for (const std::uint64_t number : s.path_length_histogram) bytes += std::to_string(number) + " ";
     return bytes;
@@ -32,7 +32,8 @@ transport::RenderSettings room_settings() {
     settings.integrator = counted("path");
     settings.samples_per_pixel = 200;  // the last block is not whole
     settings.threads = 2;
-    settings.channels = {lpe("direct", "CDL"), lpe("glossy", "C<.G>.*"), aov("Nn"), aov("id"), aov("sampleCount"), aov("z")};
+    settings.channels = {
+        lpe("direct", "CDL"), lpe("glossy", "C<.G>.*"), aov("Nn"), aov("id"), aov("sampleCount"), aov("z")};
     settings.cryptomatte = {raylex::geoaovs::MatteKind::object, raylex::geoaovs::MatteKind::material};
     return settings;
 }
@@ -57,7 +58,8 @@ transport::RenderOutput in_sessions(const transport::SceneDescription& scene, tr
 }
 
 /// The Error of resuming with these settings.
-raylex::Error refusal(const transport::SceneDescription& scene, transport::RenderSettings settings, const ScratchFile& file) {
+raylex::Error refusal(const transport::SceneDescription& scene, transport::RenderSettings settings,
+                      const ScratchFile& file) {
     settings.checkpoint = transport::CheckpointSettings{file.path(), 60, true, {{"test", "1"}}};
     auto output = transport::render(scene, settings);
     REQUIRE_FALSE(output.ok());
@@ -231,7 +233,8 @@ class Counting final : public transport::Integrator {
                    transport::ThreadServices& services) const override {
         for (int row = 0; row < static_cast<int>(batch.rays.size()); ++row) {
             auto tracker = services.lpe.begin(row);
-            services.lpe.contribute(raylex::Rgb(static_cast<float>(iterations_)), display::Technique::scattering, tracker);
+            services.lpe.contribute(raylex::Rgb(static_cast<float>(iterations_)), display::Technique::scattering,
+                                    tracker);
         }
         thread.counters.camera_rays += batch.rays.size();
     }

@@ -86,8 +86,8 @@ TEST_CASE("coverages of objects, materials and assets sum to alpha", "[cryptomat
         }
         CHECK(matte.remainder().pixels == 0);
     }
-    CHECK(names_of(output.cryptomatte[0]) == std::vector<std::string>{"bilinearmesh:0", "pair/sphere:0", "pair/sphere:1",
-                                                                      "trianglemesh:0"});
+    CHECK(names_of(output.cryptomatte[0]) ==
+          std::vector<std::string>{"bilinearmesh:0", "pair/sphere:0", "pair/sphere:1", "trianglemesh:0"});
     CHECK(names_of(output.cryptomatte[1]) == std::vector<std::string>{"conductor:0", "grass", "wood"});
     CHECK(names_of(output.cryptomatte[2]) ==
           std::vector<std::string>{"bilinearmesh:0", "pair:0", "pair:1", "trianglemesh:0"});
@@ -130,7 +130,8 @@ Shape "bilinearmesh" "point3 P" [-9 -9 5 9 -9 5 -9 9 5 9 9 5] "float alpha" 0.25
     CHECK(mean.size() == 3);  // and the empty ranks
 }
 
-TEST_CASE("mattes are bit-identical for any number of threads, and leave the beauty alone", "[cryptomatte][law2][law3]") {
+TEST_CASE("mattes are bit-identical for any number of threads, and leave the beauty alone",
+          "[cryptomatte][law2][law3]") {
     const auto one = render_yard(1), three = render_yard(3);
     for (std::size_t i = 0; i < 3; ++i) {
         const std::vector<float> a = one.cryptomatte[i].values(), b = three.cryptomatte[i].values();

@@ -25,9 +25,10 @@ TEST_CASE("the light tracer finds the path tracer's image, word by word", "[ligh
 
 TEST_CASE("the light tracer through lenses and cutouts, with shading normals and every kind of light",
           "[lighttracer][render][statistical]") {
-    // A mirror ball's caustic of the sky (the path tracer finds none of lights that no ray can hit); coarse meshes shaded
-    // smoothly, whose shading and geometric normals differ by up to 55 degrees; rough glass, whose scattering is not symmetric; a cutout between camera and floor; a wide lens focused on the floor; a filter with
-    // negative lobes that reaches over the image's border.
+    // A mirror ball's caustic of the sky (the path tracer finds none of lights that no ray can hit); coarse meshes
+    // shaded smoothly, whose shading and geometric normals differ by up to 55 degrees; rough glass, whose scattering is
+    // not symmetric; a cutout between camera and floor; a wide lens focused on the floor; a filter with negative lobes
+    // that reaches over the image's border.
     transport::RenderSettings settings;
     settings.max_depth = 3;
     settings.samples_per_pixel = 256;
@@ -35,7 +36,8 @@ TEST_CASE("the light tracer through lenses and cutouts, with shading normals and
 Shape "trianglemesh" "integer indices" [4 0 2 4 2 1 4 1 3 4 3 0 5 2 0 5 1 2 5 3 1 5 0 3]
     "point3 P" [1 0 0 -1 0 0 0 1 0 0 -1 0 0 0 1 0 0 -1] "normal N" [1 0 0 -1 0 0 0 1 0 0 -1 0 0 0 1 0 0 -1]
 )";
-    compare_with_path(plain_film + R"(
+    compare_with_path(
+        plain_film + R"(
 PixelFilter "mitchell"
 LookAt 0 1.6 4  0 0.4 0  0 1 0
 Camera "perspective" "float fov" 45 "float lensradius" 0.15 "float focaldistance" 4.2
@@ -46,16 +48,18 @@ LightSource "infinite" "rgb L" [0.3 0.3 0.3]
 Material "diffuse" "rgb reflectance" [0.6 0.6 0.6]
 Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-4 0 4 4 0 4 4 0 -4 -4 0 -4]
 AttributeBegin Material "raylex:mirror" Translate 0.9 0.4 0.5 Shape "sphere" "float radius" 0.4 AttributeEnd
-AttributeBegin Translate -0.8 0.6 -0.3 Scale 0.6 0.6 0.6 )" + octahedron + R"( AttributeEnd
-AttributeBegin Material "conductor" "float roughness" 0.4 Translate 0.5 0.5 -1 Scale 0.5 0.5 0.5 )" + octahedron + R"( AttributeEnd
+AttributeBegin Translate -0.8 0.6 -0.3 Scale 0.6 0.6 0.6 )" +
+            octahedron + R"( AttributeEnd
+AttributeBegin Material "conductor" "float roughness" 0.4 Translate 0.5 0.5 -1 Scale 0.5 0.5 0.5 )" +
+            octahedron + R"( AttributeEnd
 AttributeBegin Material "dielectric" "float roughness" 0.4 Translate -0.2 0.5 0.6 Shape "sphere" "float radius" 0.3 AttributeEnd
 AttributeBegin Translate 0 0.5 1.4 Material "diffuse" "rgb reflectance" [0.2 0.4 0.8]
   Shape "disk" "float radius" 0.5 "float alpha" 0.4 AttributeEnd
 AttributeBegin AreaLightSource "diffuse" "rgb L" [6 6 6] "bool twosided" true Translate 0 2 -1 Rotate 60 1 0 0
   Shape "disk" "float radius" 0.4 AttributeEnd
 )",
-            settings, integrator_named("lighttracer"), 12, 384,
-            {"C<RD>[LB]", "C<Ts><RD>[LB]", "C<RD><RS>+B", "C<RG>[LB]", "C<RD><.G>+[LB]", "C<RD><RD>[LB]", "C<Ts>*[LB]"});
+        settings, integrator_named("lighttracer"), 12, 384,
+        {"C<RD>[LB]", "C<Ts><RD>[LB]", "C<RD><RS>+B", "C<RG>[LB]", "C<RD><.G>+[LB]", "C<RD><RD>[LB]", "C<Ts>*[LB]"});
 }
 
 TEST_CASE("light tracing keeps the laws: splits sum, asking changes nothing, threads and interruptions neither",
@@ -73,18 +77,21 @@ TEST_CASE("light tracing keeps the laws: splits sum, asking changes nothing, thr
         settings.channels.clear();
         settings.threads = 3;
         const auto alone = render_of(scene, settings);
-        settings.channels = {osl("direct", "C<RD>L"), osl("caustic", "C<RD><.S>+L"), osl("seen", "C[LB]"), osl("rest", "")};
+        settings.channels = {osl("direct", "C<RD>L"), osl("caustic", "C<RD><.S>+L"), osl("seen", "C[LB]"),
+                             osl("rest", "")};
         settings.channels[3].rest_of = {0, 1, 2};
         const auto three = render_of(scene, settings);
         settings.threads = 1;
         const auto one = render_of(scene, settings);
         const auto side = static_cast<std::uint64_t>(24 + (splat ? 4 : 0));
         CHECK(one.frame_buffer.light_path_count() == side * side * 20);
-        for (display::ChannelId id = 0; id < 5; ++id) CHECK(one.frame_buffer.resolve(id) == three.frame_buffer.resolve(id));
+        for (display::ChannelId id = 0; id < 5; ++id)
+            CHECK(one.frame_buffer.resolve(id) == three.frame_buffer.resolve(id));
         CHECK(one.frame_buffer.resolve(0) == alone.frame_buffer.resolve(0));
         CHECK(one.frame_buffer.resolve_alpha() == alone.frame_buffer.resolve_alpha());
         std::array<std::vector<double>, 5> layers;
-        for (std::size_t id = 0; id < 5; ++id) layers[id] = one.frame_buffer.resolve(static_cast<display::ChannelId>(id));
+        for (std::size_t id = 0; id < 5; ++id)
+            layers[id] = one.frame_buffer.resolve(static_cast<display::ChannelId>(id));
         std::array<double, 5> light{};
         for (std::size_t i = 0; i < layers[0].size(); ++i) {
             double sum = 0, magnitude = std::abs(layers[0][i]);

@@ -214,7 +214,8 @@ LightSource "point" "rgb I" [0 0 0] "point3 from" [0 1 0]
                                         {static_cast<float>(i) / 1000, 0.5f}, s));  // few lights: u.x chooses
             ++chosen[s.light];
         }
-        // Half of the tenth that ignores power, or half of all; an interval's share of 1000 even points is off by at most one.
+        // Half of the tenth that ignores power, or half of all; an interval's share of 1000 even points is off by at
+        // most one.
         CHECK(std::abs(chosen[1] - (choice == LightChoice::mis ? 50 : 500)) <= 1);
         CHECK(chosen[2] == 0);
     }

@@ -33,10 +33,15 @@ std::vector<Case> smooth_density_cases() {
     std::vector<Case> cases;
     cases.push_back({"lambert", make(LambertClosure{{0.2f, 0.5f, 0.8f}}), 1, true});
     for (const float alpha : {0.01f, 0.1f, 0.3f, 1.0f})
-        cases.push_back({"conductor " + std::to_string(alpha), make(ConductorClosure{Ggx::from_alpha(alpha, alpha), grey_eta, grey_k, false}), alpha, false, alpha});
-    cases.push_back({"conductor 0.5 x 0.1", make(ConductorClosure{Ggx::from_alpha(0.5f, 0.1f), grey_eta, grey_k, false}), 0.15f, false, 0.1f});
-    // Stability row 14: one rough axis beside a smooth one. A strip too thin for grids: its normals are tested by themselves.
-    cases.push_back({"conductor 0.3 x 0", make(ConductorClosure{Ggx::from_alpha(0.3f, 0), grey_eta, grey_k, false}), 0.02f, false, 1e-4f});
+        cases.push_back({"conductor " + std::to_string(alpha),
+                         make(ConductorClosure{Ggx::from_alpha(alpha, alpha), grey_eta, grey_k, false}), alpha, false,
+                         alpha});
+    cases.push_back({"conductor 0.5 x 0.1",
+                     make(ConductorClosure{Ggx::from_alpha(0.5f, 0.1f), grey_eta, grey_k, false}), 0.15f, false, 0.1f});
+    // Stability row 14: one rough axis beside a smooth one. A strip too thin for grids: its normals are tested by
+    // themselves.
+    cases.push_back({"conductor 0.3 x 0", make(ConductorClosure{Ggx::from_alpha(0.3f, 0), grey_eta, grey_k, false}),
+                     0.02f, false, 1e-4f});
     for (const float eta : {1.5f, 1 / 1.5f, 1.05f})
         for (const float alpha : {0.1f, 0.4f}) {
             // At grazing angles this one's density has a caustic that a grid resolves only to 1 %.
@@ -51,8 +56,8 @@ std::vector<Case> smooth_density_cases() {
     return cases;
 }
 
-/// Draws N directions; counts in grids about the mirrored (and, for glass, the refracted) direction against the integral of
-/// pdf() over each cell. Failures are a cell of their own.
+/// Draws N directions; counts in grids about the mirrored (and, for glass, the refracted) direction against the
+/// integral of pdf() over each cell. Failures are a cell of their own.
 double chi_square_p(const Case& c, const Vec3& wo_local, std::uint64_t seed, double& integral) {
     const Frame frame = c.bsdf.frame();
     const Vec3 wo = frame.to_world(wo_local);
@@ -62,12 +67,14 @@ double chi_square_p(const Case& c, const Vec3& wo_local, std::uint64_t seed, dou
     Vec3 through{-wo_local.x / eta, -wo_local.y / eta, 0};
     through.z = std::copysign(safe_sqrt(1 - through.x * through.x - through.y * through.y), -wo_local.z);
     const float bend = std::min(1.0f, 2 * std::abs(1 - 1 / eta));     // of a refracted ray by a tilt of its facet
-    const LobeGrid grids[2] = {{mirrored, 2 * c.lobe_width, 10, 12}, {frame.to_world(normalize(through)), c.lobe_width * bend, 10, 12}};
+    const LobeGrid grids[2] = {{mirrored, 2 * c.lobe_width, 10, 12},
+                               {frame.to_world(normalize(through)), c.lobe_width * bend, 10, 12}};
     const auto grid_of = [&](const Vec3& w) { return glass && dot(w, frame.n) * wo_local.z < 0 ? 1 : 0; };
 
     std::vector<double> expected;
     for (int g = 0; g < (glass ? 2 : 1); ++g) {
-        const auto part = grids[g].integrate([&](const Vec3& w) { return grid_of(w) == g ? c.bsdf.pdf(wo, w) : 0.0f; }, 24);
+        const auto part =
+            grids[g].integrate([&](const Vec3& w) { return grid_of(w) == g ? c.bsdf.pdf(wo, w) : 0.0f; }, 24);
         expected.insert(expected.end(), part.begin(), part.end());
     }
     integral = 0;
@@ -81,7 +88,8 @@ double chi_square_p(const Case& c, const Vec3& wo_local, std::uint64_t seed, dou
         const float u_lobe = random.one();
         const BsdfSample s = c.bsdf.sample(wo, u_lobe, random.two());
         const int g = s.pdf > 0 ? grid_of(s.wi) : 0;
-        const auto cell = s.pdf > 0 ? static_cast<std::size_t>(g * grids[0].size() + grids[g].cell(s.wi)) : expected.size() - 1;
+        const auto cell =
+            s.pdf > 0 ? static_cast<std::size_t>(g * grids[0].size() + grids[g].cell(s.wi)) : expected.size() - 1;
         observed[cell] += 1;
     }
     double chi2 = 0, pooled_expected = 0, pooled_observed = 0;
@@ -136,12 +144,13 @@ TEST_CASE("a sample's weight is its value over its density, and evaluate agrees 
             Rgb sum;
             for (int l = 0; l < s.lobes.count; ++l) sum += s.lobes.entry[static_cast<std::size_t>(l)].value;
             // Two float operations on the way: 4 ulp.
-            for (int channel = 0; channel < 3; ++channel) CHECK(sum[channel] == Approx(s.weight[channel] * s.pdf).epsilon(4e-7));
+            for (int channel = 0; channel < 3; ++channel)
+                CHECK(sum[channel] == Approx(s.weight[channel] * s.pdf).epsilon(4e-7));
             CHECK_FALSE(s.delta);
             CHECK(s.transmitted == (dot(s.wi, c.bsdf.frame().n) * dot(wo, c.bsdf.frame().n) < 0));
             const BsdfEvaluation e = c.bsdf.evaluate(wo, s.wi);
-            // The half vector is found anew from rounded directions: its error, some ulp and more at grazing angles, counts
-            // in units of alpha; refraction at eta near 1 divides it by |eta - 1| once more.
+            // The half vector is found anew from rounded directions: its error, some ulp and more at grazing angles,
+            // counts in units of alpha; refraction at eta near 1 divides it by |eta - 1| once more.
             const float spread = std::abs(c.eta - 1) < 0.1f ? 20.0f : 1.0f;
             const double tolerance = std::min(1e-4 + 1.5e-5 * spread / c.least_alpha, 0.08);
             const float cos_i = std::abs(dot(s.wi, c.bsdf.frame().n)), cos_o = std::abs(dot(wo, c.bsdf.frame().n));
@@ -156,7 +165,10 @@ TEST_CASE("the lobes of a value sum to it exactly", "[law5]") {
     Random random(5);
     std::vector<Case> cases = smooth_density_cases();
     Case coated{"coated", {}, 1};
-    coated.bsdf.set(tilted_frame(), LayeredClosure<LambertClosure>{{{Ggx::from_alpha(0.2f, 0.2f), 1.5f}, 0.01f, 0, Rgb(0), 10, 1, false}, {Rgb(0.5f)}}, 3);
+    coated.bsdf.set(tilted_frame(),
+                    LayeredClosure<LambertClosure>{
+                        {{Ggx::from_alpha(0.2f, 0.2f), 1.5f}, 0.01f, 0, Rgb(0), 10, 1, false}, {Rgb(0.5f)}},
+                    3);
     cases.push_back(coated);
     int seen = 0;
     for (const Case& c : cases)
@@ -185,8 +197,9 @@ TEST_CASE("opaque closures are reciprocal, glass up to the square of its index")
             // Radiance over the squared index is what is conserved: Veach 1997, (5.14).
             const float index_a = c.eta > 0 && a.z < 0 ? c.eta : 1.0f, index_b = c.eta > 0 && b.z < 0 ? c.eta : 1.0f;
             INFO(c.name);
-            // The half vector of a far-off pair through nearly matched glass is a difference of large numbers; the margin is
-            // for facets seen edge-on from one side, whose 1 - F is a root of what the other side's rounding leaves.
+            // The half vector of a far-off pair through nearly matched glass is a difference of large numbers; the
+            // margin is for facets seen edge-on from one side, whose 1 - F is a root of what the other side's rounding
+            // leaves.
             CHECK(ab * index_b * index_b == Approx(ba * index_a * index_a).epsilon(2e-3).margin(2e-5));
         }
 }
@@ -215,8 +228,12 @@ TEST_CASE("Lambert returns exactly its albedo, an ideal mirror its reflectance, 
         const Frame& f = lambert.frame();
         const Vec3 local = local_direction(cosine), wo = f.to_world(local);
         CHECK(lambert.sample(wo, 0.3f, random.two()).weight == Rgb(0.2f, 0.5f, 0.8f));
-        const double albedo = integrate_hemisphere([&](const Vec3& w) {
-            return static_cast<double>(lambert.evaluate(wo, f.to_world({w.x, w.y, std::copysign(w.z, cosine)})).value.g); }, 64);
+        const double albedo = integrate_hemisphere(
+            [&](const Vec3& w) {
+                return static_cast<double>(
+                    lambert.evaluate(wo, f.to_world({w.x, w.y, std::copysign(w.z, cosine)})).value.g);
+            },
+            64);
         CHECK(albedo == Approx(0.5).epsilon(1e-6));
 
         const BsdfSample m = mirror.sample(wo, 0.3f, random.two());
@@ -278,12 +295,17 @@ TEST_CASE("extreme random numbers and edge-on directions give finite samples or 
         cases.push_back({"metal", make(ConductorClosure{Ggx::from_alpha(alpha, alpha), grey_eta, grey_k, false}), 1});
         cases.push_back({"glass", make(DielectricClosure{Ggx::from_alpha(alpha, alpha), 1.5f}), 1});
         Case coated{"coated", {}, 1};
-        coated.bsdf.set(tilted_frame(), LayeredClosure<ConductorClosure>{{{Ggx::from_alpha(alpha, alpha), 1.5f}, 0.01f, 0.9f, Rgb(0.5f), 10, 1, true},
-                                                                        {Ggx::from_alpha(0.2f, 0.2f), grey_eta, grey_k, false}}, 9);
+        coated.bsdf.set(tilted_frame(),
+                        LayeredClosure<ConductorClosure>{
+                            {{Ggx::from_alpha(alpha, alpha), 1.5f}, 0.01f, 0.9f, Rgb(0.5f), 10, 1, true},
+                            {Ggx::from_alpha(0.2f, 0.2f), grey_eta, grey_k, false}},
+                        9);
         cases.push_back(coated);
     }
     // Stability row 20: reflectance exactly 1.
-    cases.push_back({"perfect metal", make(ConductorClosure{Ggx::from_alpha(0.1f, 0.1f), Rgb(1), conductor_k_from_reflectance(Rgb(1)), false}), 1});
+    cases.push_back(
+        {"perfect metal",
+         make(ConductorClosure{Ggx::from_alpha(0.1f, 0.1f), Rgb(1), conductor_k_from_reflectance(Rgb(1)), false}), 1});
     for (const Case& c : cases)
         for (const float cosine : {1.0f, 1e-3f, 1e-6f, 1e-9f, 0.0f, -1e-6f, -1.0f})
             for (const float a : values)

@@ -19,7 +19,9 @@ CoatLayer coat(float alpha, float eta = 1.5f, float thickness = 0.01f, float alb
 }
 
 /// White metal of constant reflectance.
-ConductorClosure metal(float alpha, float reflectance = 1) { return {Ggx::from_alpha(alpha, alpha), Rgb(reflectance), Rgb(0), true}; }
+ConductorClosure metal(float alpha, float reflectance = 1) {
+    return {Ggx::from_alpha(alpha, alpha), Rgb(reflectance), Rgb(0), true};
+}
 
 template <class Closure>
 Bsdf make(const Closure& closure, std::uint32_t key) {
@@ -52,7 +54,8 @@ MeanAndError evaluated_albedo(const Closure& closure, float cosine, int n, std::
         if (cosine < 0) wi = -wi;
         return make(closure, random.bits()).evaluate(wo, frame.to_world(wi)).value.r * over_pdf;
     });
-    if (closure.coat.interface.is_delta()) result.mean += fresnel_dielectric(std::abs(cosine), closure.coat.interface.eta);
+    if (closure.coat.interface.is_delta())
+        result.mean += fresnel_dielectric(std::abs(cosine), closure.coat.interface.eta);
     return result;
 }
 
@@ -78,7 +81,8 @@ double masking(const Double3& w, double alpha) {
     return (std::sqrt(1 + alpha * alpha * tan2) - 1) / 2;
 }
 
-/// One encounter with the coat of a ray that travels along `w`, from above (w.z < 0) or below. Changes `w` and `weight`.
+/// One encounter with the coat of a ray that travels along `w`, from above (w.z < 0) or below. Changes `w` and
+/// `weight`.
 void meet_coat(Double3& w, double& weight, double alpha, double eta, Random& random) {
     const double side = w.z < 0 ? 1 : -1;                        // where it comes from
     Double3 m{0, 0, side};
@@ -134,11 +138,14 @@ TEST_CASE("a smooth coat over a Lambert base has the albedo of its geometric ser
             const CoatedDiffuse closure{coat(0, 1.5f, 1e-7f), {Rgb(rho)}};
             const double f = fresnel_by_snell(std::abs(cosine), 1, 1.5);
             const double expected = f + (1 - f) * (1 - inside) * rho / (1 - inside * rho);
-            const MeanAndError sampled = sampled_albedo(closure, cosine, 40'000, 1), evaluated = evaluated_albedo(closure, cosine, 40'000, 2);
-            INFO("rho " << rho << ", cos " << cosine << ": " << expected << ", sampled " << sampled.mean << ", evaluated " << evaluated.mean);
+            const MeanAndError sampled = sampled_albedo(closure, cosine, 40'000, 1),
+                               evaluated = evaluated_albedo(closure, cosine, 40'000, 2);
+            INFO("rho " << rho << ", cos " << cosine << ": " << expected << ", sampled " << sampled.mean
+                        << ", evaluated " << evaluated.mean);
             CHECK(std::abs(sampled.mean - expected) < 4 * sampled.standard_error + 1e-5);
             CHECK(std::abs(evaluated.mean - expected) < 4 * evaluated.standard_error + 1e-5);
-            CHECK(make(closure, 1).albedo(tilted_frame().to_world(local_direction(cosine))).r == Approx(expected).margin(0.03));
+            CHECK(make(closure, 1).albedo(tilted_frame().to_world(local_direction(cosine))).r ==
+                  Approx(expected).margin(0.03));
         }
 }
 
@@ -147,12 +154,16 @@ TEST_CASE("rough coats agree with brute force, by sampling and by evaluation") {
         for (const float cosine : {0.9f, 0.3f}) {
             const CoatedDiffuse closure{coat(alpha, 1.5f, 0.05f), {Rgb(0.8f)}};
             Random random(7);
-            const MeanAndError brute = average(60'000, [&] { return brute_force(cosine, alpha, 1.5, 0.05, 0.8, random); });
-            const MeanAndError sampled = sampled_albedo(closure, cosine, 60'000, 3), evaluated = evaluated_albedo(closure, cosine, 60'000, 4);
-            INFO("alpha " << alpha << ", cos " << cosine << ": brute force " << brute.mean << " +- " << brute.standard_error << ", sampled "
-                          << sampled.mean << ", evaluated " << evaluated.mean << " +- " << evaluated.standard_error);
+            const MeanAndError brute =
+                average(60'000, [&] { return brute_force(cosine, alpha, 1.5, 0.05, 0.8, random); });
+            const MeanAndError sampled = sampled_albedo(closure, cosine, 60'000, 3),
+                               evaluated = evaluated_albedo(closure, cosine, 60'000, 4);
+            INFO("alpha " << alpha << ", cos " << cosine << ": brute force " << brute.mean << " +- "
+                          << brute.standard_error << ", sampled " << sampled.mean << ", evaluated " << evaluated.mean
+                          << " +- " << evaluated.standard_error);
             CHECK(std::abs(sampled.mean - brute.mean) < 4 * std::hypot(sampled.standard_error, brute.standard_error));
-            CHECK(std::abs(evaluated.mean - brute.mean) < 4 * std::hypot(evaluated.standard_error, brute.standard_error));
+            CHECK(std::abs(evaluated.mean - brute.mean) <
+                  4 * std::hypot(evaluated.standard_error, brute.standard_error));
         }
 }
 
@@ -160,7 +171,8 @@ TEST_CASE("sample and evaluate describe the same scattering, direction by direct
     struct Setting {
         float coat_alpha, base_alpha, medium;
     };
-    const Setting settings[] = {{0, 0.2f, 0}, {0.2f, 0.2f, 0}, {0.4f, 0.1f, 0}, {0, 0.2f, 0.7f}, {0.3f, 0.2f, 0.7f}, {0.3f, 0, 0.7f}};
+    const Setting settings[] = {{0, 0.2f, 0},    {0.2f, 0.2f, 0},    {0.4f, 0.1f, 0},
+                                {0, 0.2f, 0.7f}, {0.3f, 0.2f, 0.7f}, {0.3f, 0, 0.7f}};
     constexpr int rings = 4, sectors = 4, n = 60'000;
     // Two-sided normal deviate of Sidak's level for 1 % over all cells.
     const double tests = std::size(settings) * 2.0 * rings * sectors;
@@ -168,12 +180,14 @@ TEST_CASE("sample and evaluate describe the same scattering, direction by direct
     const Frame frame = tilted_frame();
     for (const Setting& setting : settings)
         for (const float cosine : {0.8f, -0.3f}) {
-            const CoatedMetal closure{coat(setting.coat_alpha, 1.5f, 0.5f, setting.medium), metal(setting.base_alpha, 0.9f)};
+            const CoatedMetal closure{coat(setting.coat_alpha, 1.5f, 0.5f, setting.medium),
+                                      metal(setting.base_alpha, 0.9f)};
             const Vec3 wo = frame.to_world(local_direction(cosine));
             const auto cell = [&](const Vec3& w) {
                 const Vec3 l = frame.to_local(w);
                 const int ring = std::min(static_cast<int>(l.z * l.z * rings), rings - 1);
-                return ring * sectors + std::min(static_cast<int>((std::atan2(l.y, l.x) * 0.1591549f + 0.5f) * sectors), sectors - 1);
+                return ring * sectors +
+                       std::min(static_cast<int>((std::atan2(l.y, l.x) * 0.1591549f + 0.5f) * sectors), sectors - 1);
             };
             std::array<std::array<double, 2>, rings * sectors> by_sample{}, by_value{};
             Random random(11);
@@ -196,8 +210,8 @@ TEST_CASE("sample and evaluate describe the same scattering, direction by direct
             for (std::size_t i = 0; i < by_sample.size(); ++i) {
                 const double a = by_sample[i][0] / n, b = by_value[i][0] / n;
                 const double variance = (by_sample[i][1] / n - a * a + by_value[i][1] / n - b * b) / n;
-                INFO("coat " << setting.coat_alpha << ", base " << setting.base_alpha << ", medium " << setting.medium << ", cos " << cosine
-                             << ", cell " << i << ": " << a << " against " << b);
+                INFO("coat " << setting.coat_alpha << ", base " << setting.base_alpha << ", medium " << setting.medium
+                             << ", cos " << cosine << ", cell " << i << ": " << a << " against " << b);
                 CHECK(std::abs(a - b) <= limit * std::sqrt(variance) + 1e-9);
             }
         }
@@ -213,7 +227,8 @@ TEST_CASE("without an index step the coat vanishes but for the slab's absorption
         const double expected = 0.6 / 3.141592653589793 * 0.4 * std::exp(-thickness / 0.7 - thickness / 0.4);
         CHECK(e.value.r == Approx(expected).epsilon(1e-5));
         CHECK(e.pdf == Approx(0.4 / 3.141592653589793).epsilon(1e-5));
-        CHECK(lobe_kinds()[e.lobes.entry[static_cast<std::size_t>(e.lobes.count - 1)].lobe].name == std::string("diffuse"));
+        CHECK(lobe_kinds()[e.lobes.entry[static_cast<std::size_t>(e.lobes.count - 1)].lobe].name ==
+              std::string("diffuse"));
     }
 }
 
@@ -226,8 +241,10 @@ TEST_CASE("coats give back no more than they get, whatever is below", "[furnace]
                 const MeanAndError diffuse = evaluated_albedo(CoatedDiffuse{pbrt, {Rgb(1)}}, cosine, 10'000, 21);
                 const MeanAndError rough = evaluated_albedo(CoatedMetal{pbrt, metal(0.3f)}, cosine, 10'000, 22);
                 const MeanAndError walked = sampled_albedo(CoatedMetal{pbrt, metal(0)}, cosine, 10'000, 23);
-                INFO("alpha " << alpha << ", cos " << cosine << ", medium " << medium << ": " << diffuse.mean << " " << rough.mean << " " << walked.mean);
-                for (const MeanAndError& each : {diffuse, rough, walked}) CHECK(each.mean <= 1 + 4 * each.standard_error + 1e-5);
+                INFO("alpha " << alpha << ", cos " << cosine << ", medium " << medium << ": " << diffuse.mean << " "
+                              << rough.mean << " " << walked.mean);
+                for (const MeanAndError& each : {diffuse, rough, walked})
+                    CHECK(each.mean <= 1 + 4 * each.standard_error + 1e-5);
             }
 }
 
@@ -250,7 +267,8 @@ TEST_CASE("light that never entered is the coat's and all other the base's", "[l
     Bsdf surface;
     surface.set(frame, closure.coat.interface);
     for (int i = 0; i < 500; ++i) {
-        const Vec3 wo = frame.to_world(sample_cosine_hemisphere(random.two())), wi = frame.to_world(sample_cosine_hemisphere(random.two()));
+        const Vec3 wo = frame.to_world(sample_cosine_hemisphere(random.two())),
+                   wi = frame.to_world(sample_cosine_hemisphere(random.two()));
         const Bsdf bsdf = make(closure, random.bits());
         const BsdfEvaluation e = bsdf.evaluate(wo, wi);
         REQUIRE(e.lobes.count == 2);
@@ -273,7 +291,9 @@ TEST_CASE("a walk's lobe shares match the lobes that evaluate tells apart", "[la
         const float u_lobe = random.one();
         const BsdfSample s = make(closure, random.bits()).sample(wo, u_lobe, random.two());
         CHECK((s.pdf == 0 || (s.lobes.count == 1 && s.pdf_is_proportional)));
-        return s.pdf > 0 && std::string(lobe_kinds()[s.lobes.entry[0].lobe].name) == "coat" ? static_cast<double>(s.weight.r) : 0.0;
+        return s.pdf > 0 && std::string(lobe_kinds()[s.lobes.entry[0].lobe].name) == "coat"
+                   ? static_cast<double>(s.weight.r)
+                   : 0.0;
     });
     const double coat_share = integrate_hemisphere([&](const Vec3& w) {
         return static_cast<double>(closure.coat_value(local_direction(0.4f), w)); }, 1500);
@@ -298,7 +318,7 @@ TEST_CASE("the coated densities cover the hemisphere and stay within 1") {
                         CHECK(pdf > 0);
                         return static_cast<double>(pdf); }, 200);
                     INFO(coat_alpha << " " << base_alpha << " " << cosine << ": " << integral);
-                    CHECK(integral < 1.05);                    // an approximation; rough coats refract a little otherwise
+                    CHECK(integral < 1.05);  // an approximation; rough coats refract a little otherwise
                 }
             }
 }
@@ -309,7 +329,8 @@ TEST_CASE("a smooth coat on smooth metal is a mirror with two singular lobes") {
     const Vec3 wo = frame.to_world(local_direction(0.6f));
     const double f = fresnel_by_snell(0.6, 1, 1.5);
     double base = 0;
-    for (double term = (1 - f) * (1 - f) * 0.8; term > 1e-9; term *= f * 0.8) base += term;   // same F at every inner reflection
+    for (double term = (1 - f) * (1 - f) * 0.8; term > 1e-9; term *= f * 0.8)
+        base += term;  // same F at every inner reflection
     Random random(3);
     double coat_sum = 0, base_sum = 0;
     constexpr int n = 100'000;

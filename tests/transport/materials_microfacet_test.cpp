@@ -11,14 +11,15 @@ using namespace raylex::test;
 
 namespace {
 
-/// Integral of g over normals of the upper hemisphere, in slopes of the facets: m ~ (-ax p, -ay q, 1), dm = ax ay m.z^3 dp dq.
-/// p, q in polar form with radius r = tan(psi), so that the whole plane is a finite rectangle.
+/// Integral of g over normals of the upper hemisphere, in slopes of the facets: m ~ (-ax p, -ay q, 1), dm = ax ay m.z^3
+/// dp dq. p, q in polar form with radius r = tan(psi), so that the whole plane is a finite rectangle.
 template <class F>
 double integrate_normals(const Ggx& facets, const F& g, int n) {
     double sum = 0;
     const double half_pi = 1.5707963267948966;
     for (int i = 0; i < n; ++i) {
-        const double psi = (i + 0.5) / n * half_pi, r = std::tan(psi), dr = half_pi / n / (std::cos(psi) * std::cos(psi));
+        const double psi = (i + 0.5) / n * half_pi, r = std::tan(psi),
+                     dr = half_pi / n / (std::cos(psi) * std::cos(psi));
         for (int j = 0; j < n; ++j) {
             const double phi = 2 * 3.141592653589793 * (j + 0.5) / n;
             const double x = facets.alpha_x * r * std::cos(phi), y = facets.alpha_y * r * std::sin(phi);
@@ -55,7 +56,8 @@ TEST_CASE("the distribution of normals integrates to 1 over projected area, for 
                 continue;
             }
             INFO("alpha " << x << " x " << y);
-            CHECK(integrate_normals(facets, [&](const Vec3& m) { return static_cast<double>(facets.d(m)) * m.z; }, 400) ==
+            CHECK(integrate_normals(
+                      facets, [&](const Vec3& m) { return static_cast<double>(facets.d(m)) * m.z; }, 400) ==
                   Approx(1).margin(1e-4));
         }
     // The value at the pole, where the usual tan^2 form cancels: 1 / (pi alpha^2).
@@ -89,7 +91,8 @@ TEST_CASE("normals seen from above follow the distribution, a thin strip of them
             const double p = m.x / m.z / facets.alpha_x, q = m.y / m.z / facets.alpha_y, r2 = p * p + q * q;
             const double angle = std::atan2(q, p) / 6.283185307179586 + 0.5;
             const int ring = std::min(static_cast<int>(r2 / (1 + r2) * rings), rings - 1);
-            count[static_cast<std::size_t>(ring * sectors + std::min(static_cast<int>(angle * sectors), sectors - 1))] += 1;
+            count[static_cast<std::size_t>(ring * sectors +
+                                           std::min(static_cast<int>(angle * sectors), sectors - 1))] += 1;
         }
         double chi2 = 0;
         const double expected = static_cast<double>(draws) / (rings * sectors);
@@ -111,7 +114,8 @@ TEST_CASE("rough metal's albedo is its double integral, and its sample weights n
                 REQUIRE(s.weight.r <= 1 + 1e-5f);
                 return static_cast<double>(s.weight.r);
             });
-            // Independently: over normals, in double, with G2 D |wo.m| / (cos_o) and the Jacobian of reflection cancelled.
+            // Independently: over normals, in double, with G2 D |wo.m| / (cos_o) and the Jacobian of reflection
+            // cancelled.
             const double quadrature = integrate_normals(metal.facets, [&](const Vec3& m) {
                 const double om = dot(wo, m);
                 const Vec3 wi = reflect(wo, m);
@@ -131,7 +135,8 @@ TEST_CASE("conductor reflectance agrees with the complex Fresnel equations") {
     for (const double cosine : {1.0, 0.7, 0.2, 1e-3})
         for (const double eta : {0.2, 1.0, 2.5})
             for (const double k : {0.0, 1.0, 3.9}) {
-                const std::complex<double> index(eta, -k), cos_t = std::sqrt(1.0 - (1 - cosine * cosine) / (index * index));
+                const std::complex<double> index(eta, -k),
+                    cos_t = std::sqrt(1.0 - (1 - cosine * cosine) / (index * index));
                 const auto parallel = (index * cosine - cos_t) / (index * cosine + cos_t);
                 const auto perpendicular = (cosine - index * cos_t) / (cosine + index * cos_t);
                 const double expected = (std::norm(parallel) + std::norm(perpendicular)) / 2;
@@ -211,7 +216,8 @@ TEST_CASE("a roughness just above smooth reflects what the delta does") {
     CHECK(smooth.is_delta());
     for (const float cosine : {1.0f, 0.4f, 0.1f}) {
         const Vec3 wo = local_direction(cosine);
-        const MeanAndError r = average(5'000, [&] { return static_cast<double>(rough.sample(wo, 0, random.two()).weight.r); });
+        const MeanAndError r =
+            average(5'000, [&] { return static_cast<double>(rough.sample(wo, 0, random.two()).weight.r); });
         CHECK(r.mean == Approx(smooth.sample(wo, 0, {0.5f, 0.5f}).weight.r).epsilon(5e-3));   // stability row 13: 0.5 %
     }
 }
@@ -225,7 +231,8 @@ TEST_CASE("a thin pane adds up all its inner reflections and bends nothing") {
         float series = f, inner = (1 - f) * (1 - f) * f;           // F + T F T + T F F F T + ...
         for (int i = 0; i < 200; ++i, inner *= f * f) series += inner;
         const Vec3 wo = tilted_frame().to_world(local_direction(cosine));
-        const BsdfSample reflected = pane.sample(wo, 0, {0.5f, 0.5f}), through = pane.sample(wo, one_minus_epsilon, {0.5f, 0.5f});
+        const BsdfSample reflected = pane.sample(wo, 0, {0.5f, 0.5f}),
+                         through = pane.sample(wo, one_minus_epsilon, {0.5f, 0.5f});
         CHECK(reflected.pdf == Approx(series).epsilon(1e-5));
         CHECK(reflected.pdf + through.pdf == Approx(1).epsilon(1e-6));
         CHECK((!reflected.transmitted && through.transmitted && through.eta == 1));
@@ -239,7 +246,9 @@ TEST_CASE("anisotropic facets stretch along dpdu's direction, whatever the frame
     Bsdf metal;
     metal.set(frame, ConductorClosure{Ggx::from_alpha(0.5f, 0.05f), Rgb(1), Rgb(0), true});
     const Vec3 wo = frame.n;
-    const auto at = [&](const Vec3& tangent) { return metal.evaluate(wo, normalize(frame.n + tangent * 0.4f)).value.r; };
+    const auto at = [&](const Vec3& tangent) {
+        return metal.evaluate(wo, normalize(frame.n + tangent * 0.4f)).value.r;
+    };
     CHECK(at(frame.s) > 50 * at(frame.t));
     CHECK(at(frame.s) == Approx(at(-frame.s)).epsilon(1e-4));
 }

@@ -91,8 +91,10 @@ TEST_CASE("roughness is square-root remapped unless told otherwise, and anisotro
         return shade_one(entity("conductor", std::move(parameters))).evaluate(up, normalize(wi)).value.r;
     };
     const Vec3 wi{0.2f, 0.1f, 1};
-    CHECK(value({real("roughness", 0.04)}, wi) == Approx(value({real("roughness", 0.2), boolean("remaproughness", false)}, wi)).epsilon(1e-5));
-    const std::vector<Parameter> brushed{real("uroughness", 0.5), real("vroughness", 0.05), boolean("remaproughness", false)};
+    CHECK(value({real("roughness", 0.04)}, wi) ==
+          Approx(value({real("roughness", 0.2), boolean("remaproughness", false)}, wi)).epsilon(1e-5));
+    const std::vector<Parameter> brushed{real("uroughness", 0.5), real("vroughness", 0.05),
+                                         boolean("remaproughness", false)};
     CHECK(value(brushed, {0.4f, 0, 1}) > 20 * value(brushed, {0, 0.4f, 1}));
     CHECK_FALSE(shade_one(entity("conductor", {real("roughness", 0.9e-6)})).has_density());      // sqrt(0.9e-6) < 1e-3
     CHECK(shade_one(entity("conductor", {real("roughness", 1.1e-6)})).has_density());
@@ -101,21 +103,25 @@ TEST_CASE("roughness is square-root remapped unless told otherwise, and anisotro
 TEST_CASE("a conductor's reflectance is its colour at normal incidence, under a coat relative to it") {
     const Bsdf metal = shade_one(entity("conductor", {rgb("reflectance", 0.8, 0.5, 0.2)}));
     for (int c = 0; c < 3; ++c) CHECK(metal.albedo(up)[c] == Approx(Rgb(0.8f, 0.5f, 0.2f)[c]).epsilon(1e-4));
-    const Bsdf coated = shade_one(entity("coatedconductor", {rgb("reflectance", 0.8, 0.5, 0.2), real("interface.roughness", 0),
-                                                             real("conductor.roughness", 0.3), real("interface.eta", 1.5)}));
+    const Bsdf coated =
+        shade_one(entity("coatedconductor", {rgb("reflectance", 0.8, 0.5, 0.2), real("interface.roughness", 0),
+                                             real("conductor.roughness", 0.3), real("interface.eta", 1.5)}));
     CHECK(coated.has_density());
     CHECK(coated.albedo(up).r > coated.albedo(up).b);
 }
 
 TEST_CASE("a batch in any order gives each hit its own material, in runs without gathering") {
     SceneDescription scene;
-    scene.textures = {colour_texture("checkerboard", "tiles", {rgb("tex1", 0.9, 0.9, 0.9), rgb("tex2", 0.1, 0.1, 0.1)})};
-    scene.materials = {entity("diffuse", {rgb("reflectance", 0.2, 0.2, 0.2)}), entity("dielectric", {}), entity("diffuse", {texture("reflectance", "tiles")})};
+    scene.textures = {
+        colour_texture("checkerboard", "tiles", {rgb("tex1", 0.9, 0.9, 0.9), rgb("tex2", 0.1, 0.1, 0.1)})};
+    scene.materials = {entity("diffuse", {rgb("reflectance", 0.2, 0.2, 0.2)}), entity("dielectric", {}),
+                       entity("diffuse", {texture("reflectance", "tiles")})};
     const Built built = build(scene);
     Random random(3);
     for (const std::size_t n : {1u, 7u, 256u, 0u, 1000u}) {
         std::vector<SurfacePoint> points;
-        for (std::size_t i = 0; i < n; ++i) points.push_back(hit(static_cast<int>(random.one() * 3), random.one() * 2, 0.5f));
+        for (std::size_t i = 0; i < n; ++i)
+            points.push_back(hit(static_cast<int>(random.one() * 3), random.one() * 2, 0.5f));
         std::vector<Bsdf> closures(n);
         built.materials.shade(built.textures, points, closures);
         for (std::size_t i = 0; i < n; ++i) {
@@ -129,7 +135,8 @@ TEST_CASE("a batch in any order gives each hit its own material, in runs without
 TEST_CASE("mix takes the second material with the probability of its amount, and nothing at the ends") {
     SceneDescription scene;
     scene.textures = {real_texture("checkerboard", "where", {real("tex1", 0), real("tex2", 1)})};
-    scene.materials = {entity("diffuse", {rgb("reflectance", 0.2, 0.2, 0.2)}, "dark"), entity("diffuse", {rgb("reflectance", 0.8, 0.8, 0.8)}, "light")};
+    scene.materials = {entity("diffuse", {rgb("reflectance", 0.2, 0.2, 0.2)}, "dark"),
+                       entity("diffuse", {rgb("reflectance", 0.8, 0.8, 0.8)}, "light")};
     Parameter names = string("materials", "dark");
     names.strings.push_back("light");
     scene.materials.push_back(entity("mix", {names, real("amount", 0.3)}, "blend"));
@@ -154,14 +161,24 @@ TEST_CASE("mix takes the second material with the probability of its amount, and
 }
 
 TEST_CASE("every lobe that closures give was announced by their material", "[law4]") {
-    std::vector<SceneEntity> materials{
-        entity("diffuse", {}), entity("conductor", {}), entity("conductor", {real("roughness", 0.1)}), entity("dielectric", {}),
-        entity("dielectric", {real("roughness", 0.1)}), entity("dielectric", {real("roughness", 0.1), real("eta", 1)}),
-        entity("thindielectric", {}), entity("coateddiffuse", {}), entity("coateddiffuse", {real("roughness", 0.1)}),
-        entity("coatedconductor", {}), entity("coatedconductor", {real("interface.roughness", 0.1)}),
-        entity("coatedconductor", {rgb("albedo", 0.9, 0.9, 0.9), real("thickness", 1)}), entity("coatedconductor", {real("conductor.roughness", 0.1)}),
-        entity("interface", {}), entity("raylex:additive", {}), entity("raylex:mirror", {}), entity("raylex:diffuse-mirror", {}),
-        entity("raylex:sheet", {})};
+    std::vector<SceneEntity> materials{entity("diffuse", {}),
+                                       entity("conductor", {}),
+                                       entity("conductor", {real("roughness", 0.1)}),
+                                       entity("dielectric", {}),
+                                       entity("dielectric", {real("roughness", 0.1)}),
+                                       entity("dielectric", {real("roughness", 0.1), real("eta", 1)}),
+                                       entity("thindielectric", {}),
+                                       entity("coateddiffuse", {}),
+                                       entity("coateddiffuse", {real("roughness", 0.1)}),
+                                       entity("coatedconductor", {}),
+                                       entity("coatedconductor", {real("interface.roughness", 0.1)}),
+                                       entity("coatedconductor", {rgb("albedo", 0.9, 0.9, 0.9), real("thickness", 1)}),
+                                       entity("coatedconductor", {real("conductor.roughness", 0.1)}),
+                                       entity("interface", {}),
+                                       entity("raylex:additive", {}),
+                                       entity("raylex:mirror", {}),
+                                       entity("raylex:diffuse-mirror", {}),
+                                       entity("raylex:sheet", {})};
     SceneDescription scene;
     scene.materials = materials;
     const Built built = build(scene);
@@ -186,14 +203,18 @@ TEST_CASE("every lobe that closures give was announced by their material", "[law
 }
 
 TEST_CASE("the analytic materials are built from their parameters") {
-    const Bsdf both = shade_one(entity("raylex:diffuse-mirror", {rgb("diffuse", 0.5, 0.5, 0.5), rgb("specular", 0.3, 0.3, 0.3)}));
+    const Bsdf both =
+        shade_one(entity("raylex:diffuse-mirror", {rgb("diffuse", 0.5, 0.5, 0.5), rgb("specular", 0.3, 0.3, 0.3)}));
     CHECK(both.albedo(up).r == Approx(0.8));
     const Bsdf sheet = shade_one(entity("raylex:sheet", {rgb("transmittance", 0.7, 0.7, 0.7)}));
     CHECK((sheet.sample(up, 0.2f, {0.5f, 0.5f}).transmitted && sheet.albedo(up).r == 0.7f));
-    const Bsdf constant = shade_one(entity("raylex:additive", {rgb("diffuse", 0.2, 0.2, 0.2), rgb("specular", 0.4, 0.4, 0.4),
-                                                              real("roughness", 0.3), boolean("remaproughness", false), boolean("constantreflectance", true)}));
+    const Bsdf constant = shade_one(entity(
+        "raylex:additive", {rgb("diffuse", 0.2, 0.2, 0.2), rgb("specular", 0.4, 0.4, 0.4), real("roughness", 0.3),
+                            boolean("remaproughness", false), boolean("constantreflectance", true)}));
     CHECK(constant.albedo({0, 0.99f, 0.1f}).r == Approx(0.6));
-    CHECK(shade_one(entity("raylex:mirror", {rgb("reflectance", 0.9, 0.9, 0.9)})).sample(up, 0.5f, {0.5f, 0.5f}).weight == Rgb(0.9f));
+    CHECK(
+        shade_one(entity("raylex:mirror", {rgb("reflectance", 0.9, 0.9, 0.9)})).sample(up, 0.5f, {0.5f, 0.5f}).weight ==
+        Rgb(0.9f));
 }
 
 TEST_CASE("mistakes in materials are located and name what was expected") {
@@ -224,7 +245,8 @@ TEST_CASE("mistakes in materials are located and name what was expected") {
 
 TEST_CASE("parameters that nothing reads stay unused, for the caller to report") {
     SceneDescription scene;
-    scene.materials = {entity("diffuse", {rgb("reflectance", 0.5, 0.5, 0.5), real("sigma", 20), real("displacement", 0)})};
+    scene.materials = {
+        entity("diffuse", {rgb("reflectance", 0.5, 0.5, 0.5), real("sigma", 20), real("displacement", 0)})};
     build(scene);
     const auto unused = scene.materials[0].parameters.unused();
     REQUIRE(unused.size() == 1);

@@ -42,10 +42,13 @@ Rgb colour_at(TextureTable& table, const SceneDescription& scene, const std::str
     return table.rgb(*id, {u, v, {}});
 }
 
-/// A PFM of 2 x 2: red, green / blue, white from the top, with values that tell the texels apart. PFM rows go bottom up.
+/// A PFM of 2 x 2: red, green / blue, white from the top, with values that tell the texels apart. PFM rows go bottom
+/// up.
 class ImageFile {
   public:
-    ImageFile() : path_(std::filesystem::temp_directory_path() / ("raylex_texture_" + std::to_string(std::random_device{}()) + ".pfm")) {
+    ImageFile()
+        : path_(std::filesystem::temp_directory_path() /
+                ("raylex_texture_" + std::to_string(std::random_device{}()) + ".pfm")) {
         std::ofstream file(path_, std::ios::binary);
         file << "PF\n2 2\n-1.0\n";
         const float rows[] = {0, 0, 0.5f, 1, 1, 1, /* top: */ 0.25f, 0, 0, 0, 2.0f, 0};
@@ -80,9 +83,11 @@ TEST_CASE("constants, scale and mix compute what they say, nested too") {
 
 TEST_CASE("the checkerboard has tex1 where both cells have one parity") {
     SceneDescription scene;
-    scene.textures = {real_texture("checkerboard", "board", {real("uscale", 4), real("vscale", 2), real("udelta", 0.5), real("tex1", 10), real("tex2", 20)}),
-                      real_texture("checkerboard", "default", {}),
-                      real_texture("checkerboard", "solid", {parameter(ParameterType::integer, "dimension", {3})})};
+    scene.textures = {
+        real_texture("checkerboard", "board",
+                     {real("uscale", 4), real("vscale", 2), real("udelta", 0.5), real("tex1", 10), real("tex2", 20)}),
+        real_texture("checkerboard", "default", {}),
+        real_texture("checkerboard", "solid", {parameter(ParameterType::integer, "dimension", {3})})};
     scene.textures[2].to_world = Transform::translate(1, 0, 0);
     const TextureTable table = build(scene);
     CHECK(real_at(table, "default", 0.5f, 0.5f) == 1);
@@ -105,8 +110,11 @@ TEST_CASE("images stand upright, interpolate between texel centres and wrap as t
         more.push_back(string("filename", file.name()));
         return colour_texture("imagemap", name, std::move(more));
     };
-    scene.textures = {image("repeat", {}), image("clamp", {string("wrap", "clamp")}), image("black", {string("wrap", "black")}),
-                      image("point", {string("filter", "point")}), image("inverted", {boolean("invert", true), string("wrap", "clamp")}),
+    scene.textures = {image("repeat", {}),
+                      image("clamp", {string("wrap", "clamp")}),
+                      image("black", {string("wrap", "black")}),
+                      image("point", {string("filter", "point")}),
+                      image("inverted", {boolean("invert", true), string("wrap", "clamp")}),
                       image("scaled", {real("scale", 2), string("wrap", "clamp")}),
                       image("tiled", {real("uscale", 2), real("vdelta", 0.5), string("filter", "point")})};
     TextureTable table = build(scene);
@@ -156,9 +164,13 @@ TEST_CASE("colour images are taken to the rendering space, unbounded ones are no
 
 TEST_CASE("mappings place texture space on the surface") {
     SceneDescription scene;
-    const auto board = [](const char* name, std::vector<Parameter> more) { return real_texture("checkerboard", name, std::move(more)); };
-    scene.textures = {board("planar", {string("mapping", "planar"), parameter(ParameterType::vector3, "v1", {0, 0, 1}), real("udelta", 1)}),
-                      board("spherical", {string("mapping", "spherical")}), board("cylindrical", {string("mapping", "cylindrical")})};
+    const auto board = [](const char* name, std::vector<Parameter> more) {
+        return real_texture("checkerboard", name, std::move(more));
+    };
+    scene.textures = {
+        board("planar",
+              {string("mapping", "planar"), parameter(ParameterType::vector3, "v1", {0, 0, 1}), real("udelta", 1)}),
+        board("spherical", {string("mapping", "spherical")}), board("cylindrical", {string("mapping", "cylindrical")})};
     scene.textures[0].to_world = Transform::scale(2, 2, 2);
     const TextureTable table = build(scene);
     CHECK(real_at(table, "planar", 0, 0, {0, 1, 1}) == 0);            // s = 0.5 + 1, t = 0.5

@@ -119,7 +119,8 @@ TEST_CASE("a lobe from outside gets a row of the event table, and the same lobe 
     CHECK(lobe_kinds().size() == before + 2);
 }
 
-TEST_CASE("a pattern passes its inputs on, and writes where the camera sees it and nowhere else", "[textures][plugins]") {
+TEST_CASE("a pattern passes its inputs on, and writes where the camera sees it and nowhere else",
+          "[textures][plugins]") {
     register_writing_pattern();
     SceneDescription scene;
     scene.textures.push_back(colour_texture("constant", "plain", {rgb("value", 0.25, 0.5, 0.75)}));

@@ -19,7 +19,8 @@ Parameter number_parameter(const std::string& name, double value) {
 
 transport::SceneEntity metropolis(int chains, int bootstrap_samples) {
     transport::SceneEntity entity = integrator_named("pssmlt");
-    entity.parameters.parameters = {number_parameter("chains", chains), number_parameter("bootstrapsamples", bootstrap_samples)};
+    entity.parameters.parameters = {number_parameter("chains", chains),
+                                    number_parameter("bootstrapsamples", bootstrap_samples)};
     return entity;
 }
 
@@ -47,8 +48,9 @@ TEST_CASE("primary samples are a chain whose stationary numbers are uniform", "[
     }
     CHECK(std::abs(state()[0] - before) < 1e-5f);  // six deviations of the step of state() itself
 
-    // All steps accepted: each number walks over [0, 1) evenly, those that are asked for every seventh step only as well, and two
-    // numbers of one step are independent. Chi-square over 16 cells; small steps of half the range mix at once, so n / 2 counts.
+    // All steps accepted: each number walks over [0, 1) evenly, those that are asked for every seventh step only as
+    // well, and two numbers of one step are independent. Chi-square over 16 cells; small steps of half the range mix at
+    // once, so n / 2 counts.
     constexpr int steps = 40000, cells = 16;
     std::array<std::array<int, cells>, 2> often{}, rare{};
     std::array<int, cells> joint{};
@@ -95,8 +97,9 @@ TEST_CASE("the Metropolis integrator finds the path tracer's image, word by word
     settings.max_depth = 5;
     settings.samples_per_pixel = 256;
     settings.resolution = {{18, 18}};
-    compare_with_path(room, settings, metropolis(40, 40000), 12, 128,
-                      {"C.*", "CL", "C<RD>L", "C<.S>+B", "C<RD><.S>+L", "C<RD><RD>+[LB]", "C<RG>.*L", "C<RD><.G>.*[LB]"});
+    compare_with_path(
+        room, settings, metropolis(40, 40000), 12, 128,
+        {"C.*", "CL", "C<RD>L", "C<.S>+B", "C<RD><.S>+L", "C<RD><RD>+[LB]", "C<RG>.*L", "C<RD><.G>.*[LB]"});
     // Media, a lens and a filter that reaches over the image's border.
     compare_with_path(film + R"(
 PixelFilter "gaussian" "float xradius" 2 "float yradius" 2 "float sigma" 0.7
@@ -110,10 +113,12 @@ AttributeBegin MediumInterface "fog" "" Material "interface" Shape "sphere" "flo
 Material "diffuse" "rgb reflectance" [0.6 0.6 0.6]
 Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-3 -1.3 3 3 -1.3 3 3 -1.3 -3 -3 -1.3 -3]
 )",
-                      settings, metropolis(8, 20000), 12, 128, {"C.*", "C<Ts>V<Ts>[LB]", "C<Ts>VV+<Ts>[LB]", "C<RD>[LB]", "C<RD><Ts>V.*"});
+                      settings, metropolis(8, 20000), 12, 128,
+                      {"C.*", "C<Ts>V<Ts>[LB]", "C<Ts>VV+<Ts>[LB]", "C<RD>[LB]", "C<RD><Ts>V.*"});
 }
 
-TEST_CASE("Metropolis keeps the laws: splits sum, asking changes nothing, threads neither", "[pssmlt][render][law1][law2][law3]") {
+TEST_CASE("Metropolis keeps the laws: splits sum, asking changes nothing, threads neither",
+          "[pssmlt][render][law1][law2][law3]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings;
     settings.samples_per_pixel = 20;
@@ -156,7 +161,8 @@ Shape "sphere" "float radius" 1
 )"),
                                 settings);
     for (const double value : dark.frame_buffer.resolve(0)) CHECK(value == 0);
-    // What scatters nowhere is the camera rays' alone: bit for bit the path tracer's image, had the start-up left nothing.
+    // What scatters nowhere is the camera rays' alone: bit for bit the path tracer's image, had the start-up left
+    // nothing.
     const auto scene = scene_of(room);
     settings.max_depth = 0;
     const auto metropolis_image = render_of(scene, settings);

@@ -25,7 +25,8 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-0.53 -0.31 0 0
 )");
 }
 
-transport::RenderOutput render_broken(const transport::SceneDescription& scene, const transport::RenderSettings& settings) {
+transport::RenderOutput render_broken(const transport::SceneDescription& scene,
+                                      const transport::RenderSettings& settings) {
     auto output = transport::render(scene, settings);
     REQUIRE(output.ok());
     return *std::move(output);

@@ -237,22 +237,24 @@ LightSource "point" "rgb I" [2 2 2] "point3 from" [0 3 2]
         ++settings.seed;
         outputs.push_back(render_of(scene, settings));
         const display::FrameBuffer& buffer = outputs.back().frame_buffer;
-        const std::vector<double> whole = buffer.resolve(0), a = buffer.resolve(1), b = buffer.resolve(2), c = buffer.resolve(3);
+        const std::vector<double> whole = buffer.resolve(0), a = buffer.resolve(1), b = buffer.resolve(2),
+                                  c = buffer.resolve(3);
         for (std::size_t i = 0; i < whole.size(); ++i)
             CHECK(std::abs(a[i] + b[i] + c[i] - whole[i]) <= 1e-12 * (a[i] + b[i] + c[i] + whole[i]));
     }
     for (display::ChannelId id = 0; id <= 2; ++id)
         for (std::size_t other = 1; other < 3; ++other) {
             const Estimate a = estimate(outputs[0], id), b = estimate(outputs[other], id);
-            INFO("channel " << id << " strategy " << other << ": " << a.mean << " +- " << a.error << ", " << b.mean << " +- " << b.error);
+            INFO("channel " << id << " strategy " << other << ": " << a.mean << " +- " << a.error << ", " << b.mean
+                            << " +- " << b.error);
             CHECK(deviation(a, b) < 4.5);
             CHECK(b.error < 0.1 * b.mean);
         }
 }
 
 TEST_CASE("lights chosen by power or evenly send the same light, with other noise", "[render]") {
-    // One lamp with 400 times the power of each of eight others, all as far from the floor: of even choices eight in nine go
-    // to the weak ones, which send a fiftieth of the light.
+    // One lamp with 400 times the power of each of eight others, all as far from the floor: of even choices eight in
+    // nine go to the weak ones, which send a fiftieth of the light.
     std::string text = film + R"(
 Integrator "path" "integer maxdepth" 2
 LookAt 0 3 0.01  0 0 0  0 0 -1
@@ -263,8 +265,9 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-4 0 4 4 0 4 4 
 Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-4 0 -2 4 0 -2 4 4 -2 -4 4 -2]
 )";
     for (int i = 0; i < 9; ++i)
-        text += "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [" + std::string(i == 4 ? "40 40 40" : "0.1 0.1 0.1") +
-                "] Translate " + std::to_string(0.4 * (i - 4)) + " 4 0 Shape \"sphere\" \"float radius\" 0.15 AttributeEnd\n";
+        text += "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [" +
+                std::string(i == 4 ? "40 40 40" : "0.1 0.1 0.1") + "] Translate " + std::to_string(0.4 * (i - 4)) +
+                " 4 0 Shape \"sphere\" \"float radius\" 0.15 AttributeEnd\n";
     const auto scene = scene_of(text);
     transport::RenderSettings settings;
     settings.samples_per_pixel = 64;
@@ -276,10 +279,12 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-4 0 -2 4 0 -2 
     };
     for (const char* strategy : {"mis", "light"}) {
         const Estimate power = with(strategy, "power"), even = with(strategy, "uniform");
-        INFO(strategy << ": power " << power.mean << " +- " << power.error << ", uniform " << even.mean << " +- " << even.error);
+        INFO(strategy << ": power " << power.mean << " +- " << power.error << ", uniform " << even.mean << " +- "
+                      << even.error);
         CHECK(deviation(power, even) < 4.5);
         CHECK(even.error < 0.05 * even.mean);
-        // A ninth of even choices goes to the lamp that counts, nine tenths of the others: 2.8 times the deviation of that alone.
+        // A ninth of even choices goes to the lamp that counts, nine tenths of the others: 2.8 times the deviation of
+        // that alone.
         CHECK(even.error > 1.5 * power.error);
     }
     settings.integrator = path_with(text_parameter("lightsampler", "powr"));

@@ -15,7 +15,8 @@ using raylex::Rgb;
 namespace {
 
 /// A camera in the middle of a ball of fog with the radius 1, open to a uniform sky of radiance 1.
-std::string ball(const std::string& medium, const std::string& settings = "\"integer maxdepth\" 2000 \"bool roulette\" false",
+std::string ball(const std::string& medium,
+                 const std::string& settings = "\"integer maxdepth\" 2000 \"bool roulette\" false",
                  const std::string& world = "LightSource \"infinite\" \"rgb L\" [1 1 1]") {
     return R"(
 Film "rgb" "integer xresolution" 8 "integer yresolution" 8
@@ -40,8 +41,9 @@ std::array<double, 3> mean_rgb(const transport::RenderOutput& output, display::C
     return mean;
 }
 
-/// Light scattered once towards the middle of a ball of radius 1 under a uniform sky of radiance 1: the integral over the
-/// distance t of the scattering point and the cosine m of the direction it scatters light from, by the midpoint rule.
+/// Light scattered once towards the middle of a ball of radius 1 under a uniform sky of radiance 1: the integral over
+/// the distance t of the scattering point and the cosine m of the direction it scatters light from, by the midpoint
+/// rule.
 double scattered_once(double sigma_s, double sigma_t, double g) {
     constexpr int steps = 600;
     double sum = 0;
@@ -130,8 +132,11 @@ TEST_CASE("light scattered once has its closed form, whichever way the fog scatt
     settings.samples_per_pixel = 1024;
     settings.channels = {lpe("seen", "CB"), lpe("once", "CVB"), lpe("twice", "CVVB")};
     for (const double g : {0.0, 0.6, -0.6}) {
-        const auto output = render_of(scene_of(ball("\"rgb sigma_a\" [0.2 0.2 0.2] \"rgb sigma_s\" [0.8 0.8 0.8] \"float g\" " +
-                                                        std::to_string(g), "\"integer maxdepth\" 2")), settings);
+        const auto output =
+            render_of(scene_of(ball("\"rgb sigma_a\" [0.2 0.2 0.2] \"rgb sigma_s\" [0.8 0.8 0.8] \"float g\" " +
+                                        std::to_string(g),
+                                    "\"integer maxdepth\" 2")),
+                      settings);
         const Estimate seen = estimate(output, 1), once = estimate(output, 2);
         CAPTURE(g, seen.mean, once.mean, once.error, scattered_once(0.8, 1, g));
         CHECK(std::abs(seen.mean - std::exp(-1.0)) <= 4.5 * seen.error);
@@ -155,7 +160,8 @@ Camera "perspective"
 WorldBegin
 )";
     transport::RenderSettings settings;
-    for (int k = 0; k <= 3; ++k) settings.channels.push_back(lpe("o" + std::to_string(k), "C" + std::string(std::size_t(k), 'V') + "O"));
+    for (int k = 0; k <= 3; ++k)
+        settings.channels.push_back(lpe("o" + std::to_string(k), "C" + std::string(std::size_t(k), 'V') + "O"));
     settings.channels.push_back(lpe("fourth", "CVVVVV*O"));
     const auto output = render_of(scene_of(scene), settings);
     for (int k = 0; k <= 3; ++k)
@@ -336,7 +342,8 @@ TEST_CASE("camera rays say where in a medium they end: WriteDistance at collisio
     const double samples = 8 * 8 * 256;
     auto output = render_of(scene_of(ball("\"rgb sigma_a\" [0 0 0] \"rgb sigma_s\" [0 0 0]")));
     {
-        auto [count, nearest, farthest, opacity] = recorded("\"rgb sigma_a\" [0.5 0.5 0.5] \"rgb sigma_s\" [0.5 0.5 0.5]", output);
+        auto [count, nearest, farthest, opacity] =
+            recorded("\"rgb sigma_a\" [0.5 0.5 0.5] \"rgb sigma_s\" [0.5 0.5 0.5]", output);
         const double stopped = double(count[{false, true}]);
         const double expected = 1 - std::exp(-1.0);  // binomial, 4.5 standard errors
         CHECK(std::abs(stopped / samples - expected) <= 4.5 * std::sqrt(expected * (1 - expected) / samples));
@@ -359,7 +366,8 @@ TEST_CASE("camera rays say where in a medium they end: WriteDistance at collisio
     }
 }
 
-TEST_CASE("deep images hold a medium as spans whose transmittance is Beer and Lambert's at every depth", "[render][media]") {
+TEST_CASE("deep images hold a medium as spans whose transmittance is Beer and Lambert's at every depth",
+          "[render][media]") {
     // Half scattering: collisions stop rays. Absorbing only: extra samples take their share. Both must composite alike.
     for (const char* medium : {"\"rgb sigma_a\" [0.5 0.5 0.5] \"rgb sigma_s\" [0.5 0.5 0.5]",
                                "\"rgb sigma_a\" [1 1 1] \"rgb sigma_s\" [0 0 0]"}) {
@@ -428,7 +436,8 @@ class BlindIntegrator final : public transport::Integrator {
     [[nodiscard]] std::unique_ptr<transport::IntegratorThread> make_thread_state() const override {
         return std::make_unique<transport::IntegratorThread>();
     }
-    void integrate(const transport::CameraBatch&, transport::IntegratorThread&, transport::ThreadServices&) const override {}
+    void integrate(const transport::CameraBatch&, transport::IntegratorThread&,
+                   transport::ThreadServices&) const override {}
 };
 
 }  // namespace

@@ -39,8 +39,8 @@ transport::SceneDescription with_holdout(const std::string& text, const std::str
     return scene;
 }
 
-/// Difference of two channels of one render, pixel by pixel, with its standard error. The channels share their samples, so
-/// the errors' hypotenuse is not the error of the difference: blocks of pixels are.
+/// Difference of two channels of one render, pixel by pixel, with its standard error. The channels share their samples,
+/// so the errors' hypotenuse is not the error of the difference: blocks of pixels are.
 struct Difference {
     double mean = 0, error = 0;
 };
@@ -87,8 +87,9 @@ TEST_CASE("unshadowed direct light is the direct light of the scene without what
         settings.samples_per_pixel = 256;
         settings.channels = {lpe("unoccluded", "unoccluded;C<RD'floor'>L"), lpe("plain", "C<RD'floor'>L")};
         const auto shadowed = render_of(scene_of(plate_scene(sky)), settings);
-        // Without the plate nothing on the floor is shadowed. Where the camera sees the plate, neither has floor: so compare
-        // with a plate that the camera sees and light does not, the floor's own light being black on plate pixels.
+        // Without the plate nothing on the floor is shadowed. Where the camera sees the plate, neither has floor: so
+        // compare with a plate that the camera sees and light does not, the floor's own light being black on plate
+        // pixels.
         settings.seed = 77;
         std::string empty = plate_scene(sky);
         const std::size_t plate = empty.find("NamedMaterial \"plate\"\nShape");
@@ -161,8 +162,8 @@ TEST_CASE("beauty and plain channels have the same bits beside channels with pre
     const auto alone = render_of(scene, settings);
     for (const char* expression :
          {"unoccluded;C.*", "shadows;C.*", "nothruput;C.*", "holdouts;C.*", "overwrite;C.*", "noinfinitecheck;C.*",
-          "unoccluded;holdouts;C[DS]+<L.>", "nothruput;noinfinitecheck;noclamp;unoccluded;overwrite;C<.S'passthru'>*((U2L)|O)",
-          "CU6L"})
+          "unoccluded;holdouts;C[DS]+<L.>",
+          "nothruput;noinfinitecheck;noclamp;unoccluded;overwrite;C<.S'passthru'>*((U2L)|O)", "CU6L"})
         settings.channels.push_back(lpe(std::string("p").append(std::to_string(settings.channels.size())), expression));
     const auto beside = render_of(scene, settings);
     for (display::ChannelId id = 0; id < 3; ++id)
@@ -171,7 +172,8 @@ TEST_CASE("beauty and plain channels have the same bits beside channels with pre
     CHECK(beside.statistics.scattering_rays == alone.statistics.scattering_rays);
 }
 
-TEST_CASE("what a camera ray finds first at a holdout leaves beauty, alpha and plain channels", "[render][prefixes][law1]") {
+TEST_CASE("what a camera ray finds first at a holdout leaves beauty, alpha and plain channels",
+          "[render][prefixes][law1]") {
     transport::RenderSettings settings;
     settings.samples_per_pixel = 16;
     settings.channels = {lpe("floor", "C<.D'floor'>.*"), lpe("all", "C.*"), lpe("catcher", "holdouts;C.*"),
@@ -208,7 +210,8 @@ TEST_CASE("a holdout that no channel asks for costs no rays", "[render][prefixes
     transport::RenderSettings settings;
     settings.samples_per_pixel = 4;
     const std::string text = plate_scene(constant_sky);
-    const auto ordinary = render_of(scene_of(text), settings), output = render_of(with_holdout(text, "floor"), settings);
+    const auto ordinary = render_of(scene_of(text), settings),
+               output = render_of(with_holdout(text, "floor"), settings);
     CHECK(output.statistics.shadow_rays * 2 < ordinary.statistics.shadow_rays);
     // And where only unshadowed light is asked for, no shadow ray is traced.
     settings.beauty = false;
@@ -237,7 +240,8 @@ AttributeBegin Translate 1 0 0 ObjectInstance "ball" AttributeEnd
 )";
     transport::SceneDescription scene = scene_of(text);
     using Selector = transport::LabelRule::Selector;
-    transport::LabelRule all{Selector::material, "m", "balls", {}, true}, one{Selector::instance, "ball:1", "right", {}, false};
+    transport::LabelRule all{Selector::material, "m", "balls", {}, true},
+        one{Selector::instance, "ball:1", "right", {}, false};
     REQUIRE(transport::apply_label_rules(scene, {all, one}).ok());
     CHECK(scene.objects[0].shapes[0].label == "balls");
     CHECK(scene.instances[1].label == "right");
@@ -278,8 +282,9 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-2 -2 0 2 -2 0 
         return total(values) / static_cast<double>(values.size());
     };
     // One light sample a camera sample, and no other way to find these lights.
-    for (const char* light : {"LightSource \"point\" \"rgb I\" [3 3 3] \"point3 from\" [0 0 3]\n",
-                              "LightSource \"distant\" \"rgb L\" [3 3 3] \"point3 from\" [0 0 3] \"point3 to\" [0 0 0]\n"}) {
+    for (const char* light :
+         {"LightSource \"point\" \"rgb I\" [3 3 3] \"point3 from\" [0 0 3]\n",
+          "LightSource \"distant\" \"rgb L\" [3 3 3] \"point3 from\" [0 0 3] \"point3 to\" [0 0 0]\n"}) {
         const auto output = render_of(scene_of(text + light + wall), settings);
         // Intensity times the squared distance that the sample was divided by: two roundings of a float.
         CHECK(mean(output, 1) == Approx(3).epsilon(1e-6));

@@ -38,7 +38,8 @@ TEST_CASE("splatted images have the same bits for any number of threads and chan
     for (display::ChannelId id = 0; id < 3; ++id) CHECK(one.frame_buffer.resolve(id) == three.frame_buffer.resolve(id));
     CHECK(one.frame_buffer.resolve(0) == alone.frame_buffer.resolve(0));
     CHECK(one.frame_buffer.resolve_alpha() == alone.frame_buffer.resolve_alpha());
-    const std::vector<double> whole = one.frame_buffer.resolve(0), a = one.frame_buffer.resolve(1), b = one.frame_buffer.resolve(2);
+    const std::vector<double> whole = one.frame_buffer.resolve(0), a = one.frame_buffer.resolve(1),
+                              b = one.frame_buffer.resolve(2);
     double light = 0;
     for (std::size_t i = 0; i < whole.size(); ++i) {
         light += whole[i];
@@ -47,10 +48,10 @@ TEST_CASE("splatted images have the same bits for any number of threads and chan
     CHECK(light > 0);
 }
 
-// Per pixel over independent seeds: the share of the quad by either mode, and Welch's t of the two means. Where the share is
-// so near 0 or 1 that few of importance mode's samples tell, their scatter is no estimate and the share itself is compared:
-// it is a count of N = 24 x 64 samples. With 64 samples a pixel the bias of a ratio of sums, one part in the number of samples
-// in reach, is a tenth of a standard error.
+// Per pixel over independent seeds: the share of the quad by either mode, and Welch's t of the two means. Where the
+// share is so near 0 or 1 that few of importance mode's samples tell, their scatter is no estimate and the share itself
+// is compared: it is a count of N = 24 x 64 samples. With 64 samples a pixel the bias of a ratio of sums, one part in
+// the number of samples in reach, is a tenth of a standard error.
 TEST_CASE("splat and importance mode agree in the mean, at edges and borders too", "[splat][render][statistical]") {
     // A bright quad over the image's border, on a dark sky: what differs between modes shows at edges and borders.
     const auto scene = scene_of(R"(
@@ -96,7 +97,8 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-3 -0.71 0 0.37
             }
             constexpr double count = seeds * 64;
             const double rare = std::min(share, 1 - share);
-            if (rare < 0.02) {  // fewer than 31 such samples: 6 deviations of a Poisson count, and one sample for counts near 0
+            // Fewer than 31 such samples: 6 deviations of a Poisson count, and one sample for counts near 0.
+            if (rare < 0.02) {
                 CHECK(std::abs(difference) / 0.8 <= 6 * std::sqrt(std::max(rare, 1 / count) / count) + 1 / count);
                 continue;
             }
@@ -109,7 +111,8 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-3 -0.71 0 0.37
         CHECK(uncertain > 40);
         // t with 2 x 23 degrees of freedom: 5.2 is as rare as 4.5 of a normal deviate.
         CHECK(worst < 5.2);
-        // Mean square of t: 46 / 44; its standard error over `uncertain` pixels, a few of which share samples: 4 of them.
+        // Mean square of t: 46 / 44; its standard error over `uncertain` pixels, a few of which share samples: 4 of
+        // them.
         CHECK(squares / uncertain < 46.0 / 44 + 4 * std::sqrt(3 * 2.2 / uncertain));
     }
 }

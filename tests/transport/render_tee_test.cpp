@@ -16,7 +16,8 @@ LookAt 0 0 3  0 0 0  0 1 0
 Camera "perspective" "float fov" 30
 WorldBegin
 LightSource "infinite" "rgb L" [1 1 1]
-)" + textures + "\n" + material + R"(
+)" + textures +
+           "\n" + material + R"(
 Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-4 -4 0 4 -4 0 4 4 0 -4 4 0] "point2 uv" [0 0 1 0 1 1 0 1]
 )";
 }
@@ -102,7 +103,8 @@ TEST_CASE("tees that cannot be are refused where they are written", "[render][te
         {"Texture \"t\" \"spectrum\" \"tee\"", "names no channel", 10},
         {"Texture \"t\" \"spectrum\" \"tee\" \"string channel\" \"Nn\"", "one of raylex's own", 10},
         {"Texture \"t\" \"spectrum\" \"tee\" \"string channel\" \"beauty\"", "one of raylex's own", 10},
-        {"Texture \"t\" \"spectrum\" \"tee\" \"string channel\" \"mine\"\nTexture \"u\" \"float\" \"tee\" \"string channel\" \"mine\"",
+        {"Texture \"t\" \"spectrum\" \"tee\" \"string channel\" \"mine\"\nTexture \"u\" \"float\" \"tee\" \"string "
+         "channel\" \"mine\"",
          "is a spectrum channel already", 11},
         {"Texture \"t\" \"spectrum\" \"teee\" \"string channel\" \"a\"", "unknown texture 'teee'", 10},
     };

@@ -19,5 +19,6 @@ TEST_CASE("an image of one tile is the same bits when several threads hold its b
     settings.threads = 4;
     auto four = transport::render(**built, settings);
     REQUIRE(four.ok());
-    for (display::ChannelId id = 0; id < 2; ++id) CHECK(one->frame_buffer.resolve(id) == four->frame_buffer.resolve(id));
+    for (display::ChannelId id = 0; id < 2; ++id)
+        CHECK(one->frame_buffer.resolve(id) == four->frame_buffer.resolve(id));
 }

@@ -18,7 +18,8 @@ Texture "holes" "float" "checkerboard" "float uscale" 3 "float vscale" 2 "float 
 Material "diffuse" "rgb reflectance" [0 0 0]
 AttributeBegin
   AreaLightSource "diffuse" "rgb L" [4 4 4] "bool twosided" )" +
-           two_sided + "\n  Translate 0.3 1.5 0\n  Rotate 90 1 0 0\n  Shape " + shape + " " + alpha + "\nAttributeEnd\n";
+           two_sided + "\n  Translate 0.3 1.5 0\n  Rotate 90 1 0 0\n  Shape " + shape + " " + alpha +
+           "\nAttributeEnd\n";
 }
 
 struct Emitter {

@@ -5,7 +5,8 @@ using namespace render_test;
 
 namespace {
 
-/// A room with an area light, in units of `s` (its walls 2 apart), around (x, 0, 0). No light that has a unit of length.
+/// A room with an area light, in units of `s` (its walls 2 apart), around (x, 0, 0). No light that has a unit of
+/// length.
 std::string room_at(double s, double x) {
     const auto n = [](double v) {
         char text[32];
@@ -42,8 +43,8 @@ TEST_CASE("The unit of length does not show", "[law6]") {
 }
 
 TEST_CASE("Triangles of 1e-10 have a normal", "[law6]") {
-    // The squared length of their edges' cross product is below the smallest float. One bounce off a wall that fills the
-    // view, under a sky of 1: the albedo, exactly but for single roundings.
+    // The squared length of their edges' cross product is below the smallest float. One bounce off a wall that fills
+    // the view, under a sky of 1: the albedo, exactly but for single roundings.
     const Estimate e = estimate(render_of(scene_of(film + R"(
 Integrator "path" "integer maxdepth" 1
 LookAt 0 0 -1e-10  0 0 0  0 1 0
@@ -58,8 +59,8 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3]
 }
 
 TEST_CASE("A room far from the origin keeps its light", "[law6]") {
-    // At 1e5 a float steps by 2^-7, so a room of 200 is built of coordinates exact to 4e-5 of it: the image's mean moves
-    // by less than its standard error of half a percent.
+    // At 1e5 a float steps by 2^-7, so a room of 200 is built of coordinates exact to 4e-5 of it: the image's mean
+    // moves by less than its standard error of half a percent.
     const Estimate expected = estimate(render_of(scene_of(room_at(100, 0)))),
                    far = estimate(render_of(scene_of(room_at(100, 1e5))));
     INFO(far.mean << " +- " << far.error << ", expected " << expected.mean << " +- " << expected.error);

@@ -1,4 +1,5 @@
-// Renders that end by a clock or by their error, and shards: the bits are those of a render with the samples they reached.
+// Renders that end by a clock or by their error, and shards: the bits are those of a render with the samples they
+// reached.
 #include "tests/transport/render_support.h"
 
 using namespace render_test;
@@ -55,7 +56,8 @@ TEST_CASE("a render that ends by its error has it, and not for one pass less") {
     CHECK(output.adaptive->error <= 0.08);
     CHECK(output.samples_per_pixel > 64);
     check_replay(scene, output);
-    // Errors fall with the root of the samples and passes grow by an eighth: what is done too much is less than a quarter.
+    // Errors fall with the root of the samples and passes grow by an eighth: what is done too much is less than a
+    // quarter.
     CHECK(output.adaptive->error > 0.08 / 1.25);
 
     settings.splat = true;
