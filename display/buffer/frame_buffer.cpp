@@ -132,6 +132,8 @@ FrameBuffer::FrameBuffer(const FrameBufferLayout& layout, std::span<const Channe
         using Places = std::array<Storage::Taker::Place, 3>;
         storage.takers.push_back({static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(channel.samples_of),
                                   kernel ? fill != 0 && std::isfinite(fill) : expression && rule != FilterRule::sum,
+                                  kernel && std::isfinite(fill) && !kept.moments && !kept.halves && splat == nullptr,
+                                  static_cast<std::uint32_t>(channel.components),
                                   channel.picked.empty()
                                       ? Places{place(channel.sum), place(channel.plain_sum), place(channel.square_sum)}
                                       : Places{place(channel.picked), place(channel.depth), place(channel.seen)}});
@@ -184,13 +186,13 @@ void FrameBuffer::accumulate(const SampleTable& table) {
             sample_alpha(table, row, has_extra ? extra.of(row) : std::span<const int>());
 
     const FrameBufferLayout& layout = storage_->layout;
-    const auto block = static_cast<std::uint64_t>(layout.block_size);
+    const int block = std::countr_zero(static_cast<unsigned>(layout.block_size));  // a power of two: see check_layout()
     for (int begin = 0, end = 0; begin < cameras; begin = end) {
         const CameraRow& first = table.camera_row(begin);
         for (end = begin + 1; end < cameras; ++end) {
             const CameraRow& row = table.camera_row(end);
             if (row.pixel_x != first.pixel_x || row.pixel_y != first.pixel_y ||
-                row.sample / block != first.sample / block)
+                (row.sample >> block) != (first.sample >> block))
                 break;
         }
         Run run;
@@ -250,6 +252,18 @@ void FrameBuffer::accumulate_run(const SampleTable& table, const Run& run) {
     accumulate_channels(table, run);
 }
 
+/// What add_filtered() comes to where nothing but the weighted sum is kept and no sample has further rows.
+template <int components>
+inline void FrameBuffer::Storage::add_sum(const Taker& taker, const SampleTable& table, const Run& run) {
+    const double* const values = table.values(static_cast<ChannelId>(taker.from)) + static_cast<std::size_t>(run.begin) * components;
+    const std::array<double, 3> sum =
+        weighted_sum<components>(values, run.sum_weights(), static_cast<std::size_t>(run.end - run.begin));
+    // A sum of nothing is not added, so that its memory page is not needed either.
+    if (!is_zero(sum) &&
+        !add_terms<components>(sum_of[taker.channel] + run.pixel * components, sum.data(), layout.quantum_exponent))
+        reject(taker.channel);
+}
+
 void FrameBuffer::accumulate_channels(const SampleTable& table, const Run& run) {
     Storage& storage = *storage_;
     std::uint64_t stripes = table.stripes_of(run.begin, run.end);
@@ -281,6 +295,11 @@ void FrameBuffer::accumulate_channels(const SampleTable& table, const Run& run) 
     }
     for (const Storage::Taker& taker : takers) {
         if (!takes(taker)) continue;
+        if (taker.sums_only && run.extra == nullptr) {
+            if (taker.components == 3) storage.add_sum<3>(taker, table, run);
+            else storage.add_sum<1>(taker, table, run);
+            continue;
+        }
         Channel& channel = storage.channels[taker.channel];
         const std::size_t from = taker.from;
         if (channel.definition.rule == FilterRule::filter) storage.add_filtered(channel, from, table, run);

@@ -112,9 +112,9 @@ void FrameBuffer::Storage::add_filtered(Channel& channel, std::size_t index, con
     const std::size_t at = run.pixel * components;
     if (!channel.even_sum.empty()) add_halves(channel, index, table, run, values);
     // A sum of nothing is not added, so that its memory page is not needed either.
-    if (sums.weighted != std::array<double, 3>{})
+    if (!is_zero(sums.weighted))
         add(channel.sum, at, sums.weighted.data(), channel.components, layout.quantum_exponent, index);
-    if (!statistics || (sums.plain == std::array<double, 3>{} && sums.square == std::array<double, 3>{})) return;
+    if (!statistics || (is_zero(sums.plain) && is_zero(sums.square))) return;
     add(channel.plain_sum, at, sums.plain.data(), channel.components, layout.quantum_exponent, index);
     std::array<double, 3> high{}, low{};
     for (std::size_t c = 0; c < components; ++c) mean_part(sums.plain[c], run.end - run.begin, high[c], low[c]);
@@ -135,7 +135,7 @@ void FrameBuffer::Storage::add_plain(Channel& channel, std::size_t index, const 
             sum[c] += table.values(id)[static_cast<std::size_t>(row) * components + c];
     });
     channel.seen[run.pixel] += taken;
-    if (sum != std::array<double, 3>{})
+    if (!is_zero(sum))
         add(channel.sum, run.pixel * components, sum.data(), channel.components, layout.quantum_exponent, index);
 }
 

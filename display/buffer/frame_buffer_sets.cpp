@@ -61,7 +61,7 @@ void FrameBuffer::Storage::add_sets(const SampleTable& table, const Run& run, st
                 for (const int row : run.extra->of(run.begin + static_cast<int>(i)))
                     for (std::size_t c = 0; c < 3; ++c)
                         sum[c] += run.weights[i] * values[3 * static_cast<std::size_t>(row) + c];
-        if (sum == std::array<double, 3>{}) continue;
+        if (is_zero(sum)) continue;
         SetSums::Sum fixed{};
         bool fits = true;
         for (std::size_t c = 0; c < 3; ++c) fits = fits && to_fixed(sum[c], layout.quantum_exponent, fixed[c]);

@@ -169,6 +169,8 @@ struct FrameBuffer::Storage {
     struct Taker {
         std::uint32_t channel, from;      // whose samples
         bool reads_untouched;             // whether samples of which nothing was sent to it still change it
+        bool sums_only;                   // whether a block's weighted sum is all that is kept of it, in importance mode
+        std::uint32_t components;
         /// What of the channel a run of samples reaches: null where it keeps none.
         struct Place {
             const char* first = nullptr;
@@ -234,6 +236,8 @@ struct FrameBuffer::Storage {
     }
     void add_sets(const SampleTable& table, const Run& run, std::uint64_t stripes);
     void add_waiting(SetSums& sums);
+    template <int components>
+    void add_sum(const Taker& taker, const SampleTable& table, const Run& run);
     void splat_weights(const Run& run);
     void splat_values(Channel& channel, std::size_t index, const Run& run, const double* values);
     void add_filtered(Channel& channel, std::size_t index, const SampleTable& table, const Run& run);
@@ -286,6 +290,10 @@ template <int components>
     std::array<double, 3> sum{};
     for (std::size_t c = 0; c < components; ++c) sum[c] = sums[c] + sums[components + c];
     return sum;
+}
+
+[[nodiscard]] inline bool is_zero(const std::array<double, 3>& sum) {
+    return ((sum[0] == 0) & (sum[1] == 0) & (sum[2] == 0)) != 0;
 }
 
 /// Calls visit(index in the region, index in the image) for each pixel, row by row.

@@ -8,9 +8,21 @@ namespace {
 
 namespace in = geoaovs::inputs;
 
-template <class Triple>
-void put(std::vector<float> (&columns)[3], std::size_t at, const Triple& value) {
-    for (int c = 0; c < 3; ++c) columns[c][at] = value[c];
+/// One column, or three, after the other: the pointers stay in registers.
+template <class Value>
+void fill(std::span<const std::uint32_t> which, std::vector<float> (&columns)[3], Value value) {
+    float *x = columns[0].data(), *y = columns[1].data(), *z = columns[2].data();
+    for (std::size_t i = 0; i < which.size(); ++i) {
+        const auto triple = value(which[i]);
+        x[i] = triple[0];
+        y[i] = triple[1];
+        z[i] = triple[2];
+    }
+}
+template <class Number, class Value>
+void fill(std::span<const std::uint32_t> which, std::vector<Number>& column, Value value) {
+    Number* const to = column.data();
+    for (std::size_t i = 0; i < which.size(); ++i) to[i] = value(which[i]);
 }
 
 Vec3 camera_point(const IntegratorContext& context, const Vec3& p) {
@@ -46,46 +58,60 @@ float edge_distance(const IntegratorContext& context, const Vec3& position, std:
     return nearest;
 }
 
-void add_first_hit(const IntegratorContext& context, const FirstHit& first, geoaovs::ShadingBatch& batch) {
+void describe_first_hits(const IntegratorContext& context, const FirstHits& first, geoaovs::ShadingBatch& batch) {
     const geoaovs::Inputs wanted = context.aovs->inputs();
-    const SurfacePoint& point = *first.point;
-    const auto at = static_cast<std::size_t>(batch.count++);
-    batch.row[at] = first.row;
-    if (wanted & in::position) put(batch.position, at, point.position);
+    const std::span<const std::uint32_t> which = first.which;
+    const SurfacePoint* const points = first.points.data();
+    const EmbreeScene& geometry = *context.scene.geometry;
+    batch.resize(static_cast<int>(which.size()), wanted);
+    std::copy(&context.world_to_camera[0][0], &context.world_to_camera[0][0] + 12, &batch.world_to_camera[0][0]);
+    fill(which, batch.row, [&](std::size_t j) { return static_cast<std::int32_t>(first.rows[j]); });
+    if (wanted & in::position) fill(which, batch.position, [&](std::size_t j) { return points[j].position; });
     // No material bends its normal yet (normal maps are refused), so the shading normal is the plain one.
-    if (wanted & in::shading_normal) put(batch.shading_normal, at, face_forward(point.shading_normal, point.wo));
-    if (wanted & in::plain_normal) put(batch.plain_normal, at, face_forward(point.shading_normal, point.wo));
-    if (wanted & in::geometric_normal) put(batch.geometric_normal, at, face_forward(point.geometric_normal, point.wo));
-    if (wanted & in::view) put(batch.view, at, point.wo);
+    const auto facing = [&](std::size_t j) { return face_forward(points[j].shading_normal, points[j].wo); };
+    if (wanted & in::shading_normal) fill(which, batch.shading_normal, facing);
+    if (wanted & in::plain_normal) fill(which, batch.plain_normal, facing);
+    if (wanted & in::geometric_normal)
+        fill(which, batch.geometric_normal,
+             [&](std::size_t j) { return face_forward(points[j].geometric_normal, points[j].wo); });
+    if (wanted & in::view) fill(which, batch.view, [&](std::size_t j) { return points[j].wo; });
     if (wanted & in::texture) {
-        batch.s[at] = point.u;
-        batch.t[at] = point.v;
+        fill(which, batch.s, [&](std::size_t j) { return points[j].u; });
+        fill(which, batch.t, [&](std::size_t j) { return points[j].v; });
     }
     if (wanted & in::parameters) {
-        batch.u[at] = first.hit->u;
-        batch.v[at] = first.hit->v;
+        fill(which, batch.u, [&](std::size_t j) { return first.hits[j].u; });
+        fill(which, batch.v, [&](std::size_t j) { return first.hits[j].v; });
     }
-    if (wanted & in::dpdu) put(batch.dpdu, at, point.dpdu);
+    if (wanted & in::dpdu) fill(which, batch.dpdu, [&](std::size_t j) { return points[j].dpdu; });
     if (wanted & in::outside_ior)
-        batch.outside_ior[at] = dot(point.geometric_normal, point.wo) < 0 ? first.bsdf->inside_ior() : 1.0f;
+        fill(which, batch.outside_ior, [&](std::size_t j) {
+            return dot(points[j].geometric_normal, points[j].wo) < 0 ? first.bsdfs[j].inside_ior() : 1.0f;
+        });
     if (wanted & in::ids) {
-        const EmbreeScene& geometry = *context.scene.geometry;
-        const bool instanced = first.hit->instance != Hit::none;
-        batch.object_id[at] = first.source->object_id;
-        batch.part_id[at] = instanced ? static_cast<std::int32_t>(
-                                            first.hit->shape - geometry.instances()[first.hit->instance].first_shape + 1)
-                                      : 0;
-        batch.surface_id[at] = geometry.surface_number(*first.hit);
+        fill(which, batch.object_id, [&](std::size_t j) { return first.sources[j].object_id; });
+        fill(which, batch.part_id, [&](std::size_t j) {
+            const Hit& hit = first.hits[j];
+            return hit.instance == Hit::none
+                       ? 0
+                       : static_cast<std::int32_t>(hit.shape - geometry.instances()[hit.instance].first_shape + 1);
+        });
+        fill(which, batch.surface_id, [&](std::size_t j) { return geometry.surface_number(first.hits[j]); });
     }
-    if (wanted & in::albedo) put(batch.albedo, at, first.bsdf->albedo(point.wo));
+    if (wanted & in::albedo) fill(which, batch.albedo, [&](std::size_t j) { return first.bsdfs[j].albedo(points[j].wo); });
     if (!(wanted & (in::dpdv | in::object_position | in::curvature | in::edges))) return;
-    const SurfaceDetails details = context.scene.geometry->details(*first.hit, point);
-    if (wanted & in::dpdv) put(batch.dpdv, at, details.dpdv);
-    if (wanted & in::object_position) put(batch.object_position, at, details.object_position);
-    if (wanted & in::curvature) batch.curvature[at] = details.curvature;
-    if (wanted & in::edges)
-        batch.edge_pixels[at] = edge_distance(
-            context, point.position, {details.edges.data(), 2 * static_cast<std::size_t>(details.edge_count)});
+    for (std::size_t at = 0; at < which.size(); ++at) {
+        const std::size_t j = which[at];
+        const SurfaceDetails details = geometry.details(first.hits[j], points[j]);
+        for (int c = 0; c < 3; ++c) {
+            if (wanted & in::dpdv) batch.dpdv[c][at] = details.dpdv[c];
+            if (wanted & in::object_position) batch.object_position[c][at] = details.object_position[c];
+        }
+        if (wanted & in::curvature) batch.curvature[at] = details.curvature;
+        if (wanted & in::edges)
+            batch.edge_pixels[at] = edge_distance(
+                context, points[j].position, {details.edges.data(), 2 * static_cast<std::size_t>(details.edge_count)});
+    }
 }
 
 }  // namespace raylex::transport

@@ -1,6 +1,7 @@
 // From first hits to the shading batch that geometric AOVs read: what every integrator that starts at the camera does.
 #pragma once
 
+#include <cstdint>
 #include <span>
 
 #include "geoaovs/geoaovs.h"
@@ -8,18 +9,19 @@
 
 namespace raylex::transport {
 
-/// One first hit of a batch.
-struct FirstHit {
-    std::int32_t row = 0;       ///< in the sample table
-    const Hit* hit = nullptr;
-    const SurfacePoint* point = nullptr;
-    const SurfaceSource* source = nullptr;
-    const Bsdf* bsdf = nullptr;
+/// First hits side by side: entry `which[i]` of every array is one. Those must not be empty that the render's AOVs read;
+/// to fill them all is always right.
+struct FirstHits {
+    std::span<const std::uint32_t> which;
+    std::span<const std::uint32_t> rows;   ///< in the sample table
+    std::span<const Hit> hits;
+    std::span<const SurfacePoint> points;
+    std::span<const SurfaceSource> sources;
+    std::span<const Bsdf> bsdfs;
 };
 
-/// Appends a hit to `batch`, whose room was made with batch.resize(capacity, aovs.inputs()) and whose count is then set
-/// to 0. Only the columns that the render's AOVs read are filled.
-void add_first_hit(const IntegratorContext& context, const FirstHit& first, geoaovs::ShadingBatch& batch);
+/// Makes `batch` these hits. Only the columns that the render's AOVs read are filled.
+void describe_first_hits(const IntegratorContext& context, const FirstHits& first, geoaovs::ShadingBatch& batch);
 
 /// How far `position` lies from the nearest of the edges (start and end by turns), in pixels of the image; infinity when
 /// there is none. Edges that pass behind the camera are cut.

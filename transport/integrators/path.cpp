@@ -172,6 +172,7 @@ void PathIntegrator::resolve(PathThread& thread, ThreadServices& services) const
         services.lpe.wants_emitter_samples() && !context_.scene.lights->environments().empty();
     const std::span<const ShapeGeometry> shapes = context_.scene.geometry->shapes();
     std::size_t kept = 0;
+    thread.first_count = 0;
     for (std::size_t j = 0; j < v.count; ++j) {
         const ShapeGeometry& shape = shapes[v.hits[j].shape];
         const std::uint32_t row = v.rows[j];
@@ -190,6 +191,7 @@ void PathIntegrator::resolve(PathThread& thread, ThreadServices& services) const
         }
         v.points[j].random_key = thread.samplers[row].key(dimension(path, key_dimension));
         v.points[j].row = path.depth == 0 ? static_cast<std::int32_t>(row) : -1;
+        if (path.depth == 0) thread.first_entries[thread.first_count++] = static_cast<std::uint32_t>(kept);
         v.keep(j, kept++);
     }
     v.count = kept;

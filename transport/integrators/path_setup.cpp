@@ -60,20 +60,11 @@ Registry<IntegratorFactory>::Entry path_integrator_entry() {
 }
 
 void PathIntegrator::write_aovs(PathThread& thread, ThreadServices& services) const {
-    if (context_.aovs->inputs() == 0) return;
+    if (context_.aovs->inputs() == 0 || thread.first_count == 0) return;
     const VertexBatch& v = thread.vertices;
-    geoaovs::ShadingBatch& out = thread.first_hits;
-    out.resize(static_cast<int>(v.count), context_.aovs->inputs());
-    out.count = 0;
-    std::copy(&context_.world_to_camera[0][0], &context_.world_to_camera[0][0] + 12, &out.world_to_camera[0][0]);
-    for (std::size_t j = 0; j < v.count; ++j) {
-        const PathState& path = thread.paths[v.rows[j]];
-        if (path.depth != 0) continue;
-        add_first_hit(context_,
-                      {static_cast<std::int32_t>(v.rows[j]), &v.hits[j], &v.points[j], &v.sources[j], &v.bsdfs[j]},
-                      out);
-    }
-    if (out.count > 0) context_.aovs->write(out, services.display);
+    describe_first_hits(context_, {{thread.first_entries.data(), thread.first_count}, v.rows, v.hits, v.points, v.sources, v.bsdfs},
+                        thread.first_hits);
+    context_.aovs->write(thread.first_hits, services.display);
 }
 
 void PathIntegrator::report_surfaces(PathThread& thread, ThreadServices& services) const {

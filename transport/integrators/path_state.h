@@ -105,6 +105,7 @@ struct PathThread final : IntegratorThread {
         next_rows.resize(capacity);
         next_rays.resize(capacity);
         vertices.reserve(capacity);
+        first_entries.resize(capacity);
         pending.resize(capacity);
         emitters.resize(capacity);
         shadow_rays.resize(capacity);
@@ -131,6 +132,9 @@ struct PathThread final : IntegratorThread {
     std::vector<Ray> shadow_rays;
     std::vector<std::uint8_t> blocked;
     std::size_t pending_count = 0;
+    // Entries of `vertices` that are the first of their paths.
+    std::vector<std::uint32_t> first_entries;
+    std::size_t first_count = 0;
     geoaovs::ShadingBatch first_hits;
     // In scenes with media only.
     std::vector<std::int32_t> media;              // by row: what the path's next ray flies through; -1: nothing
