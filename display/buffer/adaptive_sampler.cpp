@@ -34,6 +34,12 @@ Status check_ranges(const AdaptiveSettings& settings) {
     return success();
 }
 
+/// Of as many normal numbers as a neighbourhood of that radius has pixels, the largest one's expectation.
+double largest_normal(int radius) {
+    constexpr std::array<double, 9> expected{0, 1.4850, 1.9653, 2.2412, 2.4313, 2.5750, 2.6897, 2.7849, 2.8658};
+    return expected[static_cast<std::size_t>(radius)];
+}
+
 /// invalid_channel when there is none of that name.
 ChannelId channel_named(std::span<const ChannelDefinition> channels, const std::string& name) {
     for (std::size_t i = 0; i < channels.size(); ++i)
@@ -95,38 +101,21 @@ AdaptiveSampler::AdaptiveSampler(const AdaptiveSettings& settings, std::span<con
     progress_.predicted_samples = std::min(blocks_ * block, settings_.max_samples) * pixels;
 }
 
-std::vector<double> relative_errors(std::span<const double> values, std::span<const double> variances,
-                                    std::size_t components, double weight, double floor) {
-    const std::size_t pixels = values.size() / components;
-    std::vector<double> errors(pixels);  // the pixels' brightness at first
-    double mean = 0;
-    for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
-        for (std::size_t c = 0; c < components; ++c) errors[pixel] += std::abs(values[pixel * components + c]);
-        errors[pixel] /= static_cast<double>(components);
-        mean += errors[pixel];
-    }
-    mean /= static_cast<double>(pixels);
-    for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
-        double variance = 0;
-        for (std::size_t c = 0; c < components; ++c) variance += variances[pixel * components + c];
-        const double reference = std::max(errors[pixel], floor * mean);
-        const double deviation = std::sqrt(variance / static_cast<double>(components));
-        // A black pixel under no floor: as far from any relative tolerance as its deviation is from 0.
-        errors[pixel] = deviation == 0 || mean == 0 ? 0 : weight * deviation / std::max(reference, 1e-30);
-    }
-    return errors;
-}
-
-void AdaptiveSampler::add_errors(const FrameBuffer& buffer, ChannelId id, double weight, double& mean_square) {
+PooledErrors AdaptiveSampler::add_errors(const FrameBuffer& buffer, ChannelId id, double weight, double& mean_square) {
     const std::vector<double> values = buffer.resolve(id), variances = buffer.resolve_variance_of_mean(id);
-    const std::vector<double> errors =
-        relative_errors(values, variances, values.size() / errors_.size(), weight, settings_.floor);
+    std::vector<PixelMoments> pixels = pixel_moments(values, variances, values.size() / errors_.size());
+    const double dark = darkest(pixels, settings_.floor);
     mean_square = 0;
-    for (std::size_t pixel = 0; pixel < errors.size(); ++pixel) {
-        mean_square += errors[pixel] * errors[pixel];
-        errors_[pixel] = std::max(errors_[pixel], errors[pixel]);
-    }
-    mean_square /= static_cast<double>(errors.size());
+    for (int y = 0; y < layout_.height; ++y)
+        for (int x = 0; x < layout_.width; ++x) {
+            PixelMoments& pixel = pixels[index(x, y)];
+            pixel.samples = static_cast<double>(buffer.sample_count(x, y));
+            const double error = relative_error(pixel, dark, weight);
+            mean_square += error * error;
+            errors_[index(x, y)] = std::max(errors_[index(x, y)], error);
+        }
+    mean_square /= static_cast<double>(errors_.size());
+    return {pixels, layout_.width, layout_.height, dark};
 }
 
 std::vector<double> AdaptiveSampler::spread(const std::vector<double>& values) const {
@@ -155,20 +144,21 @@ std::vector<double> AdaptiveSampler::spread(const std::vector<double>& values) c
 void AdaptiveSampler::decide(const FrameBuffer& buffer) {
     errors_.assign(open_.size(), 0);
     progress_.error = -1;
+    std::vector<PooledErrors> pools;
+    std::size_t worst = 0;
     for (std::size_t i = 0; i < ids_.size(); ++i) {
         double mean_square = 0;
-        add_errors(buffer, ids_[i], settings_.channels[i].weight, mean_square);
+        pools.push_back(add_errors(buffer, ids_[i], settings_.channels[i].weight, mean_square));
         if (const double error = std::sqrt(mean_square); error > progress_.error) {
             progress_.error = error;
             progress_.channel = settings_.channels[i].name;
+            worst = i;
         }
     }
     const std::vector<double> largest = spread(errors_);
-    const auto block = static_cast<std::uint64_t>(layout_.block_size);
     taken_ += blocks_;
     blocks_ = std::max<std::uint64_t>(1, taken_ / 8);
     progress_.open_pixels = 0;
-    double predicted = 0;
     for (int y = 0; y < layout_.height; ++y)
         for (int x = 0; x < layout_.width; ++x) {
             const std::size_t pixel = index(x, y);
@@ -177,15 +167,63 @@ void AdaptiveSampler::decide(const FrameBuffer& buffer) {
                               (samples < settings_.min_samples || largest[pixel] > settings_.error);
             open_[pixel] = open ? 1 : 0;
             progress_.open_pixels += open ? 1 : 0;
-            double needed = static_cast<double>(samples);
-            if (open) {
-                const double ratio = largest[pixel] / settings_.error;
-                needed = std::clamp(needed * ratio * ratio, static_cast<double>(samples + block),
-                                    std::max(static_cast<double>(settings_.max_samples), static_cast<double>(samples + block)));
-            }
-            predicted += needed;
         }
-    progress_.predicted_samples = static_cast<std::uint64_t>(predicted);
+    predict(buffer, largest, pools, worst);
+}
+
+void AdaptiveSampler::predict(const FrameBuffer& buffer, const std::vector<double>& largest,
+                              std::vector<PooledErrors>& pools, std::size_t worst) {
+    forecast_ = ErrorForecast(settings_.channels[worst].weight);
+    forecast_.add_level(pools[worst]);
+    const double tolerance = settings_.error * settings_.error, deviations = largest_normal(settings_.neighbourhood);
+    std::vector<ErrorPoint> points(open_.size());
+    std::vector<double> needed(open_.size());  // 0: more than the pools so far
+    for (int y = 0; y < layout_.height; ++y)
+        for (int x = 0; x < layout_.width; ++x) {
+            const std::size_t pixel = index(x, y);
+            points[pixel] = {static_cast<double>(buffer.sample_count(x, y)), largest[pixel] * largest[pixel]};
+            if (open_[pixel] == 0 || points[pixel].square <= tolerance) needed[pixel] = points[pixel].samples;
+        }
+    while (std::all_of(pools.begin(), pools.end(), [](PooledErrors& each) { return each.grow(); })) {
+        forecast_.add_level(pools[worst]);
+        std::vector<double> squares(open_.size()), likely(open_.size());
+        for (std::size_t i = 0; i < pools.size(); ++i) {
+            const double weight = settings_.channels[i].weight * settings_.channels[i].weight;
+            for (std::size_t pixel = 0; pixel < squares.size(); ++pixel) {
+                const double square = weight * pools[i].squares()[pixel];
+                squares[pixel] = std::max(squares[pixel], square);
+                likely[pixel] = std::max(likely[pixel], square * (1 + deviations * pools[i].scatter()[pixel]));
+            }
+        }
+        squares = spread(squares);
+        for (int y = 0; y < layout_.height; ++y)
+            for (int x = 0; x < layout_.width; ++x) {
+                const std::size_t pixel = index(x, y);
+                const double samples = pools.front().samples(x, y);
+                if (needed[pixel] > 0 || samples <= points[pixel].samples) continue;
+                const ErrorPoint next{samples, std::max(squares[pixel], likely[pixel]) / samples};
+                needed[pixel] = crossing(points[pixel], next, tolerance).value_or(0);
+                points[pixel] = next;
+            }
+    }
+    const auto block = static_cast<double>(layout_.block_size), most = static_cast<double>(settings_.max_samples);
+    double next_round = 0;  // samples when every open pixel has a block more
+    for (int y = 0; y < layout_.height; ++y)
+        for (int x = 0; x < layout_.width; ++x) {
+            const std::size_t pixel = index(x, y);
+            const double next = static_cast<double>(buffer.sample_count(x, y)) + (open_[pixel] != 0 ? block : 0);
+            next_round += next;
+            if (open_[pixel] == 0) continue;
+            if (needed[pixel] == 0)
+                needed[pixel] = samples_to_error(points[pixel].samples, std::sqrt(points[pixel].square), settings_.error);
+            needed[pixel] = std::clamp(needed[pixel], next, std::max(most, next));
+        }
+    PartsOfSum parts;
+    add_parts(needed, layout_.width, layout_.height, parts);
+    progress_.predicted_samples = static_cast<std::uint64_t>(parts.sum());
+    progress_.least_samples = 0;
+    if (parts.few_decide() || forecast_.few_samples_decide())
+        progress_.least_samples = static_cast<std::uint64_t>(std::max(next_round, parts.lower()));
 }
 
 std::uint64_t AdaptiveSampler::unconverged() const {
@@ -214,6 +252,7 @@ Status AdaptiveSampler::restore_record(std::string_view bytes) {
     progress_.channel = reader.text();
     progress_.error = reader.number<double>();
     progress_.predicted_samples = reader.number<std::uint64_t>();
+    progress_.least_samples = 0;
     std::fill(open_.begin(), open_.end(), std::uint8_t{0});
     reader.plane({reinterpret_cast<char*>(open_.data()), open_.size()});
     errors_.assign(reader.number<std::uint8_t>() != 0 ? open_.size() : 0, 0.0);

@@ -17,6 +17,11 @@
 // tests/transport/adaptive_test.cpp measures; display/README.md states it.
 //
 // s^2 takes samples as independent. Sobol' points vary less, so for them the error is overestimated.
+//
+// How many samples a pixel takes in all is predicted from pools of pixels (error_forecast.h): it goes on until the largest error of
+// its neighbourhood, by their E, comes down to the tolerance. In larger and larger pools ever fewer of its neighbours have
+// an error of their own; so the largest is taken to be at least what the largest of so many normal numbers is (Tippett,
+// Biometrika 17, 1925) that scatter by the pool's own deviation. Predictions decide nothing.
 #pragma once
 
 #include <cstdint>
@@ -24,6 +29,7 @@
 #include <string>
 #include <vector>
 
+#include "display/buffer/error_forecast.h"
 #include "display/buffer/frame_buffer.h"
 #include "display/services/parameters.h"
 
@@ -51,18 +57,9 @@ struct AdaptiveProgress {
     double error = 0;                       ///< its error, as the root of the mean square over pixels
     double target = 0;                      ///< AdaptiveSettings::error
     std::uint64_t open_pixels = 0;          ///< that go on
-    std::uint64_t predicted_samples = 0;    ///< of the whole image in the end, if errors fall with the root of the samples
+    std::uint64_t predicted_samples = 0;    ///< of the whole image in the end
+    std::uint64_t least_samples = 0;        ///< Forecast::least of that; 0 until the first decision after a resume
 };
-
-/// e above, of every pixel: `values` and the variances of their means, component by component.
-std::vector<double> relative_errors(std::span<const double> values, std::span<const double> variances,
-                                    std::size_t components, double weight, double floor);
-
-/// How many samples have the error `target`, when so many have `error`: errors fall with the root of the samples.
-[[nodiscard]] inline double samples_to_error(double samples, double error, double target) {
-    const double ratio = error / target;
-    return samples * ratio * ratio;
-}
 
 class AdaptiveSampler {
   public:
@@ -82,6 +79,8 @@ class AdaptiveSampler {
     [[nodiscard]] std::uint64_t blocks() const { return blocks_; }
     [[nodiscard]] std::uint64_t max_samples() const { return settings_.max_samples; }
     [[nodiscard]] const AdaptiveProgress& progress() const { return progress_; }
+    /// How AdaptiveProgress::error goes on when all pixels get as many samples; empty before the first decision.
+    [[nodiscard]] const ErrorForecast& forecast() const { return forecast_; }
     /// Pixels whose own error was above the tolerance at the last decision, although they are not open.
     [[nodiscard]] std::uint64_t unconverged() const;
     /// Each pixel's error after the last decision, before the neighbourhood; empty before the first.
@@ -95,7 +94,11 @@ class AdaptiveSampler {
     [[nodiscard]] std::size_t index(int x, int y) const {
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(layout_.width) + static_cast<std::size_t>(x);
     }
-    void add_errors(const FrameBuffer& buffer, ChannelId id, double weight, double& mean_square);
+    /// Returns them as PooledErrors.
+    PooledErrors add_errors(const FrameBuffer& buffer, ChannelId id, double weight, double& mean_square);
+    /// `largest`: errors_ spread; `pools`: [settings_.channels], `worst` that of progress_.channel.
+    void predict(const FrameBuffer& buffer, const std::vector<double>& largest, std::vector<PooledErrors>& pools,
+                 std::size_t worst);
     /// The largest value within the neighbourhood, for every pixel.
     [[nodiscard]] std::vector<double> spread(const std::vector<double>& values) const;
 
@@ -106,6 +109,7 @@ class AdaptiveSampler {
     std::vector<std::uint8_t> open_;        // [pixel]
     std::uint64_t blocks_ = 1, taken_ = 0;  // taken_: blocks of an always open pixel before this round
     AdaptiveProgress progress_;
+    ErrorForecast forecast_;
 };
 
 /// One line for headers and records: what the decisions depend on.

@@ -60,7 +60,8 @@ void LiveErrors::begin(const transport::RenderPlan& plan) {
     pixels_ = static_cast<std::uint64_t>(plan.width) * static_cast<std::uint64_t>(plan.height);
 }
 
-ChannelError LiveErrors::measure(const transport::LiveImage& image, std::size_t channel) const {
+ChannelError LiveErrors::measure(const transport::LiveImage& image, std::size_t channel, std::uint64_t samples,
+                                 display::ErrorForecast* forecast) const {
     const Channel& of = channels_[channel];
     std::vector<double> values, variances;
     for (const display::PixelRegion& region : regions_) {
@@ -69,14 +70,24 @@ ChannelError LiveErrors::measure(const transport::LiveImage& image, std::size_t 
         values.insert(values.end(), value.begin(), value.end());
         variances.insert(variances.end(), variance.begin(), variance.end());
     }
-    const std::vector<double> errors =
-        display::relative_errors(values, variances, of.components, 1, display::AdaptiveSettings().floor);
+    std::vector<display::PixelMoments> pixels = display::pixel_moments(values, variances, of.components);
+    const double dark = display::darkest(pixels, display::AdaptiveSettings().floor);
     double sum = 0, squares = 0;
-    for (const double each : errors) {
+    for (display::PixelMoments& pixel : pixels) {
+        pixel.samples = static_cast<double>(samples) / static_cast<double>(pixels_);
+        const double each = display::relative_error(pixel, dark);
         sum += each * each;
         squares += each * each * each * each;
     }
-    const auto n = static_cast<double>(errors.size());
+    const auto n = static_cast<double>(pixels.size());
+    if (forecast != nullptr) {
+        std::span<const display::PixelMoments> left = pixels;
+        for (const display::PixelRegion& region : regions_) {
+            const std::size_t count = static_cast<std::size_t>(region.width()) * static_cast<std::size_t>(region.height());
+            forecast->add({left.first(count), region.width(), region.height(), dark});
+            left = left.subspan(count);
+        }
+    }
     const double mean = sum / n, variance = n > 1 ? std::max(0.0, squares - n * mean * mean) / (n * (n - 1)) : 0;
     const double error = std::sqrt(mean);
     return {of.name, error, error > 0 ? std::sqrt(variance) / (2 * error) : 0};
@@ -86,16 +97,35 @@ void LiveErrors::update(const transport::RenderProgress& now) {
     if (channels_.empty() || now.image == nullptr || now.seconds < next_ || now.samples_done < block * pixels_) return;
     const double begin = transport::thread_cpu_seconds();
     std::vector<ChannelError> measured;
-    for (std::size_t i = 0; i < channels_.size(); ++i) measured.push_back(measure(*now.image, i));
+    display::ErrorForecast forecast;
+    for (std::size_t i = 0; i < channels_.size(); ++i)
+        measured.push_back(measure(*now.image, i, now.samples_done, i == 0 ? &forecast : nullptr));
     errors_ = std::move(measured);
+    forecast_ = std::move(forecast);
     samples_ = now.samples_done;
     next_ = now.seconds + std::max(seconds_between, (transport::thread_cpu_seconds() - begin) / share_of_time);
 }
+
+display::Forecast LiveErrors::samples_to(double error) const {
+    const auto pixels = static_cast<double>(pixels_);
+    const display::Forecast samples = forecast_.samples_to(error);
+    return {samples.expected * pixels, samples.least * pixels};
+}
+
+double LiveErrors::error_after(double samples) const { return forecast_.error_after(samples / static_cast<double>(pixels_)); }
 
 std::optional<double> next_mark(double error) {
     for (const double mark : {0.10, 0.05, 0.02, 0.01, 0.005})
         if (mark < error) return mark;
     return std::nullopt;
+}
+
+std::string remaining_text(const transport::RenderProgress& now, const display::Forecast& samples) {
+    const auto done = static_cast<double>(now.samples_done);
+    // A bound that is already passed says nothing any more.
+    const bool bound = samples.least > done;
+    return (bound ? "at least " : "about ") +
+           duration_text(now.seconds * ((bound ? samples.least : samples.expected) - done) / done);
 }
 
 std::string error_text(const LiveErrors& errors, const transport::RenderProgress& now, std::size_t channels) {
@@ -113,18 +143,18 @@ std::string error_text(const LiveErrors& errors, const transport::RenderProgress
     const auto done = static_cast<double>(now.samples_done), total = static_cast<double>(now.samples_total);
     const double first = known.front().error;
     if (done >= total || done == 0 || first == 0) return text;
-    double target = 0, needed = total;
+    double target = 0;
+    display::Forecast needed{total, static_cast<double>(now.samples_least)};
     if (now.adaptive != nullptr) {
         target = now.adaptive->target;  // what was asked for: the total is predicted by it
     } else if (const auto mark = next_mark(first)) {
         target = *mark;
-        needed = display::samples_to_error(static_cast<double>(errors.samples()), first, target);
+        needed = errors.samples_to(target);
     }
-    if (target == 0 || needed > total)
-        return text + "; " + percent_text(first * std::sqrt(static_cast<double>(errors.samples()) / total), 2) +
-               " % in the end";
-    if (needed <= done) return text;
-    return text + "; " + percent_text(target, 2) + " % in about " + duration_text(now.seconds * (needed - done) / done);
+    if (target == 0 || needed.expected > total)
+        return text + "; " + percent_text(errors.error_after(total), 2) + " % in the end";
+    if (needed.expected <= done) return text;
+    return text + "; " + percent_text(target, 2) + " % in " + remaining_text(now, needed);
 }
 
 }  // namespace raylex::experiments

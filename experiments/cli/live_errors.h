@@ -31,11 +31,17 @@ class LiveErrors {
     [[nodiscard]] const std::vector<ChannelError>& errors() const { return errors_; }
     /// Camera samples of the image when that was measured.
     [[nodiscard]] std::uint64_t samples() const { return samples_; }
+    /// Camera samples of the image until the beauty's error comes to that.
+    [[nodiscard]] display::Forecast samples_to(double error) const;
+    /// The beauty's error after so many camera samples of the image.
+    [[nodiscard]] double error_after(double samples) const;
     /// Channels with statistics beside the first ones.
     [[nodiscard]] std::size_t further() const { return further_; }
 
   private:
-    [[nodiscard]] ChannelError measure(const transport::LiveImage& image, std::size_t channel) const;
+    /// With a forecast when there is one to fill.
+    [[nodiscard]] ChannelError measure(const transport::LiveImage& image, std::size_t channel, std::uint64_t samples,
+                                       display::ErrorForecast* forecast) const;
     struct Channel {
         std::string name;
         display::ChannelId id;
@@ -47,10 +53,14 @@ class LiveErrors {
     std::size_t further_ = 0;
     double next_ = 0;
     std::vector<ChannelError> errors_;
+    display::ErrorForecast forecast_;   // of the first channel, by samples of a pixel
 };
 
 /// The largest of 10, 5, 2, 1 and 0.5 % that is still below an error.
 std::optional<double> next_mark(double error);
+
+/// "about 2 min 40 s" until so many samples are done, or "at least 2 min" where few pixels decide when that is.
+std::string remaining_text(const transport::RenderProgress& now, const display::Forecast& samples);
 
 /// "beauty 2.3 % +- 0.1, caustics 11 % +- 2 and 3 more; 1 % in about 2 min 40 s": at most `channels` of them, and when the
 /// beauty's error comes to what was asked for, else to the next mark, or what it is in the end when that comes first.

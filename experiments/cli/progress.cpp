@@ -56,7 +56,9 @@ std::string Progress::describe(const transport::RenderProgress& progress, int ba
     const display::AdaptiveProgress& adaptive = *progress.adaptive;
     if (adaptive.channel.empty()) return text + ", error not known yet";
     text += ", " + adaptive.channel + " " + number_text(100 * adaptive.error, 2) + " %";
-    return predicts ? text + "; " + number_text(100 * adaptive.target, 2) + " % in " + left : text;
+    if (!predicts) return text;
+    const display::Forecast samples{total, static_cast<double>(progress.samples_least)};
+    return text + "; " + number_text(100 * adaptive.target, 2) + " % in " + remaining_text(progress, samples);
 }
 
 std::string Progress::line(const transport::RenderProgress& progress) const {

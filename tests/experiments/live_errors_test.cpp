@@ -4,10 +4,12 @@
 #include <pty.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <string>
 
+#include "experiments/cli/console.h"
 #include "experiments/cli/progress.h"
 #include "support.h"
 #include "support/paths.h"
@@ -21,9 +23,9 @@ using raylex::test::Folder;
 
 namespace {
 
-/// Pixels of value 1. In every other row their means deviate by `low`, in the others by `high`.
+/// Pixels of value 1. In every other row their means deviate by `low`, in the others by `high`; in the corner of 8 x 8 by `spot`.
 struct FlatImage : transport::LiveImage {
-    double low = 0, high = 0;
+    double low = 0, high = 0, spot = 0;
     static std::vector<double> of(const display::PixelRegion& region, double even, double odd) {
         std::vector<double> values;
         for (int y = region.y0; y < region.y1; ++y)
@@ -36,7 +38,11 @@ struct FlatImage : transport::LiveImage {
     std::vector<double> resolve_alpha(const display::PixelRegion&) const override { return {}; }
     std::vector<double> resolve_variance_of_mean(display::ChannelId id, const display::PixelRegion& region) const override {
         const double scale = id == 0 ? 1 : 25;  // channels have five times the beauty's error
-        return of(region, scale * low * low, scale * high * high);
+        std::vector<double> values = of(region, scale * low * low, scale * high * high);
+        if (spot > 0 && region.x0 == 0 && region.y0 == 0)
+            for (int y = 0; y < 8; ++y)
+                std::fill_n(values.begin() + 3 * region.width() * y, 24, scale * spot * spot);
+        return values;
     }
 };
 
@@ -100,6 +106,16 @@ TEST_CASE("the live line names errors, their uncertainty and the time to the nex
     CHECK(errors.errors().front().error == Approx(0.04));
     CHECK(errors.errors().front().uncertainty == Approx(0.0016 / std::sqrt(2047.0) / 0.08));
     CHECK(error_text(errors, now, 2).starts_with("beauty 4 % +- 0.04, caustics 20 % +- 0.2 and 3 more;"));
+    // One of 32 parts carries the error: the sum's standard error is as large as the sum. One standard error less is 1 / e of
+    // the square: after 256 samples it may be 1 / (4 e), and comes to 1 / 4 on the power law to there.
+    image.low = image.high = 0;
+    image.spot = 0.04 * std::sqrt(32.0);
+    now.adaptive = nullptr;
+    now.samples_total = 4096 * pixels;
+    errors = errors_of(channels, image, now);
+    CHECK(errors.errors().front().error == Approx(0.04));
+    const double least = 10 * (std::pow(4, std::log(4.0) / (1 + std::log(4.0))) - 1);
+    CHECK(error_text(errors, now, 1).ends_with("; 2 % in at least " + duration_text(least)));
     // Nothing before every pixel has a block of samples.
     now.samples_done = 16 * pixels - 1;
     CHECK(errors_of(channels, image, now).errors().empty());

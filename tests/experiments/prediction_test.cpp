@@ -65,38 +65,60 @@ struct Differences {
 
 }  // namespace
 
-TEST_CASE("the samples to an error are predicted within a quarter where no rare samples decide it [statistical]",
-          "[.full][study]") {
+TEST_CASE("the samples to an error are predicted within a quarter [statistical]", "[.full][study]") {
     constexpr Size size{96, 64};
     constexpr double pixels = size.width * size.height;
-    Differences all;
+    Differences image, later, pixel;
+    // The seeds are fixed, so no chance is in it but that of another compiler's rounding.
     for (const std::string& name : scene_names) {
         const auto scene = scene_of(name);
+        CAPTURE(name);
+        const auto sampler_after = [&](const transport::RenderOutput& early, double target) {
+            display::AdaptiveSettings tolerance;
+            tolerance.error = target;
+            display::AdaptiveSampler sampler(tolerance, early.frame_buffer.channels(), early.beauty,
+                                             early.frame_buffer.layout());
+            sampler.decide(early.frame_buffer);
+            return sampler;
+        };
+        const auto half_error = [&](Differences& differences, const char* what, const transport::RenderOutput& early) {
+            const double target = relative_error(early) / 2;
+            transport::RenderSettings settings = samples(1 << 20, 1);
+            settings.limit = transport::SampleLimit{0, 0, target};
+            const display::Forecast forecast = sampler_after(early, target).forecast().samples_to(target);
+            const auto needed = static_cast<double>(rendered(scene, size, settings).samples_per_pixel);
+            const double off = differences.add(what, name, forecast.expected, needed);
+            // What is said to take at least so long does not end before.
+            if (forecast.least > 0)
+                std::printf("    at least %.0f: %+.1f %%\n", forecast.least, 100 * (forecast.least / needed - 1));
+            CHECK(forecast.least <= needed);
+            return off;
+        };
         const transport::RenderOutput early = rendered(scene, size, samples(64, 1));
-        const double error = relative_error(early), target = error / 2;  // four times the samples
-        transport::RenderSettings settings = samples(1 << 20, 1);
-        settings.limit = transport::SampleLimit{0, 0, target};
-        const double image = all.add("to an error of the image", name, display::samples_to_error(64, error, target),
-                                     static_cast<double>(rendered(scene, size, settings).samples_per_pixel));
+        const double off = half_error(image, "64 to half the error of the image", early);
+        half_error(later, "256 to half the error of the image", rendered(scene, size, samples(256, 1)));
         // --until-error: every pixel for itself, predicted by the first decision.
         transport::RenderSettings by_pixel;
         by_pixel.seed = 1;
-        display::AdaptiveSettings tolerance;
-        tolerance.error = target;
-        by_pixel.adaptive = tolerance;
-        display::AdaptiveSampler sampler(tolerance, early.frame_buffer.channels(), early.beauty, early.frame_buffer.layout());
-        sampler.decide(early.frame_buffer);
-        const transport::RenderOutput whole = rendered(scene, size, by_pixel);
-        const double pixel =
-            all.add("to an error of each pixel", name, static_cast<double>(sampler.progress().predicted_samples) / pixels,
-                    static_cast<double>(whole.statistics.camera_samples) / pixels);
-        // Fog, a small bright sun and glass have samples so rare and bright that most pixels had none after 64: their errors
-        // are underestimated, so the time is too. README.md says by how much.
-        if (name == "cornell-fog" || name == "sky-image" || name == "still-life") continue;
-        // What is promised to users. The seeds are fixed, so no chance is in it but that of another compiler's rounding.
-        CAPTURE(name);
-        CHECK(std::abs(image) <= 0.25);
-        CHECK(std::abs(pixel) <= 0.25);
+        by_pixel.adaptive.emplace().error = relative_error(early) / 2;
+        const display::AdaptiveSampler sampler = sampler_after(early, by_pixel.adaptive->error);
+        const auto needed = static_cast<double>(rendered(scene, size, by_pixel).statistics.camera_samples);
+        const auto least = static_cast<double>(sampler.progress().least_samples);
+        const double each = pixel.add("64 to half the error, each pixel", name,
+                                      static_cast<double>(sampler.progress().predicted_samples) / pixels, needed / pixels);
+        if (least > 0) std::printf("    at least %.0f: %+.1f %%\n", least / pixels, 100 * (least / needed - 1));
+        CHECK(least <= needed);
+        // What is promised to users.
+        CHECK(std::abs(off) <= 0.25);
+        // A fifteenth of the still life's pixels takes three fifths of all samples in the end, hundreds of times the first
+        // 64, in which hardly any had met the light that makes it so.
+        if (name != "still-life") CHECK(std::abs(each) <= 0.25);
+    }
+    for (const auto& [what, differences] : {std::pair("of the image", &image), std::pair("of the image, from 256", &later),
+                                            std::pair("of each pixel", &pixel)}) {
+        const double median = differences->median();
+        std::printf("median over %zu scenes, error %s: %.1f %%\n", scene_names.size(), what, 100 * median);
+        CHECK(median <= 0.25);
     }
 }
 

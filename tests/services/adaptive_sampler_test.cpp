@@ -21,8 +21,8 @@ std::vector<ChannelDefinition> two_channels() {
     return channels;
 }
 
-/// `blocks` blocks of 16 samples of every pixel, value(pixel) +- spread(pixel) in turn: the variance is known.
-FrameBuffer flickering(int blocks, const std::function<double(int)>& value, const std::function<double(int)>& spread) {
+/// `blocks` blocks of 16 samples of every pixel, value(pixel, sample) each.
+FrameBuffer sampled(int blocks, const std::function<double(int, int)>& value) {
     const auto channels = two_channels();
     FrameBuffer buffer({width, height}, channels);
     SampleTable table(channels, 16, 0);
@@ -31,13 +31,20 @@ FrameBuffer flickering(int blocks, const std::function<double(int)>& value, cons
         for (int block = 0; block < blocks; ++block) {
             table.begin(test::pixel_rows(pixel % width, pixel / width, static_cast<std::uint64_t>(block * 16), 16));
             for (int row = 0; row < 16; ++row) {
-                const double v = value(pixel) + (row % 2 == 0 ? spread(pixel) : -spread(pixel));
+                const double v = value(pixel, 16 * block + row);
                 services.splat(0, row, Rgb(static_cast<float>(v)));
                 services.splat(1, row, Rgb(static_cast<float>(2 * v)));
             }
             buffer.accumulate(table);
         }
     return buffer;
+}
+
+/// value(pixel) +- spread(pixel) in turn: the variance is known.
+FrameBuffer flickering(int blocks, const std::function<double(int)>& value, const std::function<double(int)>& spread) {
+    return sampled(blocks, [&](int pixel, int sample) {
+        return value(pixel) + (sample % 2 == 0 ? spread(pixel) : -spread(pixel));
+    });
 }
 
 AdaptiveSettings settings_with(double error, int neighbourhood) {
@@ -136,6 +143,28 @@ TEST_CASE("the prediction is what errors that fall with the root of the samples 
     finished.decide(buffer);
     CHECK(finished.done());
     CHECK(finished.progress().predicted_samples == 64 * width * height);
+}
+
+TEST_CASE("samples that most pixels have not met yet are in the prediction", "[adaptive]") {
+    // One pixel of four has met a sample that makes it five times as bright: of 64 samples whose others are 1, so
+    // the variance of its mean is the square of what that adds. All pixels have such a neighbour.
+    const FrameBuffer buffer = sampled(4, [](int pixel, int sample) {
+        return sample == 0 && pixel % 2 == 0 && pixel / width % 2 == 0 ? 1.0 + 64 * 4 : 1.0;
+    });
+    AdaptiveSampler sampler(settings_with(0.5, 1), two_channels(), 0, buffer.layout());
+    sampler.decide(buffer);
+    CHECK(open_count(sampler) == width * height);
+    // Of four pixels pooled, and of sixteen: 1 more on a mean of 1. By the scatter of the pixels' variances the deviation of
+    // that square is 1 and sqrt(0.2) of it; of nine, the largest is 1.485 deviations more than the mean.
+    const double four = 0.25 * (1 + 1.485), sixteen = 0.25 / 4 * (1 + 1.485 * std::sqrt(0.2));
+    const double needed = 256 * std::pow(4, std::log(four / 0.25) / std::log(four / sixteen));
+    const AdaptiveProgress& progress = sampler.progress();
+    // A unit for rounding down to whole samples.
+    CHECK(std::abs(static_cast<double>(progress.predicted_samples) - needed * width * height) <= 1);
+    // The image is a single part: by itself it does not say how far off that may be.
+    CHECK(std::abs(static_cast<double>(progress.least_samples) - needed * width * height * std::exp(-1)) <= 1);
+    // By the errors alone it would be 2.56 times what there is: the bright pixels' error is 4 / 5.
+    CHECK(needed > 2 * samples_to_error(64, 0.8, 0.5));
 }
 
 TEST_CASE("an image that is black ends, with or without a floor", "[adaptive]") {

@@ -118,6 +118,7 @@ struct RenderProgress {
     double seconds = 0;                                     ///< wall, since rendering began, of interrupted sessions too
     const display::AdaptiveProgress* adaptive = nullptr;    ///< null unless sampling is adaptive; samples_total is predicted
     const LiveImage* image = nullptr;                       ///< during the call only
+    std::uint64_t samples_least = 0;                        ///< display::Forecast::least, of samples_total
 };
 
 struct RenderStatistics {

@@ -242,9 +242,16 @@ Status RenderLoop::run(const std::function<void(const RenderProgress&)>& progres
         const display::AdaptiveProgress* error = limited_ ? limited_->error() : nullptr;
         if (job_.adaptive) error = &job_.adaptive->progress();
         std::uint64_t total = pixels * (job_.samples_per_pixel - job_.first_sample);
-        if (limited_) total = limited_->predicted(done, job_.seconds_before_loop + seconds());
-        else if (job_.adaptive) total = std::max(error->predicted_samples, done);
-        progress({done, total, seconds(), error, this});
+        std::uint64_t least = 0;
+        if (limited_) {
+            const display::Forecast forecast = limited_->predicted(done, job_.seconds_before_loop + seconds());
+            total = static_cast<std::uint64_t>(forecast.expected);
+            least = static_cast<std::uint64_t>(forecast.least);
+        } else if (job_.adaptive) {
+            total = std::max(error->predicted_samples, done);
+            least = error->least_samples;
+        }
+        progress({done, total, seconds(), error, this, least});
     };
     std::vector<IntegratorThread*> states;
     for (auto& worker : workers_) states.push_back(&worker->state());

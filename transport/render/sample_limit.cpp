@@ -71,16 +71,18 @@ std::uint64_t LimitedPasses::within_time(std::uint64_t done, std::uint64_t end, 
     return done == 0 ? std::max<std::uint64_t>(end, 1) : end;
 }
 
-std::uint64_t LimitedPasses::predicted(std::uint64_t done, double seconds) const {
-    const auto samples = static_cast<double>(done);
-    double total = static_cast<double>(most_) * static_cast<double>(pixels_);
+display::Forecast LimitedPasses::predicted(std::uint64_t done, double seconds) const {
+    const auto samples = static_cast<double>(done), pixels = static_cast<double>(pixels_);
+    double total = static_cast<double>(most_) * pixels, least = 0;
     if (limit_.seconds > 0 && seconds > 0) total = std::min(total, samples * limit_.seconds / seconds);
-    if (error_ && !error_->progress().channel.empty()) {
-        total = std::min(total, display::samples_to_error(samples, error_->progress().error, limit_.error));
+    if (error_ && !error_->forecast().empty()) {
+        const display::Forecast forecast = error_->forecast().samples_to(limit_.error);
+        least = forecast.least * pixels;
+        total = std::min(total, forecast.expected * pixels);
     } else if (error_ && limit_.seconds <= 0) {
         total = samples;
     }
-    return std::max(done, static_cast<std::uint64_t>(total));
+    return {std::max(samples, total), least < total ? least : 0};
 }
 
 }  // namespace raylex::transport

@@ -28,7 +28,7 @@ class LimitedPasses {
     std::uint64_t next_end(std::uint64_t done, double seconds, const display::FrameBuffer& buffer);
 
     /// Of the whole image, when `done` camera samples took `seconds`; `done` while nothing can be said.
-    [[nodiscard]] std::uint64_t predicted(std::uint64_t done, double seconds) const;
+    [[nodiscard]] display::Forecast predicted(std::uint64_t done, double seconds) const;
     /// Null when the limit is none of error.
     [[nodiscard]] const display::AdaptiveProgress* error() const { return error_ ? &error_->progress() : nullptr; }
 
