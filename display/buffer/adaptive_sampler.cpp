@@ -214,8 +214,9 @@ void AdaptiveSampler::predict(const FrameBuffer& buffer, const std::vector<doubl
             const double next = static_cast<double>(buffer.sample_count(x, y)) + (open_[pixel] != 0 ? block : 0);
             next_round += next;
             if (open_[pixel] == 0) continue;
+            const ErrorPoint& last = points[pixel];
             if (needed[pixel] == 0)
-                needed[pixel] = samples_to_error(points[pixel].samples, std::sqrt(points[pixel].square), settings_.error);
+                needed[pixel] = samples_to_error(last.samples, std::sqrt(last.square), settings_.error);
             needed[pixel] = std::clamp(needed[pixel], next, std::max(most, next));
         }
     PartsOfSum parts;

@@ -18,10 +18,10 @@
 //
 // s^2 takes samples as independent. Sobol' points vary less, so for them the error is overestimated.
 //
-// How many samples a pixel takes in all is predicted from pools of pixels (error_forecast.h): it goes on until the largest error of
-// its neighbourhood, by their E, comes down to the tolerance. In larger and larger pools ever fewer of its neighbours have
-// an error of their own; so the largest is taken to be at least what the largest of so many normal numbers is (Tippett,
-// Biometrika 17, 1925) that scatter by the pool's own deviation. Predictions decide nothing.
+// How many samples a pixel takes in all is predicted from pools of pixels (error_forecast.h): it goes on until the
+// largest error of its neighbourhood, by their E, comes down to the tolerance. In larger and larger pools ever fewer of
+// its neighbours have an error of their own; so the largest is taken to be at least what the largest of so many normal
+// numbers is (Tippett, Biometrika 17, 1925) that scatter by the pool's own deviation. Predictions decide nothing.
 #pragma once
 
 #include <cstdint>

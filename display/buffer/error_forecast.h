@@ -1,20 +1,20 @@
 // What errors come to with more samples than there are.
 //
-// Of a pixel whose value is known, E = n e^2, the square of its relative error times its samples, is the same for all n. But
-// its value comes from the same samples. Where light is rare and bright most pixels have met none and look finished, and to
-// one that has met a single such sample that sample is its brightness: its error is 1, however bright the sample. E then
-// grows with n until all pixels have their share; in fog with a lamp, tenfold from 16 to 4096 samples.
+// Of a pixel whose value is known, E = n e^2, the square of its relative error times its samples, is the same for all
+// n. But values come from the same samples. Where light is rare and bright most pixels have met none and look finished,
+// and to one that has met a single such sample that sample is its brightness: its error is 1, however bright the
+// sample. E then grows with n until all pixels have their share; in fog with a lamp, tenfold from 16 to 4096 samples.
 //
 // What it grows to can be seen beforehand: k pixels that look at the same thing are one pixel with k times the samples.
 // So E is measured again in pools of 2 x 2, 4 x 4 and 8 x 8 pixels. With N samples in a pool, their mean m and the mean
 // variance v of one sample (both averaged over the components), a pixel of N samples has
 //
-//     e^2 = E / N,    E = v / max(m, d)^2,    d: how dark a pixel may be (AdaptiveSettings::floor times the image's mean).
+//     e^2 = E / N,  E = v / max(m, d)^2,  d: how dark a pixel may be (AdaptiveSettings::floor times the image's mean).
 //
-// Do the pixels of a pool look at the same thing? One-way analysis of variance (Fisher, Statistical Methods for Research
-// Workers, 1925) compares the mean square between them, sum n_i (m_i - m)^2 / (k - 1), with that within them, v. If they do,
-// both have one expectation, also when a single bright sample makes up both. Above `most_between` times v they do not,
-// and the pixels keep the E of the smaller pools.
+// Do the pixels of a pool look at the same thing? One-way analysis of variance (Fisher, Statistical Methods for
+// Research Workers, 1925) compares the mean square between them, sum n_i (m_i - m)^2 / (k - 1), with that within them,
+// v. If they do, both have one expectation, also when a single bright sample makes up both. Above `most_between` times
+// v they do not, and the pixels keep the E of the smaller pools.
 //
 // Between two sizes of pools errors go by a power of the samples; beyond the largest, E stays. tests/experiments/
 // prediction_test.cpp says how far off that is, and README.md there repeats it.
@@ -29,7 +29,7 @@
 
 namespace raylex::display {
 
-/// One channel of one pixel: the mean of its components' |value|, the mean of the variances of their means, its samples.
+/// One channel of one pixel: the mean of its components' |value|, that of the variances of their means, its samples.
 struct PixelMoments {
     double mean = 0, variance_of_mean = 0, samples = 0;
 };
@@ -52,7 +52,7 @@ std::vector<PixelMoments> pixel_moments(std::span<const double> values, std::spa
 struct ErrorPoint {
     double samples = 0, square = 0;
 };
-/// Where the power law through two points comes down to `square`; none when it does so before the first or after the second.
+/// Where the power law through two points comes down to `square`; none when that is not between them.
 [[nodiscard]] std::optional<double> crossing(const ErrorPoint& from, const ErrorPoint& to, double square);
 
 /// A rectangle of pixels, pooled by larger and larger squares.
@@ -92,14 +92,14 @@ class PooledErrors {
     std::vector<double> squares_, scatter_;   // [pixel]
 };
 
-/// A number of samples. Where little is known of it, since few parts of the image or few samples decide, `least` is what it
-/// is if the parts count PartsOfSum::lower(); else 0.
+/// A number of samples. Where little is known of it, since few parts of the image or few samples decide, `least` is
+/// what it is if the parts count PartsOfSum::lower(); else 0.
 struct Forecast {
     double expected = 0, least = 0;
 };
 
-/// The standard error of a sum over pixels, as the parts of squares of PooledErrors::largest_edge scatter. That counts what
-/// parts of the image differ by as chance, so it is at least the standard error.
+/// The standard error of a sum over pixels, as the parts of squares of PooledErrors::largest_edge scatter. That counts
+/// what parts of the image differ by as chance, so it is at least the standard error.
 class PartsOfSum {
   public:
     /// One square's part.
@@ -117,7 +117,7 @@ class PartsOfSum {
 /// Adds those of a rectangle of pixels, row by row.
 void add_parts(std::span<const double> pixels, int width, int height, PartsOfSum& parts);
 
-/// How the error of an image, the root of the mean square over its pixels, goes on when every pixel gets as many samples.
+/// How the error of an image, the root of the mean square over its pixels, goes on when all pixels get as many samples.
 class ErrorForecast {
   public:
     /// Of errors times `weight`.
@@ -128,8 +128,8 @@ class ErrorForecast {
     void add_level(const PooledErrors& pools);
 
     [[nodiscard]] bool empty() const { return pixels_ == 0; }
-    /// In the largest pools, variances scatter like the variances of pools that owe theirs to four samples or fewer. Then
-    /// there are likely others, as bright, that none has met (Good, Biometrika 40, 1953: as much is unseen as was seen once).
+    /// In the largest pools, variances scatter as where four samples or fewer make up a pool's. Then there are likely
+    /// others, as bright, that none has met (Good, Biometrika 40, 1953: as much is unseen as was seen once).
     [[nodiscard]] bool few_samples_decide() const;
     /// Samples of a pixel, in the mean. No fewer than there are.
     [[nodiscard]] Forecast samples_to(double error) const;

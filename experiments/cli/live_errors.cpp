@@ -83,7 +83,7 @@ ChannelError LiveErrors::measure(const transport::LiveImage& image, std::size_t 
     if (forecast != nullptr) {
         std::span<const display::PixelMoments> left = pixels;
         for (const display::PixelRegion& region : regions_) {
-            const std::size_t count = static_cast<std::size_t>(region.width()) * static_cast<std::size_t>(region.height());
+            const auto count = static_cast<std::size_t>(region.width()) * static_cast<std::size_t>(region.height());
             forecast->add({left.first(count), region.width(), region.height(), dark});
             left = left.subspan(count);
         }
@@ -112,7 +112,9 @@ display::Forecast LiveErrors::samples_to(double error) const {
     return {samples.expected * pixels, samples.least * pixels};
 }
 
-double LiveErrors::error_after(double samples) const { return forecast_.error_after(samples / static_cast<double>(pixels_)); }
+double LiveErrors::error_after(double samples) const {
+    return forecast_.error_after(samples / static_cast<double>(pixels_));
+}
 
 std::optional<double> next_mark(double error) {
     for (const double mark : {0.10, 0.05, 0.02, 0.01, 0.005})
