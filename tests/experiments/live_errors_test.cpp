@@ -23,7 +23,8 @@ using raylex::test::Folder;
 
 namespace {
 
-/// Pixels of value 1. In every other row their means deviate by `low`, in the others by `high`; in the corner of 8 x 8 by `spot`.
+/// Pixels of value 1. In every other row their means deviate by `low`, in the others by `high`; in a corner of 8 x 8
+/// pixels by `spot`.
 struct FlatImage : transport::LiveImage {
     double low = 0, high = 0, spot = 0;
     static std::vector<double> of(const display::PixelRegion& region, double even, double odd) {
@@ -106,8 +107,8 @@ TEST_CASE("the live line names errors, their uncertainty and the time to the nex
     CHECK(errors.errors().front().error == Approx(0.04));
     CHECK(errors.errors().front().uncertainty == Approx(0.0016 / std::sqrt(2047.0) / 0.08));
     CHECK(error_text(errors, now, 2).starts_with("beauty 4 % +- 0.04, caustics 20 % +- 0.2 and 3 more;"));
-    // One of 32 parts carries the error: the sum's standard error is as large as the sum. One standard error less is 1 / e of
-    // the square: after 256 samples it may be 1 / (4 e), and comes to 1 / 4 on the power law to there.
+    // One of 32 parts carries the error: the sum's standard error is as large as the sum. One standard error less is
+    // 1 / e of the square: after 256 samples it may be 1 / (4 e), and comes to 1 / 4 on the power law to there.
     image.low = image.high = 0;
     image.spot = 0.04 * std::sqrt(32.0);
     now.adaptive = nullptr;

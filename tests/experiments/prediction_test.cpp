@@ -110,8 +110,8 @@ TEST_CASE("the samples to an error are predicted within a quarter [statistical]"
         CHECK(least <= needed);
         // What is promised to users.
         CHECK(std::abs(off) <= 0.25);
-        // A fifteenth of the still life's pixels takes three fifths of all samples in the end, hundreds of times the first
-        // 64, in which hardly any had met the light that makes it so.
+        // A fifteenth of the still life's pixels takes three fifths of all samples in the end, hundreds of times the
+        // first 64, in which hardly any had met the light that makes it so.
         if (name != "still-life") CHECK(std::abs(each) <= 0.25);
     }
     for (const auto& [what, differences] : {std::pair("of the image", &image), std::pair("of the image, from 256", &later),
