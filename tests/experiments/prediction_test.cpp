@@ -104,8 +104,8 @@ TEST_CASE("the samples to an error are predicted within a quarter [statistical]"
         const display::AdaptiveSampler sampler = sampler_after(early, by_pixel.adaptive->error);
         const auto needed = static_cast<double>(rendered(scene, size, by_pixel).statistics.camera_samples);
         const auto least = static_cast<double>(sampler.progress().least_samples);
-        const double each = pixel.add("64 to half the error, each pixel", name,
-                                      static_cast<double>(sampler.progress().predicted_samples) / pixels, needed / pixels);
+        const auto predicted = static_cast<double>(sampler.progress().predicted_samples);
+        const double each = pixel.add("64 to half the error, each pixel", name, predicted / pixels, needed / pixels);
         if (least > 0) std::printf("    at least %.0f: %+.1f %%\n", least / pixels, 100 * (least / needed - 1));
         CHECK(least <= needed);
         // What is promised to users.
@@ -114,8 +114,9 @@ TEST_CASE("the samples to an error are predicted within a quarter [statistical]"
         // first 64, in which hardly any had met the light that makes it so.
         if (name != "still-life") CHECK(std::abs(each) <= 0.25);
     }
-    for (const auto& [what, differences] : {std::pair("of the image", &image), std::pair("of the image, from 256", &later),
-                                            std::pair("of each pixel", &pixel)}) {
+    for (const auto& [what, differences] :
+         {std::pair("of the image", &image), std::pair("of the image, from 256", &later),
+          std::pair("of each pixel", &pixel)}) {
         const double median = differences->median();
         std::printf("median over %zu scenes, error %s: %.1f %%\n", scene_names.size(), what, 100 * median);
         CHECK(median <= 0.25);

@@ -154,8 +154,8 @@ TEST_CASE("samples that most pixels have not met yet are in the prediction", "[a
     AdaptiveSampler sampler(settings_with(0.5, 1), two_channels(), 0, buffer.layout());
     sampler.decide(buffer);
     CHECK(open_count(sampler) == width * height);
-    // Of four pixels pooled, and of sixteen: 1 more on a mean of 1. By the scatter of the pixels' variances the deviation of
-    // that square is 1 and sqrt(0.2) of it; of nine, the largest is 1.485 deviations more than the mean.
+    // Of four pixels pooled, and of sixteen: 1 more on a mean of 1. By the scatter of the pixels' variances the deviation
+    // of that square is 1 and sqrt(0.2) of it; of nine, the largest is 1.485 deviations more than the mean.
     const double four = 0.25 * (1 + 1.485), sixteen = 0.25 / 4 * (1 + 1.485 * std::sqrt(0.2));
     const double needed = 256 * std::pow(4, std::log(four / 0.25) / std::log(four / sixteen));
     const AdaptiveProgress& progress = sampler.progress();

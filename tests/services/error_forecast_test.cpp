@@ -12,8 +12,8 @@ namespace {
 
 constexpr double n = 64, base = 0.5;
 
-/// `bright(x, y)` tells which pixels have met a sample that adds `x_over_base` x base to their mean; of n samples that are
-/// 0 but for one, the variance of the mean is the square of the mean.
+/// `bright(x, y)` tells which pixels have met a sample that adds `x_over_base` x base to their mean; of n samples that
+/// are 0 but for one, the variance of the mean is the square of the mean.
 template <class Bright>
 std::vector<PixelMoments> pixels_with(int width, int height, double x_over_base, Bright bright) {
     std::vector<PixelMoments> pixels;
@@ -54,7 +54,7 @@ TEST_CASE("errors without rare samples fall with the root of the samples", "[for
 }
 
 TEST_CASE("errors of samples that most pixels have not met are forecast until all have", "[forecast]") {
-    // One pixel of sixteen. With 4 n samples one of four will have met such a sample, with 16 n all, and E stays from there.
+    // One pixel of sixteen. With 4 n samples one of four will have met such a sample, with 16 n all, then E stays.
     // It grows as n^0.4 up to 4 n by this x: the error's square falls to 4^-0.6, which is 4 (1 + x)^2 / (4 + x)^2.
     const double root = std::pow(4, -0.8), x = (4 * root - 1) / (1 - root);
     const auto pixels = pixels_with(64, 64, x, [](int px, int py) { return px % 4 == 1 && py % 4 == 2; });
@@ -74,7 +74,8 @@ TEST_CASE("errors of samples that most pixels have not met are forecast until al
 
 TEST_CASE("pixels that do not look at the same thing are not pooled", "[forecast]") {
     std::vector<PixelMoments> pixels;
-    for (int i = 0; i < 64 * 64; ++i) pixels.push_back(i % 2 == 0 ? PixelMoments{1, 1e-4, n} : PixelMoments{5, 25e-4, n});
+    for (int i = 0; i < 64 * 64; ++i)
+        pixels.push_back(i % 2 == 0 ? PixelMoments{1, 1e-4, n} : PixelMoments{5, 25e-4, n});
     PooledErrors pools(pixels, 64, 64, 0);
     do
         for (const double each : pools.squares()) REQUIRE(each == Approx(n * 1e-4).epsilon(1e-12));
@@ -102,7 +103,7 @@ TEST_CASE("where one sample decides in every pool only a bound is forecast", "[f
         const auto pixels = pixels_with(64, 64, 4, [&](int px, int py) { return px % apart == 1 && py % apart == 2; });
         ErrorForecast forecast;
         forecast.add({pixels, 64, 64, 0});
-        // Four samples in a pool of 8 x 8 pixels scatter by less than half, as there are only 64 pixels; one by all of it.
+        // Four samples in a pool of 8 x 8 pixels scatter by less than half, there being only 64; one by all of it.
         CHECK(forecast.few_samples_decide() == (apart == 8));
         const Forecast samples = forecast.samples_to(forecast.error_after(n) / 20);
         // The parts do not scatter at all: no less than expected, but for the root of a rounding.
