@@ -2,6 +2,7 @@
 
 #include <array>
 #include <limits>
+#include <numeric>
 
 #include <catch2/catch.hpp>
 
@@ -122,6 +123,62 @@ TEST_CASE("a batch of values is written as one by one: good ones land, bad ones 
     CHECK(f.services.refusals()[color].total() == 5);
     CHECK_FALSE(f.services.write(77, rows, std::span<const float>(reals)));
     CHECK(f.services.refusals().back().total() == 5);
+}
+
+TEST_CASE("rows that follow one another are written as one: the same as one by one", "[display_services][law6]") {
+    const auto channels = four_channels();
+    constexpr int capacity = 40;
+    const float nan = std::numeric_limits<float>::quiet_NaN(), infinite = std::numeric_limits<float>::infinity();
+    for (const std::size_t count : {1u, 2u, 3u, 7u, 16u, 37u})  // whole vectors of values and what is left over
+        for (const int bad : {-1, 0, static_cast<int>(count) / 2, static_cast<int>(count) - 1}) {
+            CAPTURE(count, bad);
+            std::vector<std::int32_t> rows(count);
+            std::iota(rows.begin(), rows.end(), 2);
+            std::vector<Rgb> colors(count);
+            std::vector<float> reals(count);
+            for (std::size_t i = 0; i < count; ++i) {
+                reals[i] = 0.5f + static_cast<float>(i);
+                colors[i] = Rgb(reals[i], -reals[i], 1 / reals[i]);
+            }
+            if (bad >= 0) {
+                reals[static_cast<std::size_t>(bad)] = nan;
+                colors[static_cast<std::size_t>(bad)][bad % 3] = infinite;
+            }
+            SampleTable at_once(channels, capacity, 0), one_by_one(channels, capacity, 0);
+            std::vector<RefusalCounts> refusals;
+            for (SampleTable* table : {&at_once, &one_by_one}) {
+                table->begin(std::vector<CameraRow>(capacity));
+                DisplayServices services(*table);
+                for (const std::int32_t row : rows) services.write(depth, row, -1.0f);  // what a bad value leaves as it is
+                bool all = true;
+                if (table == &at_once) {
+                    all = services.write(depth, rows, std::span<const float>(reals)) &
+                          services.write(color, rows, std::span<const Rgb>(colors)) &
+                          services.write(index, rows, std::span<const std::int32_t>(rows));
+                } else {
+                    for (std::size_t i = 0; i < count; ++i) {
+                        all &= services.write(depth, rows[i], reals[i]);
+                        all &= services.write(color, rows[i], colors[i]);
+                        all &= services.write(index, rows[i], rows[i]);
+                    }
+                }
+                CHECK(all == (bad < 0));
+                refusals.insert(refusals.end(), services.refusals().begin(), services.refusals().end());
+            }
+            for (const auto& [id, components] : {std::pair(depth, 1), std::pair(color, 3), std::pair(index, 1)}) {
+                CHECK(std::equal(at_once.values(id), at_once.values(id) + capacity * components, one_by_one.values(id)));
+                for (int row = 0; row < capacity; ++row) CHECK(at_once.row_state(id, row) == one_by_one.row_state(id, row));
+            }
+            const auto half = refusals.begin() + static_cast<std::ptrdiff_t>(refusals.size() / 2);
+            CHECK(std::equal(refusals.begin(), half, half));
+            CHECK(at_once.invalid_total() == one_by_one.invalid_total());
+        }
+    // Beyond the last row none is taken for another.
+    Fixture f;
+    const std::vector<std::int32_t> rows{f.table.row_count() - 1, f.table.row_count()};
+    CHECK_FALSE(f.services.write(index, rows, std::span<const std::int32_t>(rows)));
+    CHECK(f.services.refusals()[index].of(Refusal::unknown_row) == 1);
+    CHECK(f.values(index, rows[0]) == std::vector<double>{static_cast<double>(rows[0])});
 }
 
 TEST_CASE("values that are not finite are refused and counted", "[display_services][law6]") {

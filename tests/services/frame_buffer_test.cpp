@@ -175,6 +175,29 @@ TEST_CASE("rules pick what they say, by depth with ties to the smaller sample", 
     CHECK(buffer.resolve(4)[1] == 0);
 }
 
+TEST_CASE("where the nearest sample has no value of a channel, the nearest that has one counts", "[frame_buffer]") {
+    const std::vector<ChannelDefinition> channels{plain_channel("all", ChannelType::real, FilterRule::zmin, infinity),
+                                                  plain_channel("some", ChannelType::rgb, FilterRule::zmin),
+                                                  plain_channel("none", ChannelType::integer, FilterRule::zmin, 9)};
+    FrameBuffer buffer({1, 1}, channels);
+    SampleTable table(channels, 4, 0);
+    DisplayServices services(table);
+    for (int block = 0; block < 2; ++block) {
+        table.begin(pixel_rows(0, 0, 16 * static_cast<std::uint64_t>(block), 4));
+        const float depths[2][4] = {{5, 3, 2, 4}, {9, 2, 8, 1.5f}};
+        for (int row = 0; row < 4; ++row) {
+            services.write_distance(row, depths[block][row]);
+            services.write(0, row, static_cast<float>(10 * block + row));
+            const bool nearest = row == (block == 0 ? 2 : 3);
+            if (!nearest) services.write(1, row, Rgb(static_cast<float>(10 * block + row)));
+        }
+        buffer.accumulate(table);
+        CHECK(buffer.resolve(0)[0] == (block == 0 ? 2 : 13));
+        CHECK(buffer.resolve(1)[0] == (block == 0 ? 1 : 11));
+        CHECK(buffer.resolve(2)[0] == 9);
+    }
+}
+
 TEST_CASE("a rule on an expression channel counts samples without light as black", "[frame_buffer]") {
     std::vector<ChannelDefinition> channels{test::expression_channel("min", "CL"),
                                             test::expression_channel("mean", "CL")};
