@@ -102,8 +102,11 @@ AdaptiveSampler::AdaptiveSampler(const AdaptiveSettings& settings, std::span<con
 }
 
 PooledErrors AdaptiveSampler::add_errors(const FrameBuffer& buffer, ChannelId id, double weight, double& mean_square) {
-    const std::vector<double> values = buffer.resolve(id), variances = buffer.resolve_variance_of_mean(id);
-    std::vector<PixelMoments> pixels = pixel_moments(values, variances, values.size() / errors_.size());
+    std::vector<PixelMoments> pixels;
+    {  // Of a large image there is no room for these and the pools.
+        const std::vector<double> values = buffer.resolve(id), variances = buffer.resolve_variance_of_mean(id);
+        pixels = pixel_moments(values, variances, values.size() / errors_.size());
+    }
     const double dark = darkest(pixels, settings_.floor);
     mean_square = 0;
     for (int y = 0; y < layout_.height; ++y)

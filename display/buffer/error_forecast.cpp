@@ -39,7 +39,7 @@ double relative_error(const PixelMoments& pixel, double darkest, double weight) 
 }
 
 std::optional<double> crossing(const ErrorPoint& from, const ErrorPoint& to, double square) {
-    if (from.square <= square || to.square > square) return std::nullopt;
+    if (!(from.samples > 0) || from.square <= square || to.square > square) return std::nullopt;
     if (to.square <= 0) return to.samples;
     const double part = std::log(from.square / square) / std::log(from.square / to.square);
     return from.samples * std::pow(to.samples / from.samples, part);

@@ -48,26 +48,28 @@ Error compare_error(const ExrImage& image, const std::string& message) {
     return error;
 }
 
-bool all_finite(const std::vector<double>& values) {
-    return std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
+/// How many of `values` are no finite numbers, those aside that are the same infinity in `others`: metrics leave these out.
+std::size_t count_not_finite(const std::vector<double>& values, const std::vector<double>& others) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < values.size(); ++i)
+        count += !std::isfinite(values[i]) && !(std::isinf(values[i]) && values[i] == others[i]) ? 1 : 0;
+    return count;
 }
 
 /// Why a metric of these values is no number: what divides is 0, or one of the images holds what is no number itself.
 Error no_value(const ExrImage& image, const ExrImage& reference, ErrorMetric metric, const std::string& layer,
                const std::vector<double>& values, const std::vector<double>& expected) {
-    const bool image_finite = all_finite(values), reference_finite = all_finite(expected);
-    if (metric == ErrorMetric::mean_ratio && image_finite && reference_finite) {
+    const std::size_t of_image = count_not_finite(values, expected), of_reference = count_not_finite(expected, values);
+    if (metric == ErrorMetric::mean_ratio && of_image == 0 && of_reference == 0) {
         Error error = compare_error(reference, "there is no ratio " + std::string(formula(metric)) + ": the mean of '" +
                                                    layer + "' is 0 in this reference");
         error.hint = "metrics of differences, such as mae, have a value for black layers too";
         return error;
     }
-    const ExrImage& bad = reference_finite ? image : reference;
-    const std::vector<double>& found = reference_finite ? values : expected;
-    const auto count = std::count_if(found.begin(), found.end(), [](double value) { return !std::isfinite(value); });
+    const ExrImage& bad = of_reference == 0 ? image : reference;
     return compare_error(bad, std::string(error_metrics()[static_cast<std::size_t>(metric)].name) + " of layer '" +
-                                  layer + "' has no value: " + std::to_string(count) + " of its " +
-                                  std::to_string(found.size()) + " values are inf or nan");
+                                  layer + "' has no value: " + std::to_string(of_reference == 0 ? of_image : of_reference) + " of its " +
+                                  std::to_string(values.size()) + " values are inf or nan");
 }
 
 }  // namespace

@@ -119,6 +119,11 @@ TEST_CASE("misses at infinite depth agree with one another and with nothing else
           "trimmed-relmse-mean of layer 'z' has no value: 2 of its 2 values are inf or nan");
     CHECK(message({1, 2}, {inf, 4}, ErrorMetric::mean_ratio) ==
           "mean-ratio of layer 'z' has no value: 1 of its 2 values are inf or nan");  // not 0
+    // Nothing was hit in either: no value is bad, there is just none to divide by.
+    CHECK(message({inf, inf}, {inf, inf}, ErrorMetric::mean_ratio) ==
+          "there is no ratio mean(a) / mean(b): the mean of 'z' is 0 in this reference");
+    CHECK(message({inf, nan}, {inf, 4}, ErrorMetric::mean_ratio) ==
+          "mean-ratio of layer 'z' has no value: 1 of its 2 values are inf or nan");
 }
 
 TEST_CASE("black layers have every metric but the ratio, which is said to be none", "[display][compare][law7]") {

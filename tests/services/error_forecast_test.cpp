@@ -119,3 +119,11 @@ TEST_CASE("a black image has no error now or later", "[forecast]") {
     CHECK(forecast.samples_to(0.01).expected == n);
     CHECK(forecast.error_after(4 * n) == 0);
 }
+
+TEST_CASE("a power law between two points is crossed where it is, and from no samples nowhere", "[forecast]") {
+    // 1 / n: a quarter of the square takes four times the samples. 1e-12: roundings of logarithms.
+    CHECK(crossing({16, 1}, {1024, 1.0 / 64}, 0.25).value() == Approx(64).epsilon(1e-12));
+    CHECK_FALSE(crossing({16, 1}, {1024, 0.5}, 0.25));
+    CHECK_FALSE(crossing({16, 0.2}, {1024, 0.1}, 0.25));
+    CHECK_FALSE(crossing({0, 1}, {64, 0.1}, 0.25));
+}

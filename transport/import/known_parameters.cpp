@@ -192,9 +192,20 @@ Status ParameterChecker::check(EntityKind kind, const std::string& type, const P
         for (const Ignored& each : row->ignored)
             if (!holds(read, each.name)) known.push_back(each.name);
 
+    const auto warn = [&](const std::string& message, const SourceLocation& location) {
+        if (said_.insert(message).second) warnings.push_back(error_at(location, message));
+    };
     for (std::size_t i = 0; i < set.parameters.size(); ++i) {
         const Parameter& parameter = set.parameters[i];
         if (!holds(known, parameter.name)) {
+            // pbrt makes no material of it, so it never looks at what it was given.
+            if (kind == EntityKind::material && type == "interface") {
+                parameter.used = true;
+                warn(std::string("parameter '") + parameter.name + "' of " + kind_name(kind) + " '" + type +
+                         "' is ignored: there is no surface",
+                     parameter.location);
+                continue;
+            }
             if (i < own) return unknown_parameter(kind_name(kind), type, parameter, known);
             parameter.used = true;  // an Attribute speaks to all types at once
             continue;
@@ -206,9 +217,9 @@ Status ParameterChecker::check(EntityKind kind, const std::string& type, const P
         if (ignored == row->ignored.end() || (ignored->honoured.empty() && holds(read, parameter.name))) continue;
         parameter.used = true;
         if (holds(ignored->honoured, value_text(parameter))) continue;
-        const std::string message = std::string("parameter '") + parameter.name + "' of " + kind_name(kind) + " '" +
-                                    type + "' is ignored: " + ignored->why;
-        if (said_.insert(message).second) warnings.push_back(error_at(parameter.location, message));
+        warn(std::string("parameter '") + parameter.name + "' of " + kind_name(kind) + " '" + type +
+                 "' is ignored: " + ignored->why,
+             parameter.location);
     }
     return success();
 }
