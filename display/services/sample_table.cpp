@@ -69,8 +69,8 @@ void SampleTable::clear_column(std::size_t column, std::size_t values, double fi
         stripes = end == 64 ? 0 : stripes & (~std::uint64_t{0} << end);
         const std::size_t from = std::min(static_cast<std::size_t>(begin) << stripe_shift_, rows);
         const std::size_t to = std::min(static_cast<std::size_t>(end) << stripe_shift_, rows);
-        if (std::bit_cast<std::uint64_t>(fill) == 0) {
-            if (from < to) std::memset(first + from * values, 0, (to - from) * values * sizeof(double));  // widest stores there are
+        if (std::bit_cast<std::uint64_t>(fill) == 0) {  // by the widest stores of the processor that runs
+            if (from < to) std::memset(first + from * values, 0, (to - from) * values * sizeof(double));
         } else {
             std::fill(first + from * values, first + to * values, fill);
         }

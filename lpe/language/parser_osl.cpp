@@ -17,14 +17,12 @@
 #include <vector>
 
 #include "lpe/limits.h"
+#include "lpe/language/osl_events.h"
 #include "lpe/language/parser.h"
 
 namespace raylex::lpe {
 
 namespace {
-
-using SymbolSequence = std::vector<LabelTest>;
-using SymbolSequences = std::vector<SymbolSequence>;
 
 enum class Slot : int { type = 0, scatter = 1, label = 2, unknown = 3 };
 
@@ -172,7 +170,7 @@ class OslParser {
         } else {
             symbols[static_cast<std::size_t>(slot)] = test;
         }
-        return event_of({symbols}, true);
+        return osl_events({symbols}, true, source_.vocabulary());
     }
 
     NodePtr parse_modifier(NodePtr atom) {
@@ -244,7 +242,7 @@ class OslParser {
             }
             symbols[static_cast<std::size_t>(slot)] = one_symbol(name);
         }
-        return event_of({symbols}, true);
+        return osl_events({symbols}, true, source_.vocabulary());
     }
 
     [[noreturn]] void fail_unknown(std::size_t offset) const {
@@ -323,7 +321,7 @@ class OslParser {
                 sequence.push_back(LabelTest::any());
             }
         }
-        return event_of(sequences, items < 2 + 5);
+        return osl_events(sequences, items < 2 + 5, source_.vocabulary());
     }
 
     SymbolSequences parse_symbol_item() {
@@ -367,7 +365,7 @@ class OslParser {
             }
             SymbolSequences item = parse_symbol_item();
             if (joining) {
-                append(last, std::move(item));
+                add_alternatives(last, std::move(item));
                 joining = false;
             } else {
                 whole = has_last ? concatenate(whole, last, offset) : std::move(whole);
@@ -391,24 +389,11 @@ class OslParser {
         enter(opening);
         SymbolSequences list;
         while (!at_end() && !at(']')) {
-            append(list, parse_symbol_item());
+            add_alternatives(list, parse_symbol_item());
         }
         expect_closing(']', '[', opening);
         --depth_;
         return list;
-    }
-
-    /// Adds alternatives, all of the single symbols among them as one test.
-    static void append(SymbolSequences& list, SymbolSequences more) {
-        for (SymbolSequence& sequence : more) {
-            if (sequence.size() == 1 && !list.empty() && list.front().size() == 1) {
-                list.front().front().unite(sequence.front());
-            } else if (sequence.size() == 1) {
-                list.insert(list.begin(), std::move(sequence));
-            } else {
-                list.push_back(std::move(sequence));
-            }
-        }
     }
 
     SymbolSequences concatenate(const SymbolSequences& left, const SymbolSequences& right, std::size_t offset) const {
@@ -424,66 +409,6 @@ class OslParser {
             }
         }
         return result;
-    }
-
-    /// The events whose symbols are one of the sequences; `open`: further labels may follow.
-    EventSet event_of(const SymbolSequences& sequences, bool open) const {
-        EventSet set;
-        for (const SymbolSequence& symbols : sequences) {
-            EventPattern pattern;
-            for (int type = 0; type < scene_types; ++type) {
-                const char letter = type_letter(static_cast<EventType>(type));
-                if (symbols[0].matches({&letter, 1})) {
-                    add_scatterings(pattern.cores, static_cast<EventType>(type), symbols[1]);
-                }
-            }
-            add_registered(pattern.cores, symbols[0], symbols[1]);
-            pattern.labels.assign(symbols.begin() + 2, symbols.end());
-            pattern.missing = Missing::refuses;
-            pattern.extra = open ? Extra::unreserved : Extra::refused;
-            set.any_of.push_back(std::move(pattern));
-        }
-        return set;
-    }
-
-    /// What names of events in the first slot and of lobes in the second stand for. Wildcards and [^...] mean none of
-    /// them.
-    void add_registered(CoreSet& cores, const LabelTest& type, const LabelTest& scatter) const {
-        const Vocabulary* vocabulary = source_.vocabulary();
-        if (vocabulary == nullptr) {
-            return;
-        }
-        if (!type.negated && scatter.matches("x")) {
-            for (const std::string& name : type.names) {
-                if (vocabulary->is_event(name)) {
-                    cores |= *vocabulary->cores(name);
-                }
-            }
-        }
-        if (scatter.negated) {
-            return;
-        }
-        for (const std::string& name : scatter.names) {
-            const std::optional<CoreSet> named = vocabulary->is_event(name) ? std::nullopt : vocabulary->cores(name);
-            for (std::size_t core = 0; named && core < core_count - user_numbers; ++core) {
-                const char letter = type_letter(core_event(core).type);
-                if (named->test(core) && type.matches({&letter, 1})) {
-                    cores.set(core);
-                }
-            }
-        }
-    }
-
-    static void add_scatterings(CoreSet& cores, EventType type, const LabelTest& test) {
-        for (int scatter = 0; scatter < scatter_kinds; ++scatter) {
-            const char letter = scatter_letter(static_cast<Scatter>(scatter));
-            if (test.matches({&letter, 1})) {
-                const std::size_t first = core_index({type, static_cast<Scatter>(scatter), 0, {}});
-                for (std::size_t number = 0; number < lobe_numbers; ++number) {
-                    cores.set(first + number);
-                }
-            }
-        }
     }
 
     const SourceText& source_;
