@@ -8,6 +8,7 @@
 namespace raylex::display {
 
 __extension__ typedef __int128 Int128;
+__extension__ typedef unsigned __int128 UnsignedInt128;
 
 /// Rounds `value` to a multiple of 2^quantum_exponent, to nearest with ties away from zero, and returns the multiple.
 /// False, and `fixed` untouched, when the value is not finite or the multiple has more than 126 bits. A value with bits

@@ -3,11 +3,13 @@
 #include "display/buffer/record_bytes.h"
 #include "display/services/parameters.h"
 
+#include <type_traits>
+
 namespace raylex::display {
 namespace {
 
 /// Raise it with every change of what stands in a record, but for planes: those have names.
-constexpr std::uint32_t record_version = 2;
+constexpr std::uint32_t record_version = 3;
 
 /// A binding that no longer fits says that ChannelDefinition has a member which no record holds yet.
 void write_channel(RecordWriter& writer, const ChannelDefinition& definition) {
@@ -58,17 +60,22 @@ Error record_error(const std::string& found) {
     return error_at({}, "this is no record of a frame buffer that this raylex reads: " + found);
 }
 
-/// visit(name, plane) for every plane that is there, in the order of the storage's lists.
+/// visit(name, plane, like) for every plane that is there, in the order of the storage's lists. `like` is a plane before it
+/// that may well hold the same, or empty: where all weights are 1, the weighted sums are the unweighted ones.
 template <class Storage, class Visit>
 void visit_planes(Storage& storage, Visit visit) {
-    const auto present = [&](const std::string& name, auto& plane) {
-        if (!plane.empty()) visit(name, plane);
+    const std::span<const Int128> none;
+    const auto present = [&](const std::string& name, auto& plane, std::span<const Int128> like) {
+        if (!plane.empty()) visit(name, plane, like);
     };
-    storage.for_each_plane([&](const char* name, auto plane) { present(name, storage.*plane); });
-    for (auto& channel : storage.channels)
+    storage.for_each_plane([&](const char* name, auto plane) { present(name, storage.*plane, none); });
+    for (auto& channel : storage.channels) {
+        const std::span<const Int128> weighted = channel.sum.values();
         channel.for_each_plane([&](const char* name, auto plane) {
-            present(channel.definition.name + "/" + name, channel.*plane);
+            const bool unweighted = &(channel.*plane) == static_cast<const void*>(&channel.plain_sum);
+            present(channel.definition.name + "/" + name, channel.*plane, unweighted ? weighted : none);
         });
+    }
 }
 
 }  // namespace
@@ -77,8 +84,8 @@ void FrameBuffer::append_record(std::string& bytes) const {
     const Storage& storage = *storage_;
     // Address space for all of it, so that nothing is copied twice; pages that stay zero are not written.
     std::size_t most = bytes.size() + 4096 * (storage.channels.size() + 1);
-    visit_planes(storage, [&](const std::string& name, const auto& plane) {
-        most += name.size() + plane.bytes().size() * 513 / 512 + 64;
+    visit_planes(storage, [&](const std::string& name, const auto& plane, auto) {
+        most += name.size() + plane.bytes().size() * 257 / 256 + 64;
     });
     bytes.reserve(most);
     RecordWriter writer(bytes);
@@ -92,9 +99,10 @@ void FrameBuffer::append_record(std::string& bytes) const {
     writer.number(static_cast<std::uint64_t>(storage.channels.size()));
     for (const ChannelDefinition& definition : storage.definitions) write_channel(writer, definition);
     for (std::size_t i = 0; i <= storage.channels.size(); ++i) writer.number(storage.rejected[i].load());
-    visit_planes(storage, [&](const std::string& name, const auto& plane) {
+    visit_planes(storage, [&]<class T>(const std::string& name, const Plane<T>& plane, auto like) {
         writer.text(name);
-        writer.plane(plane.bytes());
+        if constexpr (std::is_same_v<T, Int128>) writer.sums(plane.values(), like);
+        else writer.plane(plane.bytes());
     });
 }
 
@@ -123,9 +131,10 @@ Result<FrameBuffer> FrameBuffer::from_record(std::string_view bytes) {
     storage.kernel_name = kernel;
     storage.raster_kernel_name = raster_kernel;
     for (std::size_t i = 0; i <= channels.size(); ++i) storage.rejected[i].store(reader.number<std::uint64_t>());
-    visit_planes(storage, [&](const std::string& name, auto& plane) {
+    visit_planes(storage, [&]<class T>(const std::string& name, Plane<T>& plane, auto like) {
         if (reader.text() != name) reader.fail();
-        reader.plane(plane.bytes());
+        if constexpr (std::is_same_v<T, Int128>) reader.sums(plane.values(), like);
+        else reader.plane(plane.bytes());
     });
     if (!reader.at_end()) return record_error("its planes are others, end too early or go on too long");
     return buffer;

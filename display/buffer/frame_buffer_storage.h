@@ -31,6 +31,8 @@ class Plane {
     [[nodiscard]] std::size_t size() const { return count_; }
     T& operator[](std::size_t i) { return data_.get()[i]; }
     const T& operator[](std::size_t i) const { return data_.get()[i]; }
+    [[nodiscard]] std::span<T> values() { return {data_.get(), count_}; }
+    [[nodiscard]] std::span<const T> values() const { return {data_.get(), count_}; }
     [[nodiscard]] std::span<char> bytes() { return {reinterpret_cast<char*>(data_.get()), count_ * sizeof(T)}; }
     [[nodiscard]] std::span<const char> bytes() const {
         return {reinterpret_cast<const char*>(data_.get()), count_ * sizeof(T)};

@@ -10,7 +10,28 @@
 #include <type_traits>
 #include <vector>
 
+#include "display/buffer/fixed_point.h"
+
 namespace raylex::display {
+
+/// How wide the numbers of a page of a plane of sums are: each is `width` bytes long, sign extended, times 2^(8 low).
+struct PackedWidth {
+    std::uint8_t low = 0, width = 16;
+    /// In place of a width: the page is that of the plane before it which it was compared with.
+    static constexpr std::uint8_t same = 0xFF;
+
+    static PackedWidth of(std::span<const Int128> values) {
+        Int128 any = 0, spread = 0;
+        for (const Int128 each : values) {
+            any |= each;
+            spread |= each ^ (each >> 127);  // the bits that differ from the sign
+        }
+        int low = 0, high = 16;
+        while (low < 15 && ((any >> (8 * low)) & 0xFF) == 0) ++low;
+        while (high > low + 1 && (spread >> (8 * (high - 1) - 1)) == 0) --high;
+        return {static_cast<std::uint8_t>(low), static_cast<std::uint8_t>(high - low)};
+    }
+};
 
 /// Appends to `bytes`.
 class RecordWriter {
@@ -38,6 +59,32 @@ class RecordWriter {
             if (all_zero(values.data() + at, size)) continue;
             number(static_cast<std::uint64_t>(at));
             append(values.data() + at, size);
+        }
+        number(end_of_plane);
+    }
+
+    /// A plane of sums, which seldom need all of their 128 bits: as plane(), each page in as few bytes a number as hold it,
+    /// and in none where it is that of `like`, a plane of the same size written before (empty: none is).
+    void sums(std::span<const Int128> values, std::span<const Int128> like = {}) {
+        constexpr std::size_t page = page_size / sizeof(Int128);
+        number(static_cast<std::uint64_t>(values.size()));
+        for (std::size_t at = 0; at < values.size(); at += page) {
+            const std::span part = values.subspan(at, std::min(page, values.size() - at));
+            if (all_zero(reinterpret_cast<const char*>(part.data()), part.size_bytes())) continue;
+            number(static_cast<std::uint64_t>(at));
+            if (!like.empty() && std::memcmp(part.data(), &like[at], part.size_bytes()) == 0) {
+                number(PackedWidth::same);
+                continue;
+            }
+            const PackedWidth packed = PackedWidth::of(part);
+            number(packed.width);
+            number(packed.low);
+            char bytes[page_size + sizeof(Int128)];  // whole numbers are copied, each over the last one's excess
+            for (std::size_t i = 0; i < part.size(); ++i) {
+                const Int128 shifted = part[i] >> (8 * packed.low);
+                std::memcpy(bytes + i * packed.width, &shifted, sizeof shifted);
+            }
+            append(bytes, part.size() * packed.width);
         }
         number(end_of_plane);
     }
@@ -96,6 +143,34 @@ class RecordReader {
             if (at == RecordWriter::end_of_plane) return;
             if (at >= values.size() || at % RecordWriter::page_size != 0) return fail();
             take(values.data() + at, std::min<std::size_t>(RecordWriter::page_size, values.size() - at));
+        }
+    }
+    /// As plane(), of what RecordWriter::sums() wrote.
+    void sums(std::span<Int128> values, std::span<const Int128> like = {}) {
+        constexpr std::size_t page = RecordWriter::page_size / sizeof(Int128);
+        if (number<std::uint64_t>() != values.size()) fail();
+        while (ok_) {
+            const auto at = number<std::uint64_t>();
+            if (at == RecordWriter::end_of_plane) return;
+            if (at >= values.size() || at % page != 0) return fail();
+            const std::span part = values.subspan(at, std::min(page, values.size() - at));
+            PackedWidth packed;
+            packed.width = number<std::uint8_t>();
+            if (packed.width == PackedWidth::same) {
+                if (like.size() != values.size()) return fail();
+                std::copy_n(&like[at], part.size(), part.data());
+                continue;
+            }
+            packed.low = number<std::uint8_t>();
+            if (packed.width == 0 || packed.low + packed.width > 16 || left_.size() < part.size() * packed.width)
+                return fail();
+            const int empty = 8 * (16 - packed.width);
+            for (std::size_t i = 0; i < part.size(); ++i) {
+                UnsignedInt128 bits = 0;
+                std::memcpy(&bits, left_.data() + i * packed.width, packed.width);
+                part[i] = (static_cast<Int128>(bits << empty) >> empty) << (8 * packed.low);
+            }
+            left_.remove_prefix(part.size() * packed.width);
         }
     }
     void fail() {

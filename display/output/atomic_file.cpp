@@ -152,8 +152,12 @@ void AtomicFile::discard() noexcept {
 }
 
 bool AtomicFile::flush() {
-    const char* bytes = buffer_.data();
-    std::size_t left = buffer_.size();
+    const bool written = write_through(buffer_.data(), buffer_.size());
+    buffer_.clear();
+    return written;
+}
+
+bool AtomicFile::write_through(const char* bytes, std::size_t left) {
     while (left != 0 && error_number_ == 0) {
         const ssize_t written = fails(FileCall::write, target_) ? -1 : ::write(descriptor_, bytes, left);
         if (written >= 0) {
@@ -163,14 +167,15 @@ bool AtomicFile::flush() {
             error_number_ = errno;
         }
     }
-    buffer_.clear();
     return error_number_ == 0;
 }
 
 bool AtomicFile::write(const void* bytes, std::size_t size) {
     if (error_number_ != 0 || descriptor_ < 0) return false;
-    buffer_.append(static_cast<const char*>(bytes), size);
     position_ += size;
+    // Much at once needs no copy first.
+    if (size >= buffer_limit) return flush() && write_through(static_cast<const char*>(bytes), size);
+    buffer_.append(static_cast<const char*>(bytes), size);
     return buffer_.size() < buffer_limit || flush();
 }
 

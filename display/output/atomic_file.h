@@ -42,6 +42,7 @@ class AtomicFile {
     AtomicFile() = default;
     void discard() noexcept;
     bool flush();
+    bool write_through(const char* bytes, std::size_t left);
 
     std::string target_, temporary_;
     std::string buffer_;  // bytes not yet handed to the system, standing at position_ - buffer_.size()

@@ -117,10 +117,11 @@ struct PartitionInfo {
 /// Wall seconds that making the results took so far, over all sessions.
 struct RunnerTime {
     double total = 0;                         ///< from the first cell's warm-up to the last cell's last file
-    double render = 0;                        ///< within renderers: loading, building, preparing, rendering
+    double render = 0;                        ///< within renderers, for cells: loading, building, preparing, rendering
+    double warm_up = 0;                       ///< renders that are thrown away, to warm the machine and to learn its speed
     double references = 0;                    ///< making references, which is rendering too
-    [[nodiscard]] double overhead() const { return total - render - references; }
-    /// Of the time within renderers, references not counted; 0 while there is none.
+    [[nodiscard]] double overhead() const { return total - render - warm_up - references; }
+    /// Of the time within renderers, warm-up and references not counted; 0 while there is none.
     [[nodiscard]] double overhead_percent() const { return render > 0 ? 100 * overhead() / render : 0; }
 };
 

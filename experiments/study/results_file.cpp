@@ -193,6 +193,7 @@ Json experiment_json(const Experiment& experiment) {
     json["partitions"] = partitions;
     json["runner"] = {{"total_seconds", experiment.time.total},
                       {"render_seconds", experiment.time.render},
+                      {"warm_up_seconds", experiment.time.warm_up},
                       {"reference_seconds", experiment.time.references},
                       {"overhead_seconds", experiment.time.overhead()},
                       {"overhead_percent", experiment.time.overhead_percent()}};
@@ -219,7 +220,8 @@ Experiment experiment_of(const Json& json, const std::string& directory) {
         experiment.partitions.push_back(
             {each.at("name"), each.at("of"), each.at("channels").get<std::vector<std::string>>()});
     const Json& runner = json.at("runner");
-    experiment.time = {runner.at("total_seconds"), runner.at("render_seconds"), runner.at("reference_seconds")};
+    experiment.time = {runner.at("total_seconds"), runner.at("render_seconds"), runner.value("warm_up_seconds", 0.0),
+                       runner.at("reference_seconds")};
     for (const Json& each : json.at("cells")) experiment.planned.push_back(planned_of(each));
     return experiment;
 }

@@ -86,6 +86,8 @@ TEST_CASE("a cell gets its name when all its files are on disk; one that cannot 
     CHECK(results->missing.empty());
     CHECK(results->time.render > 0);
     CHECK(results->time.overhead() > 0);
+    CHECK(results->time.warm_up > 0);
+    CHECK(results->time.total > results->time.render + results->time.warm_up + results->time.references);
 }
 
 TEST_CASE("an array of zeros is a hole in its file and reads back as zeros, one with a negative zero does not") {

@@ -4,9 +4,12 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <span>
+#include <utility>
 
 #include "display/buffer/frame_buffer.h"
 #include "display/buffer/ranked_coverage.h"
+#include "display/buffer/record_bytes.h"
 #include "display/services/display_services.h"
 #include "tests/services/helpers.h"
 
@@ -112,11 +115,65 @@ TEST_CASE("a record that ends too early or is of another version is refused", "[
     other[0] = 9;
     const auto refused = FrameBuffer::from_record(other);
     REQUIRE_FALSE(refused.ok());
-    CHECK(refused.error().message.find("version 9, expected 2") != std::string::npos);
+    CHECK(refused.error().message.find("version 9, expected 3") != std::string::npos);
     // A size that no memory holds is an error too.
     other = bytes;
     other[7] = 0x7f;
     CHECK_FALSE(FrameBuffer::from_record(other).ok());
+}
+
+TEST_CASE("sums of every width go through bytes and back", "[framebuffer][record]") {
+    // A page has 256 numbers: one page of each width and shift, whose widest number is as wide as can be, and of each sign.
+    std::vector<Int128> values(256, 0);  // a page of zeros, which is not written
+    Random random(7);
+    for (int width = 1; width <= 16; ++width)
+        for (int low = 0; low + width <= 16; ++low)
+            for (const bool negative : {false, true}) {
+                const Int128 most = static_cast<Int128>(~UnsignedInt128{0} >> (129 - 8 * width));
+                for (int i = 0; i < 256; ++i) {
+                    const Int128 any = most >> random.below(8 * width);
+                    const Int128 value = i == 77 ? most : any;
+                    values.push_back((negative ? -value - 1 : value) << (8 * low));
+                }
+            }
+    values.resize(values.size() - 100);  // the last page is not a whole one
+    const std::span<const Int128> all = values;
+    const auto through = [](std::span<const Int128> given, std::span<const Int128> like, std::size_t& bytes) {
+        std::string record;
+        RecordWriter(record).sums(given, like);
+        bytes = record.size();
+        std::vector<Int128> back(given.size());
+        RecordReader reader(record);
+        reader.sums(back, like);
+        CHECK(reader.at_end());
+        for (std::size_t size = 0; size < record.size(); size += 4099) {
+            std::vector<Int128> part(given.size());
+            RecordReader cut(std::string_view(record).substr(0, size));
+            cut.sums(part, like);
+            CHECK_FALSE(cut.ok());
+        }
+        return back;
+    };
+    std::size_t bytes = 0;
+    CHECK((through(all, {}, bytes) == values));
+    CHECK(bytes < all.size_bytes() * 6 / 10);  // the mean width is under 6 of 16, where shifts count as often as widths
+    // Like another plane but for one number: its page alone is written.
+    std::vector<Int128> changed = values;
+    changed[256 * 40 + 3] += 1;
+    CHECK((through(changed, all, bytes) == changed));
+    CHECK(bytes < 16 * 256 + 12 * (values.size() / 256 + 2));
+    // A width or shift that cannot be is refused.
+    std::string record;
+    RecordWriter(record).sums(all.subspan(256, 256));
+    for (const auto& [at, value] : {std::pair(16, 0), std::pair(16, 17), std::pair(16, 255), std::pair(17, 16)}) {
+        std::string damaged = record;
+        damaged[static_cast<std::size_t>(at)] = static_cast<char>(value);
+        std::vector<Int128> back(256);
+        RecordReader reader(damaged);
+        reader.sums(back);
+        CAPTURE(at, value);
+        CHECK_FALSE(reader.ok());
+    }
 }
 
 TEST_CASE("coverage goes through bytes and back", "[coverage][record][law3]") {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 
 #include "display/checkpoint/record_file.h"
 #include "display/output/exr_reader.h"
@@ -71,6 +72,13 @@ Result<std::vector<PartitionVerdict>> write_buffer_files(const std::string& dire
                                                          const display::FrameBuffer& buffer, display::ChannelId beauty,
                                                          display::ImageDescription description,
                                                          display::RecordIdentity identity) {
+    // The record beside the rest: nothing else uses the second processor now.
+    auto recorded = std::async(std::launch::async, [&] {
+        display::RecordFile record;
+        record.identity = std::move(identity);
+        buffer.append_record(record.add("frame buffer"));
+        return display::write_record_file(directory + "/record.bin", record, display::FileSync::later);
+    });
     const std::string image = directory + "/image.exr";
     description.sync = display::FileSync::later;
     // A cell's image is one of thousands, beside sums many times its size: what counts is the time it takes.
@@ -94,11 +102,7 @@ Result<std::vector<PartitionVerdict>> write_buffer_files(const std::string& dire
         const std::string name = id == beauty ? "beauty" : channels[i].name;
         if (Status s = write_channel(directory, name, buffer, id, samples); !s) return s.error();
     }
-    display::RecordFile record;
-    record.identity = std::move(identity);
-    buffer.append_record(record.add("frame buffer"));
-    if (Status s = display::write_record_file(directory + "/record.bin", record, display::FileSync::later); !s)
-        return s.error();
+    if (Status s = recorded.get(); !s) return s.error();
     std::vector<PartitionVerdict> verdicts;
     for (const display::SplitVerdict& each : splits) {
         verdicts.push_back({each.partition, each.holds, each.largest_relative});

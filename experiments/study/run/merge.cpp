@@ -189,6 +189,7 @@ Result<MergeOutcome> merge_experiments(const std::vector<std::string>& directori
     for (const Experiment& each : experiments) {
         merged.time.total += each.time.total;
         merged.time.render += each.time.render;
+        merged.time.warm_up += each.time.warm_up;
         merged.time.references += each.time.references;
     }
     if (Status s = merge_references(experiments, merged); !s) return s.error();

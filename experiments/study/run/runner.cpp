@@ -199,7 +199,9 @@ class Run {
     Status warm_up() {
         // Nothing that is done already is measured again.
         if (earlier_ && earlier_->missing.empty() && !request_.retry) return success();
+        const double rendered = scenes_.seconds();
         estimates_.calibrate(context());
+        warm_up_ = scenes_.seconds() - rendered;
         return success();
     }
 
@@ -295,7 +297,8 @@ class Run {
         RunnerTime& time = experiment_.time;
         time.total += total_.wall();
         time.references += references_;
-        time.render += scenes_.seconds() - reference_render_ + outside_;
+        time.warm_up += warm_up_;
+        time.render += scenes_.seconds() - reference_render_ - warm_up_ + outside_;
         if (!experiment_.scenes.empty())
             if (Status s = write_experiment_files(experiment_); !s) return s.error();
         RunOutcome outcome;
@@ -327,8 +330,8 @@ class Run {
                            " cells have a split that does not sum to what it splits");
         const RunnerTime& time = results.time;
         if (time.render > 0)
-            progress_.line("  " + duration_text(time.render) + " of rendering, " + duration_text(time.references) +
-                           " for references; runner overhead " + duration_text(time.overhead()) + ": " +
+            progress_.line("  " + duration_text(time.render) + " of rendering, " + duration_text(time.warm_up) +
+                           " of warm-up, " + duration_text(time.references) + " for references; runner overhead " + duration_text(time.overhead()) + ": " +
                            number_text(time.overhead_percent(), time.overhead_percent() < 100 ? 2 : 6) +
                            " % of render time");
         if (outcome.parts > 0)
@@ -351,7 +354,7 @@ class Run {
     std::optional<Experiment> earlier_;
     Experiment experiment_;
     std::set<std::string> settled_;
-    double references_ = 0, reference_render_ = 0, outside_ = 0;
+    double references_ = 0, reference_render_ = 0, warm_up_ = 0, outside_ = 0;
     double left_seconds_ = -1;
     std::size_t left_unknown_ = 0;
 };
