@@ -25,6 +25,46 @@ using WriteHits = void (*)(const ShadingBatch&, ChannelId, DisplayServices&);
 using WriteRays = void (*)(const RayBatch&, const SampleTable&, ChannelId, DisplayServices&);
 using WriteSamples = void (*)(const SampleTable&, double seconds, ChannelId, DisplayServices&);
 
+std::span<const std::int32_t> rows_of(const ShadingBatch& batch) {
+    return {batch.row.data(), static_cast<std::size_t>(batch.count)};
+}
+
+/// Writes a column of the batch, or three of them, as they are.
+template <auto column>
+void as_it_is(const ShadingBatch& batch, ChannelId id, DisplayServices& services) {
+    const auto& values = batch.*column;
+    const auto rows = rows_of(batch);
+    if constexpr (requires { values.data(); })
+        services.write(id, rows, std::span(values.data(), rows.size()));
+    else
+        services.write(id, rows, DisplayServices::Columns{values[0].data(), values[1].data(), values[2].data()});
+}
+
+/// Writes three columns turned into camera space; `moved`: as points, not as vectors. The transform is rigid, so normals turn
+/// as vectors do.
+template <auto columns, bool moved = false>
+void in_camera_space(const ShadingBatch& batch, ChannelId id, DisplayServices& services) {
+    constexpr std::size_t chunk = 64;
+    std::array<std::array<float, chunk>, 3> values;
+    const auto rows = rows_of(batch);
+    for (std::size_t first = 0; first < rows.size(); first += chunk) {
+        const std::size_t n = std::min(chunk, rows.size() - first);
+        const float *const x = (batch.*columns)[0].data() + first, *const y = (batch.*columns)[1].data() + first,
+                    *const z = (batch.*columns)[2].data() + first;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const float* const m = batch.world_to_camera[axis];
+            const float a = m[0], b = m[1], c = m[2], d = m[3];
+            float* __restrict to = values[axis].data();
+            for (std::size_t i = 0; i < n; ++i) {
+                const float turned = a * x[i] + b * y[i] + c * z[i];
+                to[i] = moved ? turned + d : turned;
+            }
+        }
+        services.write(id, rows.subspan(first, n),
+                       DisplayServices::Columns{values[0].data(), values[1].data(), values[2].data()});
+    }
+}
+
 /// Writes one AOV for a whole batch of hits; `function` is inlined into the loop. Chunks fit in the nearest cache.
 template <auto function>
 void hits(const ShadingBatch& batch, ChannelId id, DisplayServices& services) {
@@ -48,11 +88,28 @@ void depths(const RayBatch& rays, const SampleTable& table, ChannelId id, Displa
     std::array<std::int32_t, chunk> to;
     std::array<float, chunk> values;
     std::size_t n = 0;
+    int row = 0;
+    // Camera rows that all met something, chunk by chunk; the rest one by one.
+    const float *const origins = rays.origin_z.data(), *const directions = rays.direction_z.data(),
+                *const distances = table.depth.data();
+    for (; row + static_cast<int>(chunk) <= table.camera_row_count(); row += static_cast<int>(chunk)) {
+        const auto first = static_cast<std::size_t>(row);
+        float* __restrict out = values.data();
+        std::int32_t* __restrict out_rows = to.data();
+        int missed = 0;
+        for (std::size_t i = 0; i < chunk; ++i) {
+            missed += std::abs(distances[first + i]) <= std::numeric_limits<float>::max() ? 0 : 1;
+            out[i] = function(origins[first + i], directions[first + i], distances[first + i]);
+            out_rows[i] = row + static_cast<std::int32_t>(i);
+        }
+        if (missed != 0) break;
+        services.write(id, std::span<const std::int32_t>(to), std::span<const float>(values));
+    }
     const auto flush = [&] {
         services.write(id, std::span<const std::int32_t>(to.data(), n), std::span<const float>(values.data(), n));
         n = 0;
     };
-    for (int row = 0; row < table.row_count(); ++row) {
+    for (; row < table.row_count(); ++row) {
         const auto i = static_cast<std::size_t>(row), camera = static_cast<std::size_t>(table.original(row));
         if (!std::isfinite(table.depth[i])) continue;
         if (row >= table.camera_row_count() && table.opacity[i].is_black()) continue;
@@ -143,45 +200,45 @@ namespace in = inputs;
 
 // The only place that knows what an AOV is.
 constexpr std::array aovs{
-    Aov{"P", T::point, "camera", R::filter, 0, from_hits(hits<values::position>, in::position)},
-    Aov{"Po", T::point, "object", R::filter, 0, from_hits(hits<values::object_position>, in::object_position)},
-    Aov{"Pw", T::point, "world", R::filter, 0, from_hits(hits<values::world_position>, in::position)},
-    Aov{"Nn", T::normal, "camera", R::filter, 0, from_hits(hits<values::shading_normal>, in::shading_normal)},
-    Aov{"Ngn", T::normal, "camera", R::filter, 0, from_hits(hits<values::geometric_normal>, in::geometric_normal)},
-    Aov{"Non", T::normal, "camera", R::filter, 0, from_hits(hits<values::plain_normal>, in::plain_normal)},
+    Aov{"P", T::point, "camera", R::filter, 0, from_hits(in_camera_space<&ShadingBatch::position, true>, in::position)},
+    Aov{"Po", T::point, "object", R::filter, 0, from_hits(as_it_is<&ShadingBatch::object_position>, in::object_position)},
+    Aov{"Pw", T::point, "world", R::filter, 0, from_hits(as_it_is<&ShadingBatch::position>, in::position)},
+    Aov{"Nn", T::normal, "camera", R::filter, 0, from_hits(in_camera_space<&ShadingBatch::shading_normal>, in::shading_normal)},
+    Aov{"Ngn", T::normal, "camera", R::filter, 0, from_hits(in_camera_space<&ShadingBatch::geometric_normal>, in::geometric_normal)},
+    Aov{"Non", T::normal, "camera", R::filter, 0, from_hits(in_camera_space<&ShadingBatch::plain_normal>, in::plain_normal)},
     Aov{"Tn", T::vector, "camera", R::filter, 0, from_hits(hits<values::tangent>, in::dpdu)},
-    Aov{"Vn", T::vector, "camera", R::filter, 0, from_hits(hits<values::view>, in::view)},
+    Aov{"Vn", T::vector, "camera", R::filter, 0, from_hits(in_camera_space<&ShadingBatch::view>, in::view)},
     Aov{"VLen", T::real, "world", R::zmin, infinity, from_rays(depths<radial_depth>)},
     Aov{"z", T::real, "camera", R::zmin, infinity, from_rays(depths<axial_depth>)},
     Aov{"zback", T::real, "camera", R::zmin, infinity, from_rays(depths<axial_depth>)},
     Aov{"zfiltered", T::real, "camera", R::filter, 0, from_rays(depths<axial_depth>)},
-    Aov{"u", T::real, "parameter", R::filter, 0, from_hits(hits<values::u>, in::parameters)},
-    Aov{"v", T::real, "parameter", R::filter, 0, from_hits(hits<values::v>, in::parameters)},
+    Aov{"u", T::real, "parameter", R::filter, 0, from_hits(as_it_is<&ShadingBatch::u>, in::parameters)},
+    Aov{"v", T::real, "parameter", R::filter, 0, from_hits(as_it_is<&ShadingBatch::v>, in::parameters)},
     Aov{"st", T::vector, "texture", R::filter, 0, from_hits(hits<values::st>, in::texture)},
-    Aov{"dPdu", T::vector, "camera", R::filter, 0, from_hits(hits<values::dpdu>, in::dpdu)},
-    Aov{"dPdv", T::vector, "camera", R::filter, 0, from_hits(hits<values::dpdv>, in::dpdv)},
-    Aov{"curvature", T::real, "world", R::filter, 0, from_hits(hits<values::curvature>, in::curvature)},
-    Aov{"outsideIOR", T::real, "", R::filter, 0, from_hits(hits<values::outside_ior>, in::outside_ior)},
+    Aov{"dPdu", T::vector, "camera", R::filter, 0, from_hits(in_camera_space<&ShadingBatch::dpdu>, in::dpdu)},
+    Aov{"dPdv", T::vector, "camera", R::filter, 0, from_hits(in_camera_space<&ShadingBatch::dpdv>, in::dpdv)},
+    Aov{"curvature", T::real, "world", R::filter, 0, from_hits(as_it_is<&ShadingBatch::curvature>, in::curvature)},
+    Aov{"outsideIOR", T::real, "", R::filter, 0, from_hits(as_it_is<&ShadingBatch::outside_ior>, in::outside_ior)},
     Aov{"incidenceAngle", T::real, "radians", R::filter, 0,
         from_hits(hits<values::incidence_angle>, in::shading_normal | in::view)},
     Aov{"time", T::real, "shutter", R::filter, 0, from_samples(samples<shutter_time>)},
-    Aov{"id", T::integer, "", R::zmin, 0, from_hits(hits<values::id>, in::ids)},
-    Aov{"id2", T::integer, "", R::zmin, 0, from_hits(hits<values::id2>, in::ids)},
-    Aov{"rawId", T::integer, "", R::zmin, 0, from_hits(hits<values::raw_id>, in::ids)},
+    Aov{"id", T::integer, "", R::zmin, 0, from_hits(as_it_is<&ShadingBatch::object_id>, in::ids)},
+    Aov{"id2", T::integer, "", R::zmin, 0, from_hits(as_it_is<&ShadingBatch::part_id>, in::ids)},
+    Aov{"rawId", T::integer, "", R::zmin, 0, from_hits(as_it_is<&ShadingBatch::surface_id>, in::ids)},
     Aov{"a", T::real, "", R::filter, 0, from_samples(alpha)},
     Aov{"Ci", T::rgb, "rendering colour space", R::filter, 0, from_expression("C.*")},
     Aov{"Oi", T::rgb, "opacity", R::filter, 0, from_samples(opacity)},
     Aov{"cpuTime", T::real, "seconds", R::sum, 0, from_samples(samples<cpu_time>, true)},
     Aov{"sampleCount", T::real, "", R::sum, 0, from_samples(samples<one>)},
     Aov{"invalidSamples", T::real, "", R::sum, 0, from_samples(samples<invalid_values>)},
-    Aov{"__Pworld", T::point, "world", R::filter, 0, from_hits(hits<values::world_position>, in::position)},
+    Aov{"__Pworld", T::point, "world", R::filter, 0, from_hits(as_it_is<&ShadingBatch::position>, in::position)},
     Aov{"__Nworld", T::normal, "world", R::filter, 0,
-        from_hits(hits<values::world_shading_normal>, in::shading_normal)},
-    Aov{"__Vworld", T::vector, "world", R::filter, 0, from_hits(hits<values::world_view>, in::view)},
+        from_hits(as_it_is<&ShadingBatch::shading_normal>, in::shading_normal)},
+    Aov{"__Vworld", T::vector, "world", R::filter, 0, from_hits(as_it_is<&ShadingBatch::view>, in::view)},
     Aov{"__st", T::vector, "texture", R::filter, 0, from_hits(hits<values::st>, in::texture)},
     Aov{"__depth", T::vector, "camera depth, world height, cosine", R::filter, 0,
         from_hits(hits<values::depth_height_facing>, in::position | in::shading_normal | in::view)},
-    Aov{"albedo", T::rgb, "rendering colour space", R::filter, 0, from_hits(hits<values::albedo>, in::albedo)},
+    Aov{"albedo", T::rgb, "rendering colour space", R::filter, 0, from_hits(as_it_is<&ShadingBatch::albedo>, in::albedo)},
     Aov{"wireframe", T::real, "", R::filter, 0, from_hits(hits<values::wireframe>, in::edges)},
 };
 

@@ -1,4 +1,5 @@
-// What each AOV of a hit is, as a function of a shading batch and an index: the right-hand sides of geoaovs.cpp's table.
+// What AOVs of a hit are that are no column of a shading batch, as functions of it and an index: right-hand sides of
+// geoaovs.cpp's table.
 #pragma once
 
 #include <algorithm>
@@ -22,36 +23,16 @@ inline float camera_axis(Hits h, int axis, const Rgb& v) {
 }
 /// The transform is rigid, so normals turn like vectors.
 inline Rgb camera_vector(Hits h, const Rgb& v) { return {camera_axis(h, 0, v), camera_axis(h, 1, v), camera_axis(h, 2, v)}; }
-inline Rgb camera_point(Hits h, const Rgb& v) {
-    return camera_vector(h, v) + Rgb(h.world_to_camera[0][3], h.world_to_camera[1][3], h.world_to_camera[2][3]);
-}
 
-inline constexpr auto position = [](Hits h, At i) { return camera_point(h, triple(h.position, i)); };
-inline constexpr auto world_position = [](Hits h, At i) { return triple(h.position, i); };
-inline constexpr auto object_position = [](Hits h, At i) { return triple(h.object_position, i); };
-
-inline constexpr auto shading_normal = [](Hits h, At i) { return camera_vector(h, triple(h.shading_normal, i)); };
-inline constexpr auto world_shading_normal = [](Hits h, At i) { return triple(h.shading_normal, i); };
-inline constexpr auto geometric_normal = [](Hits h, At i) { return camera_vector(h, triple(h.geometric_normal, i)); };
-inline constexpr auto plain_normal = [](Hits h, At i) { return camera_vector(h, triple(h.plain_normal, i)); };
-inline constexpr auto view = [](Hits h, At i) { return camera_vector(h, triple(h.view, i)); };
-inline constexpr auto world_view = [](Hits h, At i) { return triple(h.view, i); };
-
-inline constexpr auto dpdu = [](Hits h, At i) { return camera_vector(h, triple(h.dpdu, i)); };
-inline constexpr auto dpdv = [](Hits h, At i) { return camera_vector(h, triple(h.dpdv, i)); };
 /// Where the parameterisation collapses (the pole of a sphere) there is no tangent: 0.
 inline constexpr auto tangent = [](Hits h, At i) {
     const Rgb d = triple(h.dpdu, i);
     const float l = length(d);
     return l > 0 ? camera_vector(h, d * (1 / l)) : Rgb();
 };
-inline constexpr auto curvature = [](Hits h, At i) { return h.curvature[i]; };
 
-inline constexpr auto u = [](Hits h, At i) { return h.u[i]; };
-inline constexpr auto v = [](Hits h, At i) { return h.v[i]; };
 inline constexpr auto st = [](Hits h, At i) { return Rgb(h.s[i], h.t[i], 0.0f); };
 
-inline constexpr auto outside_ior = [](Hits h, At i) { return h.outside_ior[i]; };
 /// By the arc tangent, which keeps its digits near 0 where the arc cosine loses half of them.
 inline constexpr auto incidence_angle = [](Hits h, At i) {
     const Rgb n = triple(h.shading_normal, i), w = triple(h.view, i);
@@ -64,11 +45,6 @@ inline constexpr auto depth_height_facing = [](Hits h, At i) {
                std::abs(dot(triple(h.shading_normal, i), triple(h.view, i))));
 };
 
-inline constexpr auto id = [](Hits h, At i) { return h.object_id[i]; };
-inline constexpr auto id2 = [](Hits h, At i) { return h.part_id[i]; };
-inline constexpr auto raw_id = [](Hits h, At i) { return h.surface_id[i]; };
-
-inline constexpr auto albedo = [](Hits h, At i) { return triple(h.albedo, i); };
 /// A line one pixel wide, half on either side of the edge; the pixel filter smooths it.
 inline constexpr auto wireframe = [](Hits h, At i) { return h.edge_pixels[i] < 0.5f ? 1.0f : 0.0f; };
 

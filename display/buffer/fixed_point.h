@@ -1,8 +1,10 @@
 // Exact sums of doubles: 128-bit fixed point, so that addition is associative and a sum has one value whatever the order.
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 namespace raylex::display {
@@ -10,7 +12,7 @@ namespace raylex::display {
 __extension__ typedef __int128 Int128;
 __extension__ typedef unsigned __int128 UnsignedInt128;
 
-/// Rounds `value` to a multiple of 2^quantum_exponent, to nearest with ties away from zero, and returns the multiple.
+/// Rounds `value` to a multiple of 2^quantum_exponent, to nearest with ties to even, and returns the multiple.
 /// False, and `fixed` untouched, when the value is not finite or the multiple has more than 126 bits. A value with bits
 /// below the quantum loses them (at most half a quantum); every other double is exact, subnormal ones included.
 [[nodiscard]] inline bool to_fixed(double value, int quantum_exponent, Int128& fixed) {
@@ -33,8 +35,9 @@ __extension__ typedef unsigned __int128 UnsignedInt128;
         magnitude = static_cast<Int128>(mantissa) << shift;
     } else if (shift >= -53) {
         const int drop = -shift;
-        magnitude = static_cast<Int128>((mantissa + (std::uint64_t{1} << (drop - 1))) >> drop);
-    }  // else below half a quantum: 0
+        const std::uint64_t odd = drop == 53 ? 0 : mantissa >> drop & 1;
+        magnitude = static_cast<Int128>((mantissa + (std::uint64_t{1} << (drop - 1)) - 1 + odd) >> drop);
+    }  // else at most half a quantum: 0
     fixed = (bits >> 63) != 0 ? -magnitude : magnitude;
     return true;
 }
@@ -42,18 +45,90 @@ __extension__ typedef unsigned __int128 UnsignedInt128;
 /// Adds unless the sum would not fit.
 [[nodiscard]] inline bool add_fixed(Int128& sum, Int128 term) { return !__builtin_add_overflow(sum, term, &sum); }
 
+/// 2^exponent; exact, and no call as std::ldexp is.
+[[nodiscard]] inline long double power_of_two(int exponent) {
+    if (exponent < -1022 || exponent > 1023) return std::ldexp(1.0L, exponent);
+    return static_cast<long double>(std::bit_cast<double>(static_cast<std::uint64_t>(exponent + 1023) << 52));
+}
+
+/// The sum of arrays of `count` doubles, each rounded as by to_fixed(): the same total in a fraction of the time, two numbers
+/// at once. A number is cut into three by adding constants so large that what lies below their last bit is rounded off;
+/// how often that bit goes into each part is then to be read from the bits.
+template <std::size_t count>
+class FixedSum {
+  public:
+    explicit FixedSum(int quantum_exponent)
+        : scale_(static_cast<double>(power_of_two(-quantum_exponent))), quantum_exponent_(quantum_exponent) {}
+
+    /// False, and nothing added, where to_fixed() refuses one of them or the sum does not fit.
+    [[gnu::always_inline]] bool add(const std::array<double, count>& values) {
+        Pair scaled[pairs], size{};
+        for (std::size_t i = 0; i < pairs; ++i) {
+            scaled[i] = Pair{values[2 * i], 2 * i + 1 < count ? values[2 * i + 1] : 0.0} * scale_;
+            size += reinterpret_cast<Pair>(reinterpret_cast<Bits>(scaled[i]) & (~Bits{} >> 1));  // without the sign
+        }
+        if (!(size[0] + size[1] < most)) [[unlikely]] return add_apart(values);  // NaN too
+        ++added_;
+        for (std::size_t i = 0; i < pairs; ++i) {
+            const Pair high = scaled[i] + high_unit;
+            const Pair below_high = scaled[i] - (high - high_unit);
+            const Pair middle = below_high + middle_unit;
+            const Pair low = below_high - (middle - middle_unit) + low_unit;
+            high_[i] += reinterpret_cast<Bits>(high);
+            middle_[i] += reinterpret_cast<Bits>(middle);
+            low_[i] += reinterpret_cast<Bits>(low);
+        }
+        return true;
+    }
+    /// Whether each array stayed within 2^110 quanta, so that 2^16 of them cannot be too many.
+    [[nodiscard]] bool bounded() const { return bounded_; }
+    [[nodiscard]] std::array<Int128, count> total() const {
+        std::array<Int128, count> sum;
+        for (std::size_t c = 0; c < count; ++c) {
+            const auto units = [&](const Bits* of, double unit) {
+                return static_cast<Int128>(
+                    static_cast<std::int64_t>(of[c / 2][c % 2] - added_ * std::bit_cast<std::uint64_t>(unit)));
+            };
+            sum[c] = apart_[c] + (units(high_, high_unit) << 60) + (units(middle_, middle_unit) << 9) + units(low_, low_unit);
+        }
+        return sum;
+    }
+
+  private:
+    using Pair [[gnu::vector_size(16)]] = double;
+    using Bits [[gnu::vector_size(16)]] = std::uint64_t;
+    static constexpr std::size_t pairs = (count + 1) / 2;
+    // Their last bits are 2^60, 2^9 and 1.
+    static constexpr double high_unit = 0x1.8p112, middle_unit = 0x1.8p61, low_unit = 0x1.8p52, most = 0x1p110;
+
+    /// One by one. Half of the range at most, so that total() cannot overflow.
+    [[gnu::noinline]] bool add_apart(const std::array<double, count>& values) {
+        std::array<Int128, count> sum = apart_;
+        constexpr Int128 limit = static_cast<Int128>(1) << 126;
+        for (std::size_t c = 0; c < count; ++c) {
+            Int128 term = 0;
+            if (!to_fixed(values[c], quantum_exponent_, term)) return false;
+            if (!add_fixed(sum[c], term) || sum[c] >= limit || sum[c] <= -limit) return false;
+        }
+        apart_ = sum;
+        bounded_ = false;
+        return true;
+    }
+
+    Bits high_[pairs] = {}, middle_[pairs] = {}, low_[pairs] = {};
+    std::array<Int128, count> apart_{};
+    std::uint64_t added_ = 0;
+    double scale_;
+    int quantum_exponent_;
+    bool bounded_ = true;
+};
+
 /// The nearest long double to `fixed`, at a third of the time that the compiler's own conversion takes: both halves and
 /// the scaling are exact, so only the addition rounds.
 [[nodiscard]] inline long double as_long_double(Int128 fixed) {
     const auto high = static_cast<std::int64_t>(fixed >> 64);
     const auto low = static_cast<std::uint64_t>(fixed);
     return static_cast<long double>(high) * 0x1p64L + static_cast<long double>(low);
-}
-
-/// 2^exponent; exact, and no call as std::ldexp is.
-[[nodiscard]] inline long double power_of_two(int exponent) {
-    if (exponent < -1022 || exponent > 1023) return std::ldexp(1.0L, exponent);
-    return static_cast<long double>(std::bit_cast<double>(static_cast<std::uint64_t>(exponent + 1023) << 52));
 }
 
 /// The nearest long double to fixed * 2^quantum_exponent: scaling by a power of two rounds nothing.

@@ -189,12 +189,15 @@ void FrameBuffer::accumulate(const SampleTable& table) {
     const int block = std::countr_zero(static_cast<unsigned>(layout.block_size));  // a power of two: see check_layout()
     for (int begin = 0, end = 0; begin < cameras; begin = end) {
         const CameraRow& first = table.camera_row(begin);
+        extra.block_ends.clear();
         for (end = begin + 1; end < cameras; ++end) {
             const CameraRow& row = table.camera_row(end);
-            if (row.pixel_x != first.pixel_x || row.pixel_y != first.pixel_y ||
-                (row.sample >> block) != (first.sample >> block))
-                break;
+            if (row.pixel_x != first.pixel_x || row.pixel_y != first.pixel_y) break;
+            if (row.sample >> block == table.camera_row(end - 1).sample >> block) continue;
+            if (storage_->kernel) break;
+            extra.block_ends.push_back(end);
         }
+        extra.block_ends.push_back(end);
         Run run;
         const auto within = [&](const CameraRow& row) {
             return row.pixel_x >= 0 && row.pixel_y >= 0 && row.pixel_x < layout.width && row.pixel_y < layout.height;
@@ -216,6 +219,7 @@ void FrameBuffer::accumulate(const SampleTable& table) {
         }
         run.begin = begin;
         run.end = end;
+        run.block_ends = extra.block_ends;
         run.extra = has_extra ? &extra : nullptr;
         run.scratch = &extra.folded;
         run.set_sums = &set_sums;
@@ -231,37 +235,39 @@ void FrameBuffer::accumulate_run(const SampleTable& table, const Run& run) {
     Storage& storage = *storage_;
     const int exponent = storage.layout.quantum_exponent;
     const std::size_t pixel = run.pixel, none = storage.channels.size();
+    if (run.next_pixel != Run::no_pixel) storage.ask_for(run.next_pixel);
     if (run.inside) storage.samples[pixel] += static_cast<std::uint64_t>(run.end - run.begin);
     if (run.splat != nullptr) {
         storage.splat_weights(run);
         accumulate_channels(table, run);
         return;
     }
-    double weight = 0, weighted_alpha = 0, weight_square = 0;
-    for (int row = run.begin; row < run.end; ++row) {
-        const double w = run.weights[row - run.begin];
-        weight += w;
-        weight_square += w * w;
-        weighted_alpha += w * run.alpha[static_cast<std::size_t>(row)];
-    }
-    storage.add(storage.weight, pixel, &weight, 1, exponent, none);
-    if (weighted_alpha != 0) storage.add(storage.alpha, pixel, &weighted_alpha, 1, exponent, none);
-    if (!storage.weight_square.empty()) storage.add(storage.weight_square, pixel, &weight_square, 1, exponent, none);
+    using Sum = std::array<double, 1>;
+    const auto add = [&](Plane<Int128>& to, auto term) {
+        storage.add_blocks<1>(&to[pixel], run, exponent, none, [&](int first, int last) {
+            double sum = 0;
+            for (int row = first; row < last; ++row) sum += term(run.weights[row - run.begin], row);
+            return Sum{sum};
+        });
+    };
+    add(storage.weight, [](double w, int) { return w; });
+    add(storage.alpha, [&](double w, int row) { return w * run.alpha[static_cast<std::size_t>(row)]; });
+    if (!storage.weight_square.empty()) add(storage.weight_square, [](double w, int) { return w * w; });
     if (!storage.even_weight.empty()) storage.add_half_weights(table, run);
 
     accumulate_channels(table, run);
 }
 
 /// What add_filtered() comes to where nothing but the weighted sum is kept and no sample has further rows.
-template <int components>
+template <std::size_t components>
 inline void FrameBuffer::Storage::add_sum(const Taker& taker, const SampleTable& table, const Run& run) {
-    const double* const values = table.values(static_cast<ChannelId>(taker.from)) + static_cast<std::size_t>(run.begin) * components;
-    const std::array<double, 3> sum =
-        weighted_sum<components>(values, run.sum_weights(), static_cast<std::size_t>(run.end - run.begin));
-    // A sum of nothing is not added, so that its memory page is not needed either.
-    if (!is_zero(sum) &&
-        !add_terms<components>(sum_of[taker.channel] + run.pixel * components, sum.data(), layout.quantum_exponent))
-        reject(taker.channel);
+    const double* const values = table.values(static_cast<ChannelId>(taker.from));
+    add_blocks<components>(
+        sum_of[taker.channel] + run.pixel * components, run, layout.quantum_exponent, taker.channel,
+        [&](int first, int last) {
+            return weighted_sum<components>(values + static_cast<std::size_t>(first) * components, run.sum_weights(first),
+                                            static_cast<std::size_t>(last - first));
+        });
 }
 
 void FrameBuffer::accumulate_channels(const SampleTable& table, const Run& run) {
@@ -275,7 +281,7 @@ void FrameBuffer::accumulate_channels(const SampleTable& table, const Run& run) 
         return (touched[taker.from] & stripes) != 0 || taker.reads_untouched;
     };
     const bool by_sets = table.sets() != nullptr;
-    if (by_sets) storage.add_sets(table, run, stripes);
+    if (by_sets) storage.add_sets(table, run);
     const std::span<const Storage::Taker> takers(
         storage.takers.data(), by_sets && !table.sent_apart() ? storage.own_takers : storage.takers.size());
     // A pixel of each channel lies on a memory page of its own: asked for one run ahead it is there in time. The next run

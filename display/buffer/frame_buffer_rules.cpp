@@ -44,24 +44,22 @@ void fold_sample(const SampleTable& table, ChannelId id, int components, int row
     if (!any_set && plain && fill != 0 && std::isfinite(fill)) std::fill_n(out, components, fill);
 }
 
-struct BlockSums {
-    std::array<double, 3> weighted{}, plain{}, square{};
-};
-
-/// Sums over the rows of a block; `square` becomes sum(v^2) as sum((v - mean)^2) plus the block's mean part.
-template <int components>
-void sum_block(const double* weights, std::size_t rows, const double* values, bool statistics, BlockSums& out) {
-    out.weighted = weighted_sum<components>(values, weights, rows);
-    if (!statistics) return;
+/// Sums over the rows of a block: of the values, and of the squares of how far they are from their mean.
+template <std::size_t components>
+void sum_block(std::size_t rows, const double* values, std::array<double, components>& plain,
+               std::array<double, components>& square) {
+    plain = square = {};
     const double* v = values;
     for (std::size_t row = 0; row < rows; ++row, v += components)
-        for (int c = 0; c < components; ++c) out.plain[static_cast<std::size_t>(c)] += v[c];
-    v = values;
+        for (std::size_t c = 0; c < components; ++c) plain[c] += v[c];
     const auto count = static_cast<double>(rows);
+    std::array<double, components> mean;
+    for (std::size_t c = 0; c < components; ++c) mean[c] = plain[c] / count;
+    v = values;
     for (std::size_t row = 0; row < rows; ++row, v += components)
         for (std::size_t c = 0; c < components; ++c) {
-            const double deviation = v[c] - out.plain[c] / count;
-            out.square[c] += deviation * deviation;
+            const double deviation = v[c] - mean[c];
+            square[c] += deviation * deviation;
         }
 }
 
@@ -104,39 +102,53 @@ void FrameBuffer::Storage::add_filtered(Channel& channel, std::size_t index, con
         values = scratch.data();
     }
     if (run.splat != nullptr) return splat_values(channel, index, run, values);
-    const bool statistics = !channel.square_sum.empty();
-    BlockSums sums;
-    const auto rows = static_cast<std::size_t>(run.end - run.begin);
-    if (components == 3) sum_block<3>(run.sum_weights(), rows, values, statistics, sums);
-    else sum_block<1>(run.sum_weights(), rows, values, statistics, sums);
-    const std::size_t at = run.pixel * components;
     if (!channel.even_sum.empty()) add_halves(channel, index, table, run, values);
-    // A sum of nothing is not added, so that its memory page is not needed either.
-    if (!is_zero(sums.weighted))
-        add(channel.sum, at, sums.weighted.data(), channel.components, layout.quantum_exponent, index);
-    if (!statistics || (is_zero(sums.plain) && is_zero(sums.square))) return;
-    add(channel.plain_sum, at, sums.plain.data(), channel.components, layout.quantum_exponent, index);
-    std::array<double, 3> high{}, low{};
-    for (std::size_t c = 0; c < components; ++c) mean_part(sums.plain[c], run.end - run.begin, high[c], low[c]);
-    add(channel.square_sum, at, sums.square.data(), channel.components, square_exponent, index);
-    add(channel.square_sum, at, high.data(), channel.components, square_exponent, index);
-    add(channel.square_sum, at, low.data(), channel.components, square_exponent, index);
+    const auto add = [&]<std::size_t count>() {
+        add_blocks<count>(&channel.sum[run.pixel * count], run, layout.quantum_exponent, index, [&](int first, int last) {
+            return weighted_sum<count>(values + static_cast<std::size_t>(first - run.begin) * count, run.sum_weights(first),
+                                       static_cast<std::size_t>(last - first));
+        });
+        if (!channel.square_sum.empty()) add_moments<count>(channel, index, run, values);
+    };
+    if (components == 3) add.template operator()<3>();
+    else add.template operator()<1>();
+}
+
+/// `values` from the run's first row on. The squares of a block are those about its mean plus the mean's part, so that what
+/// is added has the digits of the deviations.
+template <std::size_t components>
+void FrameBuffer::Storage::add_moments(Channel& channel, std::size_t index, const Run& run, const double* values) {
+    FixedSum<components> plain_total(layout.quantum_exponent), square_total(square_exponent);
+    run.for_each_block([&](int first, int last) {
+        const auto rows = static_cast<std::size_t>(last - first);
+        std::array<double, components> plain, square, high, low;
+        sum_block<components>(rows, values + static_cast<std::size_t>(first - run.begin) * components, plain, square);
+        for (std::size_t c = 0; c < components; ++c) mean_part(plain[c], last - first, high[c], low[c]);
+        if (!plain_total.add(plain)) reject(index);
+        for (const auto* part : {&square, &high, &low})
+            if (!square_total.add(*part)) reject(index);
+    });
+    add_sum_of(&channel.plain_sum[run.pixel * components], plain_total, index);
+    add_sum_of(&channel.square_sum[run.pixel * components], square_total, index);
 }
 
 void FrameBuffer::Storage::add_plain(Channel& channel, std::size_t index, const SampleTable& table, const Run& run) {
     const auto id = static_cast<ChannelId>(index);
-    const auto components = static_cast<std::size_t>(channel.components);
-    std::array<double, 3> sum{};
     std::uint64_t taken = 0;
-    run.for_each_row([&](int row) {
-        if (!counts(table, id, row)) return;
-        ++taken;
-        for (std::size_t c = 0; c < components; ++c)
-            sum[c] += table.values(id)[static_cast<std::size_t>(row) * components + c];
-    });
+    const auto add = [&]<std::size_t count>() {
+        add_blocks<count>(&channel.sum[run.pixel * count], run, layout.quantum_exponent, index, [&](int first, int last) {
+            std::array<double, count> sum{};
+            run.for_each_row(first, last, [&](int row) {
+                if (!counts(table, id, row)) return;
+                ++taken;
+                for (std::size_t c = 0; c < count; ++c) sum[c] += table.values(id)[static_cast<std::size_t>(row) * count + c];
+            });
+            return sum;
+        });
+    };
+    if (channel.components == 3) add.template operator()<3>();
+    else add.template operator()<1>();
     channel.seen[run.pixel] += taken;
-    if (!is_zero(sum))
-        add(channel.sum, run.pixel * components, sum.data(), channel.components, layout.quantum_exponent, index);
 }
 
 void FrameBuffer::Storage::add_picked(Channel& channel, std::size_t index, const SampleTable& table, const Run& run) {

@@ -1,23 +1,10 @@
 // Sums that channels have in common: a block of samples is added up once for each set of channels that took its light.
 #include "display/buffer/frame_buffer_storage.h"
 
+#include <bit>
+#include <cassert>
+
 namespace raylex::display {
-namespace {
-
-/// All three or, where one would not fit, none and false.
-bool add_all(Int128* to, const SetSums::Sum& terms) {
-    SetSums::Sum result;
-    bool fits = true;
-    for (std::size_t c = 0; c < 3; ++c) {
-        result[c] = to[c];
-        fits = add_fixed(result[c], terms[c]) && fits;
-    }
-    if (fits) std::copy_n(result.begin(), 3, to);
-    return fits;
-}
-
-}  // namespace
-
 std::vector<std::uint8_t> FrameBuffer::sums_only() const {
     const Storage& storage = *storage_;
     const std::span<const ChannelDefinition> channels = storage.definitions;
@@ -36,51 +23,29 @@ std::vector<std::uint8_t> FrameBuffer::sums_only() const {
 
 void FrameBuffer::expect(const SplatSets& sets) {
     Storage& storage = *storage_;
+    assert(sets.block_bits() == std::countr_zero(static_cast<unsigned>(storage.layout.block_size)));
     const auto own = [&](const Storage::Taker& taker) { return sets.shared()[taker.from] == 0; };
     const auto end = std::stable_partition(storage.takers.begin(), storage.takers.end(), own);
     storage.own_takers = static_cast<std::size_t>(end - storage.takers.begin());
 }
 
-void FrameBuffer::Storage::add_sets(const SampleTable& table, const Run& run, std::uint64_t stripes) {
+void FrameBuffer::Storage::add_sets(const SampleTable& table, const Run& run) {
     const SplatSets& sets = *table.sets();
     SetSums& of_run = *run.set_sums;
-    const auto first = static_cast<std::size_t>(table.channel_count()), begin = static_cast<std::size_t>(run.begin),
-               count = static_cast<std::size_t>(run.end) - begin;
-    const std::span<const std::uint32_t> in_use = table.sets_in_use();
-    const std::span<const std::uint64_t> touched = table.touched_stripes().subspan(first);
     if (of_run.sums.size() < channels.size()) {
         of_run.sums.resize(channels.size());
         of_run.taken.resize(channels.size());
     }
-    for (std::size_t column = 0; column < in_use.size(); ++column) {
-        if ((touched[column] & stripes) == 0) continue;
-        const double* const values = table.values(static_cast<ChannelId>(first + column));
-        std::array<double, 3> sum = weighted_sum<3>(values + 3 * begin, run.sum_weights(), count);
-        if (run.extra != nullptr)  // a camera ray has the light of all its rows
-            for (std::size_t i = 0; i < count; ++i)
-                for (const int row : run.extra->of(run.begin + static_cast<int>(i)))
-                    for (std::size_t c = 0; c < 3; ++c)
-                        sum[c] += run.weights[i] * values[3 * static_cast<std::size_t>(row) + c];
-        if (is_zero(sum)) continue;
-        SetSums::Sum fixed{};
-        bool fits = true;
-        for (std::size_t c = 0; c < 3; ++c) fits = fits && to_fixed(sum[c], layout.quantum_exponent, fixed[c]);
-        for (const ChannelId id : sets.channels_of(in_use[column])) {
-            const auto channel = static_cast<std::uint32_t>(id);
-            if (!fits) {
-                reject(channel);
-                continue;
-            }
-            if (of_run.taken[channel] == 0) {
-                of_run.taken[channel] = 1;
-                of_run.channels.push_back(channel);
-                const Int128* const pixel = sum_of[channel] + 3 * run.pixel;
-                __builtin_prefetch(pixel, 1);
-                __builtin_prefetch(pixel + 2, 1);
-            }
-            if (!add_all(of_run.sums[channel].data(), fixed)) reject(channel);
+    SampleTable::SetMask any{};
+    run.for_each_block([&](int first, int) {
+        const SampleTable::SetMask& mask = table.set_mask(first);
+        for (std::size_t word = 0; word < any.size(); ++word) any[word] |= mask[word];
+    });
+    for (std::size_t word = 0; word < any.size(); ++word)
+        for (std::uint64_t places = any[word]; places != 0; places &= places - 1) {
+            const std::size_t place = 64 * word + static_cast<std::size_t>(std::countr_zero(places));
+            add_set(table, run, place, sets.channels_of(table.sets_in_use()[place]));
         }
-    }
     add_waiting(of_run);
     of_run.waiting_pixel = run.pixel;
     for (const std::uint32_t channel : of_run.channels) {
@@ -89,13 +54,40 @@ void FrameBuffer::Storage::add_sets(const SampleTable& table, const Run& run, st
         of_run.taken[channel] = 0;
     }
     of_run.channels.clear();
+    of_run.checked = false;
+}
+
+/// The blocks' sums of one set, to the run's sum of each of its channels.
+inline void FrameBuffer::Storage::add_set(const SampleTable& table, const Run& run, std::size_t place,
+                                          std::span<const ChannelId> set) {
+    SetSums& of_run = *run.set_sums;
+    FixedSum<3> of_set(layout.quantum_exponent);
+    run.for_each_block([&](int first, int) {
+        if (of_set.add(table.set_sum(first, place))) [[likely]] return;
+        for (const ChannelId id : set) reject(static_cast<std::size_t>(id));
+    });
+    const SetSums::Sum total = of_set.total();
+    if ((total[0] | total[1] | total[2]) == 0) return;
+    of_run.checked = of_run.checked || !of_set.bounded();
+    for (const ChannelId id : set) {
+        const auto channel = static_cast<std::uint32_t>(id);
+        if (of_run.taken[channel] == 0) {
+            of_run.taken[channel] = 1;
+            of_run.channels.push_back(channel);
+            const Int128* const pixel = sum_of[channel] + 3 * run.pixel;
+            __builtin_prefetch(pixel, 1);
+            __builtin_prefetch(pixel + 2, 1);
+        }
+        SetSums::Sum& sum = of_run.sums[channel];
+        if (of_run.checked) [[unlikely]] add_total<3>(sum.data(), total.data(), channel);
+        else
+            for (std::size_t c = 0; c < 3; ++c) sum[c] += total[c];
+    }
 }
 
 void FrameBuffer::Storage::add_waiting(SetSums& sums) {
-    for (const SetSums::Addend& each : sums.waiting) {
-        Int128* const pixel = sum_of[each.channel] + 3 * sums.waiting_pixel;
-        if (!add_all(pixel, each.sum)) reject(each.channel);
-    }
+    for (const SetSums::Addend& each : sums.waiting)
+        add_total<3>(sum_of[each.channel] + 3 * sums.waiting_pixel, each.sum.data(), each.channel);
     sums.waiting.clear();
 }
 

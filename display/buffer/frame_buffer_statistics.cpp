@@ -14,35 +14,42 @@ namespace {
 }  // namespace
 
 void FrameBuffer::Storage::add_half_weights(const SampleTable& table, const Run& run) {
-    std::array<double, 2> sum{};
-    std::array<std::uint64_t, 2> count{};
-    for (int row = run.begin; row < run.end; ++row) {
-        const std::size_t half = is_odd(table, row) ? 1 : 0;
-        sum[half] += static_cast<double>(table.camera_row(row).filter_weight);
-        ++count[half];
+    for (const bool odd : {false, true}) {
+        std::uint64_t count = 0;
+        add_blocks<1>(&(odd ? odd_weight : even_weight)[run.pixel], run, layout.quantum_exponent, channels.size(),
+                      [&](int first, int last) {
+                          double sum = 0;
+                          for (int row = first; row < last; ++row) {
+                              if (is_odd(table, row) != odd) continue;
+                              sum += run.weights[row - run.begin];
+                              ++count;
+                          }
+                          return std::array{sum};
+                      });
+        (odd ? odd_samples : even_samples)[run.pixel] += count;
     }
-    even_samples[run.pixel] += count[0];
-    odd_samples[run.pixel] += count[1];
-    if (sum[0] != 0) add(even_weight, run.pixel, sum.data(), 1, layout.quantum_exponent, channels.size());
-    if (sum[1] != 0) add(odd_weight, run.pixel, &sum[1], 1, layout.quantum_exponent, channels.size());
 }
 
 /// `values` as add_filtered took them: component-interleaved from the run's first row on. Both halves are summed by
 /// themselves, so that neither holds what rounding leaves of the other.
 void FrameBuffer::Storage::add_halves(Channel& channel, std::size_t index, const SampleTable& table, const Run& run,
                                       const double* values) {
-    const auto components = static_cast<std::size_t>(channel.components);
-    std::array<std::array<double, 3>, 2> sum{};
-    for (int row = run.begin; row < run.end; ++row, values += components) {
-        std::array<double, 3>& half = sum[is_odd(table, row) ? 1 : 0];
-        const double w = static_cast<double>(table.camera_row(row).filter_weight);
-        for (std::size_t c = 0; c < components; ++c) half[c] += w * values[c];
-    }
-    const std::size_t at = run.pixel * components;
-    if (sum[0] != std::array<double, 3>{})
-        add(channel.even_sum, at, sum[0].data(), channel.components, layout.quantum_exponent, index);
-    if (sum[1] != std::array<double, 3>{})
-        add(channel.odd_sum, at, sum[1].data(), channel.components, layout.quantum_exponent, index);
+    const auto halves = [&]<std::size_t components>() {
+        for (const bool odd : {false, true})
+            add_blocks<components>(&(odd ? channel.odd_sum : channel.even_sum)[run.pixel * components], run,
+                                   layout.quantum_exponent, index, [&](int first, int last) {
+                                       std::array<double, components> sum{};
+                                       for (int row = first; row < last; ++row) {
+                                           if (is_odd(table, row) != odd) continue;
+                                           const auto at = static_cast<std::size_t>(row - run.begin);
+                                           for (std::size_t c = 0; c < components; ++c)
+                                               sum[c] += run.weights[at] * values[at * components + c];
+                                       }
+                                       return sum;
+                                   });
+    };
+    if (channel.components == 3) halves.template operator()<3>();
+    else halves.template operator()<1>();
 }
 
 std::vector<double> FrameBuffer::Storage::statistic(const Channel& source, Statistic statistic,

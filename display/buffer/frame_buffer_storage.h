@@ -14,6 +14,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace raylex::display {
@@ -50,6 +51,7 @@ struct ExtraRows {
     std::vector<std::uint32_t> first;      // [camera row], one more at the end
     std::vector<double> folded;            // one channel's camera rows with their extra rows folded in
     std::vector<double> alpha, weights;    // [camera row]
+    std::vector<int> block_ends;           // of one run
 
     void gather(const SampleTable& table) {
         const auto cameras = static_cast<std::size_t>(table.camera_row_count());
@@ -86,6 +88,7 @@ struct SetSums {
     std::vector<Sum> sums;                     // [channel] 0 between runs
     std::vector<std::uint8_t> taken;           // [channel] 0 between runs
     std::vector<std::uint32_t> channels;       // taken
+    bool checked = false;                      // whether a sum might overflow
     /// What the run before came to. Its memory was asked for then and has had the time of this run to come.
     struct Addend {
         std::uint32_t channel;
@@ -95,13 +98,22 @@ struct SetSums {
     std::size_t waiting_pixel = 0;
 };
 
-/// Camera rows of one pixel and one block.
+template <std::size_t count>
+[[nodiscard]] inline bool is_zero(const std::array<double, count>& sum) {
+    bool zero = true;
+    for (const double each : sum) zero &= each == 0;
+    return zero;
+}
+
+/// Camera rows of one pixel that stand together: one block or, in importance mode, as many as there are. Doubles are summed
+/// within a block alone; the blocks' sums are exact, so they go to memory, which is slow to reach, as one.
 struct FrameBuffer::Run {
     static constexpr std::size_t no_pixel = ~std::size_t{0};
     std::size_t pixel = 0;
-    std::size_t next_pixel = no_pixel;         // the next run's, when it is known
+    std::size_t next_pixel = no_pixel;         // the next run's, where there is one
     bool inside = true;                        // the image; splat mode takes samples from around it too
     int begin = 0, end = 0;                    // camera rows
+    std::span<const int> block_ends;           // where its blocks end, in order; the last is `end`
     const SplatWeights* splat = nullptr;       // null in importance mode
     const ExtraRows* extra = nullptr;          // null when the batch has none
     std::vector<double>* scratch = nullptr;
@@ -114,14 +126,24 @@ struct FrameBuffer::Run {
     [[nodiscard]] std::span<const int> extra_of(int row) const {
         return extra == nullptr ? std::span<const int>() : extra->of(row);
     }
-    /// What weighted_sum() takes.
-    [[nodiscard]] const double* sum_weights() const { return unit_weights ? nullptr : weights; }
+    /// What weighted_sum() takes, from a camera row on.
+    [[nodiscard]] const double* sum_weights(int row) const { return unit_weights ? nullptr : weights + (row - begin); }
     template <class Visit>
     void for_each_row(Visit visit) const {
-        for (int row = begin; row < end; ++row) {
+        for_each_row(begin, end, visit);
+    }
+    template <class Visit>
+    void for_each_row(int first, int last, Visit visit) const {
+        for (int row = first; row < last; ++row) {
             visit(row);
             for (const int r : extra_of(row)) visit(r);
         }
+    }
+    /// visit(first camera row, one past the last).
+    template <class Visit>
+    void for_each_block(Visit visit) const {
+        int first = begin;
+        for (const int last : block_ends) visit(std::exchange(first, last), last);
     }
 };
 
@@ -213,6 +235,13 @@ struct FrameBuffer::Storage {
         raster_kernel = filter;
         raster_kernel_name = filter.name();
     }
+    /// What every run of a pixel reaches, so that it is there in time.
+    void ask_for(std::size_t pixel) {
+        __builtin_prefetch(&samples[pixel], 1);
+        __builtin_prefetch(&weight[pixel], 1);
+        __builtin_prefetch(&alpha[pixel], 1);
+        if (!weight_square.empty()) __builtin_prefetch(&weight_square[pixel], 1);
+    }
     /// What makes a pixel of a raster sum; 0 before there are light paths.
     [[nodiscard]] long double raster_scale() const;
     void reject(std::size_t channel) { rejected[channel].fetch_add(1, std::memory_order_relaxed); }
@@ -236,10 +265,43 @@ struct FrameBuffer::Storage {
             for (std::size_t c = 0; c < count; ++c) to[c] = result[c];
         return fits;
     }
-    void add_sets(const SampleTable& table, const Run& run, std::uint64_t stripes);
+    /// to[..] += what blocks come to that fit; all of it or (counted against `channel`) none.
+    template <std::size_t count>
+    void add_total(Int128* to, const Int128* total, std::size_t channel) {
+        bool fits = true;
+        for (std::size_t c = 0; c < count; ++c) {
+            Int128 ignored;  // a sum that were kept would be copied in other pieces than it was made in: much slower
+            fits &= !__builtin_add_overflow(to[c], total[c], &ignored);
+        }
+        if (!fits) [[unlikely]] return reject(channel);
+        for (std::size_t c = 0; c < count; ++c) to[c] += total[c];
+    }
+    /// to[..] += a sum of blocks. Nothing is not added, so that its memory page is not needed either.
+    template <std::size_t count>
+    void add_sum_of(Int128* to, const FixedSum<count>& blocks, std::size_t channel) {
+        const std::array<Int128, count> total = blocks.total();
+        Int128 any = 0;
+        for (const Int128 each : total) any |= each;
+        if (any != 0) add_total<count>(to, total.data(), channel);
+    }
+    /// to[..] += term(first row, one past the last), an array of sums, of every block of the run. What does not fit is
+    /// counted against `channel`.
+    template <std::size_t count, class Term>
+    void add_blocks(Int128* to, const Run& run, int exponent, std::size_t channel, Term term) {
+        FixedSum<count> total(exponent);
+        run.for_each_block([&](int first, int last) {
+            const auto sum = term(first, last);
+            if (!total.add(sum)) [[unlikely]] reject(channel);
+        });
+        add_sum_of(to, total, channel);
+    }
+    void add_sets(const SampleTable& table, const Run& run);
+    void add_set(const SampleTable& table, const Run& run, std::size_t place, std::span<const ChannelId> set);
     void add_waiting(SetSums& sums);
-    template <int components>
+    template <std::size_t components>
     void add_sum(const Taker& taker, const SampleTable& table, const Run& run);
+    template <std::size_t components>
+    void add_moments(Channel& channel, std::size_t index, const Run& run, const double* values);
     void splat_weights(const Run& run);
     void splat_values(Channel& channel, std::size_t index, const Run& run, const double* values);
     void add_filtered(Channel& channel, std::size_t index, const SampleTable& table, const Run& run);
@@ -273,8 +335,8 @@ struct KeptStatistics {
 
 /// The sum of weight x value over rows; without weights, of the values: the same bits as with weights of 1. Even and odd rows
 /// make sums of their own, so that two numbers are added at once.
-template <int components>
-[[nodiscard]] inline std::array<double, 3> weighted_sum(const double* values, const double* weights, std::size_t rows) {
+template <std::size_t components>
+[[nodiscard]] inline std::array<double, components> weighted_sum(const double* values, const double* weights, std::size_t rows) {
     double sums[2 * components] = {};
     const std::size_t pairs = rows / 2;
     if (weights == nullptr) {
@@ -289,13 +351,9 @@ template <int components>
         if (rows % 2 != 0)
             for (std::size_t c = 0; c < components; ++c) sums[c] += weights[rows - 1] * values[2 * components * pairs + c];
     }
-    std::array<double, 3> sum{};
+    std::array<double, components> sum;
     for (std::size_t c = 0; c < components; ++c) sum[c] = sums[c] + sums[components + c];
     return sum;
-}
-
-[[nodiscard]] inline bool is_zero(const std::array<double, 3>& sum) {
-    return ((sum[0] == 0) & (sum[1] == 0) & (sum[2] == 0)) != 0;
 }
 
 /// Calls visit(index in the region, index in the image) for each pixel, row by row.

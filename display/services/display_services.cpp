@@ -52,6 +52,20 @@ bool write_all(std::span<const Rgb> values, double* to) {
     static_assert(sizeof(Rgb) == 3 * sizeof(float));
     return write_all(&values.front().r, 3 * values.size(), to);
 }
+/// to[3 i + c] = columns[c][i], likewise.
+bool write_all(const DisplayServices::Columns& columns, std::size_t count, double* to) {
+    const float *const x = columns[0], *const y = columns[1], *const z = columns[2];
+    std::uint32_t bad = 0;
+    for (std::size_t i = 0; i < count; ++i) bad |= not_finite(x[i]) | not_finite(y[i]) | not_finite(z[i]);
+    if (bad != 0) [[unlikely]] return false;
+    double* __restrict out = to;
+    for (std::size_t i = 0; i < count; ++i) {
+        out[3 * i] = static_cast<double>(x[i]);
+        out[3 * i + 1] = static_cast<double>(y[i]);
+        out[3 * i + 2] = static_cast<double>(z[i]);
+    }
+    return true;
+}
 bool write_all(std::span<const std::int32_t> values, double* to) {
     std::copy(values.begin(), values.end(), to);
     return true;
@@ -231,6 +245,29 @@ bool DisplayServices::write_batch(ChannelId id, std::span<const std::int32_t> ro
     refuse(id, Refusal::unknown_row, bad_rows);
     refuse(id, Refusal::bad_value, bad_values);
     return bad_rows + bad_values == 0;
+}
+
+/// By columns where all is well; what is not is for write_batch() to find, chunk by chunk.
+bool DisplayServices::write(ChannelId id, std::span<const std::int32_t> rows, const Columns& columns) {
+    if (rows.empty()) return true;
+    if (takes_triples(id) && consecutive(rows, static_cast<std::uint32_t>(table_.row_count()))) {
+        const auto first = static_cast<std::size_t>(rows.front());
+        if (write_all(columns, rows.size(), table_.values(id) + 3 * first)) [[likely]] {
+            table_.touch(id);
+            if (table_.channel(id).style != ChannelStyle::expression)
+                table_.set_row_states(id, rows.front(), static_cast<int>(rows.size()), RowState::written);
+            return true;
+        }
+    }
+    bool all = true;
+    std::array<Rgb, 64> values;
+    for (std::size_t first = 0; first < rows.size(); first += values.size()) {
+        const std::size_t count = std::min(values.size(), rows.size() - first);
+        for (std::size_t i = 0; i < count; ++i)
+            values[i] = Rgb(columns[0][first + i], columns[1][first + i], columns[2][first + i]);
+        all &= write(id, rows.subspan(first, count), std::span<const Rgb>(values.data(), count));
+    }
+    return all;
 }
 
 bool DisplayServices::write(ChannelId id, std::span<const std::int32_t> rows, std::span<const float> values) {

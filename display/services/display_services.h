@@ -55,6 +55,9 @@ std::vector<std::string> refusal_warnings(std::span<const ChannelDefinition> cha
 /// by camera ray and channel (SampleTable::invalid_count).
 class DisplayServices {
   public:
+    /// First, second and third components of triples, each at least as long as the rows they are for.
+    using Columns = std::array<const float*, 3>;
+
     explicit DisplayServices(SampleTable& table);
 
     /// Accumulates into the table. Only rgb-like channels take Rgb, only real channels take float; ids cannot be splatted.
@@ -73,6 +76,8 @@ class DisplayServices {
     bool write(ChannelId id, std::span<const std::int32_t> rows, std::span<const float> values);
     bool write(ChannelId id, std::span<const std::int32_t> rows, std::span<const Rgb> values);
     bool write(ChannelId id, std::span<const std::int32_t> rows, std::span<const std::int32_t> values);
+    /// The same of triples by columns: `rows[i]` gets (columns[0][i], columns[1][i], columns[2][i]).
+    bool write(ChannelId id, std::span<const std::int32_t> rows, const Columns& columns);
 
     /// Overwrites the sample's depth: `distance` along the camera ray in world units; `is_volume` for the scattering or
     /// absorption point inside a medium. Drives z rules and deep output.

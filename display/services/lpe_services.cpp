@@ -207,8 +207,8 @@ std::uint64_t LpeServices::random_key(const Tracker& tracker, const LobePart& fi
 
 namespace {
 
-/// A share as the compiler's vector: one register with AVX, two without, the same bits either way. What one event stores
-/// the next loads as a whole; in other pieces the processor would wait until the stores are through.
+/// A share: one register with AVX, two without, the same bits either way. What one event stores the next loads as a whole; in
+/// other pieces the processor would wait until the stores are through.
 using Quad [[gnu::vector_size(32), gnu::may_alias]] = double;
 using Floats [[gnu::vector_size(16)]] = float;
 using Bits [[gnu::vector_size(16)]] = std::int32_t;

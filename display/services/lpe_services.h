@@ -107,9 +107,9 @@ class LpeSetup {
     /// invalid_channel. An integrator that does not is to be refused before the render.
     [[nodiscard]] ChannelId needs_emitter_samples() const { return needs_emitter_samples_; }
     [[nodiscard]] ChannelId needs_light_samples() const { return needs_light_samples_; }
-    /// Sets of the channels that `shares` [display channel] marks, for a SampleTable.
-    [[nodiscard]] SplatSets splat_sets(std::span<const std::uint8_t> shares) const {
-        return {program_.view(), channel_of_accept_, shares};
+    /// Sets of the channels that `shares` [display channel] marks, for a SampleTable and a frame buffer of this block size.
+    [[nodiscard]] SplatSets splat_sets(std::span<const std::uint8_t> shares, int block_size) const {
+        return {program_.view(), channel_of_accept_, shares, block_size};
     }
     /// Whether some path may go on after an event of this class: false for user events that no expression names.
     [[nodiscard]] bool follows(lpe::EventClass event) const;

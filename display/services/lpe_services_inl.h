@@ -103,30 +103,34 @@ inline void LpeServices::contribute(const Rgb& value, Technique technique, const
         beauty[0] += r;
         beauty[1] += g;
         beauty[2] += b;
-        table_.touch_column(setup_.beauty_, tracker.row_);
+        table_.touch_in_passing(setup_.beauty_, tracker.row_);
     }
     const std::size_t words = tracker.groups_;
     const lpe::ProgramView& program = setup_.program_.view();
     for (std::size_t branch = 0; branch < tracker.count_; ++branch) {
         const SplitPlans::Share& share = tracker.shares()[branch];
-        const RgbD part = tracker.whole_ ? RgbD(r, g, b) : RgbD(r * share.r, g * share.g, b * share.b);
-        const auto splat = [&](ChannelId column) {
-            double* values = table_.values(column) + at;
-            values[0] += part.r;
-            values[1] += part.g;
-            values[2] += part.b;
-            table_.touch_column(column, tracker.row_);
-        };
+        SampleTable::Light part{{0, r}, {g, b}};
+        if (!tracker.whole_) {
+            const auto* const shares = reinterpret_cast<const SampleTable::Pair*>(&share);
+            part.first *= shares[0];
+            part.second *= shares[1];
+        }
         const lpe::State* const states = &tracker.state_[branch * words];
         for (std::uint32_t table = 0; table < program.table_count; ++table)
             for (const ChannelId target : targets_.of(states[table])) {
-                const int set = target - table_.channel_count();
-                const ChannelId column = set < 0 ? target : table_.set_column(static_cast<std::size_t>(set));
-                if (column >= 0) splat(column);
-                else splat_apart(table_.sets()->channels_of(static_cast<std::size_t>(set)), part, tracker.row_);
+                if (target >= 0) {
+                    double* values = table_.values(target) + at;
+                    values[0] += part.first[1];
+                    values[1] += part.second[0];
+                    values[2] += part.second[1];
+                    table_.touch_in_passing(target, tracker.row_);
+                } else if (!table_.add_to_set(static_cast<std::size_t>(~target), tracker.row_, part)) {
+                    splat_apart(table_.sets()->channels_of(static_cast<std::size_t>(~target)),
+                                RgbD(part.first[1], part.second[0], part.second[1]), tracker.row_);
+                }
             }
         program.for_each_accepted_lane(states, [&](std::uint16_t channel) {
-            splat_apart({&setup_.channel_of_accept_[channel], 1}, part, tracker.row_);
+            splat_apart({&setup_.channel_of_accept_[channel], 1}, RgbD(part.first[1], part.second[0], part.second[1]), tracker.row_);
         });
     }
 }

@@ -33,12 +33,14 @@ SampleTable::SampleTable(std::span<const ChannelDefinition> channels, int max_ro
     }
     if (sets_ != nullptr) {
         std::copy(sets_->shared().begin(), sets_->shared().end(), shared_.begin());
-        column_of_set_.assign(sets_->size(), invalid_channel);
-        sets_in_use_.reserve(most_sets);
-        for (std::size_t column = 0; column < std::min(sets_->size(), most_sets); ++column) {
-            offset_.push_back(size);
-            size += row_capacity_ * 3;
-        }
+        place_of_set_.assign(sets_->size(), -1);
+        places_ = std::min(sets_->size(), most_sets);
+        sets_in_use_.reserve(places_);
+        // An odd number of cache lines, so that blocks do not all lie in the same few sets of the cache.
+        set_stride_ = (places_ | 3) + 3;
+        set_sums_.resize(static_cast<std::size_t>(max_rows) * set_stride_);
+        set_masks_.resize(static_cast<std::size_t>(max_rows));
+        set_rows_.resize(row_capacity_);
     }
     values_.resize(size);
     while (row_capacity_ > std::size_t{64} << stripe_shift_) ++stripe_shift_;
@@ -59,11 +61,11 @@ SampleTable::SampleTable(std::span<const ChannelDefinition> channels, int max_ro
     clear_rows(static_cast<int>(row_capacity_));
 }
 
-void SampleTable::clear_column(std::size_t column, std::size_t values, double fill, std::size_t rows) {
-    double* const first = values_.data() + offset_[column];
-    const bool plain = column < channels_.size() && channels_[column].style == ChannelStyle::name;
-    RowState* const states = plain ? row_states_.data() + column * row_capacity_ : nullptr;
-    for (std::uint64_t stripes = std::exchange(touched_[column], 0); stripes != 0;) {
+void SampleTable::clear_channel(std::size_t channel, std::size_t values, double fill, std::size_t rows) {
+    double* const first = values_.data() + offset_[channel];
+    const bool plain = channels_[channel].style == ChannelStyle::name;
+    RowState* const states = plain ? row_states_.data() + channel * row_capacity_ : nullptr;
+    for (std::uint64_t stripes = std::exchange(touched_[channel], 0); stripes != 0;) {
         // Stripes in a row are cleared as one: a channel that everything is sent to has but one such run.
         const int begin = std::countr_zero(stripes), end = begin + std::countr_one(stripes >> begin);
         stripes = end == 64 ? 0 : stripes & (~std::uint64_t{0} << end);
@@ -82,19 +84,45 @@ void SampleTable::clear_rows(int count) {
     const auto rows = static_cast<std::size_t>(count);
     sent_apart_ = 0;
     for (std::size_t channel = 0; channel < channels_.size(); ++channel)
-        if (touched_[channel] != 0) clear_column(channel, values_per_row(channels_[channel]), fill_[channel], rows);
-    for (std::size_t i = 0; i < sets_in_use_.size(); ++i) {
-        column_of_set_[sets_in_use_[i]] = invalid_channel;
-        clear_column(channels_.size() + i, 3, 0.0, rows);
+        if (touched_[channel] != 0) clear_channel(channel, values_per_row(channels_[channel]), fill_[channel], rows);
+    clear_sets();
+}
+
+void SampleTable::clear_sets() {
+    if (sets_in_use_.empty()) return;
+    for (std::size_t block = 0; block < set_blocks_; ++block) {
+        SetSum* const sums = &set_sums_[block * set_stride_];
+        for (std::size_t word = 0; word < set_masks_[block].size(); ++word)
+            for (std::uint64_t places = std::exchange(set_masks_[block][word], 0); places != 0; places &= places - 1)
+                sums[64 * word + static_cast<std::size_t>(std::countr_zero(places))] = {};
     }
+    for (const std::uint32_t set : sets_in_use_) place_of_set_[set] = -1;
     sets_in_use_.clear();
 }
 
-ChannelId SampleTable::add_set(std::size_t set) {
-    if (channels_.size() + sets_in_use_.size() == offset_.size()) return invalid_channel;
-    const auto column = static_cast<ChannelId>(channels_.size() + sets_in_use_.size());
+std::int32_t SampleTable::add_set(std::size_t set) {
+    if (sets_in_use_.size() == places_) return -1;
     sets_in_use_.push_back(static_cast<std::uint32_t>(set));
-    return column_of_set_[set] = column;
+    return place_of_set_[set] = static_cast<std::int32_t>(sets_in_use_.size() - 1);
+}
+
+/// A camera row is in the block of the row before it, or begins the next one.
+void SampleTable::find_set_blocks(std::size_t first_row, std::size_t end_row) {
+    if (sets_ == nullptr || first_row == end_row) return;
+    const CameraRow* const rows = camera_rows_.data();
+    const int bits = sets_->block_bits();
+    if (first_row == 0) {
+        set_blocks_ = 1;
+        set_rows_[first_row] = {0, rows[first_row].filter_weight};
+        ++first_row;
+    }
+    for (std::size_t row = first_row; row < end_row; ++row) {
+        const CameraRow &camera = rows[row], &before = rows[row - 1];
+        const bool other_pixel = ((camera.pixel_x ^ before.pixel_x) | (camera.pixel_y ^ before.pixel_y)) != 0;
+        const bool next_block = (camera.sample ^ before.sample) >> bits != 0;
+        set_blocks_ += static_cast<std::uint32_t>(other_pixel | next_block);
+        set_rows_[row] = {set_blocks_ - 1, camera.filter_weight};
+    }
 }
 
 void SampleTable::begin(std::span<const CameraRow> rows) {
@@ -111,6 +139,7 @@ void SampleTable::begin(std::span<const CameraRow> rows) {
     std::fill_n(surface.begin(), count, 0);
     std::fill_n(valid.begin(), count, std::uint8_t{1});
     std::fill_n(invalid_.begin(), count, 0u);
+    find_set_blocks(0, count);
 }
 
 int SampleTable::add_camera_row(const CameraRow& camera) {
@@ -127,6 +156,7 @@ int SampleTable::add_camera_row(const CameraRow& camera) {
     surface[index] = 0;
     valid[index] = 1;
     invalid_[index] = 0;
+    find_set_blocks(index, index + 1);
     return row;
 }
 
@@ -154,6 +184,7 @@ int SampleTable::add_row(int original) {
     opacity[index] = RgbD{};
     surface[index] = 0;
     valid[index] = 1;
+    if (sets_ != nullptr) set_rows_[index] = set_rows_[static_cast<std::size_t>(originals_[index])];
     return row;
 }
 

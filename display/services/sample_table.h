@@ -6,6 +6,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -38,6 +39,14 @@ class SampleTable {
   public:
     static constexpr std::size_t invalid_samples_kept = 16;
     static constexpr std::size_t most_sets = 256;
+
+    /// Light as the processor's registers hold it: (nothing, red), (green, blue).
+    using Pair [[gnu::vector_size(16), gnu::may_alias]] = double;
+    struct Light {
+        Pair first, second;
+    };
+    /// A bit for each set's place.
+    using SetMask = std::array<std::uint64_t, most_sets / 64>;
 
     /// How a row of a plain channel got its value. Expression channels and beauty stay `untouched`: they start at 0 and
     /// add up. Splatted values of a camera ray's rows add up, written ones are composited (see FrameBuffer).
@@ -76,32 +85,46 @@ class SampleTable {
     /// What was sent to is kept by stripes of rows: of many channels most get nothing from the samples of one pixel.
     [[nodiscard]] bool touched(ChannelId id) const { return touched_[static_cast<std::size_t>(id)] != 0; }
     void touch(ChannelId id, int row) {
-        touch_column(id, row);
+        touch_in_passing(id, row);
         sent_apart_ |= shared_[static_cast<std::size_t>(id)];
     }
     void touch(ChannelId id) {   ///< all rows
         touched_[static_cast<std::size_t>(id)] = ~std::uint64_t{0};
         sent_apart_ |= shared_[static_cast<std::size_t>(id)];
     }
-    /// The same of a set's column, or of a channel in the ordinary way of its light: nothing is sent apart by it.
-    void touch_column(ChannelId column, int row) {
-        touched_[static_cast<std::size_t>(column)] |= std::uint64_t{1} << (row >> stripe_shift_);
+    /// The same of a channel in the ordinary way of its light: nothing is sent apart by it.
+    void touch_in_passing(ChannelId id, int row) {
+        touched_[static_cast<std::size_t>(id)] |= std::uint64_t{1} << (row >> stripe_shift_);
     }
 
     /// What channels may share of this batch, beside values of their own; null when each has but its own.
     [[nodiscard]] const SplatSets* sets() const { return sets_; }
-    /// The column of values() that holds a set's sums, an id from channel_count() on; invalid_channel when more than
-    /// most_sets have come up in this batch: then its channels are to be sent to by themselves.
-    [[nodiscard]] ChannelId set_column(std::size_t set) {
-        const ChannelId column = column_of_set_[set];
-        return column != invalid_channel ? column : add_set(set);
+    /// Adds light, times the filter weight of the row's camera ray, to the sum of a set for the row's block. False, and
+    /// nothing done, when more than most_sets have come up in this batch: then its channels are to be sent to by themselves.
+    [[nodiscard]] bool add_to_set(std::size_t set, int row, const Light& light) {
+        std::int32_t place = place_of_set_[set];
+        if (place < 0 && (place = add_set(set)) < 0) [[unlikely]] return false;
+        const SetRow of = set_rows_[static_cast<std::size_t>(row)];
+        const auto at = static_cast<std::size_t>(place);
+        set_masks_[of.block][at / 64] |= std::uint64_t{1} << at % 64;
+        auto* const sum = reinterpret_cast<Pair*>(&set_sums_[of.block * set_stride_ + at]);
+        const double weight = static_cast<double>(of.weight);
+        sum[0] += light.first * weight;
+        sum[1] += light.second * weight;
+        return true;
     }
-    /// The sets that have come up in this batch; their columns stand in this order.
+    /// The sets that have come up in this batch, by their places.
     [[nodiscard]] std::span<const std::uint32_t> sets_in_use() const { return sets_in_use_; }
+    /// The places of the sets that something was added to for the block of this camera row, and the sum at one of them.
+    [[nodiscard]] const SetMask& set_mask(int row) const { return set_masks_[set_rows_[static_cast<std::size_t>(row)].block]; }
+    [[nodiscard]] std::array<double, 3> set_sum(int row, std::size_t place) const {
+        const SetSum& sum = set_sums_[set_rows_[static_cast<std::size_t>(row)].block * set_stride_ + place];
+        return {sum.r, sum.g, sum.b};
+    }
     /// Whether a channel that sets stand for was sent something of its own all the same, which adds to the sets'.
     [[nodiscard]] bool sent_apart() const { return sent_apart_ != 0; }
 
-    /// [column] the stripes that were touched, to compare with stripes_of().
+    /// [channel] the stripes that were touched, to compare with stripes_of().
     [[nodiscard]] std::span<const std::uint64_t> touched_stripes() const { return touched_; }
     /// The stripes of rows [begin, end), which are not empty.
     [[nodiscard]] std::uint64_t stripes_of(int begin, int end) const {
@@ -144,11 +167,27 @@ class SampleTable {
 
   private:
     void clear_rows(int count);
-    void clear_column(std::size_t column, std::size_t values, double fill, std::size_t rows);
-    ChannelId add_set(std::size_t set);
+    void clear_channel(std::size_t channel, std::size_t values, double fill, std::size_t rows);
+    void clear_sets();
+    std::int32_t add_set(std::size_t set);
+    void find_set_blocks(std::size_t first_row, std::size_t end_row);
+
+    struct alignas(32) SetSum {
+        double nothing, r, g, b;
+    };
+    /// Which block the row's samples are summed up in, and what they count for.
+    struct SetRow {
+        std::uint32_t block;
+        float weight;
+    };
     const SplatSets* sets_ = nullptr;
-    std::vector<ChannelId> column_of_set_;         // [set] invalid_channel: none in this batch
-    std::vector<std::uint32_t> sets_in_use_;
+    std::vector<std::int32_t> place_of_set_;       // [set] negative: none in this batch
+    std::vector<std::uint32_t> sets_in_use_;       // [place]
+    std::vector<SetSum> set_sums_;                 // [block * set_stride_ + place] what set_masks_ does not name is 0
+    std::vector<SetMask> set_masks_;               // [block]
+    std::vector<SetRow> set_rows_;                 // [row]
+    std::size_t set_stride_ = 0, places_ = 0;
+    std::uint32_t set_blocks_ = 0;                 // of this batch
     std::vector<std::uint8_t> shared_;             // [channel]
     std::uint8_t sent_apart_ = 0;
     std::vector<std::uint32_t> invalid_;           // [camera row]
@@ -156,10 +195,10 @@ class SampleTable {
     std::vector<InvalidSample> invalid_log_;
     std::uint64_t invalid_total_ = 0;
     std::vector<ChannelDefinition> channels_;
-    std::vector<std::size_t> offset_;      // [column] into values_
+    std::vector<std::size_t> offset_;      // [channel] into values_
     std::vector<double> values_;
     std::vector<double> fill_;             // [channel]
-    std::vector<std::uint64_t> touched_;   // [column] a bit for each stripe of 2^stripe_shift_ rows
+    std::vector<std::uint64_t> touched_;   // [channel] a bit for each stripe of 2^stripe_shift_ rows
     std::vector<RowState> row_states_;     // [channel * row_capacity_ + row]
     std::vector<CameraRow> camera_rows_;
     std::vector<std::int32_t> originals_;

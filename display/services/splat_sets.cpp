@@ -1,6 +1,7 @@
 #include "display/services/splat_sets.h"
 
 #include <algorithm>
+#include <bit>
 #include <map>
 
 namespace raylex::display {
@@ -13,8 +14,8 @@ SplatTargets::SplatTargets(const lpe::ProgramView& program, std::span<const Chan
 }
 
 SplatSets::SplatSets(const lpe::ProgramView& program, std::span<const ChannelId> channel_of_accept,
-                     std::span<const std::uint8_t> shares)
-    : shared_(shares.size(), 0) {
+                     std::span<const std::uint8_t> shares, int block_size)
+    : shared_(shares.size(), 0), block_bits_(std::countr_zero(static_cast<unsigned>(block_size))) {
     std::map<std::vector<ChannelId>, ChannelId> id_of;
     targets_.begin_ = {0};
     for (lpe::State state = 0; state < program.state_count; ++state) {
@@ -25,8 +26,7 @@ SplatSets::SplatSets(const lpe::ProgramView& program, std::span<const ChannelId>
         }
         if (!together.empty()) {
             std::sort(together.begin(), together.end());
-            const auto [found, fresh] =
-                id_of.emplace(std::move(together), static_cast<ChannelId>(shares.size() + id_of.size()));
+            const auto [found, fresh] = id_of.emplace(std::move(together), ~static_cast<ChannelId>(id_of.size()));
             if (fresh) {
                 channels_.insert(channels_.end(), found->first.begin(), found->first.end());
                 begin_.push_back(static_cast<std::uint32_t>(channels_.size()));

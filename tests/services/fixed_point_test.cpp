@@ -13,7 +13,7 @@ namespace {
 bool by_long_double(double value, int quantum, Int128& out) {
     const long double scaled = std::ldexp(static_cast<long double>(value), -quantum);
     if (!(std::abs(scaled) < 0x1p62L)) return false;
-    out = static_cast<Int128>(std::llround(scaled));  // ties away from zero
+    out = static_cast<Int128>(std::llrint(scaled));  // ties to even
     return true;
 }
 
@@ -34,8 +34,8 @@ TEST_CASE("every double converts to the nearest multiple of the quantum", "[fixe
     CHECK(wrong == 0);
 }
 
-TEST_CASE("values near half a quantum round to nearest, ties away from zero", "[fixed_point]") {
-    for (const double half : {0x1p-81, 3 * 0x1p-81, 0x1.8p-80}) {
+TEST_CASE("values near half a quantum round to nearest, ties to even", "[fixed_point]") {
+    for (const double half : {0x1p-81, 3 * 0x1p-81, 5 * 0x1p-81, 0x1.8p-80}) {
         for (const double value : {half, -half, std::nextafter(half, 0.0), std::nextafter(half, 1.0)}) {
             Int128 fixed = 0, expected = 1;
             REQUIRE(by_long_double(value, -80, expected));
@@ -54,6 +54,55 @@ TEST_CASE("doubles without bits below the quantum come back exactly", "[fixed_po
         REQUIRE(to_fixed(value, -80, fixed));
         if (static_cast<double>(to_long_double(fixed, -80)) != value) FAIL("differs: " << value);
     }
+}
+
+TEST_CASE("a sum of arrays is the sum of what each number becomes", "[fixed_point]") {
+    test::Random random(11);
+    const auto sums = [&]<std::size_t count>(int quantum, int highest, int span, bool bounded) {
+        FixedSum<count> sum(quantum);
+        std::array<Int128, count> expected{};
+        for (int i = 0; i < 1000; ++i) {
+            std::array<double, count> values;
+            for (double& value : values) {
+                value = std::ldexp(random.uniform() - 0.5, highest + quantum - random.below(span));
+                if (random.below(20) == 0) value = 0;
+                if (random.below(20) == 0) value = std::ldexp(random.below(64) - 32, quantum - 1);  // ties among them
+            }
+            REQUIRE(sum.add(values));
+            for (std::size_t c = 0; c < count; ++c) {
+                Int128 fixed = 0;
+                REQUIRE(to_fixed(values[c], quantum, fixed));
+                expected[c] += fixed;
+            }
+        }
+        CHECK(sum.bounded() == bounded);
+        CHECK((sum.total() == expected));
+    };
+    for (const int quantum : {-80, -56}) {
+        sums.operator()<3>(quantum, 110, 160, true);
+        sums.operator()<1>(quantum, 60, 80, true);
+        sums.operator()<3>(quantum, 115, 20, false);  // beyond what is cut into three
+        sums.operator()<1>(quantum, 116, 200, false);
+    }
+}
+
+TEST_CASE("a sum refuses what does not fit, all of an array or none", "[fixed_point]") {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    FixedSum<3> sum(-80);
+    for (const double bad : {infinity, -infinity, std::nan(""), 0x1p46})
+        for (std::size_t at = 0; at < 3; ++at) {
+            std::array<double, 3> values{1, 2, 3};
+            values[at] = bad;
+            CAPTURE(bad, at);
+            CHECK_FALSE(sum.add(values));
+        }
+    CHECK((sum.total() == std::array<Int128, 3>{}));
+    CHECK(sum.add({0x1p45, 1, 1}));
+    CHECK_FALSE(sum.bounded());
+    CHECK_FALSE(sum.add({0x1p45, 1, 1}));  // the sum would be 2^126 quanta
+    CHECK(sum.add({-0x1p45, 1, 1}));
+    const Int128 one = static_cast<Int128>(1) << 80;
+    CHECK((sum.total() == std::array<Int128, 3>{0, 2 * one, 2 * one}));
 }
 
 TEST_CASE("fixed point becomes the nearest long double", "[fixed_point]") {

@@ -60,7 +60,7 @@ Render render(std::span<const ChannelDefinition> channels, const LpeSetup& setup
     Render result{FrameBuffer({width, height, samples}, channels)};
     std::optional<SplatSets> sets;
     if (share) {
-        sets = setup.splat_sets(result.frame_buffer.sums_only());
+        sets = setup.splat_sets(result.frame_buffer.sums_only(), samples);
         result.sets = sets->size();
         result.frame_buffer.expect(*sets);
     }
@@ -150,7 +150,7 @@ TEST_CASE("a batch with more sets than a table has room for loses no light",
     const LpeSetup setup = build_setup(channels, 0);
     const Classes classes(setup);
     FrameBuffer frame_buffer({1, 1, paths}, channels);
-    const SplatSets sets = setup.splat_sets(frame_buffer.sums_only());
+    const SplatSets sets = setup.splat_sets(frame_buffer.sums_only(), paths);
     SampleTable table(channels, paths, 0, &sets);
     LpeServices lpe(setup, table, 1);
     for (int batch = 0; batch < 2; ++batch) {
@@ -178,7 +178,7 @@ TEST_CASE("what is sent to a sharing channel itself adds to what it shares, and 
     const LpeSetup setup = build_setup(channels, 0);
     const Classes classes(setup);
     FrameBuffer frame_buffer({1, 1, 1}, channels);
-    const SplatSets sets = setup.splat_sets(frame_buffer.sums_only());
+    const SplatSets sets = setup.splat_sets(frame_buffer.sums_only(), 1);
     frame_buffer.expect(sets);
     SampleTable table(channels, 1, 0, &sets);
     LpeServices lpe(setup, table, 1);

@@ -402,7 +402,7 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
 
     // Filters and deep images, which before_rendering() has added, look at samples one by one; cryptomattes do not.
     if (job.sample_filters.empty() && job.sinks.empty())
-        job.splat_sets = std::make_unique<display::SplatSets>(job.lpe->splat_sets(frame_buffer->sums_only()));
+        job.splat_sets = std::make_unique<display::SplatSets>(job.lpe->splat_sets(frame_buffer->sums_only(), layout.block_size));
     if (Status s = make_cryptomatte(settings, scene, job, warnings); !s) return s.error();
 
     if (settings.adaptive)

@@ -1,7 +1,9 @@
 #include "experiments/study/run/cell_files.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <functional>
 #include <future>
 
 #include "display/checkpoint/record_file.h"
@@ -40,6 +42,20 @@ bool is_light(const display::ChannelDefinition& channel) {
            display::keeps_pixels(channel) && channel.rule == display::FilterRule::filter;
 }
 
+/// Does them all, in turn by two threads, for nothing else uses the processors now; the first failure, by their order.
+Status on_two_processors(const std::vector<std::function<Status()>>& tasks) {
+    std::vector<Status> done(tasks.size(), success());
+    std::atomic<std::size_t> next{0};
+    const auto work = [&] {
+        for (std::size_t i = next++; i < tasks.size(); i = next++) done[i] = tasks[i]();
+    };
+    auto other = std::async(std::launch::async, work);
+    work();
+    other.get();
+    const auto failed = std::find_if(done.begin(), done.end(), [](const Status& each) { return !each; });
+    return failed == done.end() ? success() : *failed;
+}
+
 }  // namespace
 
 std::vector<ChannelInfo> channel_infos(const ChannelPlan& plan) {
@@ -72,37 +88,37 @@ Result<std::vector<PartitionVerdict>> write_buffer_files(const std::string& dire
                                                          const display::FrameBuffer& buffer, display::ChannelId beauty,
                                                          display::ImageDescription description,
                                                          display::RecordIdentity identity) {
-    // The record beside the rest: nothing else uses the second processor now.
-    auto recorded = std::async(std::launch::async, [&] {
-        display::RecordFile record;
-        record.identity = std::move(identity);
-        buffer.append_record(record.add("frame buffer"));
-        return display::write_record_file(directory + "/record.bin", record, display::FileSync::later);
-    });
     const std::string image = directory + "/image.exr";
     description.sync = display::FileSync::later;
     // A cell's image is one of thousands, beside sums many times its size: what counts is the time it takes.
     for (const char* kind : {"light", "color"})
         if (Status s = display::override_exr_storage(description.storage, kind, "float none", {}); !s) return s.error();
-    std::vector<display::SplitVerdict> splits;
-    if (Status s = display::write_exr(image, buffer, beauty, description, &splits); !s) return s.error();
     const int width = buffer.layout().width, height = buffer.layout().height;
     std::vector<std::uint64_t> samples;
     samples.reserve(size_of(width) * size_of(height));
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) samples.push_back(buffer.sample_count(x, y));
-    if (Status s = write_npy_counts(directory + "/samples.npy", size_of(height), size_of(width), samples,
-                                    display::FileSync::later);
-        !s)
-        return s.error();
+    std::vector<display::SplitVerdict> splits;
+    std::vector<std::function<Status()>> files;  // the largest first
+    files.emplace_back([&] {
+        display::RecordFile record;
+        record.identity = std::move(identity);
+        buffer.append_record(record.add("frame buffer"));
+        return display::write_record_file(directory + "/record.bin", record, display::FileSync::later);
+    });
+    files.emplace_back([&] { return display::write_exr(image, buffer, beauty, description, &splits); });
     const auto channels = buffer.channels();
     for (std::size_t i = 0; i < channels.size(); ++i) {
         const auto id = static_cast<display::ChannelId>(i);
         if (!is_light(channels[i])) continue;
         const std::string name = id == beauty ? "beauty" : channels[i].name;
-        if (Status s = write_channel(directory, name, buffer, id, samples); !s) return s.error();
+        files.emplace_back([&, id, name] { return write_channel(directory, name, buffer, id, samples); });
     }
-    if (Status s = recorded.get(); !s) return s.error();
+    files.emplace_back([&] {
+        return write_npy_counts(directory + "/samples.npy", size_of(height), size_of(width), samples,
+                                display::FileSync::later);
+    });
+    if (Status s = on_two_processors(files); !s) return s.error();
     std::vector<PartitionVerdict> verdicts;
     for (const display::SplitVerdict& each : splits) {
         verdicts.push_back({each.partition, each.holds, each.largest_relative});
