@@ -51,23 +51,30 @@ __extension__ typedef unsigned __int128 UnsignedInt128;
     return static_cast<long double>(std::bit_cast<double>(static_cast<std::uint64_t>(exponent + 1023) << 52));
 }
 
-/// The sum of arrays of `count` doubles, each rounded as by to_fixed(): the same total in a fraction of the time, two numbers
-/// at once. A number is cut into three by adding constants so large that what lies below their last bit is rounded off;
-/// how often that bit goes into each part is then to be read from the bits.
+/// The nearest long double to `fixed`, at a third of the time that the compiler's own conversion takes: both halves and
+/// the scaling are exact, so only the addition rounds.
+[[nodiscard]] inline long double as_long_double(Int128 fixed) {
+    const auto high = static_cast<std::int64_t>(fixed >> 64);
+    const auto low = static_cast<std::uint64_t>(fixed);
+    return static_cast<long double>(high) * 0x1p64L + static_cast<long double>(low);
+}
+
+/// The sum of at most 2^12 arrays of `count` doubles, each rounded as by to_fixed(): the same total in a fraction of the time,
+/// two numbers at once. A number is cut into three by adding constants so large that what lies below their last bit is rounded
+/// off; how often that bit goes into each part is then to be read from the bits.
 template <std::size_t count>
 class FixedSum {
   public:
-    explicit FixedSum(int quantum_exponent)
-        : scale_(static_cast<double>(power_of_two(-quantum_exponent))), quantum_exponent_(quantum_exponent) {}
+    explicit FixedSum(int quantum_exponent) : scale_(static_cast<double>(power_of_two(-quantum_exponent))) {}
 
-    /// False, and nothing added, where to_fixed() refuses one of them or the sum does not fit.
+    /// False, and nothing added, of an array that has 2^110 quanta or more in all, or is not finite: that is for to_fixed().
     [[gnu::always_inline]] bool add(const std::array<double, count>& values) {
         Pair scaled[pairs], size{};
         for (std::size_t i = 0; i < pairs; ++i) {
             scaled[i] = Pair{values[2 * i], 2 * i + 1 < count ? values[2 * i + 1] : 0.0} * scale_;
             size += reinterpret_cast<Pair>(reinterpret_cast<Bits>(scaled[i]) & (~Bits{} >> 1));  // without the sign
         }
-        if (!(size[0] + size[1] < most)) [[unlikely]] return add_apart(values);  // NaN too
+        if (!(size[0] + size[1] < 0x1p110)) [[unlikely]] return false;  // NaN too
         ++added_;
         for (std::size_t i = 0; i < pairs; ++i) {
             const Pair high = scaled[i] + high_unit;
@@ -80,8 +87,6 @@ class FixedSum {
         }
         return true;
     }
-    /// Whether each array stayed within 2^110 quanta, so that 2^16 of them cannot be too many.
-    [[nodiscard]] bool bounded() const { return bounded_; }
     [[nodiscard]] std::array<Int128, count> total() const {
         std::array<Int128, count> sum;
         for (std::size_t c = 0; c < count; ++c) {
@@ -89,7 +94,7 @@ class FixedSum {
                 return static_cast<Int128>(
                     static_cast<std::int64_t>(of[c / 2][c % 2] - added_ * std::bit_cast<std::uint64_t>(unit)));
             };
-            sum[c] = apart_[c] + (units(high_, high_unit) << 60) + (units(middle_, middle_unit) << 9) + units(low_, low_unit);
+            sum[c] = (units(high_, high_unit) << 60) + (units(middle_, middle_unit) << 9) + units(low_, low_unit);
         }
         return sum;
     }
@@ -98,38 +103,13 @@ class FixedSum {
     using Pair [[gnu::vector_size(16)]] = double;
     using Bits [[gnu::vector_size(16)]] = std::uint64_t;
     static constexpr std::size_t pairs = (count + 1) / 2;
-    // Their last bits are 2^60, 2^9 and 1.
-    static constexpr double high_unit = 0x1.8p112, middle_unit = 0x1.8p61, low_unit = 0x1.8p52, most = 0x1p110;
-
-    /// One by one. Half of the range at most, so that total() cannot overflow.
-    [[gnu::noinline]] bool add_apart(const std::array<double, count>& values) {
-        std::array<Int128, count> sum = apart_;
-        constexpr Int128 limit = static_cast<Int128>(1) << 126;
-        for (std::size_t c = 0; c < count; ++c) {
-            Int128 term = 0;
-            if (!to_fixed(values[c], quantum_exponent_, term)) return false;
-            if (!add_fixed(sum[c], term) || sum[c] >= limit || sum[c] <= -limit) return false;
-        }
-        apart_ = sum;
-        bounded_ = false;
-        return true;
-    }
+    // Their last bits are 2^60, 2^9 and 1, so that parts are at most 2^50 of them.
+    static constexpr double high_unit = 0x1.8p112, middle_unit = 0x1.8p61, low_unit = 0x1.8p52;
 
     Bits high_[pairs] = {}, middle_[pairs] = {}, low_[pairs] = {};
-    std::array<Int128, count> apart_{};
     std::uint64_t added_ = 0;
     double scale_;
-    int quantum_exponent_;
-    bool bounded_ = true;
 };
-
-/// The nearest long double to `fixed`, at a third of the time that the compiler's own conversion takes: both halves and
-/// the scaling are exact, so only the addition rounds.
-[[nodiscard]] inline long double as_long_double(Int128 fixed) {
-    const auto high = static_cast<std::int64_t>(fixed >> 64);
-    const auto low = static_cast<std::uint64_t>(fixed);
-    return static_cast<long double>(high) * 0x1p64L + static_cast<long double>(low);
-}
 
 /// The nearest long double to fixed * 2^quantum_exponent: scaling by a power of two rounds nothing.
 [[nodiscard]] inline long double to_long_double(Int128 fixed, int quantum_exponent) {

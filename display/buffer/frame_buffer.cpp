@@ -167,6 +167,10 @@ Result<FrameBuffer> FrameBuffer::create(const FrameBufferLayout& layout, std::sp
 
 void FrameBuffer::accumulate(const SampleTable& table) {
     if (table.discarded()) return;
+    if (table.sets() != nullptr && table.sets()->block_bits() != std::countr_zero(static_cast<unsigned>(storage_->layout.block_size))) {
+        storage_->reject(storage_->channels.size());  // their sums would be of other samples than the blocks here
+        return;
+    }
     thread_local ExtraRows extra;
     thread_local SplatWeights splat;
     thread_local SetSums set_sums;
@@ -194,7 +198,7 @@ void FrameBuffer::accumulate(const SampleTable& table) {
             const CameraRow& row = table.camera_row(end);
             if (row.pixel_x != first.pixel_x || row.pixel_y != first.pixel_y) break;
             if (row.sample >> block == table.camera_row(end - 1).sample >> block) continue;
-            if (storage_->kernel) break;
+            if (storage_->kernel || extra.block_ends.size() + 1 == Run::most_blocks) break;
             extra.block_ends.push_back(end);
         }
         extra.block_ends.push_back(end);
@@ -220,6 +224,8 @@ void FrameBuffer::accumulate(const SampleTable& table) {
         run.begin = begin;
         run.end = end;
         run.block_ends = extra.block_ends;
+        extra.nearest.assign(extra.block_ends.size(), -1);
+        run.nearest = &extra.nearest;
         run.extra = has_extra ? &extra : nullptr;
         run.scratch = &extra.folded;
         run.set_sums = &set_sums;

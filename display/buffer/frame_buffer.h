@@ -1,6 +1,7 @@
 // The frame buffer and its one canonical record.
 //
-// Canonical summation. The samples of a pixel are summed in double, in sample order, over aligned blocks of
+// Canonical summation. The samples of a pixel are summed in double, in sample order (light of channels that sets of a
+// SampleTable stand for: in the order that it was contributed in), over aligned blocks of
 // `block_size` samples; each block sum is then added exactly, in 128-bit fixed point with quantum 2^quantum_exponent.
 // Integer addition is associative, so the sum does not depend on which thread, session or shard brought a block, nor in
 // which order (Law 3). The quantum is 2^-80 by default: relative to a pixel of 1e-12 still below 1e-12 (Law 1), with room
@@ -82,11 +83,11 @@ class FrameBuffer final : public PixelImage {
     /// [channel] 1 for those of whose samples only the weighted sum of a block is kept: sets of a SampleTable may stand for
     /// them.
     [[nodiscard]] std::vector<std::uint8_t> sums_only() const;
-    /// Announces the sets of the tables to come, so that their channels are not looked through one by one.
+    /// Announces the sets of the tables to come, of this buffer's block size, so that their channels are not looked through one by one.
     void expect(const SplatSets& sets);
 
-    /// Takes in one batch: every run of rows of one pixel must be (part of) one aligned block, whole unless it is the last
-    /// of the budget. A run that reaches into the next block is cut there. Threads may call at once for different pixels;
+    /// Takes in one batch: rows of one pixel that stand together must be in ascending sample order and whole aligned blocks,
+    /// but for the last of the budget. Sets of the table must be of this block size: a batch with others is rejected. Threads may call at once for different pixels;
     /// in splat mode, for pixels farther apart than twice splat_reach().
     void accumulate(const SampleTable& table);
 

@@ -70,7 +70,7 @@ void mean_part(double plain, double count, double& high, double& low) {
     low = (std::fma(-high, count, square) + square_error) / count;
 }
 
-/// The first of the camera rows nearest to the camera: samples of a run are in ascending order.
+/// The first of the camera rows nearest to the camera: samples of a block are in ascending order.
 int nearest_row(const SampleTable& table, int begin, int end) {
     const float* const depth = table.depth.data();
     float least = depth[begin];
@@ -118,29 +118,31 @@ void FrameBuffer::Storage::add_filtered(Channel& channel, std::size_t index, con
 /// is added has the digits of the deviations.
 template <std::size_t components>
 void FrameBuffer::Storage::add_moments(Channel& channel, std::size_t index, const Run& run, const double* values) {
-    FixedSum<components> plain_total(layout.quantum_exponent), square_total(square_exponent);
-    run.for_each_block([&](int first, int last) {
-        const auto rows = static_cast<std::size_t>(last - first);
-        std::array<double, components> plain, square, high, low;
-        sum_block<components>(rows, values + static_cast<std::size_t>(first - run.begin) * components, plain, square);
-        for (std::size_t c = 0; c < components; ++c) mean_part(plain[c], last - first, high[c], low[c]);
-        if (!plain_total.add(plain)) reject(index);
-        for (const auto* part : {&square, &high, &low})
-            if (!square_total.add(*part)) reject(index);
+    std::array<std::array<double, components>, Run::most_blocks> plain, square;
+    run.for_each_block([&](int first, int last, std::size_t block) {
+        sum_block<components>(static_cast<std::size_t>(last - first),
+                              values + static_cast<std::size_t>(first - run.begin) * components, plain[block], square[block]);
     });
-    add_sum_of(&channel.plain_sum[run.pixel * components], plain_total, index);
-    add_sum_of(&channel.square_sum[run.pixel * components], square_total, index);
+    add_each<components>(&channel.plain_sum[run.pixel * components], run, layout.quantum_exponent, index,
+                         [&](auto add, int, int, std::size_t block) { add(plain[block]); });
+    add_each<components>(&channel.square_sum[run.pixel * components], run, square_exponent, index,
+                         [&](auto add, int first, int last, std::size_t block) {
+                             std::array<double, components> high, low;
+                             for (std::size_t c = 0; c < components; ++c)
+                                 mean_part(plain[block][c], last - first, high[c], low[c]);
+                             add(square[block]);
+                             add(high);
+                             add(low);
+                         });
 }
 
 void FrameBuffer::Storage::add_plain(Channel& channel, std::size_t index, const SampleTable& table, const Run& run) {
     const auto id = static_cast<ChannelId>(index);
-    std::uint64_t taken = 0;
     const auto add = [&]<std::size_t count>() {
         add_blocks<count>(&channel.sum[run.pixel * count], run, layout.quantum_exponent, index, [&](int first, int last) {
             std::array<double, count> sum{};
             run.for_each_row(first, last, [&](int row) {
                 if (!counts(table, id, row)) return;
-                ++taken;
                 for (std::size_t c = 0; c < count; ++c) sum[c] += table.values(id)[static_cast<std::size_t>(row) * count + c];
             });
             return sum;
@@ -148,7 +150,7 @@ void FrameBuffer::Storage::add_plain(Channel& channel, std::size_t index, const 
     };
     if (channel.components == 3) add.template operator()<3>();
     else add.template operator()<1>();
-    channel.seen[run.pixel] += taken;
+    run.for_each_row([&](int row) { channel.seen[run.pixel] += counts(table, id, row) ? 1 : 0; });
 }
 
 void FrameBuffer::Storage::add_picked(Channel& channel, std::size_t index, const SampleTable& table, const Run& run) {
@@ -174,31 +176,34 @@ void FrameBuffer::Storage::add_picked(Channel& channel, std::size_t index, const
         });
         return;
     }
-    // The run's own choice first: what is kept lies in memory that is slow to reach. Where the nearest sample of all counts
+    // A block's own choice first: what is kept lies in memory that is slow to reach. Where the nearest sample of all counts
     // here, as it mostly does, the others need no look.
-    int picked = -1;
-    float depth = 0;
-    std::uint64_t of_sample = 0;
-    if (rule == FilterRule::zmin && run.extra == nullptr) {
-        if (run.nearest < 0) run.nearest = nearest_row(table, run.begin, run.end);
-        if (counts(table, id, run.nearest) && takes(run.nearest)) {
-            picked = run.nearest;
-            depth = table.depth[static_cast<std::size_t>(picked)];
-            of_sample = table.camera_row(picked).sample + 1;
+    run.for_each_block([&](int first, int last, std::size_t block) {
+        int picked = -1;
+        float depth = 0;
+        std::uint64_t of_sample = 0;
+        if (rule == FilterRule::zmin && run.extra == nullptr) {
+            int& nearest = (*run.nearest)[block];
+            if (nearest < 0) nearest = nearest_row(table, first, last);
+            if (counts(table, id, nearest) && takes(nearest)) {
+                picked = nearest;
+                depth = table.depth[static_cast<std::size_t>(picked)];
+                of_sample = table.camera_row(picked).sample + 1;
+            }
         }
-    }
-    if (picked < 0) run.for_each_row([&](int row) {
-        const float here = table.depth[static_cast<std::size_t>(row)];
-        const std::uint64_t sample = table.camera_row(row).sample;
-        if (!takes(row) || !z_rule_prefers(rule, here, sample, depth, of_sample)) return;
-        picked = row;
-        depth = here;
-        of_sample = sample + 1;
+        if (picked < 0) run.for_each_row(first, last, [&](int row) {
+            const float here = table.depth[static_cast<std::size_t>(row)];
+            const std::uint64_t sample = table.camera_row(row).sample;
+            if (!takes(row) || !z_rule_prefers(rule, here, sample, depth, of_sample)) return;
+            picked = row;
+            depth = here;
+            of_sample = sample + 1;
+        });
+        if (picked < 0 || !z_rule_prefers(rule, depth, of_sample - 1, channel.depth[run.pixel], seen)) return;
+        std::copy_n(value(picked), components, best);
+        channel.depth[run.pixel] = depth;
+        seen = of_sample;
     });
-    if (picked < 0 || !z_rule_prefers(rule, depth, of_sample - 1, channel.depth[run.pixel], seen)) return;
-    std::copy_n(value(picked), components, best);
-    channel.depth[run.pixel] = depth;
-    seen = of_sample;
 }
 
 }  // namespace raylex::display

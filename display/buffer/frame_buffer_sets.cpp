@@ -2,7 +2,6 @@
 #include "display/buffer/frame_buffer_storage.h"
 
 #include <bit>
-#include <cassert>
 
 namespace raylex::display {
 std::vector<std::uint8_t> FrameBuffer::sums_only() const {
@@ -23,7 +22,6 @@ std::vector<std::uint8_t> FrameBuffer::sums_only() const {
 
 void FrameBuffer::expect(const SplatSets& sets) {
     Storage& storage = *storage_;
-    assert(sets.block_bits() == std::countr_zero(static_cast<unsigned>(storage.layout.block_size)));
     const auto own = [&](const Storage::Taker& taker) { return sets.shared()[taker.from] == 0; };
     const auto end = std::stable_partition(storage.takers.begin(), storage.takers.end(), own);
     storage.own_takers = static_cast<std::size_t>(end - storage.takers.begin());
@@ -36,16 +34,20 @@ void FrameBuffer::Storage::add_sets(const SampleTable& table, const Run& run) {
         of_run.sums.resize(channels.size());
         of_run.taken.resize(channels.size());
     }
-    SampleTable::SetMask any{};
-    run.for_each_block([&](int first, int) {
-        const SampleTable::SetMask& mask = table.set_mask(first);
-        for (std::size_t word = 0; word < any.size(); ++word) any[word] |= mask[word];
-    });
-    for (std::size_t word = 0; word < any.size(); ++word)
-        for (std::uint64_t places = any[word]; places != 0; places &= places - 1) {
-            const std::size_t place = 64 * word + static_cast<std::size_t>(std::countr_zero(places));
-            add_set(table, run, place, sets.channels_of(table.sets_in_use()[place]));
-        }
+    const std::span<const std::uint32_t> in_use = table.sets_in_use();
+    for (std::size_t chunk = 0; chunk * SampleTable::set_chunk < in_use.size(); ++chunk) {
+        SampleTable::SetMask any{};
+        run.for_each_block([&](int first, int, std::size_t) {
+            const SampleTable::SetMask& mask = table.set_mask(first, chunk);
+            for (std::size_t word = 0; word < any.size(); ++word) any[word] |= mask[word];
+        });
+        for (std::size_t word = 0; word < any.size(); ++word)
+            for (std::uint64_t places = any[word]; places != 0; places &= places - 1) {
+                const std::size_t place =
+                    SampleTable::set_chunk * chunk + 64 * word + static_cast<std::size_t>(std::countr_zero(places));
+                add_set(table, run, place, sets.channels_of(in_use[place]));
+            }
+    }
     add_waiting(of_run);
     of_run.waiting_pixel = run.pixel;
     for (const std::uint32_t channel : of_run.channels) {
@@ -54,7 +56,6 @@ void FrameBuffer::Storage::add_sets(const SampleTable& table, const Run& run) {
         of_run.taken[channel] = 0;
     }
     of_run.channels.clear();
-    of_run.checked = false;
 }
 
 /// The blocks' sums of one set, to the run's sum of each of its channels.
@@ -62,13 +63,15 @@ inline void FrameBuffer::Storage::add_set(const SampleTable& table, const Run& r
                                           std::span<const ChannelId> set) {
     SetSums& of_run = *run.set_sums;
     FixedSum<3> of_set(layout.quantum_exponent);
-    run.for_each_block([&](int first, int) {
-        if (of_set.add(table.set_sum(first, place))) [[likely]] return;
-        for (const ChannelId id : set) reject(static_cast<std::size_t>(id));
+    run.for_each_block([&](int first, int, std::size_t) {
+        const std::array<double, 3> sum = table.set_sum(first, place);
+        if (of_set.add(sum)) [[likely]] return;
+        for (const ChannelId id : set)
+            add_block(sum_of[static_cast<std::size_t>(id)] + 3 * run.pixel, sum, layout.quantum_exponent,
+                      static_cast<std::size_t>(id));
     });
     const SetSums::Sum total = of_set.total();
     if ((total[0] | total[1] | total[2]) == 0) return;
-    of_run.checked = of_run.checked || !of_set.bounded();
     for (const ChannelId id : set) {
         const auto channel = static_cast<std::uint32_t>(id);
         if (of_run.taken[channel] == 0) {
@@ -78,16 +81,13 @@ inline void FrameBuffer::Storage::add_set(const SampleTable& table, const Run& r
             __builtin_prefetch(pixel, 1);
             __builtin_prefetch(pixel + 2, 1);
         }
-        SetSums::Sum& sum = of_run.sums[channel];
-        if (of_run.checked) [[unlikely]] add_total<3>(sum.data(), total.data(), channel);
-        else
-            for (std::size_t c = 0; c < 3; ++c) sum[c] += total[c];
+        for (std::size_t c = 0; c < 3; ++c) of_run.sums[channel][c] += total[c];
     }
 }
 
 void FrameBuffer::Storage::add_waiting(SetSums& sums) {
     for (const SetSums::Addend& each : sums.waiting)
-        add_total<3>(sum_of[each.channel] + 3 * sums.waiting_pixel, each.sum.data(), each.channel);
+        if (!add_total<3>(sum_of[each.channel] + 3 * sums.waiting_pixel, each.sum)) reject(each.channel);
     sums.waiting.clear();
 }
 

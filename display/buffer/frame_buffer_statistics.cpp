@@ -15,18 +15,16 @@ namespace {
 
 void FrameBuffer::Storage::add_half_weights(const SampleTable& table, const Run& run) {
     for (const bool odd : {false, true}) {
-        std::uint64_t count = 0;
         add_blocks<1>(&(odd ? odd_weight : even_weight)[run.pixel], run, layout.quantum_exponent, channels.size(),
                       [&](int first, int last) {
                           double sum = 0;
                           for (int row = first; row < last; ++row) {
-                              if (is_odd(table, row) != odd) continue;
-                              sum += run.weights[row - run.begin];
-                              ++count;
+                              if (is_odd(table, row) == odd) sum += run.weights[row - run.begin];
                           }
                           return std::array{sum};
                       });
-        (odd ? odd_samples : even_samples)[run.pixel] += count;
+        for (int row = run.begin; row < run.end; ++row)
+            (odd ? odd_samples : even_samples)[run.pixel] += is_odd(table, row) == odd ? 1 : 0;
     }
 }
 

@@ -51,7 +51,7 @@ struct ExtraRows {
     std::vector<std::uint32_t> first;      // [camera row], one more at the end
     std::vector<double> folded;            // one channel's camera rows with their extra rows folded in
     std::vector<double> alpha, weights;    // [camera row]
-    std::vector<int> block_ends;           // of one run
+    std::vector<int> block_ends, nearest;  // of one run
 
     void gather(const SampleTable& table) {
         const auto cameras = static_cast<std::size_t>(table.camera_row_count());
@@ -82,13 +82,13 @@ struct SplatWeights {
 };
 
 /// One run's sums of the channels that sets stand for, in fixed point: the order of sets, which is that of their coming up in
-/// the batch, does not show. Scratch of one thread.
+/// the batch, does not show. What is added is below 2^110 a set and block, and of those there are far fewer than 2^16 with
+/// something in them, so none overflows. Scratch of one thread.
 struct SetSums {
     using Sum = std::array<Int128, 3>;
     std::vector<Sum> sums;                     // [channel] 0 between runs
     std::vector<std::uint8_t> taken;           // [channel] 0 between runs
     std::vector<std::uint32_t> channels;       // taken
-    bool checked = false;                      // whether a sum might overflow
     /// What the run before came to. Its memory was asked for then and has had the time of this run to come.
     struct Addend {
         std::uint32_t channel;
@@ -98,16 +98,10 @@ struct SetSums {
     std::size_t waiting_pixel = 0;
 };
 
-template <std::size_t count>
-[[nodiscard]] inline bool is_zero(const std::array<double, count>& sum) {
-    bool zero = true;
-    for (const double each : sum) zero &= each == 0;
-    return zero;
-}
-
 /// Camera rows of one pixel that stand together: one block or, in importance mode, as many as there are. Doubles are summed
 /// within a block alone; the blocks' sums are exact, so they go to memory, which is slow to reach, as one.
 struct FrameBuffer::Run {
+    static constexpr std::size_t most_blocks = 64;  // of sums that cannot overflow: see FixedSum and SetSums
     static constexpr std::size_t no_pixel = ~std::size_t{0};
     std::size_t pixel = 0;
     std::size_t next_pixel = no_pixel;         // the next run's, where there is one
@@ -121,7 +115,7 @@ struct FrameBuffer::Run {
     std::span<const double> alpha;             // [camera row]
     const double* weights = nullptr;           // [row of the run]
     bool unit_weights = false;                 // all of them 1, as a filter's are whose samples are drawn by it
-    mutable int nearest = -1;                  // camera row, once somebody has asked; without extra rows alone
+    std::vector<int>* nearest = nullptr;       // [block] camera row, negative until somebody asks; without extra rows alone
 
     [[nodiscard]] std::span<const int> extra_of(int row) const {
         return extra == nullptr ? std::span<const int>() : extra->of(row);
@@ -139,11 +133,12 @@ struct FrameBuffer::Run {
             for (const int r : extra_of(row)) visit(r);
         }
     }
-    /// visit(first camera row, one past the last).
+    /// visit(first camera row, one past the last, number of the block).
     template <class Visit>
     void for_each_block(Visit visit) const {
         int first = begin;
-        for (const int last : block_ends) visit(std::exchange(first, last), last);
+        for (std::size_t block = 0; block < block_ends.size(); ++block)
+            visit(std::exchange(first, block_ends[block]), block_ends[block], block);
     }
 };
 
@@ -265,35 +260,47 @@ struct FrameBuffer::Storage {
             for (std::size_t c = 0; c < count; ++c) to[c] = result[c];
         return fits;
     }
-    /// to[..] += what blocks come to that fit; all of it or (counted against `channel`) none.
+    /// to[..] += the total of several blocks: all of it or, where it does not fit, none and false. A total of nothing is not
+    /// added, so that its memory page is not needed either.
     template <std::size_t count>
-    void add_total(Int128* to, const Int128* total, std::size_t channel) {
+    [[nodiscard]] static bool add_total(Int128* to, const std::array<Int128, count>& total) {
+        Int128 any = 0;
+        for (const Int128 each : total) any |= each;
+        if (any == 0) return true;
         bool fits = true;
         for (std::size_t c = 0; c < count; ++c) {
             Int128 ignored;  // a sum that were kept would be copied in other pieces than it was made in: much slower
             fits &= !__builtin_add_overflow(to[c], total[c], &ignored);
         }
-        if (!fits) [[unlikely]] return reject(channel);
+        if (!fits) [[unlikely]] return false;
         for (std::size_t c = 0; c < count; ++c) to[c] += total[c];
+        return true;
     }
-    /// to[..] += a sum of blocks. Nothing is not added, so that its memory page is not needed either.
+    /// to[..] += one block's sums, counted against `channel` where they do not fit.
     template <std::size_t count>
-    void add_sum_of(Int128* to, const FixedSum<count>& blocks, std::size_t channel) {
-        const std::array<Int128, count> total = blocks.total();
-        Int128 any = 0;
-        for (const Int128 each : total) any |= each;
-        if (any != 0) add_total<count>(to, total.data(), channel);
+    [[gnu::noinline]] void add_block(Int128* to, const std::array<double, count>& sum, int exponent, std::size_t channel) {
+        if (!add_terms<count>(to, sum.data(), exponent)) reject(channel);
     }
-    /// to[..] += term(first row, one past the last), an array of sums, of every block of the run. What does not fit is
-    /// counted against `channel`.
+    /// to[..] += terms of every block of the run: `terms(add, first row, one past the last, block)` calls add(sums) for each,
+    /// the same ones whenever it is called. What does not fit is counted against `channel`, block by block.
+    template <std::size_t count, class Terms>
+    void add_each(Int128* to, const Run& run, int exponent, std::size_t channel, Terms terms) {
+        using Sums = std::array<double, count>;
+        FixedSum<count> total(exponent);
+        const auto add = [&](const Sums& sums) {
+            if (!total.add(sums)) [[unlikely]] add_block(to, sums, exponent, channel);
+        };
+        run.for_each_block([&](int first, int last, std::size_t block) { terms(add, first, last, block); });
+        if (add_total<count>(to, total.total())) [[likely]] return;
+        const auto add_again = [&](const Sums& sums) {
+            if (FixedSum<count>(exponent).add(sums)) add_block(to, sums, exponent, channel);
+        };
+        run.for_each_block([&](int first, int last, std::size_t block) { terms(add_again, first, last, block); });
+    }
+    /// The same of one array of sums a block: term(first row, one past the last), without other effects.
     template <std::size_t count, class Term>
     void add_blocks(Int128* to, const Run& run, int exponent, std::size_t channel, Term term) {
-        FixedSum<count> total(exponent);
-        run.for_each_block([&](int first, int last) {
-            const auto sum = term(first, last);
-            if (!total.add(sum)) [[unlikely]] reject(channel);
-        });
-        add_sum_of(to, total, channel);
+        add_each<count>(to, run, exponent, channel, [&](auto add, int first, int last, std::size_t) { add(term(first, last)); });
     }
     void add_sets(const SampleTable& table, const Run& run);
     void add_set(const SampleTable& table, const Run& run, std::size_t place, std::span<const ChannelId> set);

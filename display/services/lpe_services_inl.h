@@ -124,9 +124,8 @@ inline void LpeServices::contribute(const Rgb& value, Technique technique, const
                     values[1] += part.second[0];
                     values[2] += part.second[1];
                     table_.touch_in_passing(target, tracker.row_);
-                } else if (!table_.add_to_set(static_cast<std::size_t>(~target), tracker.row_, part)) {
-                    splat_apart(table_.sets()->channels_of(static_cast<std::size_t>(~target)),
-                                RgbD(part.first[1], part.second[0], part.second[1]), tracker.row_);
+                } else {
+                    table_.add_to_set(static_cast<std::size_t>(~target), tracker.row_, part);
                 }
             }
         program.for_each_accepted_lane(states, [&](std::uint16_t channel) {

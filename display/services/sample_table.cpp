@@ -34,12 +34,7 @@ SampleTable::SampleTable(std::span<const ChannelDefinition> channels, int max_ro
     if (sets_ != nullptr) {
         std::copy(sets_->shared().begin(), sets_->shared().end(), shared_.begin());
         place_of_set_.assign(sets_->size(), -1);
-        places_ = std::min(sets_->size(), most_sets);
-        sets_in_use_.reserve(places_);
-        // An odd number of cache lines, so that blocks do not all lie in the same few sets of the cache.
-        set_stride_ = (places_ | 3) + 3;
-        set_sums_.resize(static_cast<std::size_t>(max_rows) * set_stride_);
-        set_masks_.resize(static_cast<std::size_t>(max_rows));
+        sets_in_use_.reserve(set_chunk);
         set_rows_.resize(row_capacity_);
     }
     values_.resize(size);
@@ -90,18 +85,20 @@ void SampleTable::clear_rows(int count) {
 
 void SampleTable::clear_sets() {
     if (sets_in_use_.empty()) return;
-    for (std::size_t block = 0; block < set_blocks_; ++block) {
-        SetSum* const sums = &set_sums_[block * set_stride_];
-        for (std::size_t word = 0; word < set_masks_[block].size(); ++word)
-            for (std::uint64_t places = std::exchange(set_masks_[block][word], 0); places != 0; places &= places - 1)
-                sums[64 * word + static_cast<std::size_t>(std::countr_zero(places))] = {};
-    }
+    for (SetChunk& chunk : set_chunks_)
+        for (std::size_t block = 0; block < set_blocks_; ++block)
+            for (std::size_t word = 0; word < chunk.masks[block].size(); ++word)
+                for (std::uint64_t places = std::exchange(chunk.masks[block][word], 0); places != 0; places &= places - 1)
+                    chunk.sums[block * set_stride + 64 * word + static_cast<std::size_t>(std::countr_zero(places))] = {};
     for (const std::uint32_t set : sets_in_use_) place_of_set_[set] = -1;
     sets_in_use_.clear();
 }
 
 std::int32_t SampleTable::add_set(std::size_t set) {
-    if (sets_in_use_.size() == places_) return -1;
+    if (sets_in_use_.size() == set_chunk * set_chunks_.size()) {
+        const auto blocks = static_cast<std::size_t>(max_rows_);
+        set_chunks_.push_back({std::vector<SetSum>(blocks * set_stride), std::vector<SetMask>(blocks)});
+    }
     sets_in_use_.push_back(static_cast<std::uint32_t>(set));
     return place_of_set_[set] = static_cast<std::int32_t>(sets_in_use_.size() - 1);
 }

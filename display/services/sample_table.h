@@ -38,15 +38,14 @@ struct InvalidSample {
 class SampleTable {
   public:
     static constexpr std::size_t invalid_samples_kept = 16;
-    static constexpr std::size_t most_sets = 256;
-
     /// Light as the processor's registers hold it: (nothing, red), (green, blue).
     using Pair [[gnu::vector_size(16), gnu::may_alias]] = double;
     struct Light {
         Pair first, second;
     };
-    /// A bit for each set's place.
-    using SetMask = std::array<std::uint64_t, most_sets / 64>;
+    /// Sets that come up in a batch get places, by hundreds: a bit for each of a chunk's.
+    static constexpr std::size_t set_chunk = 256;
+    using SetMask = std::array<std::uint64_t, set_chunk / 64>;
 
     /// How a row of a plain channel got its value. Expression channels and beauty stay `untouched`: they start at 0 and
     /// add up. Splatted values of a camera ray's rows add up, written ones are composited (see FrameBuffer).
@@ -99,26 +98,29 @@ class SampleTable {
 
     /// What channels may share of this batch, beside values of their own; null when each has but its own.
     [[nodiscard]] const SplatSets* sets() const { return sets_; }
-    /// Adds light, times the filter weight of the row's camera ray, to the sum of a set for the row's block. False, and
-    /// nothing done, when more than most_sets have come up in this batch: then its channels are to be sent to by themselves.
-    [[nodiscard]] bool add_to_set(std::size_t set, int row, const Light& light) {
+    /// Adds light, times the filter weight of the row's camera ray, to the sum of a set for the row's block. A sum is in the
+    /// order of these calls: what is added for one block must come in the same order whatever else is in the batch (Law 3).
+    void add_to_set(std::size_t set, int row, const Light& light) {
         std::int32_t place = place_of_set_[set];
-        if (place < 0 && (place = add_set(set)) < 0) [[unlikely]] return false;
+        if (place < 0) [[unlikely]] place = add_set(set);
         const SetRow of = set_rows_[static_cast<std::size_t>(row)];
-        const auto at = static_cast<std::size_t>(place);
-        set_masks_[of.block][at / 64] |= std::uint64_t{1} << at % 64;
-        auto* const sum = reinterpret_cast<Pair*>(&set_sums_[of.block * set_stride_ + at]);
+        const auto at = static_cast<std::size_t>(place) % set_chunk;
+        SetChunk& chunk = set_chunks_[static_cast<std::size_t>(place) / set_chunk];
+        chunk.masks[of.block][at / 64] |= std::uint64_t{1} << at % 64;
+        auto* const sum = reinterpret_cast<Pair*>(&chunk.sums[of.block * set_stride + at]);
         const double weight = static_cast<double>(of.weight);
         sum[0] += light.first * weight;
         sum[1] += light.second * weight;
-        return true;
     }
     /// The sets that have come up in this batch, by their places.
     [[nodiscard]] std::span<const std::uint32_t> sets_in_use() const { return sets_in_use_; }
-    /// The places of the sets that something was added to for the block of this camera row, and the sum at one of them.
-    [[nodiscard]] const SetMask& set_mask(int row) const { return set_masks_[set_rows_[static_cast<std::size_t>(row)].block]; }
+    /// Which places of a chunk were added to for the block of this camera row, and the sum at one place.
+    [[nodiscard]] const SetMask& set_mask(int row, std::size_t chunk) const {
+        return set_chunks_[chunk].masks[set_rows_[static_cast<std::size_t>(row)].block];
+    }
     [[nodiscard]] std::array<double, 3> set_sum(int row, std::size_t place) const {
-        const SetSum& sum = set_sums_[set_rows_[static_cast<std::size_t>(row)].block * set_stride_ + place];
+        const std::size_t block = set_rows_[static_cast<std::size_t>(row)].block;
+        const SetSum& sum = set_chunks_[place / set_chunk].sums[block * set_stride + place % set_chunk];
         return {sum.r, sum.g, sum.b};
     }
     /// Whether a channel that sets stand for was sent something of its own all the same, which adds to the sets'.
@@ -180,13 +182,17 @@ class SampleTable {
         std::uint32_t block;
         float weight;
     };
+    /// An odd number of cache lines, so that blocks do not all lie in the same few sets of the cache.
+    static constexpr std::size_t set_stride = set_chunk + 2;
+    struct SetChunk {
+        std::vector<SetSum> sums;     // [block * set_stride + place] what `masks` does not name is 0
+        std::vector<SetMask> masks;   // [block]
+    };
     const SplatSets* sets_ = nullptr;
     std::vector<std::int32_t> place_of_set_;       // [set] negative: none in this batch
     std::vector<std::uint32_t> sets_in_use_;       // [place]
-    std::vector<SetSum> set_sums_;                 // [block * set_stride_ + place] what set_masks_ does not name is 0
-    std::vector<SetMask> set_masks_;               // [block]
+    std::vector<SetChunk> set_chunks_;
     std::vector<SetRow> set_rows_;                 // [row]
-    std::size_t set_stride_ = 0, places_ = 0;
     std::uint32_t set_blocks_ = 0;                 // of this batch
     std::vector<std::uint8_t> shared_;             // [channel]
     std::uint8_t sent_apart_ = 0;

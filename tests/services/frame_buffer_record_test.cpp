@@ -1,6 +1,7 @@
 // The record of a frame buffer as bytes: whole and back, merged, and never misread.
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -102,6 +103,59 @@ TEST_CASE("records of shards merge to the whole, in any order", "[framebuffer][r
     REQUIRE(odd.ok());
     REQUIRE(odd->merge(*even).ok());
     CHECK((record_of(*odd) == record_of(whole)));
+}
+
+TEST_CASE("a record does not depend on how many blocks of a pixel come in one batch", "[framebuffer][record][law3]") {
+    const auto channels = every_rule();
+    constexpr int blocks = 70, rows = 16;  // more than one run has room for
+    const auto filled_by = [&](int together) {
+        FrameBuffer buffer({2, 1}, channels);
+        SampleTable table(channels, rows * together, rows * together);
+        DisplayServices services(table);
+        for (int first = 0; first < blocks; first += together) {
+            const int count = std::min(together, blocks - first) * rows;
+            const auto sample = static_cast<std::uint64_t>(first) * rows;
+            auto camera = test::pixel_rows(1, 0, sample, count);
+            for (CameraRow& each : camera) each.filter_weight = each.sample % 3 == 0 ? -0.25f : 1.5f;
+            table.begin(camera);
+            for (int row = 0; row < count; ++row) {
+                Random random(sample + static_cast<std::uint64_t>(row));
+                // From below the quantum to so large that a block is added by itself, and now and then too large.
+                const auto value = [&] {
+                    const int exponent = random.below(50) == 0 ? 47 : random.below(120) - 80;
+                    return static_cast<float>(std::ldexp(random.uniform() - 0.5, exponent));
+                };
+                services.write_opacity(row, Rgb(random.uniform_float()));
+                if (random.below(4) == 0) continue;
+                services.write_distance(row, static_cast<float>(random.below(40)));
+                services.splat(0, row, Rgb(value(), value(), value()));
+                for (const ChannelId id : {1, 2, 4, 6}) services.write(id, row, Rgb(value(), value(), value()));
+                services.write(3, row, static_cast<std::int32_t>(random.below(1000)));
+                services.write(5, row, value());
+                services.write(7, row, value());
+                ExtraSample veil;
+                veil.depth = static_cast<float>(random.below(40));
+                veil.opacity = RgbD(0.5);
+                if (first * rows + row > blocks * rows / 2 && random.below(3) == 0)
+                    services.splat(0, services.add_sample(row, veil), Rgb(value()));
+            }
+            buffer.accumulate(table);
+        }
+        return buffer;
+    };
+    const FrameBuffer one = filled_by(1);
+    CHECK(one.rejected_count(7) > 0);
+    CHECK(one.rejected_count(0) + one.rejected_count(1) > 0);
+    for (const int together : {2, 5, blocks}) {
+        CAPTURE(together);
+        const FrameBuffer many = filled_by(together);
+        for (ChannelId id = 0; id < 9; ++id) {
+            CAPTURE(id);
+            CHECK(many.rejected_count(id) == one.rejected_count(id));
+            CHECK((many.resolve(id) == one.resolve(id)));
+        }
+        CHECK((record_of(many) == record_of(one)));
+    }
 }
 
 TEST_CASE("a record that ends too early or is of another version is refused", "[framebuffer][record][law7]") {

@@ -136,10 +136,10 @@ TEST_CASE("sums that channels share do not depend on how pixels are grouped into
         }
 }
 
-TEST_CASE("a batch with more sets than a table has room for loses no light",
+TEST_CASE("many more sets than a table makes room for at once lose no light",
           "[sets]") {
-    // A channel for each of 2^9 paths, and one for all of them.
-    constexpr int bits = 9, paths = 1 << bits;
+    // A channel for each of 2^10 paths, and one for all of them.
+    constexpr int bits = 10, paths = 1 << bits;
     std::vector<ChannelDefinition> channels{test::plain_channel("beauty", ChannelType::rgb)};
     for (int path = 0; path < paths; ++path) {
         std::string expression = "C";
@@ -161,13 +161,29 @@ TEST_CASE("a batch with more sets than a table has room for loses no light",
             lpe.move(tracker, classes.light);
             lpe.contribute(Rgb(1, 2, 4), Technique::scattering, tracker);
         }
-        CHECK(table.sets_in_use().size() == SampleTable::most_sets);
-        CHECK(table.sent_apart());
+        CHECK(table.sets_in_use().size() == paths);
+        CHECK(paths >= 4 * SampleTable::set_chunk);
+        CHECK_FALSE(table.sent_apart());
         frame_buffer.accumulate(table);
     }
     // Powers of two and their sums: exact.
     for (int i = 1; i <= paths; ++i) CHECK(frame_buffer.resolve(i) == std::vector<double>{1.0 / paths, 2.0 / paths, 4.0 / paths});
     CHECK(frame_buffer.resolve(paths + 1) == std::vector<double>{1, 2, 4});
+}
+
+TEST_CASE("sets of another block size than the frame buffer's are rejected, not summed up wrongly",
+          "[sets][law7]") {
+    const auto channels = overlapping();
+    const LpeSetup setup = build_setup(channels, 0);
+    FrameBuffer frame_buffer({width, height, samples}, channels);
+    const SplatSets sets = setup.splat_sets(frame_buffer.sums_only(), 2 * samples);
+    SampleTable table(channels, samples, 0, &sets);
+    LpeServices lpe(setup, table, 1);
+    table.begin(test::pixel_rows(0, 0, 0, samples));
+    follow(lpe, Classes(setup), 0, 0, 0);
+    frame_buffer.accumulate(table);
+    CHECK(frame_buffer.rejected_count() == 1);
+    CHECK(frame_buffer.sample_count(0, 0) == 0);
 }
 
 TEST_CASE("what is sent to a sharing channel itself adds to what it shares, and a discarded batch leaves neither",

@@ -400,8 +400,9 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
                                                      job.raster ? job.filter.get() : nullptr);
     if (!frame_buffer) return frame_buffer.error();
 
-    // Filters and deep images, which before_rendering() has added, look at samples one by one; cryptomattes do not.
-    if (job.sample_filters.empty() && job.sinks.empty())
+    // Filters and deep images, which before_rendering() has added, look at samples one by one; cryptomattes do not. With
+    // holdouts light is sent apart once one is met, and its sums would round as the batches happened to be.
+    if (job.sample_filters.empty() && job.sinks.empty() && !scene.view().geometry->has_holdouts())
         job.splat_sets = std::make_unique<display::SplatSets>(job.lpe->splat_sets(frame_buffer->sums_only(), layout.block_size));
     if (Status s = make_cryptomatte(settings, scene, job, warnings); !s) return s.error();
 
