@@ -125,6 +125,34 @@ TEST_CASE("a batch of values is written as one by one: good ones land, bad ones 
     CHECK(f.services.refusals().back().total() == 5);
 }
 
+TEST_CASE("triples by columns are written as triples are", "[display_services][law6][law7]") {
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    const std::vector<float> x{1, 4, 7}, y{2, 5, 8}, z{3, 6, 9}, bad{3, nan, 9};
+    const auto write = [&](Fixture& f, ChannelId id, const std::vector<std::int32_t>& rows, const std::vector<float>& third) {
+        return f.services.write(id, rows, DisplayServices::Columns{x.data(), y.data(), third.data()});
+    };
+    Fixture together, apart, refused;
+    CHECK(write(together, color, {1, 2, 3}, z));
+    CHECK(together.values(color, 3) == std::vector<double>{7, 8, 9});
+    CHECK(together.table.row_state(color, 2) == SampleTable::RowState::written);
+    CHECK_FALSE(together.table.written(color, 0));
+    CHECK_FALSE(write(apart, color, {3, 0, 9}, z));  // out of order, and one row that is none
+    CHECK(apart.values(color, 3) == std::vector<double>{1, 2, 3});
+    CHECK(apart.values(color, 0) == std::vector<double>{4, 5, 6});
+    CHECK(apart.services.refusals()[color].of(Refusal::unknown_row) == 1);
+    CHECK_FALSE(write(refused, color, {1, 2, 3}, bad));
+    CHECK(refused.values(color, 1) == std::vector<double>{1, 2, 3});
+    CHECK(refused.values(color, 3) == std::vector<double>{7, 8, 9});
+    CHECK_FALSE(refused.table.written(color, 2));
+    CHECK(refused.services.refusals()[color].of(Refusal::bad_value) == 1);
+    CHECK(refused.table.invalid_count(2) == 1);
+    CHECK_FALSE(write(refused, depth, {1, 2, 3}, z));
+    CHECK(refused.services.refusals()[depth].of(Refusal::wrong_type) == 3);
+    CHECK_FALSE(write(refused, 77, {1, 2, 3}, z));
+    CHECK(refused.services.refusals().back().of(Refusal::unknown_channel) == 3);
+    CHECK(write(refused, color, {}, z));
+}
+
 TEST_CASE("rows that follow one another are written as one: the same as one by one", "[display_services][law6]") {
     const auto channels = four_channels();
     constexpr int capacity = 40;
