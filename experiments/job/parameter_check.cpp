@@ -16,14 +16,35 @@ template <typename Factory>
 Status check_entity(const std::optional<transport::SceneEntity>& entity, const Registry<Factory>& registry,
                     const std::string& kind) {
     if (!entity) return success();
-    const auto* entry = registry.find(entity->type);
-    if (entry == nullptr) return success();
+    auto entry = registry.require(entity->type, entity->location);
+    if (!entry) return entry.error();
     std::vector<std::string> known;
-    for (const ParameterDescription& each : entry->parameters) known.push_back(each.name);
+    for (const ParameterDescription& each : (*entry)->parameters) known.push_back(each.name);
     for (const Parameter& parameter : entity->parameters.parameters)
         if (std::find(known.begin(), known.end(), parameter.name) == known.end())
             return transport::unknown_parameter(kind, entity->type, parameter, known);
     return success();
+}
+
+/// A sampler of pbrt's that another stands in for. A scene file may say so; whoever chooses one gets what is chosen.
+Status check_own_sequence(const std::optional<transport::SceneEntity>& sampler) {
+    if (!sampler) return success();
+    const auto stands_in = [](const transport::SceneEntity& entity) {
+        auto choice = transport::choose_sampler(entity);
+        return choice && !choice->warnings.empty() ? choice->name : std::string();
+    };
+    const std::string instead = stands_in(*sampler);
+    if (instead.empty()) return success();
+    std::string own;
+    for (const std::string& name : transport::sampler_registry().names()) {
+        transport::SceneEntity plain;
+        plain.type = name;
+        if (stands_in(plain).empty()) own += (own.empty() ? "" : ", ") + name;
+    }
+    return error_at(sampler->location,
+                    "there is no sampler '" + sampler->type + "': where a scene file names it, '" + instead +
+                        "' renders in its place; expected one of: " + own,
+                    "did you mean '" + instead + "'?");
 }
 
 }  // namespace
@@ -31,6 +52,7 @@ Status check_entity(const std::optional<transport::SceneEntity>& entity, const R
 Status check_parameters(const Job& job) {
     if (Status s = check_entity(job.settings.integrator, transport::integrator_registry(), "integrator"); !s) return s;
     if (Status s = check_entity(job.settings.sampler, transport::sampler_registry(), "sampler"); !s) return s;
+    if (Status s = check_own_sequence(job.settings.sampler); !s) return s;
     return check_entity(job.settings.filter, display::pixel_filter_registry(), "pixel filter");
 }
 

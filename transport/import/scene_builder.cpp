@@ -264,6 +264,11 @@ Status SceneBuilder::attribute(Directive& directive) {
 /// How intersections are found is Embree's business, and no image depends on it.
 Status SceneBuilder::accelerator(const Directive& directive) {
     const ParameterSet& set = directive.parameters;
+    const std::string& type = directive.strings[0];
+    if (type != "bvh" && type != "kdtree")
+        scene_.warnings.push_back(error_at(directive.location, "accelerator '" + type +
+                                                                   "' is none of pbrt's, bvh and kdtree; intersections "
+                                                                   "are Embree's whatever is named here"));
     return parameters_.check(EntityKind::accelerator, directive.strings[0], set, set.parameters.size(),
                              scene_.warnings);
 }

@@ -14,6 +14,7 @@
 #include "experiments/job/parameter_check.h"
 #include "experiments/job/sampling_requests.h"
 #include "experiments/study/plan/config_sections.h"
+#include "experiments/study/run/external.h"
 #include "transport/plugins/plugin_loader.h"
 
 namespace raylex::experiments {
@@ -188,9 +189,8 @@ class ConfigReader {
             }
             // An external command goes along the axes that it asks for.
             if (!method.command.empty())
-                std::erase_if(method.sweep, [&](const SweepAxis& axis) {
-                    return method.command.find("{" + axis.key + "}") == std::string::npos;
-                });
+                std::erase_if(method.sweep,
+                              [&](const SweepAxis& axis) { return !has_place(method.command, axis.key); });
             table.close();
             for (const MethodRequest& known : config_.methods)
                 if (known.name == method.name)

@@ -8,6 +8,7 @@
 
 #include "experiments/job/sampling_requests.h"
 #include "experiments/study/results_file.h"
+#include "experiments/study/run/external.h"
 
 namespace raylex::experiments {
 namespace {
@@ -95,10 +96,6 @@ std::vector<std::string> method_names(const ExperimentConfig& config) {
 
 void fail_unless(TomlSource& source, const Status& status) {
     if (!status) source.fail(status.error());
-}
-
-bool has_place(const std::string& command, const char* place) {
-    return command.find(std::string("{") + place + "}") != std::string::npos;
 }
 
 bool is_word(std::string_view text) {

@@ -5,6 +5,7 @@
 
 #include "display/services/hash64.h"
 #include "experiments/cli/console.h"
+#include "experiments/study/run/external.h"
 
 namespace raylex::experiments {
 namespace {
@@ -69,8 +70,8 @@ class SeedSource {
 std::string refusal(const MethodRequest& method, BudgetKind kind) {
     if (method.command.empty()) return {};
     if (kind == BudgetKind::error) return "an external command cannot be told an error";
-    const char* place = kind == BudgetKind::samples ? "{spp}" : "{seconds}";
-    return method.command.find(place) == std::string::npos ? std::string("its command has no ") + place : std::string();
+    const std::string place = kind == BudgetKind::samples ? "spp" : "seconds";
+    return has_place(method.command, place) ? std::string() : "its command has no {" + place + "}";
 }
 
 }  // namespace

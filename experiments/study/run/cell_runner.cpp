@@ -161,9 +161,11 @@ Result<CellOutcome> run_external(const WorkContext& context, const PlannedCell& 
         {"height", std::to_string((*scene)->height)},
         {"threads", std::to_string(threads > 0 ? threads : static_cast<int>(std::thread::hardware_concurrency()))}};
     places.insert(places.end(), cell.settings.begin(), cell.settings.end());
-    const std::string command = fill_command(method.command, places);
+    auto filled = fill_command(method.command, places, method.location);
+    if (!filled) return fail_cell(context, std::move(outcome), filled.error());
+    const std::string& command = filled->text;
     auto process = run_process(
-        command, fs::absolute(fs::path(context.config.file)).parent_path().string(),
+        *filled, fs::absolute(fs::path(context.config.file)).parent_path().string(),
         fs::absolute(partial).string() + "/log.txt", method.timeout, context.stop, [&](double seconds) {
             if (context.progress)
                 context.progress(

@@ -4,16 +4,17 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <string_view>
 #include <thread>
 
 #include "display/services/parameters.h"
-#include "experiments/job/provenance.h"
 
 namespace raylex::experiments {
 namespace {
@@ -31,8 +32,29 @@ std::string end_of_file(const std::string& path) {
     return text.size() > most_last_words ? "..." + text.substr(text.size() - most_last_words) : text;
 }
 
+std::vector<std::string> environment_of(const ShellCommand& command) {
+    std::vector<std::string> list;
+    for (const auto& [name, value] : command.environment) list.push_back(name + "=" + value);
+    return list;
+}
+
+/// `added`, then what this process was given that it does not replace; as exec wants it.
+std::vector<char*> with_own_environment(const std::vector<std::string>& added) {
+    std::vector<char*> list;
+    for (const std::string& each : added) list.push_back(const_cast<char*>(each.c_str()));
+    for (char** each = environ; *each != nullptr; ++each) {
+        const std::string_view own(*each);
+        const bool replaced = std::any_of(added.begin(), added.end(), [&](const std::string& other) {
+            return own.starts_with(std::string_view(other).substr(0, other.find('=') + 1));
+        });
+        if (!replaced) list.push_back(*each);
+    }
+    list.push_back(nullptr);
+    return list;
+}
+
 /// In the child: never returns.
-[[noreturn]] void become(const char* command, const char* directory, const char* log) {
+[[noreturn]] void become(const char* command, char* const* environment, const char* directory, const char* log) {
     setpgid(0, 0);
     std::signal(SIGINT, SIG_DFL);
     std::signal(SIGPIPE, SIG_DFL);
@@ -42,38 +64,23 @@ std::string end_of_file(const std::string& path) {
     if (output < 0 || input < 0 || dup2(input, 0) < 0 || dup2(output, 1) < 0 || dup2(output, 2) < 0 ||
         chdir(directory) != 0)
         _exit(126);
-    execl("/bin/sh", "sh", "-c", command, static_cast<char*>(nullptr));
+    execle("/bin/sh", "sh", "-c", command, static_cast<char*>(nullptr), environment);
     _exit(127);
 }
 
 }  // namespace
 
-std::string fill_command(const std::string& command, const NamedValues& places) {
-    std::string filled;
-    for (std::size_t at = 0; at < command.size();) {
-        bool found = false;
-        for (const auto& [name, value] : places) {
-            const std::string place = "{" + name + "}";
-            if (command.compare(at, place.size(), place) != 0 || (at > 0 && command[at - 1] == '$')) continue;
-            filled += shell_command({value});
-            at += place.size();
-            found = true;
-            break;
-        }
-        if (!found) filled += command[at++];
-    }
-    return filled;
-}
-
-Result<ProcessOutcome> run_process(const std::string& command, const std::string& directory, const std::string& log,
+Result<ProcessOutcome> run_process(const ShellCommand& command, const std::string& directory, const std::string& log,
                                    double timeout_seconds, const std::atomic<bool>* stop,
                                    const std::function<void(double seconds)>& progress) {
     using Clock = std::chrono::steady_clock;
     const auto begin = Clock::now();
     const auto elapsed = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
+    const std::vector<std::string> added = environment_of(command);
+    std::vector<char*> environment = with_own_environment(added);
     const pid_t child = fork();
     if (child < 0) return error_at({}, "cannot start a process: " + std::string(std::strerror(errno)));
-    if (child == 0) become(command.c_str(), directory.c_str(), log.c_str());
+    if (child == 0) become(command.text.c_str(), environment.data(), directory.c_str(), log.c_str());
     ProcessOutcome outcome;
     int status = 0;
     rusage usage{};
