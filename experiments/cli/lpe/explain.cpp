@@ -4,7 +4,7 @@
 
 #include "experiments/cli/command_line.h"
 #include "experiments/cli/console.h"
-#include "experiments/cli/lpe_commands.h"
+#include "experiments/cli/lpe/commands.h"
 #include "lpe/algebra/explain.h"
 
 namespace raylex::experiments {

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "experiments/cli/console.h"
-#include "experiments/cli/lpe_commands.h"
+#include "experiments/cli/lpe/commands.h"
 #include "experiments/cli/render_run.h"
 
 namespace raylex::experiments {

@@ -6,7 +6,7 @@
 
 #include "experiments/cli/command_line.h"
 #include "experiments/cli/console.h"
-#include "experiments/cli/lpe_commands.h"
+#include "experiments/cli/lpe/commands.h"
 #include "lpe/algebra/check.h"
 #include "lpe/algebra/regex_printing.h"
 #include "lpe/algebra/relations.h"

@@ -1,6 +1,6 @@
 // raylex lpe: the language on the command line. Each group of subcommands has a file of its own beside this one.
 #include "experiments/cli/commands.h"
-#include "experiments/cli/lpe_commands.h"
+#include "experiments/cli/lpe/commands.h"
 
 namespace raylex::experiments {
 
