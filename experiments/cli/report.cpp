@@ -55,7 +55,8 @@ void add_report_command(CLI::App& app, CommandContext& context) {
         ->option_text("NAME");
     command->add_option("--view", options->options.view, "view of the display; default: its first")
         ->option_text("NAME");
-    command->add_option("--size", options->options.largest_side, "largest side of the pictures in pixels; default 640")
+    command->add_option("--size", options->options.largest_side, "largest side of the pictures in pixels, reduced by a whole factor; default: as rendered, reduced only where the "
+                     "page would be larger than about 50 MB")
         ->option_text("N")
         ->check(CLI::Range(16, 8192));
     command->footer("Statistics are shown when OUT.json, as --stats writes it, stands beside OUT.exr.");

@@ -1,4 +1,4 @@
-// Text into HTML, and the parts of the page that never change.
+// Text into HTML, and the parts of pages that never change.
 #pragma once
 
 #include <span>
@@ -16,7 +16,13 @@ std::string base64(std::span<const unsigned char> bytes);
 /// "data:image/png;base64,..."
 std::string data_uri(std::span<const unsigned char> png);
 
-std::string_view page_style();   ///< for <style>
-std::string_view page_script();  ///< for <script>
+/// JSON that can stand inside <script>: no text of it ends the element or opens a comment.
+std::string script_json(std::string_view json);
+
+// Scripts and styles, compiled in from the files of these names (assets.cpp.in).
+std::string_view page_style();    ///< page.css
+std::string_view pixels_script();  ///< pixels.js
+std::string_view panes_script();   ///< panes.js
+std::string_view split_script();   ///< split_page.js
 
 }  // namespace raylex::experiments

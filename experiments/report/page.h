@@ -1,7 +1,8 @@
-// One self-contained HTML page: every layer of one or more images side by side, with expressions, verdicts and
-// provenance.
+// One self-contained HTML page: every layer of one or more images with its pixel values and shares of the light, at any
+// exposure, with expressions, verdicts and provenance.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -12,8 +13,11 @@ namespace raylex::experiments {
 
 struct PageOptions {
     std::string display, view;  ///< empty: the config's defaults
-    int largest_side = 640;     ///< pictures are reduced to this many pixels
+    int largest_side = 0;       ///< pictures are reduced to this many pixels; 0: only to keep the page below page_bytes
 };
+
+/// About what the pixels of all images of a page may take together, unless a size is asked for.
+inline constexpr std::size_t page_bytes = 48'000'000;
 
 /// The page for images written by raylex or anything else, in the order given. Pictures are embedded; nothing is
 /// fetched. A NAME.json beside NAME.exr adds its statistics.

@@ -9,6 +9,7 @@
 namespace raylex::experiments {
 
 std::string_view plot_script();      ///< plot.js
+std::string_view bench_script();     ///< bench.js
 std::string_view study_script();     ///< study_page.js
 std::string_view study_style();      ///< study.css
 std::string_view d3_default_path();  ///< where CMake found d3; empty when it did not

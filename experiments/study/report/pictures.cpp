@@ -1,13 +1,10 @@
 #include "experiments/study/report/pictures.h"
 
-#include <Imath/half.h>
-#include <zlib.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "experiments/cli/console.h"
-#include "experiments/report/html.h"
+#include "experiments/report/pixel_data.h"
 
 namespace raylex::experiments {
 namespace {
@@ -110,24 +107,12 @@ PixelArray reduced(const PixelArray& image, std::size_t block) {
 }
 
 std::string encode_picture(const PixelArray& image) {
-    const std::size_t pixels = image.width * image.height, count = pixels * image.components;
-    std::vector<unsigned char> bytes(count * 2);
-    unsigned previous = 0;
-    for (std::size_t c = 0; c < image.components; ++c)
-        for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
-            const double value = image.values[pixel * image.components + c];
-            const Imath::half half(static_cast<float>(std::clamp(value, -65504.0, 65504.0)));  // NaN stays NaN
-            const unsigned high = half.bits() >> 8;
-            bytes[c * pixels + pixel] = static_cast<unsigned char>((high - previous) & 255U);
-            bytes[count + c * pixels + pixel] = static_cast<unsigned char>(half.bits() & 255U);
-            previous = high;
-        }
-    uLongf size = compressBound(static_cast<uLong>(bytes.size()));
-    std::vector<unsigned char> packed(size);
-    // Level 6 as everywhere; it cannot fail with a buffer of compressBound's size but for lack of memory, which throws
-    // nothing.
-    if (compress2(packed.data(), &size, bytes.data(), static_cast<uLong>(bytes.size()), 6) != Z_OK) return {};
-    return base64(std::span(packed).first(size));
+    const std::size_t pixels = image.width * image.height;
+    std::vector<float> planes(pixels * image.components);
+    for (std::size_t pixel = 0; pixel < pixels; ++pixel)
+        for (std::size_t c = 0; c < image.components; ++c)
+            planes[c * pixels + pixel] = static_cast<float>(image.values[pixel * image.components + c]);
+    return pack_halves(planes);
 }
 
 Pictures pictures_of(const Study& study) {

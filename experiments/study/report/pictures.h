@@ -34,8 +34,7 @@ struct Pictures {
 /// in `picture_bytes` together.
 Pictures pictures_of(const Study& study);
 
-/// base64(zlib(halves)): components one after the other; of each value's two bytes all high ones first, each less the
-/// one before (mod 256), then all low ones. Values beyond the range of half floats (65504) are clamped to it.
+/// pack_halves of the components one after the other.
 std::string encode_picture(const PixelArray& image);
 /// Means over blocks of pixels.
 PixelArray reduced(const PixelArray& image, std::size_t block);

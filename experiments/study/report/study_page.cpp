@@ -6,22 +6,13 @@
 #include "experiments/cli/console.h"
 #include "experiments/report/html.h"
 #include "experiments/study/report/assets.h"
+#include "experiments/study/report/picture_viewers.h"
 #include "experiments/study/report/study_tables.h"
 
 namespace raylex::experiments {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// JSON that can stand inside <script>: no text of it ends the element or opens a comment.
-std::string script_json(const Json& json) {
-    std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace), safe;
-    safe.reserve(text.size());
-    for (const char c : text)
-        if (c == '<') safe += "\\u003c";
-        else safe += c;
-    return safe;
-}
 
 std::string counted(std::size_t count, const std::string& one, const std::string& many) {
     return std::to_string(count) + " " + (count == 1 ? one : many);
@@ -158,72 +149,6 @@ std::string scene_section(const Study& study, std::size_t index) {
            "</section>\n";
 }
 
-std::string viewer(const ScenePictures& pictures, std::size_t index) {
-    const auto options = [&pictures](std::size_t selected) {
-        std::string html;
-        for (std::size_t i = 0; i < pictures.images.size(); ++i)
-            html += "<option value=\"" + std::to_string(i) + "\"" + (i == selected ? " selected" : "") + ">" +
-                    escape_html(pictures.images[i].name) + "</option>";
-        return html;
-    };
-    std::string html =
-        "<h3>" + escape_html(pictures.scene) + "</h3>\n<div class=\"bench\" data-scene=\"" + std::to_string(index) +
-        "\"><div><div class=\"well\"><canvas></canvas><span class=\"tag a\"></span><span class=\"tag b\"></span></div>"
-        "<div class=\"bar\"><label>A <select class=\"pick-a\">" +
-        options(0) + "</select></label><label>B <select class=\"pick-b\">" + options(pictures.images.size() - 1) +
-        "</select></label></div>\n<div class=\"bar\">";
-    for (const auto& [mode, name] : {std::pair("a", "A"), std::pair("b", "B"), std::pair("split", "split"),
-                                     std::pair("difference", "A &minus; B")})
-        html += "<button type=\"button\" data-mode=\"" + std::string(mode) + "\" aria-pressed=\"false\">" + name +
-                "</button>";
-    html +=
-        "<label>exposure <input class=\"exposure\" type=\"range\" min=\"-8\" max=\"8\" step=\"0.5\" value=\"0\"> "
-        "<span class=\"stops faint\"></span></label></div>\n<div class=\"bar\">";
-    for (const std::string& channel : pictures.channels)
-        html += "<button type=\"button\" data-channel aria-pressed=\"false\">" + escape_html(channel) + "</button>";
-    return html +
-           "</div></div>\n<div class=\"readout\"><p class=\"where faint\"></p><div "
-           "class=\"wide\"><table><thead><tr><th>Channel</th><th>A: "
-           "red, green, blue</th><th>share</th><th>B: red, green, "
-           "blue</th><th>share</th></tr></thead><tbody></tbody></table></div></div></div>\n";
-}
-
-Json picture_index(const Pictures& pictures) {
-    Json json = Json::array();
-    for (const ScenePictures& scene : pictures.scenes) {
-        Json images = Json::array();
-        for (const PictureSet& set : scene.images) {
-            Json ids = Json::array();
-            for (const std::optional<std::size_t>& id : set.ids) ids.push_back(id ? Json(*id) : Json(nullptr));
-            images.push_back(Json{{"name", set.name}, {"ids", std::move(ids)}});
-        }
-        json.push_back(Json{{"scene", scene.scene},
-                            {"width", scene.width},
-                            {"height", scene.height},
-                            {"block", scene.block},
-                            {"channels", scene.channels},
-                            {"images", std::move(images)}});
-    }
-    return json;
-}
-
-std::string viewers(const Pictures& pictures) {
-    std::string html =
-        "<section id=\"images\">\n<h2>Images</h2>\n<p class=\"faint\">The first replicate of every variant's largest "
-        "budget, scene-linear at half precision, shown by the sRGB curve";
-    if (!pictures.scenes.empty() && pictures.scenes.front().block > 1)
-        html += ", reduced " + std::to_string(pictures.scenes.front().block) + " times to keep this page small";
-    html +=
-        ". Click a picture's controls first; then <b>f</b> flips A and B, <b>s</b> splits under the pointer, <b>d</b> "
-        "shows the "
-        "difference, left and right change the channel. Shares are of the first channel, by the sum of red, green and "
-        "blue.</p>\n";
-    for (std::size_t i = 0; i < pictures.scenes.size(); ++i) html += viewer(pictures.scenes[i], i);
-    for (const std::string& each : pictures.left_out)
-        html += "<p class=\"note\">Left out: " + escape_html(each) + "</p>\n";
-    return html + "</section>\n";
-}
-
 }  // namespace
 
 std::string study_page(const Study& study, const std::vector<Plot>& plots, const Pictures& pictures,
@@ -240,7 +165,7 @@ std::string study_page(const Study& study, const std::vector<Plot>& plots, const
                                    std::pair("costs", "time and rays"), std::pair("references", "references"),
                                    std::pair("omissions", "omissions"), std::pair("provenance", "provenance")})
         contents += "<a href=\"#" + std::string(id) + "\">" + name + "</a>";
-    Json data{{"plots", Json::object()}, {"pictures", picture_index(pictures)}};
+    Json data{{"plots", Json::object()}, {"pictures", picture_index(study, pictures)}};
     for (const Plot& plot : plots) data["plots"][plot.id] = Json::parse(plot.json);
 
     std::string page =
@@ -248,18 +173,19 @@ std::string study_page(const Study& study, const std::vector<Plot>& plots, const
         "content=\"width=device-width, initial-scale=1\">\n<title>" +
         escape_html(experiment.name) + "</title>\n<style>" + std::string(page_style()) + std::string(study_style()) +
         "</style>\n</head>\n<body>\n<h1>" + escape_html(experiment.name) + "</h1>\n" + summary(study) + contents +
-        "</nav>\n" + scenes + viewers(pictures) + "<section id=\"splits\"><h2>Split sums</h2>\n" + splits_table(study) +
+        "</nav>\n" + scenes + image_viewers(pictures) + "<section id=\"splits\"><h2>Split sums</h2>\n" + splits_table(study) +
         "</section>\n<section id=\"costs\"><h2>Time and rays</h2>\n" + costs_table(study) + predictions_text(study) +
         "</section>\n<section id=\"references\"><h2>References</h2>\n" + references_table(study) +
         "</section>\n<section id=\"omissions\"><h2>Omissions</h2>\n" + omissions_table(study) +
         "</section>\n<section id=\"provenance\"><h2>Provenance</h2>\n" + provenance_table(study) + "</section>\n";
     page.reserve(page.size() + d3.size() + pictures.bytes + pictures.encoded.size() * 80 + 1'000'000);
-    page += "<script type=\"application/json\" id=\"study\">" + script_json(data) + "</script>\n";
+    page += "<script type=\"application/json\" id=\"study\">" + script_json(data.dump(-1, ' ', false, Json::error_handler_t::replace)) + "</script>\n";
     for (std::size_t id = 0; id < pictures.encoded.size(); ++id)
         page += "<script type=\"text/plain\" id=\"picture-" + std::to_string(id) + "\">" + pictures.encoded[id] +
                 "</script>\n";
     return page + "<script>" + d3 + "</script>\n<script>" + std::string(plot_script()) + "</script>\n<script>" +
-           std::string(study_script()) + "</script>\n</body>\n</html>\n";
+           std::string(pixels_script()) + "</script>\n<script>" + std::string(panes_script()) + "</script>\n<script>" +
+           std::string(bench_script()) + "</script>\n<script>" + std::string(study_script()) + "</script>\n</body>\n</html>\n";
 }
 
 }  // namespace raylex::experiments

@@ -1,0 +1,44 @@
+// The layers of an image inside a page: their pixels, a row for each, and what split_page.js needs to show them.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "display/output/color_manager.h"
+#include "display/output/exr_reader.h"
+#include "experiments/report/page.h"
+#include "lpe/result.h"
+
+namespace raylex::experiments {
+
+class PageLayers {
+  public:
+    /// The pixels of one image take about `image_bytes` at most, unless the options ask for a size.
+    PageLayers(const display::ColorManager& color, const PageOptions& options, std::size_t image_bytes)
+        : color_(color), options_(options), image_bytes_(image_bytes) {}
+
+    /// Viewer, rows and data of one image. A file without any layer that can be shown says so.
+    Result<std::string> html(const display::ExrImage& image);
+
+    /// The tables of the views that the images use, once for the page.
+    [[nodiscard]] std::string view_scripts() const;
+
+  private:
+    struct Row;
+    struct View {
+        std::string name;
+        std::size_t table = 0;  ///< in tables_
+    };
+    Result<std::vector<View>> views_of(const display::ExrImage& image);
+    Result<Row> row_of(const display::ExrImage& image, const display::ImageLayer& layer, int block, bool may_fold);
+    [[nodiscard]] int block_of(const display::ExrImage& image) const;
+
+    const display::ColorManager& color_;
+    const PageOptions& options_;
+    std::size_t image_bytes_;
+    std::size_t next_data_ = 0;        ///< number of the next element with pixels
+    std::vector<std::string> tables_;  ///< packed views, each once
+};
+
+}  // namespace raylex::experiments
