@@ -4,8 +4,6 @@
 #include <cctype>
 #include <utility>
 
-#include "display/services/parameters.h"
-
 namespace raylex::display {
 
 namespace {
@@ -90,16 +88,6 @@ void add_nameless(std::vector<ImageLayer>& layers, const std::string& part, bool
             name = base.empty() ? plane.name : base + "." + plane.name;
         add_plane(layers, name, part, std::move(plane));
     }
-}
-
-// The layer that other renderers' habits suggest as the whole image: Ci, C, RGBA, Combined, ...; empty when none does.
-std::string likely_beauty(const ExrImage& image) {
-    for (const char* habit : {"beauty", "combined", "rgba", "rgb", "ci", "c", "image", "main"})
-        for (const ImageLayer& layer : image.layers) {
-            const std::size_t dot = layer.name.find_last_of('.');  // Blender: ViewLayer.Combined
-            if (lower(layer.name.substr(dot == std::string::npos ? 0 : dot + 1)) == habit) return layer.name;
-        }
-    return {};
 }
 
 void order_planes(ImageLayer& layer) {
@@ -187,15 +175,7 @@ std::vector<std::string> ExrImage::layer_names() const {
 }
 
 Result<const ImageLayer*> ExrImage::require_layer(std::string_view name) const {
-    if (const ImageLayer* found = layer(name)) return found;
-    Error error;
-    error.file = path;
-    error.message = "the image has no layer '" + std::string(name.empty() ? "beauty" : name) +
-                    "'; expected one of: " + list_names(layer_names());
-    std::string near = nearest_name(name, layer_names());
-    if (near.empty() && (name.empty() || name == "beauty")) near = likely_beauty(*this);
-    if (!near.empty()) error.hint = "did you mean '" + near + "'?";
-    return error;
+    return resolve_layer(*this, name);
 }
 
 std::string list_names(const std::vector<std::string>& names) {

@@ -21,6 +21,7 @@
 #include <ImfThreading.h>
 
 #include "display/output/exr_layers.h"
+#include "display/output/exr_loss.h"
 #include "display/output/primaries.h"
 
 namespace raylex::display {
@@ -143,7 +144,8 @@ FilePart read_part(Imf::MultiPartInputFile& file, int index) {
     for (Raw& each : raw)
         result.channels.push_back({each.name, stored_type(each.channel.type),
                                    to_display_window(std::move(each.samples), data, display, each.channel.xSampling,
-                                                     each.channel.ySampling)});
+                                                     each.channel.ySampling),
+                                   plane_loss(header, each.name, each.channel.type), dwa_level(header)});
     return result;
 }
 

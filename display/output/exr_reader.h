@@ -20,12 +20,18 @@
 
 namespace raylex::display {
 
+/// What a part's compression did to a plane, beyond its type. PXR24 keeps 24 bits of a float; B44 (half) and DWA (half
+/// and float planes called R G B Y RY BY) keep what the eye sees; everything else is exact.
+enum class PlaneLoss : std::uint8_t { none, pxr24, b44, dwa };
+
 /// One plane of a layer, row-major from the top of the display window; pixels outside the data window are 0. Unsigned
 /// integers are rounded to float: exact up to 2^24.
 struct ImagePlane {
     std::string name;  ///< last component of the channel name: "R", "Z", ...
     StoredType stored = StoredType::single_float;
     std::vector<float> values;
+    PlaneLoss loss = PlaneLoss::none;
+    float dwa_level = 45;  ///< of DWA: its compression level, 45 where the file does not say
 };
 
 /// Channels that share everything before their name's last dot, or a part's nameless channels.
@@ -53,7 +59,9 @@ struct ExrImage {
     /// By name. "" means the nameless R G B, else a layer called beauty; "beauty", "rgba", "rgb", "image" and "main"
     /// (in any case) mean the nameless R G B unless a layer is called so, and so does the name of its part.
     [[nodiscard]] const ImageLayer* layer(std::string_view name) const;
-    /// The same, or an error with near misses and the names there are.
+    /// The same; failing that, the one layer that is called so behind a prefix: "DiffDir" is "ViewLayer.DiffDir", and
+    /// "diffuse" is "shot_diffuse" where all names begin with "shot_". Else an error with near misses and the names
+    /// there are.
     [[nodiscard]] Result<const ImageLayer*> require_layer(std::string_view name) const;
     [[nodiscard]] std::vector<std::string> layer_names() const;
 };

@@ -4,6 +4,7 @@
 
 #include "display/output/color_manager.h"
 #include "display/output/split_check.h"
+#include "display/output/split_sum.h"
 
 namespace raylex::display {
 
@@ -58,12 +59,13 @@ Status write_residual_png(const std::string& path, const SplitVerdict& verdict, 
                         std::to_string(width) + " x " + std::to_string(height);
         return error;
     }
+    const double limit = residual_limit(verdict.bound, verdict.allowance);
     std::vector<unsigned char> rgb;
     rgb.reserve(verdict.residual.size() * 3);
     for (const float residual : verdict.residual) {
         const std::array<unsigned char, 3> color = !std::isfinite(residual) ? std::array<unsigned char, 3>{0, 255, 255}
                                                    : residual == 0          ? std::array<unsigned char, 3>{0, 0, 0}
-                                                                   : color_at(position_of(residual, verdict.bound));
+                                                                            : color_at(position_of(residual, limit));
         rgb.insert(rgb.end(), color.begin(), color.end());
     }
     return write_png(path, width, height, rgb);

@@ -5,36 +5,83 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <utility>
+
+#include "display/output/stored_precision.h"
 
 namespace raylex::display {
 
 namespace {
 
-double unit_of(StoredType type) {
-    return type == StoredType::half_float ? 0x1p-10 : 0x1p-23;
-}
-double spacing_of(StoredType type) {
-    return type == StoredType::half_float ? 0x1p-24 : 0x1p-149;
-}
-
-struct Difference {
-    double absolute = 0, relative = 0;
-    bool finite = true, exceeds = false;
-};
-
-Difference difference(double sum, double scale, double whole, double unit, double spacing) {
-    Difference result;
-    scale += std::abs(whole);
-    result.finite = std::isfinite(scale);
-    if (!result.finite) return result;
-    result.absolute = std::abs(sum - whole);
-    result.relative = scale > 0 ? result.absolute / scale : 0.0;
-    result.exceeds = result.absolute > unit * scale + spacing;
-    if (!result.exceeds) result.relative = std::min(result.relative, unit);
-    return result;
+// A difference that only the spacing of the smallest numbers explains counts as a relative one of at most the bound.
+double relative_error(const SplitError& error, double unit) {
+    const double relative = error.scale > 0 ? error.absolute / error.scale : 0.0;
+    return error.absolute > error.rounding ? relative : std::min(relative, unit);
 }
 
 }  // namespace
+
+double residual_limit(double bound, const Allowance& allowance) {
+    return std::min(bound + allowance.relative, 0.5);
+}
+
+VerdictTally::VerdictTally(int width, std::size_t pixels, double unit, const Allowance& allowance, bool with_residual)
+    : width_(width), limit_(residual_limit(unit, allowance)) {
+    verdict_.bound = unit;
+    verdict_.allowance = allowance;
+    verdict_.never_above = true;
+    if (with_residual) verdict_.residual.resize(pixels);
+}
+
+void VerdictTally::add(std::size_t pixel, const std::array<SplitError, 3>& components) {
+    SplitVerdict& verdict = verdict_;
+    const int x = static_cast<int>(pixel % static_cast<std::size_t>(width_)),
+              y = static_cast<int>(pixel / static_cast<std::size_t>(width_));
+    bool finite = true, past = false, exceeds = false;
+    double worst = 0;
+    for (const SplitError& here : components) {
+        if (!std::isfinite(here.scale) || !std::isfinite(here.absolute)) {
+            finite = false;
+            continue;
+        }
+        past = past || here.absolute > here.rounding;
+        if (here.absolute > here.allowed) {
+            exceeds = true;
+            if (here.sum > here.whole) verdict.never_above = false;
+        }
+        if (here.absolute > 0) {
+            const double share = limit_ * here.absolute / here.allowed;
+            worst = std::max(worst, here.absolute > here.allowed ? share : std::min(share, limit_));
+        }
+        if (here.absolute > verdict.largest_absolute) {
+            verdict.largest_absolute = here.absolute;
+            verdict.absolute_x = x;
+            verdict.absolute_y = y;
+        }
+        if (const double relative = relative_error(here, verdict.bound); relative > verdict.largest_relative) {
+            verdict.largest_relative = relative;
+            verdict.relative_x = x;
+            verdict.relative_y = y;
+        }
+    }
+    if (!finite && verdict.non_finite++ == 0) {
+        verdict.non_finite_x = x;
+        verdict.non_finite_y = y;
+    }
+    verdict.exceeding += finite && exceeds ? 1 : 0;
+    verdict.past_rounding += finite && past && !exceeds ? 1 : 0;
+    if (!verdict.residual.empty())
+        verdict.residual[pixel] = finite ? static_cast<float>(worst) : std::numeric_limits<float>::infinity();
+}
+
+SplitVerdict VerdictTally::finish() {
+    verdict_.holds = verdict_.non_finite == 0 && verdict_.exceeding == 0;
+    verdict_.never_above = verdict_.never_above && verdict_.exceeding > 0;
+    verdict_.answer = !verdict_.holds              ? SplitAnswer::does_not_hold
+                      : verdict_.past_rounding > 0 ? SplitAnswer::holds_as_allowed
+                                                   : SplitAnswer::holds_to_rounding;
+    return std::move(verdict_);
+}
 
 SplitSum::SplitSum(int width, int height) : width_(width) {
     const std::size_t count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
@@ -47,8 +94,9 @@ SplitSum::SplitSum(int width, int height) : width_(width) {
 void SplitSum::note_types(const SplitLayer& layer) {
     double spacing = 0;
     for (const StoredType type : layer.types) {
-        unit_ = std::max(unit_, unit_of(type));
-        spacing = std::max(spacing, spacing_of(type));
+        const StoredPrecision precision = precision_of(type);
+        unit_ = std::max(unit_, precision.unit);
+        spacing = std::max(spacing, precision.spacing);
     }
     spacing_ += spacing;
 }
@@ -73,42 +121,18 @@ void SplitSum::add_whole(const SplitLayer& layer) {
 }
 
 SplitVerdict SplitSum::verdict(bool with_residual) const {
-    SplitVerdict verdict;
-    verdict.bound = unit_;
     const std::size_t count = whole_[0].size();
-    if (with_residual) verdict.residual.resize(count);
+    VerdictTally tally(width_, count, unit_, {}, with_residual);
     for (std::size_t pixel = 0; pixel < count; ++pixel) {
-        const int x = static_cast<int>(pixel % static_cast<std::size_t>(width_)),
-                  y = static_cast<int>(pixel / static_cast<std::size_t>(width_));
-        bool finite = true, exceeds = false;
-        double worst = 0;
+        std::array<SplitError, 3> errors;
         for (std::size_t c = 0; c < 3; ++c) {
-            const Difference here = difference(sum_[c][pixel], scale_[c][pixel], static_cast<double>(whole_[c][pixel]),
-                                               unit_, spacing_);
-            finite = finite && here.finite;
-            exceeds = exceeds || here.exceeds;
-            worst = std::max(worst, here.relative);
-            if (here.absolute > verdict.largest_absolute) {
-                verdict.largest_absolute = here.absolute;
-                verdict.absolute_x = x;
-                verdict.absolute_y = y;
-            }
-            if (here.relative > verdict.largest_relative) {
-                verdict.largest_relative = here.relative;
-                verdict.relative_x = x;
-                verdict.relative_y = y;
-            }
+            const double sum = sum_[c][pixel], whole = static_cast<double>(whole_[c][pixel]);
+            const double scale = scale_[c][pixel] + std::abs(whole), rounding = unit_ * scale + spacing_;
+            errors[c] = {std::abs(sum - whole), scale, rounding, rounding, sum, whole};
         }
-        if (!finite && verdict.non_finite++ == 0) {
-            verdict.non_finite_x = x;
-            verdict.non_finite_y = y;
-        }
-        verdict.exceeding += finite && exceeds ? 1 : 0;
-        if (with_residual)
-            verdict.residual[pixel] = finite ? static_cast<float>(worst) : std::numeric_limits<float>::infinity();
+        tally.add(pixel, errors);
     }
-    verdict.holds = verdict.non_finite == 0 && verdict.exceeding == 0;
-    return verdict;
+    return tally.finish();
 }
 
 std::string verdict_attribute(const SplitVerdict& verdict, std::size_t layer_count) {

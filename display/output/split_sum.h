@@ -17,6 +17,32 @@ struct SplitLayer {
     std::array<StoredType, 3> types{};
 };
 
+/// One component of one pixel.
+struct SplitError {
+    double absolute = 0;  ///< |sum - of|
+    double scale = 0;     ///< sum of |terms| + |of|
+    double rounding = 0;  ///< what rounding explains
+    double allowed = 0;   ///< and what is allowed in all, >= rounding
+    double sum = 0, whole = 0;
+};
+
+/// Where the scale of a residual map goes from allowed to not: bound + allowance.relative, at most 1/2.
+[[nodiscard]] double residual_limit(double bound, const Allowance& allowance);
+
+/// Pixels in any order of a file's, to a verdict.
+class VerdictTally {
+  public:
+    /// `unit`: the largest relative error by rounding.
+    VerdictTally(int width, std::size_t pixels, double unit, const Allowance& allowance, bool with_residual);
+    void add(std::size_t pixel, const std::array<SplitError, 3>& components);
+    [[nodiscard]] SplitVerdict finish();
+
+  private:
+    int width_;
+    double limit_;
+    SplitVerdict verdict_;
+};
+
 class SplitSum {
   public:
     SplitSum(int width, int height);
