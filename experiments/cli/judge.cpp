@@ -23,30 +23,72 @@ std::string partition_name(const display::SplitVerdict& verdict) {
     return verdict.partition.empty() ? "the layers given" : "partition '" + verdict.partition + "'";
 }
 
+const char* answer_text(const display::SplitVerdict& verdict) {
+    switch (verdict.answer) {
+        case display::SplitAnswer::holds_to_rounding:
+            return "holds to rounding";
+        case display::SplitAnswer::holds_as_allowed:
+            return "holds within what is allowed";
+        case display::SplitAnswer::does_not_hold:
+            return "DOES NOT HOLD";
+    }
+    return "";
+}
+
+std::string reasons(const display::SplitVerdict& verdict) {
+    std::string text;
+    for (const std::string& reason : verdict.allowed_for) text += (text.empty() ? "" : ", ") + reason;
+    return text;
+}
+
+// What is allowed on top of rounding and how many pixels need it; nothing where nothing is.
+std::string allowance_text(const display::SplitVerdict& verdict) {
+    if (verdict.allowed_for.empty() || verdict.answer == display::SplitAnswer::holds_to_rounding) return {};
+    std::string text = "\n  allowed on top: ";
+    if (verdict.allowance.absolute > 0) text += "absolute " + number_text(verdict.allowance.absolute) + ", ";
+    if (verdict.allowance.relative > 0) text += "relative " + number_text(verdict.allowance.relative) + ", ";
+    text += "for " + reasons(verdict);
+    if (verdict.past_rounding > 0)
+        text += "; " + std::to_string(verdict.past_rounding) +
+                (verdict.past_rounding == 1 ? " pixel needs it" : " pixels need it");
+    return text;
+}
+
 }  // namespace
 
-std::string verdict_text(const display::SplitVerdict& verdict) {
-    std::string text = partition_name(verdict) + ": " + layer_count(verdict) + " against " + target_name(verdict) +
-                       (verdict.holds ? ": holds" : ": DOES NOT HOLD");
+std::string verdict_text(const display::SplitVerdict& verdict, const std::string& title) {
+    std::string text = (title.empty() ? partition_name(verdict) : title) + ": " + layer_count(verdict) + " against " +
+                       target_name(verdict) + ": " + answer_text(verdict);
     text += "\n  largest absolute error " + number_text(verdict.largest_absolute, 6) + " at pixel " +
             pixel_text(verdict.absolute_x, verdict.absolute_y);
     text += "\n  largest relative error " + number_text(verdict.largest_relative, 6) + " at pixel " +
-            pixel_text(verdict.relative_x, verdict.relative_y) + "; bound " + number_text(verdict.bound, 6) +
-            (verdict.bound > 1e-5 ? " (half, 2^-10)" : " (float, 2^-23)");
+            pixel_text(verdict.relative_x, verdict.relative_y) + "; bound " + number_text(verdict.bound, 6) + " (" +
+            verdict.bound_reason + ")";
+    text += allowance_text(verdict);
     if (verdict.exceeding > 0)
         text += "\n  " + std::to_string(verdict.exceeding) +
-                (verdict.exceeding == 1 ? " pixel exceeds the bound" : " pixels exceed the bound");
+                (verdict.exceeding == 1 ? " pixel exceeds " : " pixels exceed ") +
+                (verdict.allowed_for.empty() ? "the bound" : "what is allowed") +
+                (verdict.never_above ? "; the sum is never above, so that light is missing from the layers" : "");
     if (verdict.non_finite > 0)
         text += "\n  " + std::to_string(verdict.non_finite) +
                 (verdict.non_finite == 1 ? " pixel holds" : " pixels hold") +
-                " values that are not finite, the first " + pixel_text(verdict.non_finite_x, verdict.non_finite_y);
+                " values that are not finite, the first " + pixel_text(verdict.non_finite_x, verdict.non_finite_y) +
+                (verdict.non_finite_layer.empty() ? std::string() : " in " + verdict.non_finite_layer);
+    if (!verdict.holds)
+        for (const std::string& lossy : verdict.unexplained)
+            text +=
+                "\n  " + lossy + " compression loses bits that nothing is allowed for; --tolerance ABS,REL allows them";
     return text;
 }
 
 std::string verdict_line(const display::SplitVerdict& verdict) {
     return partition_name(verdict) + ": " + layer_count(verdict) +
            (verdict.holds ? (verdict.layers.size() == 1 ? " sums to " : " sum to ") : " DO NOT SUM to ") +
-           target_name(verdict) + " (largest relative error " + number_text(verdict.largest_relative) + ", bound " +
+           target_name(verdict) +
+           (verdict.answer == display::SplitAnswer::holds_as_allowed ? " within what is allowed for " + reasons(verdict)
+                                                                     : std::string()) +
+           " (largest relative error " + number_text(verdict.largest_relative) + ", bound " +
            number_text(verdict.bound) + ")";
 }
 

@@ -7,9 +7,10 @@
 
 namespace raylex::experiments {
 
-/// Three lines: what was summed and whether it holds, the largest absolute error, the largest relative one and the
-/// bound.
-std::string verdict_text(const display::SplitVerdict& verdict);
+/// What was summed and whether it holds (to rounding, as allowed, or not), the largest errors with their pixels, the
+/// bound and where it comes from, what was allowed and for what, pixels past it. `title` names the split; empty: its
+/// partition.
+std::string verdict_text(const display::SplitVerdict& verdict, const std::string& title = {});
 
 /// One line for the end of a render: "partition 'auto': 3 layers sum to beauty (largest relative error 3e-08,
 /// bound 1.2e-07)".

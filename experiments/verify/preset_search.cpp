@@ -1,0 +1,224 @@
+// Which splits of a preset an image has.
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <map>
+#include <string_view>
+
+#include "display/output/exr_layers.h"
+#include "display/services/parameters.h"
+#include "experiments/verify/presets.h"
+
+namespace raylex::experiments {
+
+namespace {
+
+// Letters and digits in lower case, without the application's "VRay" or "vrayRE_" in front.
+std::string plain_name(std::string_view name) {
+    std::string lower(name);
+    for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    for (const std::string_view ahead : {"vrayre_", "vray"})
+        if (lower.starts_with(ahead) && lower.size() > ahead.size()) {
+            lower.erase(0, ahead.size());
+            break;
+        }
+    std::erase_if(lower, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; });
+    return lower;
+}
+
+std::string first_spelling(PassNames names) {
+    return std::string(std::string_view(names).substr(0, std::string_view(names).find('|')));
+}
+
+std::string choices(PassNames names) {
+    std::string text(names);
+    for (std::size_t bar = text.find('|'); bar != std::string::npos; bar = text.find('|')) text.replace(bar, 1, " or ");
+    return text;
+}
+
+std::string quoted(const std::string& name) {
+    const char quote = name.find('\'') == std::string::npos ? '\'' : '"';
+    return quote + name + quote;
+}
+
+// The passes of one view layer: what stands behind a common prefix.
+struct Section {
+    std::string name;  // without the dot
+    std::vector<std::pair<std::string, const display::ImageLayer*>> passes;
+
+    const display::ImageLayer* find(PassNames names) const {
+        std::string_view rest(names);
+        while (!rest.empty()) {
+            const std::string wanted = plain_name(rest.substr(0, rest.find('|')));
+            for (const auto& [pass, layer] : passes)
+                if (plain_name(pass) == wanted) return layer;
+            rest.remove_prefix(
+                std::min(rest.size(), rest.find('|') == std::string_view::npos ? rest.size() : rest.find('|') + 1));
+        }
+        return nullptr;
+    }
+};
+
+std::vector<Section> sections_of(const display::ExrImage& image) {
+    std::vector<Section> sections;
+    const std::string_view shared = display::shared_prefix(image);
+    for (const display::ImageLayer& layer : image.layers) {
+        std::string_view name = layer.name;
+        const std::size_t dot = name.rfind('.');
+        const std::string section(dot == std::string_view::npos ? std::string_view() : name.substr(0, dot));
+        name.remove_prefix(std::max(dot == std::string_view::npos ? 0 : dot + 1, shared.size()));
+        auto found =
+            std::find_if(sections.begin(), sections.end(), [&](const Section& each) { return each.name == section; });
+        if (found == sections.end()) found = sections.insert(sections.end(), Section{section, {}});
+        // The nameless image of a file goes by the name of every beauty.
+        found->passes.emplace_back(layer.name.empty() ? "rgba" : std::string(name), &layer);
+    }
+    return sections;
+}
+
+// One split of one section, in the making.
+class SplitText {
+  public:
+    void add(const std::string& name, const std::string& spoken, const char* before, const char* after) {
+        text_ += before + quoted(name) + after;
+        spoken_ += before + spoken + after;
+    }
+    void add(const char* between) {
+        text_ += between;
+        spoken_ += between;
+    }
+    [[nodiscard]] bool empty() const { return text_.empty(); }
+    [[nodiscard]] const std::string& text() const { return text_; }
+    [[nodiscard]] const std::string& spoken() const { return spoken_; }
+
+  private:
+    std::string text_, spoken_;
+};
+
+// Adds the term as far as its passes are there. Returns whether any light of it is.
+bool add_term(const PresetTerm& term, const Section& section, SplitText& text, std::vector<std::string>& missing) {
+    const auto present = [&section](const std::vector<PassNames>& passes) {
+        return std::count_if(passes.begin(), passes.end(),
+                             [&section](PassNames pass) { return section.find(pass) != nullptr; });
+    };
+    const std::vector<PassNames>* chosen = &term.alternatives.front();
+    for (const std::vector<PassNames>& passes : term.alternatives) {
+        const bool whole = present(passes) == static_cast<std::ptrdiff_t>(passes.size());
+        if (present(*chosen) == static_cast<std::ptrdiff_t>(chosen->size())) break;
+        if (whole || present(passes) > present(*chosen)) chosen = &passes;
+    }
+    for (PassNames pass : *chosen)
+        if (section.find(pass) == nullptr) missing.push_back(first_spelling(pass));
+    const display::ImageLayer* times = term.times == nullptr ? nullptr : section.find(term.times);
+    if (term.times != nullptr && times == nullptr) missing.push_back(first_spelling(term.times));
+    if (present(*chosen) == 0 || (term.times != nullptr && times == nullptr)) return false;
+    if (!text.empty()) text.add(", ");
+    const bool brackets = term.times != nullptr && present(*chosen) > 1;
+    bool first = true;
+    if (brackets) text.add("(");
+    for (PassNames pass : *chosen) {
+        const display::ImageLayer* layer = section.find(pass);
+        if (layer == nullptr) continue;
+        text.add(layer->name, first_spelling(pass), first ? "" : " + ", "");
+        first = false;
+    }
+    if (brackets) text.add(")");
+    if (times != nullptr) text.add(times->name, first_spelling(term.times), " * ", "");
+    return true;
+}
+
+// Whether the background shows through: then it is in its pass, but no part of the image.
+bool is_transparent(const display::ImageLayer& whole) {
+    const display::ImagePlane* alpha = whole.plane("A");
+    return alpha != nullptr && std::any_of(alpha->values.begin(), alpha->values.end(), [](float a) { return a < 1; });
+}
+
+// N samples added up in float cost at most N x 2^-24 of their sum; without N, what the preset carries.
+display::Allowance allowance_of(const Preset& preset, const display::ExrImage& image, const std::string& section) {
+    display::Allowance allowance = preset.allowance;
+    if (preset.samples_attribute == nullptr) return allowance;
+    std::string name = preset.samples_attribute;
+    name.replace(name.find('*'), 1, section);
+    const auto found = image.attributes.find(name);
+    if (found == image.attributes.end()) return allowance;
+    const std::string& text = found->second;
+    int samples = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), samples);
+    constexpr int believable = 1 << 20;
+    if (error != std::errc() || end != text.data() + text.size() || samples < 1 || samples > believable)
+        return allowance;
+    allowance.relative = samples * 0x1p-24;
+    allowance.reason = "adding up " + text + " samples in float, 2^-24 each";
+    return allowance;
+}
+
+// Layers called like the whole with _ and a group's name behind it.
+void add_groups(PassNames groups, const Section& section, SplitText& text) {
+    const std::string begin = first_spelling(groups) + "_";
+    for (const auto& [pass, layer] : section.passes) {
+        if (!pass.starts_with(begin) || plain_name(pass).find("denois") != std::string::npos) continue;
+        text.add(layer->name, pass, text.empty() ? "" : ", ", "");
+    }
+}
+
+}  // namespace
+
+Result<std::vector<FoundSplit>> find_splits(const Preset& preset, const display::ExrImage& image,
+                                            const std::string& of) {
+    std::vector<FoundSplit> found;
+    const std::vector<Section> sections = sections_of(image);
+    const display::ImageLayer* given = nullptr;
+    if (!of.empty()) {
+        Result<const display::ImageLayer*> layer = image.require_layer(of);
+        if (!layer) return std::move(layer).error();
+        given = *layer;
+    }
+    bool any_split = false;
+    for (const Section& section : sections) {
+        const display::ImageLayer* whole = given != nullptr ? given : section.find(preset.whole);
+        // Files per layer: "shot" beside "shot.diffuse".
+        if (whole == nullptr && !section.name.empty()) whole = image.layer(section.name);
+        if (whole == nullptr) whole = image.layer("");
+        for (const PresetSplit& split : preset.splits) {
+            SplitText text;
+            FoundSplit entry;
+            const bool transparent = preset.background != nullptr && whole != nullptr && is_transparent(*whole);
+            bool anchored = split.groups != nullptr;
+            if (split.groups != nullptr) add_groups(split.groups, section, text);
+            for (const PresetTerm& term : split.terms) {
+                if (transparent && term.alternatives.front().front() == preset.background) continue;
+                if (add_term(term, section, text, entry.missing) && !term.shared) anchored = true;
+            }
+            if (text.empty() || !anchored) continue;
+            const display::ImageLayer* background = transparent ? section.find(preset.background) : nullptr;
+            if (background != nullptr) {
+                const std::string spoken = first_spelling(preset.background);
+                if (split.groups != nullptr) text.add(background->name, spoken, ", -", "");
+                entry.note = "the film is transparent (alpha below 1): " + spoken + " is no part of the image";
+            }
+            any_split = true;
+            if (whole == nullptr) continue;
+            entry.title = split.title + (section.name.empty() ? std::string() : " of " + section.name);
+            entry.of = whole->name;
+            entry.allowance = allowance_of(preset, image, section.name);
+            entry.sum = text.text();
+            entry.formula = text.spoken();
+            found.push_back(std::move(entry));
+        }
+    }
+    if (!found.empty()) return found;
+    std::string wanted;
+    for (const PresetSplit& split : preset.splits)
+        for (const PresetTerm& term : split.terms)
+            if (!term.shared && std::count(wanted.begin(), wanted.end(), ',') < 6)
+                wanted += (wanted.empty() ? "" : ", ") + first_spelling(term.alternatives.front().front());
+    return error_at({image.path, 0, 0},
+                    any_split
+                        ? "the passes of " + std::string(preset.renderer) +
+                              " are there, but not what they split; expected a layer " + choices(preset.whole) +
+                              ", or --of LAYER; the layers are: " + display::list_names(image.layer_names())
+                        : "no layers named as " + std::string(preset.renderer) + " names them; expected such as " +
+                              wanted + ", ...; the layers are: " + display::list_names(image.layer_names()));
+}
+
+}  // namespace raylex::experiments
