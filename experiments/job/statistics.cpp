@@ -69,6 +69,7 @@ Json splits_json(const RunRecord& record) {
                           {"largest_absolute", verdict.largest_absolute},
                           {"largest_relative", verdict.largest_relative},
                           {"bound", verdict.bound},
+                          {"past_rounding_pixels", verdict.past_rounding},
                           {"exceeding_pixels", verdict.exceeding},
                           {"non_finite_pixels", verdict.non_finite}});
     return splits;

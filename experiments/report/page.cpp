@@ -31,6 +31,14 @@ std::string number(double value) {
     return text.data();
 }
 
+// The end of an opening tag's class and the words: a split of a lossy file holds only within what its compression is
+// allowed.
+const char* answer_markup(const SplitVerdict& verdict) {
+    if (!verdict.holds) return "fails\">does not hold";
+    return verdict.answer == display::SplitAnswer::holds_as_allowed ? "holds\">holds within what is allowed"
+                                                                    : "holds\">holds";
+}
+
 class Page {
   public:
     Page(const display::ColorManager& color, const PageOptions& options, std::size_t images)
@@ -65,7 +73,7 @@ class Page {
             verdict = "<span class=\"holds\">Every split holds:</span> in " +
                       (judged_ == 1 ? std::string("the one partition")
                                     : "each of " + std::to_string(judged_) + " partitions") +
-                      " the layers sum to their whole at every pixel, up to the rounding of the file.";
+                      " the layers sum to their whole at every pixel, up to the rounding and compression of the file.";
         else
             verdict = "<span class=\"fails\">" + std::to_string(failed_) + " of " + std::to_string(judged_) +
                       " partitions do not hold.</span>";
@@ -88,8 +96,7 @@ class Page {
 
     void add_introduction(const ExrImage& image, const std::vector<SplitVerdict>& verdicts) {
         for (const SplitVerdict& v : verdicts)
-            body_ += "<p>" + escape_html(v.partition) + " <span class=\"" +
-                     (v.holds ? "holds\">holds" : "fails\">does not hold") + "</span></p>";
+            body_ += "<p>" + escape_html(v.partition) + " <span class=\"" + answer_markup(v) + "</span></p>";
         std::string text = std::to_string(image.width) + " x " + std::to_string(image.height) + " pixels";
         const auto append = [&](const char* name, const std::string& before, const std::string& after) {
             if (const std::string value = attribute(image, name); !value.empty())
@@ -106,17 +113,17 @@ class Page {
     void add_verdicts(const std::vector<SplitVerdict>& verdicts) {
         if (verdicts.empty()) return;
         body_ +=
-            "<details><summary>The verdicts in numbers</summary>\n<div class=\"wide\"><table>\n<tr><th>Partition</th><th>Verdict</th><th>Layers</th><th>Largest relative "
+            "<details><summary>The verdicts in numbers</summary>\n<div "
+            "class=\"wide\"><table>\n<tr><th>Partition</th><th>Verdict</th><th>Layers</th><th>Largest relative "
             "error</th><th>at pixel</th><th>Bound</th>"
             "<th>Largest absolute error</th><th>at pixel</th></tr>\n";
         for (const SplitVerdict& v : verdicts) {
             const auto pixel = [](int x, int y) { return "(" + std::to_string(x) + ", " + std::to_string(y) + ")"; };
-            body_ += "<tr><td>" + escape_html(v.partition) + "</td><td class=\"" +
-                     (v.holds ? "holds\">holds" : "fails\">does not hold") + "</td><td class=\"number\">" +
-                     std::to_string(v.layers.size()) + "</td><td class=\"number\">" + number(v.largest_relative) +
-                     "</td><td>" + pixel(v.relative_x, v.relative_y) + "</td><td class=\"number\">" + number(v.bound) +
-                     "</td><td class=\"number\">" + number(v.largest_absolute) + "</td><td>" +
-                     pixel(v.absolute_x, v.absolute_y) + "</td></tr>\n";
+            body_ += "<tr><td>" + escape_html(v.partition) + "</td><td class=\"" + answer_markup(v) +
+                     "</td><td class=\"number\">" + std::to_string(v.layers.size()) + "</td><td class=\"number\">" +
+                     number(v.largest_relative) + "</td><td>" + pixel(v.relative_x, v.relative_y) +
+                     "</td><td class=\"number\">" + number(v.bound) + "</td><td class=\"number\">" +
+                     number(v.largest_absolute) + "</td><td>" + pixel(v.absolute_x, v.absolute_y) + "</td></tr>\n";
         }
         body_ += "</table></div></details>\n";
     }
