@@ -10,7 +10,10 @@
 
 #include "experiments/report/html.h"
 #include "experiments/study/report/assets.h"
+#include "experiments/study/report/paper.h"
 #include "experiments/study/report/pictures.h"
+#include "experiments/study/report/study.h"
+#include "experiments/study/report/study_files.h"
 #include "experiments/study/report/study_report.h"
 #include "study_support.h"
 #include "support/skip.h"
@@ -132,8 +135,16 @@ TEST_CASE("a study's report says what is true of it", "[study][report]") {
 
     const std::string csv = folder.read("study/results.csv");
     CHECK(std::count(csv.begin(), csv.end(), '\n') == 1 + 4 * 5 * 3 * 3 - 1);
-    CHECK(csv.find("\"relmse-mean: mean((a-b)^2 / (b^2 + (0.1 m)^2)), m = mean(|b|)\"") != std::string::npos);
-    for (const char* plot : {"ramp.beauty.svg", "ramp.bounce1.svg", "ramp.bounce2.svg", "ramp.beauty.pareto.svg", "ramp.bounce1.pareto.svg"}) {
+    // The header is names that any program takes; a file beside it says what they mean, each once and in order.
+    const std::string header = csv.substr(0, csv.find("\r\n")), columns = folder.read("study/results.columns.csv");
+    CHECK(std::regex_match(header, std::regex("[a-z][a-z0-9_]*(,[a-z][a-z0-9_]*)*")));
+    CHECK(columns.find("relmse_mean,,\"mean((a-b)^2 / (b^2 + (0.1 m)^2)), m = mean(|b|)\"") != std::string::npos);
+    std::string described;
+    std::istringstream meanings(columns);
+    for (std::string line; std::getline(meanings, line);)
+        if (!line.starts_with("column,")) described += (described.empty() ? "" : ",") + line.substr(0, line.find(','));
+    CHECK(described == header);
+    for (const char* plot : {"ramp.beauty.svg", "ramp.beauty.samples.svg", "ramp.bounce1.svg", "ramp.bounce2.svg", "ramp.beauty.pareto.svg", "ramp.bounce1.pareto.svg"}) {
         CAPTURE(plot);
         const std::string svg = folder.read("study/plots/" + std::string(plot));
         CHECK(svg.starts_with("<svg xmlns="));
@@ -141,7 +152,14 @@ TEST_CASE("a study's report says what is true of it", "[study][report]") {
         CHECK(svg.find("clamped") != std::string::npos);
     }
 
+    const std::string tex = folder.read("study/tables/ramp.beauty.tex");
+    CHECK(tex.find("\nskewed & 128 samples & ") != std::string::npos);
+    CHECK(tex.find("path max\\_depth=4 & ") != std::string::npos);
+    CHECK(tex.ends_with("\\bottomrule\n\\end{tabular}\n"));
+
     const std::string page = folder.read("study/report.html");
+    CHECK_FALSE(std::regex_search(page, std::regex("e\\+[0-9]+ %")));
+    CHECK(page.find("<td class=\"number\">5</td><td class=\"number\">128 samples</td>") != std::string::npos);  // bias
     CHECK(page.find("killed by the &lt;system&gt;") != std::string::npos);
     CHECK(page.find("ramp.path.999.r0") != std::string::npos);
     CHECK(page.find("# &lt;/script&gt; &amp; more") != std::string::npos);
@@ -190,6 +208,59 @@ TEST_CASE("pictures keep half precision, and are reduced when a page would be to
     CHECK(bytes(19) == "YW55IGNhcm5hbCBwbGVhc3VyZQ==");
     CHECK(bytes(18) == "YW55IGNhcm5hbCBwbGVhc3Vy");
     CHECK(bytes(17) == "YW55IGNhcm5hbCBwbGVhc3U=");
+}
+
+TEST_CASE("numbers stand as people write them", "[study][report]") {
+    CHECK(plain_number(3210) == "3210");
+    CHECK(plain_number(3214) == "3210");
+    CHECK(plain_number(999.6) == "1000");
+    CHECK(plain_number(0.5) == "0.5");
+    CHECK(plain_number(0.000123456) == "0.000123");
+    CHECK(plain_number(-12.34) == "-12.3");
+    CHECK(plain_number(0) == "0");
+    CHECK(plain_number(0.9999) == "1");
+    CHECK(percent_text(32.1) == "3210 %");
+    CHECK(spoken_budget(BudgetKind::samples, 1) == "1 sample");
+    CHECK(spoken_budget(BudgetKind::samples, 2) == "2 samples");
+    CHECK(spoken_budget(BudgetKind::seconds, 30) == "30 s");
+    CHECK(spoken_budget(BudgetKind::error, 0.01) == "to 1 %");
+    CHECK(latex_text("a_b & 5 % of {x}\\") == "a\\_b \\& 5 \\% of \\{x\\}\\textbackslash{}");
+}
+
+TEST_CASE("insets are the study's regions, else where variants are furthest from the reference", "[study][report]") {
+    if (!has_d3()) RAYLEX_SKIP("needs the package libjs-d3");
+    const Folder folder;
+    Experiment experiment = write_synthetic_study(folder, {40, 40, 1, 1, 2, 3, 2, 0.01});
+    // An error of its own in the picture that stands for `skewed`: its last budget's first replicate.
+    for (const Cell& cell : experiment.cells)
+        if (cell.method == "skewed" && !cell.failed && cell.replicate == 0) {
+            auto image = read_mean(cell.directory, "beauty");
+            REQUIRE(image);
+            for (std::size_t y = 24; y < 32; ++y)
+                for (std::size_t x = 8; x < 16; ++x)
+                    for (std::size_t c = 0; c < 3; ++c) image->values[(y * 40 + x) * 3 + c] *= 3;
+            REQUIRE(write_npy(cell.directory + "/beauty.mean.npy", *image));
+        }
+    auto study = study_of(experiment, {});
+    REQUIRE(study);
+    std::vector<InsetBox> boxes = inset_boxes(*study, 0);
+    REQUIRE(boxes.size() == 2);
+    CHECK(boxes[0].x == 8);
+    CHECK(boxes[0].y == 24);
+    CHECK(boxes[0].width == 8);
+    experiment.regions = {{"corner", "", {1, 2, 11, 22}, ""}};
+    boxes = inset_boxes(*study, 0);
+    REQUIRE(boxes.size() == 1);
+    CHECK(boxes[0].y == 2);
+    CHECK(boxes[0].height == 20);
+    REQUIRE(write_study_report(experiment) == 0);
+    CHECK(folder.has("study/insets/ramp.reference.inset1.png"));
+    CHECK(folder.has("study/insets/ramp.skewed.png"));
+    const std::string figure = folder.read("study/insets/ramp.svg");
+    CHECK(figure.find("error ") != std::string::npos);
+    std::size_t pictures = 0;
+    for (std::size_t at = 0; (at = figure.find("<image ", at)) != std::string::npos; ++at) ++pictures;
+    CHECK(pictures == 1 + 3);  // the whole reference; an inset of each variant and of the reference
 }
 
 TEST_CASE("a report without d3 names the package", "[study][report]") {

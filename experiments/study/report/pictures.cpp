@@ -3,23 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "experiments/cli/console.h"
 #include "experiments/report/pixel_data.h"
+#include "experiments/study/report/study_files.h"
 
 namespace raylex::experiments {
 namespace {
-
-std::string budget_text(const Cell& cell) {
-    switch (cell.budget_kind) {
-        case BudgetKind::samples:
-            return number_text(cell.budget, 9) + " samples";
-        case BudgetKind::seconds:
-            return number_text(cell.budget, 6) + " s";
-        case BudgetKind::error:
-            break;
-    }
-    return "to " + number_text(cell.budget * 100, 4) + " %";
-}
 
 /// The cell that stands for a variant on a scene: the first replicate of what cost most.
 const Cell* shown_cell(const Study& study, const std::string& scene, const std::string& variant) {
@@ -36,31 +24,14 @@ const Cell* shown_cell(const Study& study, const std::string& scene, const std::
     return shown;
 }
 
-struct Source {
-    std::size_t scene = 0;
-    std::string directory, name;
-};
-
-std::vector<Source> sources_of(const Study& study) {
-    std::vector<Source> sources;
-    for (std::size_t s = 0; s < study.experiment->scenes.size(); ++s) {
-        const SceneInfo& scene = study.experiment->scenes[s];
-        for (const MethodVariant& variant : study.variants)
-            if (const Cell* cell = shown_cell(study, scene.name, variant.name))
-                sources.push_back({s, cell->directory, variant.name + ", " + budget_text(*cell)});
-        if (!scene.reference.empty()) sources.push_back({s, scene.reference, "reference"});
-    }
-    return sources;
-}
-
-Pictures encode_all(const Study& study, const std::vector<Source>& sources, std::size_t block) {
+Pictures encode_all(const Study& study, const std::vector<PictureSource>& sources, std::size_t block) {
     Pictures result;
     for (std::size_t s = 0; s < study.experiment->scenes.size(); ++s) {
         const SceneInfo& scene = study.experiment->scenes[s];
         const auto b = static_cast<int>(block);
         ScenePictures pictures{scene.name, (scene.width + b - 1) / b, (scene.height + b - 1) / b, b, {}, {}};
         for (const ChannelInfo& channel : scene.channels) pictures.channels.push_back(channel.name);
-        for (const Source& source : sources) {
+        for (const PictureSource& source : sources) {
             if (source.scene != s) continue;
             PictureSet set{source.name, {}};
             std::string problem;
@@ -90,6 +61,19 @@ Pictures encode_all(const Study& study, const std::vector<Source>& sources, std:
 
 }  // namespace
 
+std::vector<PictureSource> picture_sources(const Study& study) {
+    std::vector<PictureSource> sources;
+    for (std::size_t s = 0; s < study.experiment->scenes.size(); ++s) {
+        const SceneInfo& scene = study.experiment->scenes[s];
+        for (const MethodVariant& variant : study.variants)
+            if (const Cell* cell = shown_cell(study, scene.name, variant.name))
+                sources.push_back({s, cell->directory, variant.name,
+                                   variant.name + ", " + spoken_budget(cell->budget_kind, cell->budget)});
+        if (!scene.reference.empty()) sources.push_back({s, scene.reference, {}, "reference"});
+    }
+    return sources;
+}
+
 PixelArray reduced(const PixelArray& image, std::size_t block) {
     if (block <= 1) return image;
     PixelArray result{(image.height + block - 1) / block, (image.width + block - 1) / block, image.components, {}};
@@ -116,9 +100,9 @@ std::string encode_picture(const PixelArray& image) {
 }
 
 Pictures pictures_of(const Study& study) {
-    const std::vector<Source> sources = sources_of(study);
+    const std::vector<PictureSource> sources = picture_sources(study);
     double pixels = 0;
-    for (const Source& source : sources) {
+    for (const PictureSource& source : sources) {
         const SceneInfo& scene = study.experiment->scenes[source.scene];
         pixels += static_cast<double>(scene.width) * scene.height * static_cast<double>(scene.channels.size());
     }

@@ -9,6 +9,14 @@
 
 namespace raylex::experiments {
 
+/// Where the image that stands for a variant on a scene lies: the first replicate of its largest budget.
+struct PictureSource {
+    std::size_t scene = 0;
+    std::string directory, variant, name;  ///< no variant: the reference
+};
+/// Scenes in order, of each the variants in order and then the reference, as far as there are images.
+std::vector<PictureSource> picture_sources(const Study& study);
+
 /// A variant's image (or the reference) on a scene: one picture per channel.
 struct PictureSet {
     std::string name;                             ///< "path, 1024 samples", "reference"

@@ -1,8 +1,8 @@
 // One plot as SVG text, from plain data: the same bytes in the page and in plots/*.svg, so nothing here touches a document.
 // ECMAScript 5, since an embedded interpreter runs it too; d3 (version 3) gives scales, ticks and paths.
 function raylexPlot(d3, spec) {
-  var width = 860, height = 430, margin = {top: 42, right: 262, bottom: 52, left: 66};
-  var right = width - margin.right, bottom = height - margin.bottom;
+  var width = 640, margin = {top: 46, right: 14, bottom: 50, left: 70};
+  var right = width - margin.right, bottom = 400 - margin.bottom;
   var colors = ['#0072b2', '#d55e00', '#009e73', '#cc79a7', '#b8860b', '#56b4e9', '#7a5195', '#6b6b6b'];
   var shapes = ['circle', 'square', 'triangle-up', 'diamond', 'triangle-down', 'cross'];
   var out = [];
@@ -10,7 +10,17 @@ function raylexPlot(d3, spec) {
     return String(value).replace(/&/g, '&amp;').replace(/</g, '&lt;').replace(/>/g, '&gt;').replace(/"/g, '&quot;');
   }
   function at(value) { return Math.round(value * 100) / 100; }
-  function cut(value, length) { return value.length > length ? value.slice(0, length - 1) + '\u2026' : value; }
+  // Lines of at most `length` letters, broken at blanks where there are any: nothing is cut off.
+  function wrapped(value, length) {
+    var lines = [''];
+    value.split(' ').forEach(function (word) {
+      while (word.length > length) { lines.push(word.slice(0, length)); word = word.slice(length); }
+      var last = lines[lines.length - 1];
+      if (last && last.length + 1 + word.length > length) lines.push(word);
+      else lines[lines.length - 1] = last ? last + ' ' + word : word;
+    });
+    return lines.filter(function (line) { return line; });
+  }
   function color(series) { return colors[series.slot % colors.length]; }
   // Beyond eight series the dash tells those of one colour apart, beyond six markers repeat in another order.
   function dash(series) { return series.slot >= colors.length ? ' stroke-dasharray="6 3"' : ''; }
@@ -19,6 +29,25 @@ function raylexPlot(d3, spec) {
     return '<path d="' + d3.svg.symbol().type(shape).size(size)() + '" transform="translate(' + at(x) + ',' + at(y) +
         ')" fill="' + color(series) + '"' + (attributes || '') + '/>';
   }
+
+  if (spec.markOf)  // a page's own legend: line and marker of one series
+    return '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 30 14" width="30" height="14"><path d="M1,7h28" stroke="' +
+        color(spec.markOf) + '" stroke-width="1.8"' + dash(spec.markOf) + '/>' + marker(spec.markOf, 15, 7, 42) + '</svg>';
+
+  // The legend below the plot, in as many columns as have room for the longest name; a page that has its own asks for none.
+  var entries = spec.legend === false ? [] : spec.series.filter(function (series) { return series.points.length; });
+  var longest = d3.max(entries.map(function (series) { return Math.max(series.name.length, 0.85 * series.note.length); })) || 0;
+  var columns = Math.max(1, Math.min(3, entries.length, Math.floor((width - 20) / (44 + 7.3 * longest))));
+  var column = (width - 20) / columns, letters = Math.floor((column - 44) / 7.3), legendTop = 400 + 8, legendHeight = 0, rowHeight = 0;
+  entries = entries.map(function (series, i) {
+    var lines = wrapped(series.name, letters);
+    if (i % columns === 0) { legendHeight += rowHeight; rowHeight = 0; }
+    var entry = {series: series, lines: lines, x: 10 + (i % columns) * column, y: legendTop + legendHeight + 10};
+    rowHeight = Math.max(rowHeight, 15 * lines.length + (series.note ? 14 : 0) + 6);
+    return entry;
+  });
+  legendHeight += rowHeight;
+  var height = 400 + (entries.length ? legendHeight + 14 : 0);
 
   var xs = [], ys = [];
   function see(list, value) { if (value > 0 && isFinite(value)) list.push(value); }
@@ -50,7 +79,7 @@ function raylexPlot(d3, spec) {
     return list;
   }
   function label(value) {
-    if (value >= 1e5 || value < 1e-3) return d3.format('.0e')(value).replace('e+', 'e');
+    if (value >= 1e6 || value < 1e-4) return d3.format('.0e')(value).replace('e+', 'e');
     return String(+value.toPrecision(2));
   }
 
@@ -70,7 +99,7 @@ function raylexPlot(d3, spec) {
         '<text x="' + (margin.left - 8) + '" y="' + at(y(value) + 4) + '" text-anchor="end" fill="currentColor" fill-opacity="0.75">' + label(value) + ' %</text>');
   });
   out.push('<path d="M' + margin.left + ',' + margin.top + 'V' + bottom + 'H' + right + '" fill="none" stroke="currentColor" stroke-opacity="0.5"/>');
-  out.push('<text x="' + (margin.left + right) / 2 + '" y="' + (height - 12) + '" text-anchor="middle" fill="currentColor">' + text(spec.xLabel) + '</text>');
+  out.push('<text x="' + (margin.left + right) / 2 + '" y="' + (bottom + 40) + '" text-anchor="middle" fill="currentColor">' + text(spec.xLabel) + '</text>');
   out.push('<text transform="translate(15,' + (margin.top + bottom) / 2 + ') rotate(-90)" text-anchor="middle" fill="currentColor">' + text(spec.yLabel) + '</text>');
   out.push('<clipPath id="' + text(spec.id) + '-clip"><rect x="' + margin.left + '" y="' + margin.top + '" width="' + (right - margin.left) +
       '" height="' + (bottom - margin.top) + '"/></clipPath><g clip-path="url(#' + text(spec.id) + '-clip)">');
@@ -124,23 +153,17 @@ function raylexPlot(d3, spec) {
   }
   out.push('</g>');
 
-  // The legend: every series by the height of its last point, moved apart where they would touch.
-  var entries = spec.series.filter(function (series) { return series.points.length; }).map(function (series) {
-    var last = series.points[series.points.length - 1];
-    return {series: series, y: inside(last.y > 0 ? last.y : lowest)};
-  }).sort(function (a, b) { return a.y - b.y; });
-  var room = Math.min(34, (bottom - margin.top + 24) / Math.max(1, entries.length)), notes = room > 26, previous = margin.top - room;
-  entries.forEach(function (entry) { entry.y = previous = Math.max(entry.y, previous + room); });
-  var over = previous - (bottom + 8);
-  for (var i = entries.length - 1; i >= 0 && over > 0; --i) {
-    entries[i].y = Math.min(entries[i].y, bottom + 8 - (entries.length - 1 - i) * room);
-  }
   entries.forEach(function (entry) {
-    var series = entry.series;
-    out.push('<g class="legend" data-slot="' + series.slot + '"><title>' + text(series.name + (series.note ? '\n' + series.note : '')) + '</title>' +
-        '<path d="M' + (right + 12) + ',' + at(entry.y) + 'h18" stroke="' + color(series) + '" stroke-width="1.8"' + dash(series) + '/>' +
-        marker(series, right + 21, entry.y, 42) + '<text x="' + (right + 37) + '" y="' + at(entry.y + 4) + '" fill="currentColor">' + text(cut(series.name, 33)) + '</text>' +
-        (series.note && notes ? '<text x="' + (right + 37) + '" y="' + at(entry.y + 17) + '" font-size="10.5" fill="currentColor" fill-opacity="0.65">' + text(cut(series.note, 38)) + '</text>' : '') + '</g>');
+    var series = entry.series, below = entry.y + 4 + 15 * (entry.lines.length - 1);
+    out.push('<g class="legend" data-slot="' + series.slot + '"><path d="M' + at(entry.x) + ',' + at(entry.y) + 'h18" stroke="' +
+        color(series) + '" stroke-width="1.8"' + dash(series) + '/>' + marker(series, entry.x + 9, entry.y, 42));
+    entry.lines.forEach(function (line, k) {
+      out.push('<text x="' + at(entry.x + 27) + '" y="' + at(entry.y + 4 + 15 * k) + '" fill="currentColor">' + text(line) + '</text>');
+    });
+    if (series.note)
+      out.push('<text x="' + at(entry.x + 27) + '" y="' + at(below + 14) + '" font-size="10.5" fill="currentColor" fill-opacity="0.65">' +
+          text(series.note) + '</text>');
+    out.push('</g>');
   });
   out.push('</svg>');
   return out.join('\n');

@@ -12,14 +12,12 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::string budget_label(const Curve& curve, const BudgetPoint& point) {
-    std::string text;
-    if (curve.budget_kind == BudgetKind::seconds) text = number_text(point.budget, 4) + " s";
-    else if (curve.budget_kind == BudgetKind::error) text = "to " + percent_text(point.budget);
-    else text = number_text(point.budget, 9) + " samples";
+    std::string text = spoken_budget(curve.budget_kind, point.budget);
     text += ": " + percent_text(point.relative.value);
     if (!std::isnan(point.relative.low))
-        text += " [" + number_text(point.relative.low * 100) + ", " + number_text(point.relative.high * 100) + "]";
-    text += " in " + duration_text(point.seconds) + ", " + std::to_string(point.group.errors.size()) + " replicates";
+        text += " [" + plain_number(point.relative.low * 100) + ", " + plain_number(point.relative.high * 100) + "]";
+    text += " in " + duration_text(point.seconds) + ", " + std::to_string(point.group.errors.size()) +
+            (point.group.errors.size() == 1 ? " replicate" : " replicates");
     if (!point.relative.note.empty()) text += "\n" + point.relative.note;
     return text;
 }
@@ -34,18 +32,26 @@ std::size_t slot_of(const Study& study, const std::string& variant) {
     return static_cast<std::size_t>(found - study.variants.begin());
 }
 
+enum class Abscissa { seconds, samples };
+
 /// The slope of the relative error, half of that of its square.
-std::string slope_note(const Curve& curve) {
-    const std::optional<Line>& line = curve.slope.seconds;
+std::string slope_note(const Curve& curve, Abscissa against) {
+    const std::optional<Line>& line = against == Abscissa::seconds ? curve.slope.seconds : curve.slope.samples;
     if (!line) return {};
     return "slope " + number_text(line->slope / 2, 3) + " [" + number_text(line->slope_low / 2, 3) + ", " +
            number_text(line->slope_high / 2, 3) + "]" + (curve.slope.too_shallow ? ", shallow" : "");
 }
 
-Json series_of(const Study& study, const Curve& curve) {
+Json series_of(const Study& study, const Curve& curve, Abscissa against = Abscissa::seconds) {
     Json points = Json::array();
-    for (const BudgetPoint& point : curve.points)
-        points.push_back(Json{{"x", number(point.seconds)},
+    std::vector<BudgetPoint> ordered = curve.points;
+    if (against == Abscissa::samples) {
+        std::erase_if(ordered, [](const BudgetPoint& point) { return !(point.samples > 0); });
+        std::stable_sort(ordered.begin(), ordered.end(),
+                         [](const BudgetPoint& a, const BudgetPoint& b) { return a.samples < b.samples; });
+    }
+    for (const BudgetPoint& point : ordered)
+        points.push_back(Json{{"x", number(against == Abscissa::seconds ? point.seconds : point.samples)},
                               {"y", number(point.relative.value * 100)},
                               {"low", number(point.relative.low * 100)},
                               {"high", number(point.relative.high * 100)},
@@ -53,49 +59,50 @@ Json series_of(const Study& study, const Curve& curve) {
                               {"label", budget_label(curve, point)}});
     return Json{{"name", curve.variant},
                 {"slot", slot_of(study, curve.variant)},
-                {"note", slope_note(curve)},
+                {"note", slope_note(curve, against)},
                 {"points", std::move(points)}};
-}
-
-/// Letters that any file system takes.
-std::string file_part(const std::string& name) {
-    std::string result;
-    for (const char c : name) {
-        const bool plain =
-            (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
-        result += plain ? c : '_';
-    }
-    return result;
 }
 
 std::string dumped(const Json& json) {
     return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-Plot error_plot(const Study& study, std::size_t scene, const std::string& channel, const std::string& region) {
+Plot error_plot(const Study& study, std::size_t scene, const std::string& channel, const std::string& region,
+                Abscissa against) {
     const std::string& name = study.experiment->scenes[scene].name;
-    Plot plot{plot_id(scene, channel, region), file_part(name) + "." + file_part(channel), {}};
+    const bool time = against == Abscissa::seconds;
+    Plot plot{time ? plot_id(scene, channel, region) : samples_id(scene, channel, region),
+              file_part(name) + "." + file_part(channel), {}};
     if (!region.empty()) plot.file += "." + file_part(region);
-    plot.file += ".svg";
+    plot.file += time ? ".svg" : ".samples.svg";
     Json series = Json::array();
     double floor = 0;
     for (const Curve& curve : study.curves) {
         if (curve.scene != name || curve.channel != channel || curve.region != region) continue;
-        series.push_back(series_of(study, curve));
+        series.push_back(series_of(study, curve, against));
         for (const BudgetPoint& point : curve.points)
             floor = std::max(floor, std::sqrt(std::max(0.0, point.excess)) * 100);
     }
     plot.json =
         dumped(Json{{"id", plot.id},
-                    {"title", name + ", " + channel + (region.empty() ? "" : ", region " + region)},
+                    {"title", name + ", " + channel + (region.empty() ? "" : ", region " + region) +
+                                  (time ? ": error against time" : ": error against samples")},
                     {"subtitle", "100 sqrt(relmse-mean), reference's noise subtracted; bands: " +
-                                     number_text(study.options.confidence * 100) + " % intervals; dotted: 1/sqrt(t)"},
-                    {"xLabel", "wall time, seconds, everything counted"},
+                                     number_text(study.options.confidence * 100) + (time ? " % intervals; dotted: 1/sqrt(t)" : " % intervals; dotted: 1/sqrt(n)")},
+                    {"xLabel", time ? "wall time, seconds, everything counted" : "samples per pixel"},
                     {"yLabel", "relative error"},
                     {"guide", true},
                     {"floor", floor},
                     {"series", std::move(series)}});
     return plot;
+}
+
+/// Renderers by command line do not say how many samples they took.
+bool any_samples(const Study& study, const Curve& like) {
+    return std::any_of(study.curves.begin(), study.curves.end(), [&](const Curve& curve) {
+        return curve.scene == like.scene && curve.channel == like.channel && curve.region == like.region &&
+               std::any_of(curve.points.begin(), curve.points.end(), [](const BudgetPoint& p) { return p.samples > 0; });
+    });
 }
 
 Plot front_plot(const Study& study, std::size_t scene, const std::string& channel) {
@@ -125,8 +132,22 @@ Plot front_plot(const Study& study, std::size_t scene, const std::string& channe
 
 }  // namespace
 
+std::string file_part(const std::string& name) {
+    std::string result;
+    for (const char c : name) {
+        const bool plain =
+            (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
+        result += plain ? c : '_';
+    }
+    return result;
+}
+
 std::string plot_id(std::size_t scene, const std::string& channel, const std::string& region) {
     return "s" + std::to_string(scene) + "-" + file_part(channel) + (region.empty() ? "" : "-at-" + file_part(region));
+}
+
+std::string samples_id(std::size_t scene, const std::string& channel, const std::string& region) {
+    return plot_id(scene, channel, region) + "--samples";
 }
 
 std::string front_id(std::size_t scene, const std::string& channel) {
@@ -156,7 +177,9 @@ std::vector<Plot> plots_of(const Study& study) {
             if (curve.scene == scene.name &&
                 std::find(seen.begin(), seen.end(), std::pair(curve.channel, curve.region)) == seen.end()) {
                 seen.emplace_back(curve.channel, curve.region);
-                plots.push_back(error_plot(study, s, curve.channel, curve.region));
+                plots.push_back(error_plot(study, s, curve.channel, curve.region, Abscissa::seconds));
+                if (any_samples(study, curve))
+                    plots.push_back(error_plot(study, s, curve.channel, curve.region, Abscissa::samples));
                 if (curve.region.empty()) plots.push_back(front_plot(study, s, curve.channel));
             }
     }

@@ -1,7 +1,10 @@
 #include "experiments/study/report/study_files.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "experiments/cli/console.h"
@@ -101,17 +104,93 @@ void add_curve(Lines& lines, const Curve& curve) {
 
 }  // namespace
 
+std::string plain_number(double value, int digits) {
+    const double size = std::abs(value);
+    if (size == 0 || size < 1e-6 || !(size < 1e9)) return number_text(value, digits);
+    // Rounded first, since 999.6 to three digits has four before the point.
+    const double rounded = std::strtod(number_text(value, digits).c_str(), nullptr);
+    const int decimals = std::max(0, digits - 1 - static_cast<int>(std::floor(std::log10(std::abs(rounded)))));
+    std::array<char, 64> text{};
+    std::snprintf(text.data(), text.size(), "%.*f", decimals, rounded);
+    std::string result = text.data();
+    if (result.find('.') != std::string::npos) {
+        result.erase(result.find_last_not_of('0') + 1);
+        if (result.back() == '.') result.pop_back();
+    }
+    return result;
+}
+
 std::string percent_text(double share, int digits) {
-    return number_text(share * 100, digits) + " %";
+    return plain_number(share * 100, digits) + " %";
+}
+
+std::string spoken_budget(BudgetKind kind, double budget) {
+    switch (kind) {
+        case BudgetKind::samples:
+            return number_text(budget, 9) + (budget == 1 ? " sample" : " samples");
+        case BudgetKind::seconds:
+            return number_text(budget, 6) + " s";
+        case BudgetKind::error:
+            break;
+    }
+    return "to " + percent_text(budget, 4);
+}
+
+namespace {
+
+struct Column {
+    const char *name, *unit, *meaning;
+};
+
+constexpr std::array<Column, 15> run_columns{{
+    {"cell", "", "the cell's name, as in cells/"},
+    {"scene", "", "the scene's name"},
+    {"variant", "", "method and swept settings"},
+    {"budget_kind", "", "samples, seconds or error"},
+    {"budget", "samples per pixel, s, or share", "what the cell was asked for; a share of 0.01 is 1 %"},
+    {"replicate", "", "from 0"},
+    {"seed", "", "of the render"},
+    {"samples_per_pixel", "", "reached; when adaptive, the mean rounded"},
+    {"wall_seconds", "s", "the integrator's preparation and rendering, or the external process"},
+    {"cpu_seconds", "s", "the same, of all threads"},
+    {"rays", "", "traced; 0 where not known"},
+    {"invalid_samples", "", "contributions that were not finite"},
+    {"peak_memory_bytes", "B", "of the process; 0 where not known"},
+    {"channel", "", "of light, the beauty among them"},
+    {"region", "", "empty: the whole image"},
+}};
+
+constexpr std::array<Column, 3> closing_columns{{
+    {"trimmed_share", "share", "of relmse_mean's sum, what relmse-trimmed leaves out"},
+    {"reference_mse", "", "what the reference's own noise adds to mse in expectation: mean(Var(b))"},
+    {"reference_relmse_mean", "", "what it adds to relmse_mean: mean(Var(b) / (b^2 + (0.1 m)^2))"},
+}};
+
+/// "relmse-mean" as other programs like the names of columns: relmse_mean.
+std::string column_name(std::string name) {
+    std::replace(name.begin(), name.end(), '-', '_');
+    return name;
+}
+
+}  // namespace
+
+std::string columns_csv() {
+    std::string text = "column,unit,meaning\r\n";
+    const auto add = [&](const std::string& name, const std::string& unit, const std::string& meaning) {
+        text += quoted(name) + "," + quoted(unit) + "," + quoted(meaning) + "\r\n";
+    };
+    for (const Column& each : run_columns) add(each.name, each.unit, each.meaning);
+    for (const display::ErrorMetricInfo& each : display::error_metrics()) add(column_name(each.name), "", each.formula);
+    for (const Column& each : closing_columns) add(each.name, each.unit, each.meaning);
+    return text;
 }
 
 std::string results_csv(const Study& study) {
-    std::string text =
-        "cell,scene,variant,budget_kind,budget,replicate,seed,samples_per_pixel,wall_seconds,cpu_seconds,rays,"
-        "invalid_samples,peak_memory_bytes,channel,region";
-    for (const display::ErrorMetricInfo& each : display::error_metrics())
-        text += "," + quoted(std::string(each.name) + ": " + each.formula);
-    text += ",share of relmse-mean that trimming left out,reference's part of mse,reference's part of relmse-mean\r\n";
+    std::string text;
+    for (const Column& each : run_columns) text += (text.empty() ? "" : ",") + std::string(each.name);
+    for (const display::ErrorMetricInfo& each : display::error_metrics()) text += "," + column_name(each.name);
+    for (const Column& each : closing_columns) text += "," + std::string(each.name);
+    text += "\r\n";
     for (const CellErrors& row : study.cells) {
         const Cell& cell = *row.cell;
         text += quoted(cell.id) + "," + quoted(cell.scene) + "," + quoted(row.variant) + "," +

@@ -36,8 +36,10 @@ std::string summary(const Study& study) {
             broken += split.holds ? 0 : 1;
         }
     }
-    std::string text = "<p class=\"faint\">" + counted(experiment.cells.size() - failed, "cell", "cells") + " done, " +
-                       std::to_string(failed) + " failed, " + std::to_string(experiment.missing.size()) + " not run; " +
+    std::string text = "<p class=\"faint\">" + counted(experiment.cells.size() - failed, "cell", "cells") + " done" +
+                       (failed > 0 ? ", " + std::to_string(failed) + " failed" : "") +
+                       (experiment.missing.empty() ? "" : ", " + std::to_string(experiment.missing.size()) + " not run") +
+                       "; " +
                        counted(experiment.scenes.size(), "scene", "scenes") + ", " +
                        counted(study.variants.size(), "variant", "variants") + "; " + duration_text(seconds) +
                        " of rendering.</p>\n<ul class=\"summary\">\n";
@@ -112,7 +114,16 @@ std::string choices(const std::string& title, const std::vector<std::pair<std::s
     return html + "</div>\n";
 }
 
-std::string scene_section(const Study& study, std::size_t index) {
+/// Those of the plots that there are, beside each other, with one legend.
+std::string plot_group(const std::vector<Plot>& known, const std::vector<std::string>& ids) {
+    std::string figures;
+    for (const std::string& id : ids)
+        if (std::any_of(known.begin(), known.end(), [&](const Plot& plot) { return plot.id == id; }))
+            figures += "<figure class=\"plot\" data-plot=\"" + escape_html(id) + "\"></figure>";
+    return "<div class=\"plots\">" + figures + "<div class=\"plot-legend\"></div></div>\n";
+}
+
+std::string scene_section(const Study& study, const std::vector<Plot>& known, std::size_t index) {
     const SceneInfo& scene = study.experiment->scenes[index];
     std::vector<std::pair<std::string, std::string>> items;
     std::string panels;
@@ -126,15 +137,15 @@ std::string scene_section(const Study& study, std::size_t index) {
             if (channel.name == curve.channel) expression = channel.expression;
         panels += "<div data-panel=\"" + escape_html(id) + "\"" + (items.size() > 1 ? " hidden" : "") + ">\n" +
                   (expression.empty() ? "" : "<p><code>" + escape_html(expression) + "</code></p>\n") +
-                  "<figure class=\"plot\" data-plot=\"" + escape_html(id) + "\"></figure>\n" +
+                  plot_group(known, {id, samples_id(index, curve.channel, curve.region)}) +
                   times_table(study, scene.name, curve.channel, curve.region) +
                   slopes_table(study, scene.name, curve.channel, curve.region) +
                   "<details><summary>All metrics at the largest budget</summary>\n" +
                   errors_table(study, scene.name, curve.channel, curve.region) + "</details>\n";
         if (curve.region.empty())
-            panels += "<h3>What is worth its time</h3>\n<figure class=\"plot\" data-plot=\"" +
-                      escape_html(front_id(index, curve.channel)) + "\"></figure>\n" +
-                      front_table(study, scene.name, curve.channel);
+            panels += "<h3>What is worth its time</h3>\n<div class=\"beside\">" +
+                      plot_group(known, {front_id(index, curve.channel)}) + "<div>" +
+                      front_table(study, scene.name, curve.channel) + "</div></div>\n";
         panels += "</div>\n";
     }
     std::string html = "<section class=\"scene-study\" id=\"scene-" + std::to_string(index) +
@@ -156,7 +167,7 @@ std::string study_page(const Study& study, const std::vector<Plot>& plots, const
     const Experiment& experiment = *study.experiment;
     std::string contents = "<nav class=\"contents\">", scenes;
     for (std::size_t i = 0; i < experiment.scenes.size(); ++i) {
-        const std::string section = scene_section(study, i);
+        const std::string section = scene_section(study, plots, i);
         if (section.empty()) continue;
         contents += "<a href=\"#scene-" + std::to_string(i) + "\">" + escape_html(experiment.scenes[i].name) + "</a>";
         scenes += section;

@@ -3,20 +3,45 @@
   const study = JSON.parse(document.getElementById('study').textContent);
   const part = (root, selector) => root.querySelector(selector);
 
-  // ---- Plots, drawn when first seen.
-  const draw = figure => {
-    if (figure.dataset.drawn || !figure.offsetParent) return;
-    figure.dataset.drawn = 'yes';
-    figure.innerHTML = raylexPlot(d3, study.plots[figure.dataset.plot]);
-    figure.addEventListener('pointerover', event => {
-      const group = event.target.closest('.series, .legend');
-      figure.classList.toggle('focused', !!group);
-      figure.querySelectorAll('.series, .legend').forEach(each =>
-        each.classList.toggle('focus', !!group && each.dataset.slot === group.dataset.slot));
-    });
-    figure.addEventListener('pointerleave', () => figure.classList.remove('focused'));
+  // ---- Plots, drawn when first seen. Figures side by side share one legend, which stands below them.
+  const focus = (group, slot) => {
+    group.classList.toggle('focused', slot !== undefined);
+    group.querySelectorAll('[data-slot]').forEach(each => each.classList.toggle('focus', each.dataset.slot === slot));
   };
-  const drawAll = () => document.querySelectorAll('.plot').forEach(draw);
+  const legendOf = group => {
+    const legend = part(group, '.plot-legend'), notes = new Map();
+    const plots = [...group.querySelectorAll('.plot')].map(each => study.plots[each.dataset.plot]);
+    plots.forEach((plot, i) => plot.series.forEach(series => {
+      const known = notes.get(series.slot) || { series, texts: [] };
+      if (series.note) known.texts.push(series.note + (plots.length > 1 ? i ? ' against samples' : ' against time' : ''));
+      if (series.points.length) notes.set(series.slot, known);
+    }));
+    legend.replaceChildren(...[...notes.values()].map(({ series, texts }) => {
+      const entry = document.createElement('div');
+      entry.className = 'entry';
+      entry.dataset.slot = series.slot;
+      entry.innerHTML = raylexPlot(d3, { markOf: series });
+      const name = document.createElement('span'), note = document.createElement('small');
+      name.textContent = series.name;
+      note.textContent = texts.join('; ');
+      entry.append(name, note);
+      return entry;
+    }));
+  };
+  const draw = group => {
+    if (group.dataset.drawn || !group.offsetParent) return;
+    group.dataset.drawn = 'yes';
+    group.querySelectorAll('.plot').forEach(figure => {
+      figure.innerHTML = raylexPlot(d3, { ...study.plots[figure.dataset.plot], legend: false });
+    });
+    legendOf(group);
+    group.addEventListener('pointerover', event => {
+      const under = event.target.closest('[data-slot]');
+      focus(group, under ? under.dataset.slot : undefined);
+    });
+    group.addEventListener('pointerleave', () => focus(group, undefined));
+  };
+  const drawAll = () => document.querySelectorAll('.plots').forEach(draw);
 
   // ---- One channel at a time: buttons with data-choose show the panels with the same key.
   document.querySelectorAll('.scene-study').forEach(section => {

@@ -9,6 +9,7 @@
 #include "experiments/cli/command_line.h"
 #include "experiments/cli/console.h"
 #include "experiments/study/report/assets.h"
+#include "experiments/study/report/paper.h"
 #include "experiments/study/report/study_files.h"
 #include "experiments/study/report/study_page.h"
 
@@ -26,6 +27,23 @@ Status write_plots(const std::string& directory, const std::vector<Plot>& plots,
         Status written = display::write_text_file(directory + "/" + plot.file, *svg);
         if (!written) return written;
     }
+    return success();
+}
+
+/// tables/SCENE.CHANNEL.tex of every channel that was measured, and insets/.
+Status write_paper(const std::string& directory, const Study& study, std::size_t& files) {
+    for (const SceneInfo& scene : study.experiment->scenes)
+        for (const ChannelInfo& channel : scene.channels) {
+            const std::string table = latex_table(study, scene.name, channel.name);
+            if (table.empty()) continue;
+            Status written = display::write_text_file(
+                directory + "/tables/" + file_part(scene.name) + "." + file_part(channel.name) + ".tex", table);
+            if (!written) return written;
+            ++files;
+        }
+    Result<std::size_t> insets = write_insets(study, directory + "/insets");
+    if (!insets) return insets.error();
+    files += *insets;
     return success();
 }
 
@@ -79,14 +97,19 @@ int write_study_report(const Experiment& experiment, const StudyReportOptions& o
     if (!study) return report_error(study.error());
     const std::string directory = options.directory.empty() ? experiment.directory : options.directory;
     std::error_code failed;
-    std::filesystem::create_directories(directory + "/plots", failed);
-    if (failed) return report_error("the folder '" + directory + "/plots' cannot be made: " + failed.message());
+    for (const char* folder : {"/plots", "/tables", "/insets"}) {
+        std::filesystem::create_directories(directory + folder, failed);
+        if (failed) return report_error("the folder '" + directory + folder + "' cannot be made: " + failed.message());
+    }
     const std::vector<Plot> plots = plots_of(*study);
     const Pictures pictures = pictures_of(*study);
     for (const std::string& each : pictures.left_out) print_warning("no picture of " + each);
     const std::string page = study_page(*study, plots, pictures, *d3);
+    std::size_t paper_files = 0;
     Status written = write_plots(directory + "/plots", plots, *d3);
+    if (written) written = write_paper(directory, *study, paper_files);
     if (written) written = display::write_text_file(directory + "/results.csv", results_csv(*study));
+    if (written) written = display::write_text_file(directory + "/results.columns.csv", columns_csv());
     if (written) written = display::write_text_file(directory + "/results.jsonl", results_jsonl(*study));
     if (written) written = display::write_text_file(directory + "/report.html", page);
     if (!written) return report_error(written.error());
@@ -94,7 +117,8 @@ int write_study_report(const Experiment& experiment, const StudyReportOptions& o
         print_warning(std::to_string(study->omissions.size()) + " omissions, listed in the report; the first: " +
                       study->omissions.front().what + ": " + study->omissions.front().reason);
     print_line(directory + "/report.html: " + size_text(static_cast<double>(page.size())) +
-               "; results.csv, results.jsonl and " + std::to_string(plots.size()) + " plots beside it");
+               "; results.csv, results.jsonl, " + std::to_string(plots.size()) + " plots and " + std::to_string(paper_files) +
+               " tables and insets beside it");
     print_verdicts(*study);
     return exit_holds;
 }

@@ -1,4 +1,5 @@
-// The report of an experiment: report.html, results.csv, results.jsonl and plots/*.svg in its directory.
+// The report of an experiment: report.html, results.csv, results.columns.csv, results.jsonl, plots/*.svg, tables/*.tex and
+// insets/*.png in its directory.
 #pragma once
 
 #include <cstddef>

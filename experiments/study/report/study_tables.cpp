@@ -33,8 +33,48 @@ std::string row(const std::string& cells) {
     return "<tr>" + cells + "</tr>\n";
 }
 
+/// As people write it: without an exponent, or with one that is raised.
 std::string figure(double value, int digits = 3) {
-    return std::isfinite(value) ? number_text(value, digits) : std::isnan(value) ? "&ndash;" : "&infin;";
+    if (std::isnan(value)) return "&ndash;";
+    if (!std::isfinite(value)) return value > 0 ? "&infin;" : "&minus;&infin;";
+    if (value == 0 || (std::abs(value) >= 1e-4 && std::abs(value) < 1e6)) return plain_number(value, digits);
+    const auto power = static_cast<int>(std::floor(std::log10(std::abs(value))));
+    return plain_number(value / std::pow(10.0, power), digits) + " &times; 10<sup>" + std::to_string(power) + "</sup>";
+}
+
+/// The reasons that a table gives, each once below it: its cells carry a letter.
+class Footnotes {
+  public:
+    std::string sign(const std::string& note) {
+        if (note.empty()) return {};
+        const auto known = std::find(notes_.begin(), notes_.end(), note);
+        const auto place = static_cast<std::size_t>(known - notes_.begin());
+        if (known == notes_.end()) notes_.push_back(note);
+        return "<sup class=\"sign\" title=\"" + escape_html(note) + "\">" + letter(place) + "</sup>";
+    }
+    [[nodiscard]] std::string legend(const std::string& first = {}) const {
+        std::string text = first;
+        for (std::size_t i = 0; i < notes_.size(); ++i)
+            text += (text.empty() ? "" : " &nbsp; ") + ("<sup>" + letter(i) + "</sup> " + escape_html(notes_[i])) + ".";
+        return text.empty() ? text : "<p class=\"note\">" + text + "</p>\n";
+    }
+
+  private:
+    static std::string letter(std::size_t place) {
+        const std::string last(1, static_cast<char>('a' + place % 26));
+        return place < 26 ? last : letter(place / 26 - 1) + last;
+    }
+    std::vector<std::string> notes_;
+};
+
+/// "12.3 s <range>[11.9, 12.7]</range>"; a dash where there is no value. Notes become signs.
+std::string interval_cell(const Interval& interval, Footnotes& notes, double scale = 1, const std::string& unit = {}) {
+    if (!std::isfinite(interval.value)) return "&ndash;" + notes.sign(interval.note);
+    std::string html = figure(interval.value * scale) + unit + notes.sign(interval.note);
+    if (std::isfinite(interval.low) && std::isfinite(interval.high))
+        html += " <span class=\"range\">[" + figure(interval.low * scale) + ", " + figure(interval.high * scale) +
+                "]</span>";
+    return html;
 }
 
 bool shown(const Curve& curve, const std::string& scene, const std::string& channel, const std::string& region) {
@@ -46,14 +86,13 @@ std::string time_text(double seconds) {
     return seconds < 60 ? number_text(seconds) + " s" : duration_text(seconds);
 }
 
-std::string seconds_cell(const TimeToError& time) {
+std::string seconds_cell(const TimeToError& time, Footnotes& notes) {
     const Interval& s = time.seconds;
-    if (!std::isfinite(s.value)) return cell("<span class=\"note\">" + escape_html(s.note) + "</span>");
-    std::string html = time_text(s.value) + (time.extrapolated ? " &dagger;" : "");
+    if (!std::isfinite(s.value)) return cell("&ndash;" + notes.sign(s.note));
+    std::string html = time_text(s.value) + (time.extrapolated ? " &dagger;" : "") + notes.sign(s.note);
     if (std::isfinite(s.low) && std::isfinite(s.high))
         html += " <span class=\"range\">[" + (s.high < 60 ? number_text(s.low) : time_text(s.low)) + ", " +
                 (s.high < 60 ? number_text(s.high) : time_text(s.high)) + "]</span>";
-    if (!s.note.empty()) html += " <span class=\"note\">" + escape_html(s.note) + "</span>";
     return cell(html, time.extrapolated ? "number extrapolated" : "number");
 }
 
@@ -63,41 +102,37 @@ std::string slope_cell(const std::optional<Line>& line) {
                 figure(line->slope_high) + "]</span>");
 }
 
-std::string speed_up_cell(const Curve& curve) {
-    return curve.first ? cell("1 <span class=\"note\">what others are compared with</span>")
-                       : cell(interval_cell(curve.speed_up));
+std::string speed_up_cell(const Curve& curve, Footnotes& notes) {
+    return curve.first ? cell("1" + notes.sign("what others are compared with"))
+                       : cell(interval_cell(curve.speed_up, notes));
 }
 
 }  // namespace
 
-std::string interval_cell(const Interval& interval, double scale, const std::string& unit) {
-    if (!std::isfinite(interval.value)) return "<span class=\"note\">" + escape_html(interval.note) + "</span>";
-    std::string html = figure(interval.value * scale) + unit;
-    if (std::isfinite(interval.low) && std::isfinite(interval.high))
-        html += " <span class=\"range\">[" + figure(interval.low * scale) + ", " + figure(interval.high * scale) +
-                "]</span>";
-    if (!interval.note.empty()) html += " <span class=\"note\">" + escape_html(interval.note) + "</span>";
-    return html;
-}
-
 std::string times_table(const Study& study, const std::string& scene, const std::string& channel,
                         const std::string& region) {
-    std::string head = "<th>Seconds to a relative error of</th>", rows;
+    Footnotes notes;
+    bool extrapolated = false;
+    std::string head = "<th>Time to a relative error of</th>", rows;
     for (const double target : target_errors) head += "<th>" + percent_text(target) + "</th>";
     head +=
         formula_header("Speed-up", "efficiency / efficiency of the first; efficiency = 1 / (relmse-mean x seconds)");
     for (const Curve& curve : study.curves) {
         if (!shown(curve, scene, channel, region)) continue;
         std::string cells = text_cell(curve.variant);
-        for (const TimeToError& time : curve.times) cells += seconds_cell(time);
-        rows += row(cells + speed_up_cell(curve));
+        for (const TimeToError& time : curve.times) {
+            cells += seconds_cell(time, notes);
+            extrapolated = extrapolated || time.extrapolated;
+        }
+        rows += row(cells + speed_up_cell(curve, notes));
     }
-    return table(head, rows) + "<p class=\"note\">&dagger; extrapolated beyond the measured times.</p>\n";
+    return table(head, rows) + notes.legend(extrapolated ? "&dagger; extrapolated beyond the measured times." : "");
 }
 
 std::string errors_table(const Study& study, const std::string& scene, const std::string& channel,
                          const std::string& region) {
-    std::string head = "<th>Largest budget</th><th>Seconds</th>" +
+    Footnotes notes;
+    std::string head = "<th>Variant</th><th>Largest budget</th><th>Seconds</th>" +
                        formula_header("relative error", "sqrt(relmse-mean), the reference's noise subtracted");
     for (const display::ErrorMetricInfo& each : display::error_metrics())
         head += formula_header(each.name, each.formula);
@@ -108,7 +143,8 @@ std::string errors_table(const Study& study, const std::string& scene, const std
         if (!shown(curve, scene, channel, region) || curve.points.empty()) continue;
         const BudgetPoint& point = curve.points.back();
         std::string cells =
-            text_cell(curve.variant) + cell(figure(point.seconds)) + cell(interval_cell(point.relative, 100, " %"));
+            text_cell(curve.variant) + cell(spoken_budget(curve.budget_kind, point.budget)) +
+                            cell(figure(point.seconds)) + cell(interval_cell(point.relative, notes, 100, " %"));
         std::array<double, display::error_metric_count> sums{};
         double trimmed = 0, count = 0;
         for (const CellErrors& each : study.cells) {
@@ -122,33 +158,41 @@ std::string errors_table(const Study& study, const std::string& scene, const std
         for (const double sum : sums) cells += cell(figure(sum / count));
         rows += row(cells + cell(percent_text(trimmed / count)) + cell(figure(point.excess)));
     }
-    return table(head, rows);
+    return table(head, rows) + notes.legend();
 }
 
 std::string slopes_table(const Study& study, const std::string& scene, const std::string& channel,
                          const std::string& region) {
     std::string rows;
+    Footnotes notes;
+    const std::string heavy = std::string("; ") + heavy_tail_note;
     for (const Curve& curve : study.curves) {
         if (!shown(curve, scene, channel, region)) continue;
+        std::string text = curve.slope.text;
+        const bool tail = text.ends_with(heavy);
+        if (tail) text.resize(text.size() - heavy.size());
         rows += row(text_cell(curve.variant) + slope_cell(curve.slope.samples) + slope_cell(curve.slope.seconds) +
-                    "<td class=\"" + (curve.slope.too_shallow ? "fails" : "note") + "\">" +
-                    escape_html(curve.slope.text) + "</td>");
+                    "<td class=\"" + (curve.slope.too_shallow ? "fails" : "note") + "\">" + escape_html(text) +
+                    notes.sign(tail ? heavy_tail_note : "") + "</td>");
     }
     return table("<th>Slope over the last 4 octaves</th>" +
                      formula_header("against samples", "d log relmse-mean / d log samples") +
                      formula_header("against seconds", "d log relmse-mean / d log (seconds - setup)") +
                      "<th>Verdict</th>",
-                 rows);
+                 rows) +
+           notes.legend();
 }
 
 std::string front_table(const Study& study, const std::string& scene, const std::string& channel) {
     std::string rows;
+    Footnotes notes;
     int place = 0;
     for (const FrontPoint& each : front_of(study, scene, channel))
         rows += row(cell(std::to_string(++place)) + text_cell(each.curve->variant) +
-                    cell(number_text(each.point->budget, 6)) + cell(duration_text(each.point->seconds)) +
-                    cell(interval_cell(each.point->relative, 100, " %")));
-    return table("<th></th><th>Variant</th><th>Budget</th><th>Time</th><th>Relative error</th>", rows);
+                    cell(spoken_budget(each.curve->budget_kind, each.point->budget)) +
+                    cell(duration_text(each.point->seconds)) +
+                    cell(interval_cell(each.point->relative, notes, 100, " %")));
+    return table("<th></th><th>Variant</th><th>Budget</th><th>Time</th><th>Relative error</th>", rows) + notes.legend();
 }
 
 std::string effects_table(const Study& study, const SceneInfo& scene) {
@@ -163,6 +207,7 @@ std::string effects_table(const Study& study, const SceneInfo& scene) {
         if (known == changes.end()) changes.push_back(change);
     }
     if (changes.empty()) return {};
+    Footnotes notes;
     std::string head = "<th>Setting</th><th>Change</th><th>With</th>", rows;
     for (const ChannelInfo& channel : scene.channels) head += "<th>" + escape_html(channel.name) + "</th>";
     for (std::size_t i = 0; i < changes.size(); ++i) {
@@ -180,13 +225,13 @@ std::string effects_table(const Study& study, const SceneInfo& scene) {
             cells += cell((better  ? "<span class=\"holds\">pays</span> "
                            : worse ? "<span class=\"fails\">costs</span> "
                                    : std::string()) +
-                          interval_cell(ratio));
+                          interval_cell(ratio, notes));
         }
         rows += row(cells);
     }
     return "<p class=\"note\">Speed-up: the ratio of 1 / (relmse-mean x seconds) at the largest budgets, for every "
            "channel. Pays or costs: its interval lies above or below 1.</p>\n" +
-           table(head, rows);
+           table(head, rows) + notes.legend();
 }
 
 std::string predictions_text(const Study& study) {
@@ -232,6 +277,16 @@ std::string words_list(const Study& study, const SceneInfo& scene) {
     return html;
 }
 
+namespace {
+
+/// The budget that a verdict on bias is from, in its unit.
+std::string bias_budget(const Study& study, const BiasEntry& entry) {
+    const Curve* curve = study.curve(entry.scene, entry.variant, entry.channel);
+    return curve != nullptr ? spoken_budget(curve->budget_kind, entry.budget) : number_text(entry.budget, 6);
+}
+
+}  // namespace
+
 std::string bias_table(const Study& study, const SceneInfo& scene) {
     std::string rows;
     const std::size_t across = (static_cast<std::size_t>(scene.width) + bias_block - 1) / bias_block;
@@ -242,7 +297,7 @@ std::string bias_table(const Study& study, const SceneInfo& scene) {
         for (const MethodVariant& variant : study.variants)
             if (variant.name == entry.variant) unbiased = variant.unbiased;
         std::string cells = text_cell(entry.variant) + text_cell(entry.channel) +
-                            cell(std::to_string(entry.replicates) + " of " + number_text(entry.budget, 6));
+                            cell(std::to_string(entry.replicates)) + cell(bias_budget(study, entry));
         if (!v.tested) {
             rows += row(cells + "<td class=\"note\">not tested</td><td></td><td></td><td></td><td></td><td></td>" +
                         text_cell(v.note));
@@ -263,7 +318,7 @@ std::string bias_table(const Study& study, const SceneInfo& scene) {
         rows += row(cells + text_cell(v.note));
     }
     if (rows.empty()) return "<p class=\"faint\">Nothing could be tested.</p>\n";
-    return table("<th>Variant</th><th>Channel</th><th>Replicates of budget</th><th>Verdict</th>" +
+    return table("<th>Variant</th><th>Channel</th><th>Replicates</th><th>Budget of each</th><th>Verdict</th>" +
                      formula_header("p, corrected", "2 (1 - (1 - p)^tests), whole images and blocks apart") +
                      formula_header("Difference of the mean", "mean(a) / mean(b) - 1") + "<th>Most significant</th>" +
                      formula_header("Found with 90 %, whole", "(t_(a'/2) + t_90%) s / sqrt(n) / mean(b)") +

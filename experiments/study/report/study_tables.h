@@ -1,4 +1,5 @@
-// The tables of a study's page, each a piece of HTML. Formulas stand in the headers.
+// The tables of a study's page, each a piece of HTML. Formulas stand in the headers; a reason stands once below its table,
+// and cells refer to it by a letter.
 #pragma once
 
 #include <string>
@@ -6,9 +7,6 @@
 #include "experiments/study/report/study.h"
 
 namespace raylex::experiments {
-
-/// "12.3 s <range>[11.9, 12.7]</range>", or the note where there is no interval.
-std::string interval_cell(const Interval& interval, double scale = 1, const std::string& unit = {});
 
 /// Rows are the variants, one panel per channel and region of a scene.
 std::string times_table(const Study& study, const std::string& scene, const std::string& channel,
