@@ -1,6 +1,7 @@
 #include "display/output/color_manager.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -11,6 +12,7 @@
 
 #include <OpenColorIO/OpenColorIO.h>
 
+#include "display/output/color_names.h"
 #include "display/output/primaries.h"
 #include "display/output/shipped_config.h"
 #include "display/services/parameters.h"
@@ -30,6 +32,15 @@ std::string list(const std::vector<std::string>& names) {
     return text.empty() ? "(none)" : text;
 }
 
+std::string lower(std::string text) {
+    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return text;
+}
+
+bool holds(const std::vector<std::string>& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+}
+
 // OpenColorIO's text is in its own words; the file and what was expected are ours.
 Error config_error(const std::string& file, const std::string& what, const std::string& why) {
     Error error;
@@ -40,11 +51,15 @@ Error config_error(const std::string& file, const std::string& what, const std::
 }
 
 Error unknown_name(const std::string& file, const std::string& kind, const std::string& name,
-                   const std::vector<std::string>& known) {
+                   const std::vector<std::string>& known, const std::string& where = {}) {
     Error error;
     error.file = file;
-    error.message = "the OpenColorIO config has no " + kind + " '" + name + "'; expected one of: " + list(known);
-    const std::string near = nearest_name(name, known);
+    error.message =
+        "the OpenColorIO config has no " + kind + " '" + name + "'" + where + "; expected one of: " + list(known);
+    std::string near = nearest_name(name, known);
+    // Names of configs are long ("sRGB - Display"): a part of one is a near miss too.
+    for (const std::string& each : known)
+        if (near.empty() && !name.empty() && lower(each).find(lower(name)) != std::string::npos) near = each;
     if (!near.empty()) error.hint = "did you mean '" + near + "'?";
     return error;
 }
@@ -179,29 +194,25 @@ ColorManager::~ColorManager() = default;
 ColorManager::ColorManager(ColorManager&&) noexcept = default;
 ColorManager& ColorManager::operator=(ColorManager&&) noexcept = default;
 
-Result<ColorManager> ColorManager::open(const std::string& config_path) {
-    auto config = std::make_unique<Config>();
+namespace {
+
+struct NamedConfig {
+    ocio::ConstConfigRcPtr config;
+    std::string file;  // for messages
+};
+
+// `config_path`, else $OCIO, else the config that ships with raylex; never one without a colour space.
+Result<NamedConfig> read_config(const std::string& config_path) {
     const char* environment = std::getenv("OCIO");
     const std::string path = !config_path.empty() ? config_path : environment != nullptr ? environment : "";
     const bool from_environment = config_path.empty() && !path.empty();
-    config->file = path.empty() ? "the config shipped with raylex" : path;
+    NamedConfig read{nullptr, path.empty() ? "the config shipped with raylex" : path};
     std::error_code ignored;
     if (!path.empty() && std::filesystem::is_directory(path, ignored))
         return config_error(path, "cannot read the OpenColorIO config", "this is a directory; expected a config file");
-    try {
-        if (path.empty()) {
-            std::istringstream text{std::string(shipped_config_text())};
-            config->config = ocio::Config::CreateFromStream(text);
-        } else {
-            config->config = ocio::Config::CreateFromFile(path.c_str());
-        }
-        if (config->config->getNumColorSpaces() == 0)
-            return config_error(config->file, "the OpenColorIO config is of no use",
-                                "it defines no colour space; expected at least one");
-        config->find_interchange();
-    } catch (const std::exception& exception) {
+    const auto failed = [&](const std::exception& exception) {
         Error error = config_error(
-            config->file,
+            read.file,
             std::string("cannot read the OpenColorIO config") + (from_environment ? " that $OCIO names" : ""),
             exception.what());
         error.message += "; expected a config file of profile version 1, 2.0 or 2.1 (OpenColorIO " +
@@ -209,8 +220,63 @@ Result<ColorManager> ColorManager::open(const std::string& config_path) {
         error.hint = from_environment ? "unset OCIO or name a file with --ocio to override it"
                                       : "without --ocio and $OCIO the shipped config is used";
         return error;
+    };
+    try {
+        if (path.empty()) {
+            std::istringstream text{std::string(shipped_config_text())};
+            read.config = ocio::Config::CreateFromStream(text);
+        } else {
+            read.config = ocio::Config::CreateFromFile(path.c_str());
+        }
+        if (read.config->getNumColorSpaces() > 0) return read;
+        return config_error(read.file, "the OpenColorIO config is of no use",
+                            "it defines no colour space; expected at least one");
+    } catch (const std::exception& exception) { return failed(exception); }
+}
+
+}  // namespace
+
+Result<ColorManager> ColorManager::open(const std::string& config_path) {
+    Result<NamedConfig> read = read_config(config_path);
+    if (!read) return std::move(read).error();
+    auto config = std::make_unique<Config>();
+    config->config = read->config;
+    config->file = read->file;
+    try {
+        config->find_interchange();
+    } catch (const std::exception& exception) {
+        return config_error(config->file, "the OpenColorIO config is of no use", exception.what());
     }
     return ColorManager(std::move(config));
+}
+
+Result<ConfigNames> config_names(const std::string& config_path) {
+    const Result<ColorManager> manager = ColorManager::open(config_path);
+    if (!manager) return manager.error();
+    const Result<NamedConfig> read = read_config(config_path);
+    if (!read) return read.error();
+    const std::vector<std::string> linear = manager->scene_linear_spaces();
+    ConfigNames names;
+    for (int i = 0; i < read->config->getNumColorSpaces(); ++i) {
+        const char* name = read->config->getColorSpaceNameByIndex(i);
+        names.spaces.push_back({name, holds(linear, name), read->config->getColorSpace(name)->isData()});
+    }
+    for (int i = 0; i < read->config->getNumLooks(); ++i) names.looks.emplace_back(read->config->getLookNameByIndex(i));
+    return names;
+}
+
+Status check_view(const ColorManager& color, const std::string& display, const std::string& view) {
+    const std::vector<std::string> displays = color.displays();
+    if (!display.empty() && !holds(displays, display))
+        return unknown_name(color.description(), "display", display, displays);
+    const std::string chosen = display.empty() ? color.default_display() : display;
+    const std::vector<std::string> views = color.views(chosen);
+    if (view.empty() || holds(views, view)) return success();
+    Error error = unknown_name(color.description(), "view", view, views, " of display '" + chosen + "'");
+    for (const std::string& other : displays)
+        if (error.hint.empty() && holds(color.views(other), view))
+            error.hint = "display '" + other + "' has such a view";
+    return error;
 }
 
 std::string ColorManager::description() const {
@@ -331,13 +397,9 @@ std::vector<std::string> ColorManager::warnings() const {
 
 Result<std::vector<unsigned char>> ColorManager::to_display(std::span<const float> rgb, const Chromaticities& primaries,
                                                             const std::string& display, const std::string& view) const {
+    if (Status known = check_view(*this, display, view); !known) return std::move(known).error();
     const std::string chosen_display = display.empty() ? default_display() : display;
     const std::string chosen_view = view.empty() ? default_view(chosen_display) : view;
-    const std::vector<std::string> known_displays = displays(), known_views = views(chosen_display);
-    if (std::find(known_displays.begin(), known_displays.end(), chosen_display) == known_displays.end())
-        return unknown_name(config_->file, "display", chosen_display, known_displays);
-    if (std::find(known_views.begin(), known_views.end(), chosen_view) == known_views.end())
-        return unknown_name(config_->file, "view of display '" + chosen_display + "' called", chosen_view, known_views);
 
     const std::string what = "cannot apply view '" + chosen_view + "' of display '" + chosen_display + "'";
     return config_->guarded(what, [&]() -> Result<std::vector<unsigned char>> {

@@ -6,6 +6,8 @@
 #include <limits>
 #include <vector>
 
+#include "display/output/error_terms.h"
+
 namespace raylex::display {
 namespace {
 
@@ -72,6 +74,23 @@ std::vector<double> relative_squares(std::span<const double> image, std::span<co
     for (std::size_t i = 0; i < image.size(); ++i)
         if (!same_infinity(image[i], reference[i]))
             terms[i] = relative_square(image[i] - reference[i], reference[i], floor);
+    return terms;
+}
+
+std::vector<double> error_terms(ErrorMetric metric, std::span<const double> image, std::span<const double> reference) {
+    if (metric == ErrorMetric::mean_ratio) return {};
+    if (metric == ErrorMetric::relmse_mean || metric == ErrorMetric::trimmed_relmse_mean)
+        return relative_squares(image, reference);
+    std::vector<double> terms(image.size(), 0.0);
+    for (std::size_t i = 0; i < image.size(); ++i) {
+        const double a = image[i], b = reference[i], magnitude = std::abs(a - b);
+        if (same_infinity(a, b) || magnitude == 0) continue;
+        terms[i] = metric == ErrorMetric::relmse  ? magnitude * magnitude / (b * b + absolute_floor)
+                   : metric == ErrorMetric::mae   ? magnitude
+                   : metric == ErrorMetric::mape  ? magnitude / (std::abs(b) + absolute_floor)
+                   : metric == ErrorMetric::smape ? 2 * magnitude / (std::abs(a) + std::abs(b))
+                                                  : magnitude * magnitude;  // mse, and rmse under its root
+    }
     return terms;
 }
 

@@ -8,6 +8,8 @@
 #include "display/services/parameters.h"
 #include "experiments/cli/commands.h"
 #include "experiments/cli/console.h"
+#include "experiments/cli/image_commands.h"
+#include "experiments/cli/tint.h"
 #include "experiments/job/provenance.h"
 
 namespace raylex::experiments {
@@ -35,6 +37,24 @@ std::string what_failed(const CLI::App& command, const CLI::Error& error) {
            (near.empty() ? "" : "\ndid you mean '" + near + "'?");
 }
 
+/// --color on every command, since nobody remembers on which side of one it belongs. It holds from where it is read on:
+/// for what commands say, and for errors in what stands behind it.
+void add_color_option(CLI::App& app) {
+    app.add_option_function<std::string>(
+           "--color",
+           [](const std::string& choice) {
+               choose_color(choice == "always"  ? ColorChoice::always
+                            : choice == "never" ? ColorChoice::never
+                                                : ColorChoice::automatic);
+           },
+           "colours words: auto (default: on a terminal, unless $NO_COLOR is set), always or never")
+        ->option_text("WHEN")
+        ->group("Options")
+        ->check(CLI::IsMember({"auto", "always", "never"}))
+        ->trigger_on_parse();
+    for (CLI::App* each : app.get_subcommands([](const CLI::App*) { return true; })) add_color_option(*each);
+}
+
 }  // namespace
 
 int run_command_line(int argc, const char* const* argv) {
@@ -58,16 +78,19 @@ int run_command_line(int argc, const char* const* argv) {
             innermost = innermost->get_subcommands().front();
             command += " " + innermost->get_name();
         }
-        return "raylex: error: " + what_failed(*innermost, error) + "\nRun '" + command +
-               " --help' for what is expected.\n";
+        return "raylex: " + tinted("error:", Tint::error, true) + " " + what_failed(*innermost, error) + "\nRun '" +
+               command + " --help' for what is expected.\n";
     });
     add_render_command(app, context);
     add_lpe_command(app, context);
     add_verify_command(app, context);
     add_compare_command(app, context);
+    add_preview_command(app, context);
     add_report_command(app, context);
     add_experiment_command(app, context);
     add_plugins_command(app, context);
+    add_ocio_command(app, context);
+    add_color_option(app);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) { return finish_parse(app, error); } catch (const std::bad_alloc&) {

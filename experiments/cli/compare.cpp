@@ -1,10 +1,17 @@
-// raylex compare: one number that says how far an image is from a reference.
+// raylex compare: how far an image is from a reference, in one number or in all of them, and where.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
+#include "display/output/atomic_file.h"
+#include "display/output/comparison.h"
 #include "display/output/exr_reader.h"
-#include "display/output/split_check.h"
+#include "display/services/parameters.h"
 #include "experiments/cli/command_line.h"
 #include "experiments/cli/commands.h"
 #include "experiments/cli/console.h"
@@ -14,52 +21,177 @@ namespace {
 
 struct CompareOptions {
     std::string image, reference, metric = "relmse", layer = "beauty", channel;
+    std::string output;
+    bool json = false, writes = false;
+
+    [[nodiscard]] char component() const { return channel.empty() ? 'A' : channel.front(); }
 };
 
 std::vector<std::string> metric_names() {
     std::vector<std::string> names;
-    for (const display::ErrorMetricInfo& each : display::error_metrics()) names.emplace_back(each.name);
+    for (const display::AnyMetric& each : display::all_metrics()) names.push_back(each.name);
+    names.emplace_back("all");
     return names;
 }
 
+/// The metrics that are asked for; an Error for a name that is none.
+Result<std::vector<display::AnyMetric>> chosen_metrics(const std::string& name) {
+    if (name == "all") return display::all_metrics();
+    if (auto found = display::find_metric(name)) return std::vector{std::move(*found)};
+    const std::vector<std::string> names = metric_names();
+    std::string list;
+    for (const std::string& each : names) list += (list.empty() ? "" : ", ") + each;
+    const std::string near = nearest_name(name, names);
+    return error_at({"--metric", 0, 0}, "unknown metric '" + name + "'; expected one of: " + list,
+                    near.empty() ? std::string() : "did you mean '" + near + "'?");
+}
+
+struct Measured {
+    std::string name;
+    Result<double> value;
+};
+
+nlohmann::json json_of(const CompareOptions& options, const std::vector<Measured>& measured) {
+    nlohmann::json json{{"image", options.image}, {"reference", options.reference}, {"layer", options.layer}};
+    json["channel"] = options.channel.empty() ? nlohmann::json() : nlohmann::json(options.channel);
+    nlohmann::json metrics = nlohmann::json::object(), reasons = nlohmann::json::object();
+    for (const Measured& each : measured) {
+        const bool number = each.value && std::isfinite(*each.value);
+        metrics[each.name] = number ? nlohmann::json(*each.value) : nlohmann::json();
+        if (!number) reasons[each.name] = each.value ? number_text(*each.value) : each.value.error().message;
+    }
+    json["metrics"] = std::move(metrics);
+    if (!reasons.empty()) json["without_value"] = std::move(reasons);
+    return json;
+}
+
+void print_table(const std::vector<Measured>& measured) {
+    std::size_t width = 0;
+    for (const Measured& each : measured) width = std::max(width, each.name.size());
+    for (const Measured& each : measured)
+        print_line(each.name + std::string(width + 2 - each.name.size(), ' ') +
+                   (each.value ? number_text(*each.value, 9) : "-  (" + each.value.error().message + ")"));
+}
+
+/// Where the colours of the error image end: at 1 for what is a share, else where all but a hundredth of the pixels are
+/// below, so that a few bright ones leave the rest visible.
+double end_of_scale(const display::AnyMetric& metric, const std::vector<double>& map) {
+    if (metric.of_image) return 1;
+    std::vector<double> finite;
+    std::copy_if(map.begin(), map.end(), std::back_inserter(finite), [](double each) { return std::isfinite(each); });
+    if (finite.empty()) return 0;
+    const auto place = finite.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(finite.size() - 1));
+    std::nth_element(finite.begin(), place, finite.end());
+    return *place > 0 ? *place : *std::max_element(finite.begin(), finite.end());
+}
+
+Status write_errors(const CompareOptions& options, const display::AnyMetric& metric, const display::LayerPair& pair) {
+    auto errors = pair.errors(metric, options.component());
+    if (!errors) return errors.error();
+    const std::vector<double>& map = errors->map;
+    const auto largest = std::max_element(map.begin(), map.end());
+    const auto place = static_cast<int>(largest - map.begin());
+    const std::string at = number_text(*largest) + " at pixel (" + std::to_string(place % pair.width()) + ", " +
+                           std::to_string(place / pair.width()) + ")";
+    const std::string what = metric.name == "ssim" ? "1 - ssim" : metric.name;
+    if (std::filesystem::path(options.output).extension() == ".png") {
+        const double most = end_of_scale(metric, map);
+        Status written = display::write_error_png(options.output, map, pair.width(), pair.height(), most);
+        if (!written) return written;
+        print_note(options.output + ": " + what + " of each pixel, black 0, over blue, violet and red to pale yellow " +
+                   number_text(most) + " and above; largest " + at);
+        return written;
+    }
+    Status written = display::write_error_exr(options.output, map, pair.width(), pair.height(),
+                                              {{"raylex/metric", what},
+                                               {"raylex/formula", metric.formula},
+                                               {"raylex/image", options.image},
+                                               {"raylex/reference", options.reference},
+                                               {"raylex/layer", options.layer}});
+    if (written) print_note(options.output + ": " + what + " of each pixel as channel 'error'; largest " + at);
+    return written;
+}
+
+Status check_output(const CompareOptions& options) {
+    if (!options.writes) return success();
+    const std::string extension = std::filesystem::path(options.output).extension().string();
+    if (extension != ".exr" && extension != ".png")
+        return error_at({"-o", 0, 0}, "the error image '" + options.output +
+                                          "' has no name ending in .exr or .png; expected one of these");
+    if (options.metric == "all")
+        return error_at({"-o", 0, 0}, "an error image is of one metric, not of all; expected --metric NAME with it");
+    for (const std::string& input : {options.image, options.reference}) {
+        std::error_code failed;
+        if (std::filesystem::equivalent(input, options.output, failed))
+            return error_at({"-o", 0, 0}, "'" + options.output +
+                                              "' is one of the images that are compared; expected a file of "
+                                              "its own");
+    }
+    return display::check_writable(options.output);
+}
+
 int run_compare(const CompareOptions& options) {
+    auto metrics = chosen_metrics(options.metric);
+    if (!metrics) return report_error(metrics.error());
+    if (Status output = check_output(options); !output) return report_error(output.error());
     auto image = display::read_exr(options.image);
     if (!image) return report_error(image.error());
     auto reference = display::read_exr(options.reference);
     if (!reference) return report_error(reference.error());
-    const char component = options.channel.empty() ? 'A' : options.channel.front();
-    const display::ErrorMetric metric = display::find_error_metric(options.metric)->metric;
-    auto value = display::compare(*image, *reference, metric, options.layer, component);
-    if (!value) return report_error(value.error());
-    print_line(number_text(*value, 9));
+    auto pair = display::LayerPair::make(*image, *reference, options.layer);
+    if (!pair) return report_error(pair.error());
+    std::vector<Measured> measured;
+    for (const display::AnyMetric& metric : *metrics)
+        measured.push_back({metric.name, pair->value(metric, options.component())});
+    const bool all = options.metric == "all";
+    if (!all && !measured.front().value) return report_error(measured.front().value.error());
+    if (options.writes)
+        if (Status written = write_errors(options, metrics->front(), *pair); !written)
+            return report_error(written.error());
+    if (options.json) print_line(json_of(options, measured).dump(2));
+    else if (all) print_table(measured);
+    else print_line(number_text(*measured.front().value, 9));
     return exit_holds;
 }
 
 std::string formulas() {
     std::string text = "Formulas, a the image and b the reference:";
-    for (const display::ErrorMetricInfo& each : display::error_metrics())
-        text += "\n  " + std::string(each.name) + std::string(21 - std::string(each.name).size(), ' ') + each.formula;
+    const std::string indent(23, ' ');
+    for (const display::AnyMetric& each : display::all_metrics()) {
+        text += "\n  " + each.name + std::string(21 - each.name.size(), ' ');
+        for (const char c : each.formula) text += c == '\n' ? "\n" + indent : std::string(1, c);
+    }
     return text +
            "\nPrimaries are converted when the files' chromaticities differ. A ratio to a black reference has no\n"
-           "value: that is an error, code 2.";
+           "value: that is an error, code 2, and a dash among all metrics.";
 }
 
 }  // namespace
 
 void add_compare_command(CLI::App& app, CommandContext& context) {
-    CLI::App* command = app.add_subcommand("compare", "Prints one number: how far A.exr is from the reference B.exr.");
+    CLI::App* command =
+        app.add_subcommand("compare", "Prints how far A.exr is from the reference B.exr, and shows where.");
     auto options = std::make_shared<CompareOptions>();
     command->add_option("A.exr", options->image, "the image")->required()->option_text("(required)");
     command->add_option("B.exr", options->reference, "the reference")->required()->option_text("(required)");
-    command->add_option("--metric", options->metric, "the metric, one of those below; default relmse")
-        ->option_text("NAME")
-        ->check(CLI::IsMember(metric_names()));
+    command->add_option("--metric", options->metric, "the metric, one of those below, or all; default relmse")
+        ->option_text("NAME|all");
     command->add_option("--layer", options->layer, "layer to compare; default beauty")->option_text("NAME");
     command->add_option("--channel", options->channel, "R, G, B or Y (luminance); default: the mean over R, G and B")
         ->option_text("R|G|B|Y")
         ->check(CLI::IsMember({"R", "G", "B", "Y"}));
+    CLI::Option* output =
+        command
+            ->add_option("-o,--output", options->output,
+                         "writes the metric of each pixel: numbers as OpenEXR, colours as PNG; what the "
+                         "colours mean is printed")
+            ->option_text("ERROR.exr|png");
+    command->add_flag("--json", options->json, "prints what was measured as JSON");
     command->footer(formulas());
-    command->callback([options, &context] { context.exit_code = run_compare(*options); });
+    command->callback([options, output, &context] {
+        options->writes = output->count() > 0;
+        context.exit_code = run_compare(*options);
+    });
 }
 
 }  // namespace raylex::experiments

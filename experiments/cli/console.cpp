@@ -4,14 +4,41 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <string_view>
 
 #include "experiments/cli/command_line.h"
+#include "experiments/cli/tint.h"
 
 namespace raylex::experiments {
 
+namespace {
+
+ColorChoice chosen_color = ColorChoice::automatic;
+
+bool is_colored(int descriptor) {
+    if (chosen_color != ColorChoice::automatic) return chosen_color == ColorChoice::always;
+    const char* refused = std::getenv("NO_COLOR");  // no-color.org: set and not empty
+    const char* terminal = std::getenv("TERM");
+    return isatty(descriptor) == 1 && (refused == nullptr || *refused == '\0') && terminal != nullptr &&
+           std::string_view(terminal) != "dumb";
+}
+
+}  // namespace
+
+void choose_color(ColorChoice choice) {
+    chosen_color = choice;
+}
+
+std::string tinted(const std::string& text, Tint tint, bool error_stream) {
+    if (!is_colored(error_stream ? STDERR_FILENO : STDOUT_FILENO)) return text;
+    const char* code = tint == Tint::good ? "\x1b[32m" : tint == Tint::warning ? "\x1b[1;33m" : "\x1b[1;31m";
+    return code + text + "\x1b[0m";
+}
+
 int report_error(const std::string& message) {
     std::fflush(stdout);
-    std::fprintf(stderr, "raylex: error: %s\n", message.c_str());
+    std::fprintf(stderr, "raylex: %s %s\n", tinted("error:", Tint::error, true).c_str(), message.c_str());
     return exit_bad_input;
 }
 
@@ -20,7 +47,7 @@ int report_error(const Error& error) {
 }
 
 void print_warning(const std::string& message) {
-    std::fprintf(stderr, "raylex: warning: %s\n", message.c_str());
+    std::fprintf(stderr, "raylex: %s %s\n", tinted("warning:", Tint::warning, true).c_str(), message.c_str());
 }
 
 void print_note(const std::string& message) {
@@ -29,6 +56,10 @@ void print_note(const std::string& message) {
 
 void print_line(const std::string& text) {
     std::printf("%s\n", text.c_str());
+}
+
+void print_verdict(const std::string& text, bool holds) {
+    print_line(tinted(text, holds ? Tint::good : Tint::bad, false));
 }
 
 bool error_stream_is_terminal() {

@@ -17,20 +17,22 @@ constexpr std::uint64_t block = 16;                 // samples that a pixel gets
 constexpr std::uint64_t most_pixels = 1ULL << 15;   // enough for the error of an error to be a few per cent of it
 constexpr double seconds_between = 1, share_of_time = 0.01;
 
-/// Tiles all over the image: every k-th of a row, each row beginning elsewhere.
-std::vector<display::PixelRegion> chosen_tiles(int width, int height) {
-    const std::uint64_t pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
+/// Tiles all over what is rendered: every k-th of a row, each row beginning elsewhere.
+std::vector<display::PixelRegion> chosen_tiles(const display::PixelRegion& whole) {
+    const std::uint64_t pixels = static_cast<std::uint64_t>(whole.width()) * static_cast<std::uint64_t>(whole.height());
     const int step = static_cast<int>((pixels + most_pixels - 1) / most_pixels);
     std::vector<display::PixelRegion> regions;
-    for (int y = 0; y * tile < height; ++y)
-        for (int x = 0; x * tile < width; ++x)
-            if ((x + 3 * y) % step == 0)
-                regions.push_back({x * tile, y * tile, std::min((x + 1) * tile, width), std::min((y + 1) * tile, height)});
+    for (int y = whole.y0, row = 0; y < whole.y1; y += tile, ++row)
+        for (int x = whole.x0, column = 0; x < whole.x1; x += tile, ++column)
+            if ((column + 3 * row) % step == 0)
+                regions.push_back({x, y, std::min(x + tile, whole.x1), std::min(y + tile, whole.y1)});
     return regions;
 }
 
-bool is_light(const display::ChannelDefinition& channel) {
-    return channel.style == display::ChannelStyle::expression && channel.statistics && display::takes_samples(channel);
+/// Light and colours: positions and depths have no error that a share of their value would say.
+bool has_error(const display::ChannelDefinition& channel) {
+    const bool color = channel.style == display::ChannelStyle::expression || channel.type == display::ChannelType::rgb;
+    return color && channel.statistics && display::takes_samples(channel);
 }
 
 std::string percent_text(double share, int digits) {
@@ -47,16 +49,15 @@ void LiveErrors::begin(const transport::RenderPlan& plan) {
     *this = LiveErrors();
     const auto add = [&](std::size_t i) {
         const display::ChannelDefinition& channel = plan.channels[i];
-        if (!is_light(channel)) return;
-        if (channels_.size() == most_channels) ++further_;
-        else
+        if (has_error(channel))
             channels_.push_back({channel.name, static_cast<display::ChannelId>(i),
                                  static_cast<std::size_t>(display::component_count(channel.type))});
     };
     if (plan.beauty >= 0) add(static_cast<std::size_t>(plan.beauty));
     for (std::size_t i = 0; i < plan.channels.size(); ++i)
         if (static_cast<display::ChannelId>(i) != plan.beauty) add(i);
-    regions_ = chosen_tiles(plan.width, plan.height);
+    measured_.resize(channels_.size());
+    regions_ = chosen_tiles({0, 0, plan.width, plan.height});
     pixels_ = static_cast<std::uint64_t>(plan.width) * static_cast<std::uint64_t>(plan.height);
 }
 
@@ -96,11 +97,16 @@ ChannelError LiveErrors::measure(const transport::LiveImage& image, std::size_t 
 void LiveErrors::update(const transport::RenderProgress& now) {
     if (channels_.empty() || now.image == nullptr || now.seconds < next_ || now.samples_done < block * pixels_) return;
     const double begin = transport::thread_cpu_seconds();
-    std::vector<ChannelError> measured;
     display::ErrorForecast forecast;
-    for (std::size_t i = 0; i < channels_.size(); ++i)
-        measured.push_back(measure(*now.image, i, now.samples_done, i == 0 ? &forecast : nullptr));
-    errors_ = std::move(measured);
+    measured_.front() = measure(*now.image, 0, now.samples_done, &forecast);
+    const std::size_t others = channels_.size() - 1;
+    for (std::size_t i = 0; i < std::min(others, channels_at_once - 1); ++i, turn_ = (turn_ + 1) % others)
+        measured_[1 + turn_] = measure(*now.image, 1 + turn_, now.samples_done, nullptr);
+    errors_.clear();
+    for (const std::optional<ChannelError>& each : measured_)
+        if (each) errors_.push_back(*each);
+    std::stable_sort(errors_.begin() + 1, errors_.end(),
+                     [](const ChannelError& a, const ChannelError& b) { return a.error > b.error; });
     forecast_ = std::move(forecast);
     samples_ = now.samples_done;
     next_ = now.seconds + std::max(seconds_between, (transport::thread_cpu_seconds() - begin) / share_of_time);

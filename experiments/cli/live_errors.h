@@ -20,14 +20,16 @@ struct ChannelError {
 /// Looks at the image that there is, of a large one at some tiles all over it; no sample changes by that.
 class LiveErrors {
   public:
-    static constexpr std::size_t most_channels = 4;
+    /// Channels that one update looks at: the beauty, and of the others the next ones in turn.
+    static constexpr std::size_t channels_at_once = 4;
 
-    /// The channels of light that keep statistics, the beauty first.
+    /// The channels of light and colour that keep statistics.
     void begin(const transport::RenderPlan& plan);
     /// Measures once a second at most, and so that it takes at most a hundredth of one processor's time.
     void update(const transport::RenderProgress& now);
 
-    /// As last measured; empty until every pixel has a block of samples.
+    /// As last measured: the beauty, then the others, the largest error first; empty until every pixel has a block of
+    /// samples.
     [[nodiscard]] const std::vector<ChannelError>& errors() const { return errors_; }
     /// Camera samples of the image when that was measured.
     [[nodiscard]] std::uint64_t samples() const { return samples_; }
@@ -35,8 +37,8 @@ class LiveErrors {
     [[nodiscard]] display::Forecast samples_to(double error) const;
     /// The beauty's error after so many camera samples of the image.
     [[nodiscard]] double error_after(double samples) const;
-    /// Channels with statistics beside the first ones.
-    [[nodiscard]] std::size_t further() const { return further_; }
+    /// Channels with statistics that have not been measured yet.
+    [[nodiscard]] std::size_t further() const { return channels_.size() - errors_.size(); }
 
   private:
     /// With a forecast when there is one to fill.
@@ -50,7 +52,8 @@ class LiveErrors {
     std::vector<Channel> channels_;
     std::vector<display::PixelRegion> regions_;
     std::uint64_t pixels_ = 0, samples_ = 0;
-    std::size_t further_ = 0;
+    std::size_t turn_ = 0;  // of the channels behind the first, the one to be measured next
+    std::vector<std::optional<ChannelError>> measured_;  // beside channels_
     double next_ = 0;
     std::vector<ChannelError> errors_;
     display::ErrorForecast forecast_;   // of the first channel, by samples of a pixel

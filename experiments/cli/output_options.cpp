@@ -5,6 +5,7 @@
 #include "display/filters/display_filter.h"
 #include "display/services/sample_filter.h"
 #include "experiments/report/png_driver.h"
+#include "experiments/report/preview.h"
 
 namespace raylex::experiments {
 namespace {
@@ -59,6 +60,33 @@ Status apply_deep(const OutputOptions& options, DeepRequest& deep) {
     return success();
 }
 
+/// The first plain preview replaces the job's; with an exposure all of them are drivers, which can be told one.
+void apply_previews(const OutputOptions& options, Job& job) {
+    bool first = true;
+    std::vector<display::DriverRequest> requests;
+    for (const std::string& text : options.previews) {
+        display::DriverRequest request = preview_request(text, {"--preview", 0, 0});
+        const bool plain = request.parameters.parameters.size() == 1;
+        if (plain && first) job.preview = text;
+        else requests.push_back(std::move(request));
+        first = first && !plain;
+    }
+    if (options.exposure && !job.preview.empty()) {
+        requests.insert(requests.begin(), preview_request(job.preview, {"--preview", 0, 0}));
+        job.preview.clear();
+    }
+    for (display::DriverRequest& request : requests) {
+        if (options.exposure) {
+            Parameter& exposure = request.parameters.parameters.emplace_back();
+            exposure.name = "exposure";
+            exposure.type = ParameterType::real;
+            exposure.numbers = {*options.exposure};
+            exposure.location = {"--exposure", 0, 0};
+        }
+        job.outputs.drivers.push_back(std::move(request));
+    }
+}
+
 }  // namespace
 
 void add_output_options(CLI::App& command, OutputOptions& options) {
@@ -68,6 +96,9 @@ void add_output_options(CLI::App& command, OutputOptions& options) {
              "[LAYER=]OUT.png");
     command.add_option("--display", options.display, "display of the colour config for previews")->option_text("NAME");
     command.add_option("--view", options.view, "view of that display; default: the config's own")->option_text("NAME");
+    command.add_option("--exposure", options.exposure, "stops by which --preview shows light brighter; default 0")
+        ->option_text("STOPS")
+        ->check(CLI::Range(-largest_exposure, largest_exposure));
     command.add_flag("--texture-rules", options.texture_rules,
                      "reads the colours of image textures by the colour config's file rules; default: as pbrt does");
     repeated(command.add_option("--tev", options.viewers,
@@ -114,13 +145,7 @@ void add_output_options(CLI::App& command, OutputOptions& options) {
 }
 
 Status apply_output_options(const OutputOptions& options, Job& job) {
-    bool first = true;
-    for (const std::string& text : options.previews) {
-        const bool plain = preview_request(text, {}).parameters.parameters.size() == 1;
-        if (plain && first) job.preview = text;
-        else job.outputs.drivers.push_back(preview_request(text, {"--preview", 0, 0}));
-        first = first && !plain;
-    }
+    apply_previews(options, job);
     if (!options.display.empty()) {
         job.display = options.display;
         job.view.clear();

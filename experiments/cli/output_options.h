@@ -14,7 +14,7 @@ struct OutputOptions {
     std::vector<std::string> sample_filters, display_filters, previews, storage, drivers, viewers, deep_channels;
     std::string display, view, memory_limit, deep, deep_storage;
     std::optional<int> deep_samples;
-    std::optional<double> deep_tolerance;
+    std::optional<double> deep_tolerance, exposure;
     bool deep_tidy = false, texture_rules = false;
 };
 

@@ -66,7 +66,8 @@ std::string Progress::line(const transport::RenderProgress& progress) const {
     // The cursor stands behind the text: a full line would begin another one.
     const auto fits = [room](const std::string& text) { return room == 0 || text.size() < room; };
     std::string text = describe(progress, bar_width, errors_);
-    for (std::size_t channels = LiveErrors::most_channels; !fits(text) && channels > 0; --channels)
+    for (std::size_t channels = std::max<std::size_t>(errors_.errors().size(), 1); !fits(text) && channels > 0;
+         --channels)
         text = describe(progress, 0, errors_, channels);
     if (!fits(text)) text.resize(room - 1);
     return text;

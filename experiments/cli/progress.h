@@ -17,9 +17,10 @@ class Progress {
     /// Ends the line of the bar. Call once the render is over.
     void finish();
 
-    /// The text shown, without any control character; `bar` is the width of the bar, `channels` how many errors it names.
+    /// The text shown, without any control character; `bar` is the width of the bar, `channels` how many errors it
+    /// names at most.
     static std::string describe(const transport::RenderProgress& progress, int bar, const LiveErrors& errors = {},
-                                std::size_t channels = LiveErrors::most_channels);
+                                std::size_t channels = SIZE_MAX);
 
   private:
     /// The longest text that fits a line of the terminal.

@@ -13,6 +13,7 @@
 #include "experiments/cli/output_options.h"
 #include "experiments/cli/plugin_options.h"
 #include "experiments/cli/render_run.h"
+#include "experiments/job/channel_set.h"
 #include "experiments/job/job_file.h"
 #include "experiments/job/sampling_requests.h"
 #include "geoaovs/geoaovs.h"
@@ -26,7 +27,8 @@ struct RenderOptions {
     std::optional<std::uint64_t> spp, seed;
     std::optional<int> threads;
     std::optional<std::int64_t> max_depth;
-    std::vector<std::string> expressions, dialects, aovs, cryptomatte, rules, layers, statistic_layers, plugins;
+    std::vector<std::string> expressions, channel_files, dialects, aovs, cryptomatte, rules, layers, statistic_layers,
+        plugins;
     std::optional<int> cryptomatte_ranks;
     bool no_beauty = false, light_groups = false, resume = false;
     OutputOptions outputs;
@@ -36,10 +38,25 @@ SourceLocation flag(const std::string& name) {
     return {name, 0, 0};
 }
 
-/// --lpe NAME=EXPR in the order given, each in the dialect of the last --dialect before it.
+/// The channels of a file, as if each stood behind an --lpe of its own.
+Status read_channel_file(const std::string& file, lpe::Dialect dialect, Job& job) {
+    auto set = read_channel_files({file}, {}, dialect);
+    if (!set) return set.error();
+    std::vector<std::string> warnings = std::move(set->file.warnings);
+    Status added = add_to_job(*set, job, warnings);
+    if (!added) {
+        Error error = added.error();
+        if (error.file == "--channels") error.file = file;
+        return error;
+    }
+    for (const std::string& warning : warnings) print_warning(warning);
+    return added;
+}
+
+/// --lpe NAME=EXPR and --channels FILE in the order given, each in the dialect of the last --dialect before it.
 Status read_expressions(const CLI::App& command, const RenderOptions& options, Job& job) {
     lpe::Dialect dialect = lpe::Dialect::renderman;
-    std::size_t next_expression = 0, next_dialect = 0;
+    std::size_t next_expression = 0, next_dialect = 0, next_file = 0;
     for (const CLI::Option* option : command.parse_order()) {
         if (option->get_name() == "--dialect") {
             auto parsed = parse_dialect(options.dialects[next_dialect++], flag("--dialect"));
@@ -49,6 +66,8 @@ Status read_expressions(const CLI::App& command, const RenderOptions& options, J
             auto request = parse_named_expression(options.expressions[next_expression++], dialect, "--lpe");
             if (!request) return request.error();
             job.expressions.push_back(std::move(*request));
+        } else if (option->get_name() == "--channels") {
+            if (Status read = read_channel_file(options.channel_files[next_file++], dialect, job); !read) return read;
         }
     }
     return success();
@@ -275,7 +294,18 @@ void add_options(CLI::App& command, RenderOptions& options) {
         ->expected(1)
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    command.add_option("--dialect", options.dialects, "language of the --lpe that follow: renderman (default) or osl")
+    command
+        .add_option(
+            "--channels", options.channel_files,
+            "adds the channels of a file as --lpe does, and the partitions that it declares: RIB DisplayChannel lines, "
+            "rendermn.ini, USD ASCII RenderVar prims or TOML; may be repeated")
+        ->option_text("FILE")
+        ->expected(1)
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    command
+        .add_option("--dialect", options.dialects,
+                    "language of the --lpe and of USD channel files that follow: renderman (default) or osl")
         ->option_text("D")
         ->expected(1)
         ->allow_extra_args(false)
@@ -355,6 +385,29 @@ void add_options(CLI::App& command, RenderOptions& options) {
         ->option_text("OUT.json");
 }
 
+/// --help in groups, which stand in the order of their first options.
+void group_options(CLI::App& command) {
+    using Names = std::vector<const char*>;
+    const std::pair<const char*, Names> groups[] = {
+        {"Files and viewers",
+         {"--output", "--exr", "--deep", "--deep-channels", "--deep-samples", "--deep-tolerance", "--deep-tidy",
+          "--deep-storage", "--tev", "--driver", "--stats"}},
+        {"Sampling",
+         {"--spp", "--until-error", "--time", "--seed", "--resolution", "--sampler", "--filter", "--filter-mode",
+          "--replay"}},
+        {"Long renders", {"--checkpoint", "--resume"}},
+        {"Machine", {"--threads", "--isa", "--memory-limit", "--plugin"}},
+        {"Light transport", {"--integrator", "--max-depth"}},
+        {"Layers",
+         {"--lpe", "--channels", "--dialect", "--partition", "--light-groups", "--no-beauty", "--aov", "--rule",
+          "--layer", "--statistics", "--cryptomatte", "--cryptomatte-ranks"}},
+        {"Colour and previews",
+         {"--preview", "--display", "--view", "--exposure", "--ocio", "--rendering-space", "--texture-rules"}},
+        {"Filters", {"--sample-filter", "--display-filter"}}};
+    for (const auto& [group, names] : groups)
+        for (const char* name : names) command.get_option(name)->group(group);
+}
+
 }  // namespace
 
 Result<ExpressionRequest> parse_named_expression(const std::string& text, lpe::Dialect dialect,
@@ -381,6 +434,7 @@ void add_render_command(CLI::App& app, CommandContext& context) {
         "that 'raylex verify' checks. Ctrl-C writes what is rendered so far, marked incomplete. The keys of a TOML job "
         "are listed in\n"
         "experiments/README.md; flags override the job.");
+    group_options(*command);
     command->callback([command, options, &context] {
         auto job = assemble(*command, *options);
         context.exit_code = job ? run_render(std::move(*job), context.arguments) : report_error(job.error());

@@ -17,6 +17,7 @@
 #include "experiments/cli/judge.h"
 #include "experiments/cli/progress.h"
 #include "experiments/cli/render_outputs.h"
+#include "experiments/cli/tint.h"
 #include "experiments/job/channel_plan.h"
 #include "experiments/job/job_scene.h"
 #include "experiments/job/provenance.h"
@@ -270,10 +271,10 @@ class RenderRun {
     void print_summary() const {
         const transport::RenderStatistics& statistics = output_->statistics;
         for (const display::SplitVerdict& verdict : splits_) {
-            print_line(verdict_line(verdict));
+            print_verdict(verdict_line(verdict), verdict.holds);
             if (!verdict.holds) print_line("  " + write_residual_map(verdict, image_));
         }
-        if (deep_) print_line(deep_line(*deep_));
+        if (deep_) print_verdict(deep_line(*deep_), deep_->holds);
         std::error_code failed;
         const auto bytes = fs::file_size(job_.output, failed);
         std::string line = job_.output + ": " + std::to_string(output_->width) + "x" + std::to_string(output_->height) +

@@ -13,6 +13,7 @@
 
 #include "display/output/atomic_file.h"
 #include "experiments/job/channel_tables.h"
+#include "lpe/algebra/relations.h"
 #include "lpe/limits.h"
 
 namespace raylex::experiments {
@@ -184,6 +185,17 @@ std::string toml_text(const ChannelSet& set, std::vector<std::string>& warnings)
     return text;
 }
 
+/// Whether a channel takes every path there is, or all that meet no medium: what renderers call the beauty.
+bool is_all_light(const lpe::ChannelSource& source, const lpe::MacroTable& macros) {
+    auto expansion = lpe::expand_names(source, macros);
+    if (!expansion) return false;  // told where the channel is planned
+    lpe::Words surfaces;
+    surfaces.volume = false;
+    for (const lpe::Words& words : {lpe::Words{}, surfaces})
+        if (auto all = lpe::is_beauty(expansion->source, words); all && *all) return true;
+    return false;
+}
+
 }  // namespace
 
 const std::vector<std::string>& channel_format_names() {
@@ -219,6 +231,41 @@ Result<std::vector<lpe::ChannelSource>> expanded_channels(const ChannelSet& set,
         sources.push_back(std::move(expansion->source));
     }
     return sources;
+}
+
+Status add_to_job(const ChannelSet& set, Job& job, std::vector<std::string>& warnings) {
+    if (set.file.channels.empty())
+        return error_at({"--channels", 0, 0}, "the file declares no channel with an expression; expected at least one");
+    for (const lpe::ChannelSource& macro : set.file.macros)
+        if (Status added = job.macros.add(macro); !added) return added;
+    for (const lpe::LobeOption& option : set.file.lobe_options) {
+        if (Status filled = job.settings.lobe_slots.set(option); !filled) return filled;
+        job.lobe_options.push_back(option);
+    }
+    std::size_t with_settings = 0;
+    for (const lpe::FileChannel& channel : set.file.channels) {
+        const lpe::ChannelSource& source = channel.source;
+        with_settings += channel.parameters.empty() ? 0 : 1;
+        if (!check_layer_name(source.name, {}) && is_all_light(source, job.macros)) {
+            warnings.push_back("channel '" + source.name + "' of " + source.origin +
+                               " is the image itself, and is not made a layer beside it");
+            continue;
+        }
+        job.expressions.push_back({source.name,
+                                   source.expression,
+                                   source.dialect,
+                                   {source.origin, source.origin_line, source.origin_column},
+                                   source.map});
+    }
+    job.partitions.insert(job.partitions.end(), set.partitions.begin(), set.partitions.end());
+    if (with_settings > 0)
+        warnings.push_back(std::to_string(with_settings) + (with_settings == 1 ? " channel says" : " channels say") +
+                           " more than an expression (filters, statistics and the like), which is left out");
+    if (set.file.other_channels.empty()) return success();
+    std::string list;
+    for (const std::string& each : set.file.other_channels) list += (list.empty() ? "" : ", ") + each;
+    warnings.push_back("channels without an expression are left out; --aov asks for those that raylex has: " + list);
+    return success();
 }
 
 Result<std::string> channel_set_text(const ChannelSet& set, const std::string& path, const std::string& format,

@@ -25,6 +25,12 @@ Result<ChannelSet> read_channel_files(const std::vector<std::string>& paths, con
 /// The channels with their names replaced by what they stand for; what is worth knowing is added to `warnings`.
 Result<std::vector<lpe::ChannelSource>> expanded_channels(const ChannelSet& set, std::vector<std::string>& warnings);
 
+/// Makes the set's channels, names, lobe slots and partitions a job's, after those it has. A channel with the name of
+/// the image itself ("beauty") that takes all light of surfaces is what the image is anyway, and left out. What is left
+/// out, settings that only other renderers know included, is named in `warnings`. Errors: no channel at all, a name or
+/// slot that is there twice.
+Status add_to_job(const ChannelSet& set, Job& job, std::vector<std::string>& warnings);
+
 /// The set as a text of the format; an empty format is told by the end of `path`. What the format cannot hold is left out
 /// and named in `warnings`.
 Result<std::string> channel_set_text(const ChannelSet& set, const std::string& path, const std::string& format,

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "display/output/color_names.h"
 #include "display/output/primaries.h"
 
 namespace raylex::experiments {
@@ -48,10 +49,8 @@ Result<ColorSetup> open_color(const Job& job) {
         return setup;
     }
     setup.description = manager->description();
-    const std::string display = job.display.empty() ? manager->default_display() : job.display;
     for (const Status& status :
-         {require_listed("display", job.display, manager->displays()),
-          require_listed("view", job.view, manager->views(display)),
+         {display::check_view(*manager, job.display, job.view),
           require_listed("rendering space", job.rendering_space, manager->scene_linear_spaces())})
         if (!status) return status.error();
     if (job.texture_rules)

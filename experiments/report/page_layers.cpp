@@ -166,7 +166,8 @@ Result<PageLayers::Row> PageLayers::row_of(const ExrImage& image, const ImageLay
     const std::string under = !expression.empty() ? expression : describe(look);
     Row row;
     row.empty = may_fold && is_light(layer) && is_black(layer);
-    const bool painted = look != LayerLook::light;  // by us, at the size of the data
+    const bool plain = layer.triple()[0] != nullptr;          // not luminance and chroma, nor planes of unknown names
+    const bool painted = look != LayerLook::light || !plain;  // by us, at the size of the data
     const int side = std::max(image.width, image.height), size = painted ? (side + block - 1) / block : 96;
     auto picture = picture_of(image, layer, color_, {size, 0, options_.display, options_.view});
     if (!picture) return picture.error();
@@ -176,7 +177,7 @@ Result<PageLayers::Row> PageLayers::row_of(const ExrImage& image, const ImageLay
     row.json = Json{{"name", name},      {"expression", expression}, {"look", describe(look)},
                     {"light", !painted}, {"empty", row.empty},       {"planes", Json::array()},
                     {"data", nullptr}};
-    if (look != LayerLook::mattes && !row.empty) {
+    if (look != LayerLook::mattes && plain && !row.empty) {
         std::vector<const display::ImagePlane*> planes;
         for (const display::ImagePlane* plane : layer.triple())
             if (std::find(planes.begin(), planes.end(), plane) == planes.end()) planes.push_back(plane);

@@ -6,6 +6,7 @@
 
 #include "display/output/atomic_file.h"
 #include "display/output/color_manager.h"
+#include "display/output/color_names.h"
 #include "display/output/memory_image.h"
 #include "experiments/report/preview.h"
 
@@ -55,22 +56,6 @@ class PngDriver : public display::DisplayDriver {
     SourceLocation where_;
 };
 
-/// A display and view of the config, or an Error that names what there is.
-Status check_view(const display::ColorManager& color, const PictureOptions& options, const SourceLocation& where) {
-    const auto require = [&](const char* what, const std::string& name,
-                             const std::vector<std::string>& known) -> Status {
-        if (name.empty() || std::find(known.begin(), known.end(), name) != known.end()) return success();
-        std::string list;
-        for (const std::string& each : known) list += (list.empty() ? "" : ", ") + each;
-        const std::string near = nearest_name(name, known);
-        return error_at(where, std::string("unknown ") + what + " '" + name + "'; expected one of: " + list,
-                        near.empty() ? std::string() : "did you mean '" + near + "'?");
-    };
-    if (Status status = require("display", options.display, color.displays()); !status) return status;
-    return require("view", options.view,
-                   color.views(options.display.empty() ? color.default_display() : options.display));
-}
-
 Result<std::unique_ptr<display::DisplayDriver>> make_png(const ParameterSet& set,
                                                          const display::DriverContext& context) {
     auto file = set.string_or("file", "");
@@ -93,7 +78,8 @@ Result<std::unique_ptr<display::DisplayDriver>> make_png(const ParameterSet& set
         return error_at(set.location,
                         "there is no colour config to make previews with; expected one in $OCIO or --ocio");
     PictureOptions options{static_cast<int>(*size), *exposure, display->empty() ? context.display : *display, *view};
-    if (Status known = check_view(*context.color, options, set.location); !known) return known.error();
+    if (Status known = display::check_view(*context.color, options.display, options.view); !known)
+        return error_at(set.location, known.error().message, known.error().hint);
     return std::unique_ptr<display::DisplayDriver>(
         std::make_unique<PngDriver>(*file, *layer == "beauty" ? "" : *layer, options, *context.color, set.location));
 }

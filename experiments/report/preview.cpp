@@ -7,10 +7,15 @@
 #include <cstdint>
 #include <limits>
 
+#include "display/output/primaries.h"
+
 namespace raylex::experiments {
 namespace {
 
 using display::ImagePlane;
+
+// Stays finite as a float: what is not is shown black.
+constexpr double brightest = 1e30;
 
 /// Pixels of one source block per pixel of the picture.
 int reduction(const display::ExrImage& image, int largest_side) {
@@ -23,12 +28,25 @@ unsigned char to_byte(double value) {
     return static_cast<unsigned char>(std::lround(std::min(value, 1.0) * 255));
 }
 
+/// Values of a plane that may be missing: 0 then.
+double value_at(const ImagePlane* plane, std::size_t i) {
+    return plane != nullptr ? static_cast<double>(plane->values[i]) : 0.0;
+}
+
+/// Depths that stand for "nothing was hit": infinity, and the 1e10 that Blender writes.
+constexpr double farthest_depth = 1e9;
+
+bool is_depth(double value) {
+    return std::isfinite(value) && value < farthest_depth;
+}
+
 struct Range {
     double least = std::numeric_limits<double>::infinity(), most = -std::numeric_limits<double>::infinity();
 
-    explicit Range(const std::vector<float>& values) {
-        for (const float value : values) {
-            if (!std::isfinite(value)) continue;
+    Range(const ImagePlane* plane, bool depth) {
+        if (plane == nullptr) return;
+        for (const float value : plane->values) {
+            if (!std::isfinite(value) || (depth && !is_depth(value))) continue;
             least = std::min(least, static_cast<double>(value));
             most = std::max(most, static_cast<double>(value));
         }
@@ -71,7 +89,7 @@ std::vector<float> averaged(const display::ExrImage& image, const std::array<con
                         ++count;
                     }
                 rgb[(static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) * 3 +
-                    c] = count > 0 ? static_cast<float>(sum / count * scale) : 0.0f;
+                    c] = count > 0 ? static_cast<float>(std::clamp(sum / count * scale, -brightest, brightest)) : 0.0f;
             }
     return rgb;
 }
@@ -88,7 +106,7 @@ std::array<unsigned char, 3> geometry_pixel(LayerLook look, const std::array<dou
             return {to_byte(v[0] - std::floor(v[0])), to_byte(v[1] - std::floor(v[1])), 0};
         case LayerLook::depth: {
             const unsigned char grey =
-                std::isfinite(v[0]) ? to_byte(1 - 0.9 * ranges[0].share(v[0])) : static_cast<unsigned char>(0);
+                is_depth(v[0]) ? to_byte(1 - 0.9 * ranges[0].share(v[0])) : static_cast<unsigned char>(0);
             return {grey, grey, grey};
         }
         case LayerLook::identity:
@@ -128,6 +146,55 @@ std::vector<unsigned char> matte_picture(const display::ExrImage& image, const d
     return rgb;
 }
 
+bool has_chroma(const display::ImageLayer& layer) {
+    return layer.plane("Y") != nullptr && layer.plane("RY") != nullptr && layer.plane("BY") != nullptr;
+}
+
+/// R, G and B of a layer of luminance and chroma: RY = (R - Y) / Y and BY = (B - Y) / Y, as OpenEXR defines them.
+std::array<ImagePlane, 3> from_chroma(const display::ImageLayer& layer, const display::Chromaticities& primaries) {
+    const std::array<double, 3> weights = display::luminance_weights(primaries);
+    const std::vector<float>&luminance = layer.plane("Y")->values, &ry = layer.plane("RY")->values,
+          &by = layer.plane("BY")->values;
+    std::array<ImagePlane, 3> planes{ImagePlane{"R", {}, {}}, ImagePlane{"G", {}, {}}, ImagePlane{"B", {}, {}}};
+    for (std::size_t i = 0; i < luminance.size(); ++i) {
+        const double y = luminance[i], red = (ry[i] + 1.0) * y, blue = (by[i] + 1.0) * y;
+        planes[0].values.push_back(static_cast<float>(red));
+        planes[1].values.push_back(static_cast<float>((y - weights[0] * red - weights[2] * blue) / weights[1]));
+        planes[2].values.push_back(static_cast<float>(blue));
+    }
+    return planes;
+}
+
+/// What is shown as red, green and blue; the last ones are null where the layer has fewer planes.
+std::array<const ImagePlane*, 3> shown_planes(const display::ImageLayer& layer) {
+    if (const auto triple = layer.triple(); triple[0] != nullptr) return triple;
+    std::array<const ImagePlane*, 3> planes{};
+    std::size_t count = 0;
+    for (const ImagePlane& plane : layer.planes)
+        if (count < 3 && plane.name != "A" && plane.name != "a") planes[count++] = &plane;
+    return planes;
+}
+
+std::vector<unsigned char> geometry_picture(const display::ExrImage& image, LayerLook look,
+                                            const std::array<const ImagePlane*, 3>& planes, int block, int width,
+                                            int height) {
+    const bool depth = look == LayerLook::depth;
+    const std::array<Range, 3> ranges{Range(planes[0], depth), Range(planes[1], depth), Range(planes[2], depth)};
+    std::vector<unsigned char> rgb;
+    rgb.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            // Averaging would invent ids, normals and depths: the middle of the block stands for it.
+            const auto v = static_cast<std::size_t>(std::min(y * block + block / 2, image.height - 1));
+            const auto u = static_cast<std::size_t>(std::min(x * block + block / 2, image.width - 1));
+            const std::size_t i = v * static_cast<std::size_t>(image.width) + u;
+            auto pixel =
+                geometry_pixel(look, {value_at(planes[0], i), value_at(planes[1], i), value_at(planes[2], i)}, ranges);
+            for (std::size_t c = 0; c < 3; ++c) rgb.push_back(planes[c] != nullptr ? pixel[c] : 0);
+        }
+    return rgb;
+}
+
 }  // namespace
 
 LayerLook look_of(const display::ImageLayer& layer) {
@@ -137,9 +204,9 @@ LayerLook look_of(const display::ImageLayer& layer) {
     if (layer.planes.size() == 1) {
         const ImagePlane& plane = layer.planes.front();
         if (plane.stored == display::StoredType::unsigned_int || name == "id") return LayerLook::identity;
-        if (plane.name == "Z" || name == "z" || name == "zback" || name == "VLen" || name == "depth")
+        if (plane.name == "Z" || name == "z" || name == "zback" || name == "VLen" || name == "depth" || name == "Depth")
             return LayerLook::depth;
-        return LayerLook::value;
+        return plane.name == "Y" || plane.name == "y" ? LayerLook::light : LayerLook::value;
     }
     if (name.starts_with("Crypto") && layer.planes.size() == 4 && layer.is_color()) return LayerLook::mattes;
     if (name == "st" || name == "__st" || name == "uv" || name == "UV") return LayerLook::parameter;
@@ -147,7 +214,8 @@ LayerLook look_of(const display::ImageLayer& layer) {
     if (name == "Nn" || name == "Ngn" || name == "Non" || name == "Tn" || name == "Vn" || name == "__Nworld" ||
         name == "__Vworld" || name == "N" || name == "normal" || name == "Normal") return LayerLook::normal;
     if (vector || name == "P" || name == "Pw" || name == "position") return LayerLook::position;
-    return LayerLook::light;
+    const bool light = layer.triple()[0] != nullptr || has_chroma(layer);
+    return light ? LayerLook::light : LayerLook::position;
 }
 
 const char* describe(LayerLook look) {
@@ -178,37 +246,27 @@ Result<Picture> picture_of(const display::ExrImage& image, const display::ImageL
     Picture picture;
     picture.width = (image.width + block - 1) / block;
     picture.height = (image.height + block - 1) / block;
-    const std::array<const ImagePlane*, 3> planes = layer.triple();
-    for (const ImagePlane* plane : planes)
-        if (plane == nullptr)
-            return Error{
-                "layer '" + layer.name + "' has no three components and is no single value", image.path, 0, 0, {}, {}};
+    std::array<const ImagePlane*, 3> planes = shown_planes(layer);
+    if (planes[0] == nullptr)
+        return Error{"layer '" + layer.name + "' has nothing but alpha to show", image.path, 0, 0, {}, {}};
     const LayerLook look = look_of(layer);
     if (look == LayerLook::light) {
+        const display::Chromaticities primaries = image.chromaticities.value_or(display::Chromaticities{});
+        std::array<ImagePlane, 3> colors;
+        if (has_chroma(layer)) {
+            colors = from_chroma(layer, primaries);
+            for (std::size_t c = 0; c < 3; ++c) planes[c] = &colors[c];
+        }
         const std::vector<float> rgb =
             averaged(image, planes, block, std::exp2(options.exposure), picture.width, picture.height);
-        auto shown = color.to_display(rgb, image.chromaticities.value_or(display::Chromaticities{}), options.display,
-                                      options.view);
+        auto shown = color.to_display(rgb, primaries, options.display, options.view);
         if (!shown) return shown.error();
         picture.rgb = std::move(*shown);
         return picture;
     }
-    if (look == LayerLook::mattes) {
-        picture.rgb = matte_picture(image, layer, block, picture.width, picture.height);
-        return picture;
-    }
-    const std::array<Range, 3> ranges{Range(planes[0]->values), Range(planes[1]->values), Range(planes[2]->values)};
-    picture.rgb.reserve(static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height) * 3);
-    for (int y = 0; y < picture.height; ++y)
-        for (int x = 0; x < picture.width; ++x) {
-            // Averaging would invent ids, normals and depths: the middle of the block stands for it.
-            const auto v = static_cast<std::size_t>(std::min(y * block + block / 2, image.height - 1));
-            const auto u = static_cast<std::size_t>(std::min(x * block + block / 2, image.width - 1));
-            const std::size_t i = v * static_cast<std::size_t>(image.width) + u;
-            for (const unsigned char byte :
-                 geometry_pixel(look, {planes[0]->values[i], planes[1]->values[i], planes[2]->values[i]}, ranges))
-                picture.rgb.push_back(byte);
-        }
+    picture.rgb = look == LayerLook::mattes
+                      ? matte_picture(image, layer, block, picture.width, picture.height)
+                      : geometry_picture(image, look, planes, block, picture.width, picture.height);
     return picture;
 }
 

@@ -22,7 +22,7 @@ enum class LayerLook {
     value       ///< any other single real number, from its least to its largest finite value
 };
 
-/// From the layer's name and planes. "albedo" is light: it is a colour.
+/// From the layer's name and planes. "albedo" is light: it is a colour; so is luminance (a plane Y) without colours.
 LayerLook look_of(const display::ImageLayer& layer);
 /// One short line for a reader: "camera-space normal, -1..1 shown as 0..1".
 const char* describe(LayerLook look);
@@ -33,12 +33,17 @@ struct Picture {
     std::vector<unsigned char> rgb;
 };
 
+/// Stops, either way: more says nothing, and would leave the range of floats.
+inline constexpr double largest_exposure = 60;
+
 struct PictureOptions {
     int largest_side = 0;       ///< reduced by averaging blocks (nearest for geometry) until it fits; 0 = as it is
     double exposure = 0;        ///< stops, light only
     std::string display, view;  ///< empty: the config's defaults
 };
 
+/// Luminance with OpenEXR's chroma (Y RY BY) is shown in colour. Planes of other names than R G B or X Y Z are shown as
+/// red, green and blue in their order, alpha left out; of more than three the first three.
 Result<Picture> picture_of(const display::ExrImage& image, const display::ImageLayer& layer,
                            const display::ColorManager& color, const PictureOptions& options);
 

@@ -82,7 +82,7 @@ TEST_CASE("the live line names errors, their uncertainty and the time to the nex
     // 64 of 4096 samples in 10 s. Half the error takes four times as many: 30 s more.
     transport::RenderProgress now{64 * pixels, 4096 * pixels, 10, nullptr, nullptr};
     LiveErrors errors = errors_of(channels, image, now);
-    REQUIRE(errors.errors().size() == 4);
+    REQUIRE(errors.errors().size() == LiveErrors::channels_at_once);
     CHECK(errors.errors().front().error == Approx(0.04));
     CHECK(errors.errors().front().uncertainty == Approx(0).margin(1e-9));
     CHECK(error_text(errors, now, 1) == "beauty 4 % and 4 more; 2 % in about 30.0 s");
@@ -120,6 +120,47 @@ TEST_CASE("the live line names errors, their uncertainty and the time to the nex
     // Nothing before every pixel has a block of samples.
     now.samples_done = 16 * pixels - 1;
     CHECK(errors_of(channels, image, now).errors().empty());
+}
+
+TEST_CASE("every channel that keeps statistics gets its turn on the live line, the largest errors first") {
+    std::vector<display::ChannelDefinition> channels{light("beauty")};
+    for (int i = 0; i < 9; ++i) channels.push_back(light("c" + std::to_string(i)));
+    channels[3].statistics = false;
+    display::ChannelDefinition depth = light("z"), albedo = light("albedo");
+    depth.style = albedo.style = display::ChannelStyle::name;
+    depth.type = display::ChannelType::real;
+    channels.push_back(depth);
+    channels.push_back(albedo);
+    constexpr std::uint64_t pixels = 64 * 32;
+    FlatImage image;
+    image.low = image.high = 0.04;
+    transport::RenderProgress now{64 * pixels, 4096 * pixels, 10, nullptr, &image};
+    transport::RenderPlan plan;
+    plan.width = 64;
+    plan.height = 32;
+    plan.channels = channels;
+    plan.beauty = 0;
+    LiveErrors errors;
+    errors.begin(plan);
+    // 10 channels beside each other: the beauty each time, and three of the other nine.
+    for (const std::size_t known : {4U, 7U, 10U, 10U}) {
+        errors.update(now);
+        CHECK(errors.errors().size() == known);
+        CHECK(errors.further() == 10 - known);
+        CHECK(errors.errors().front().name == "beauty");
+        now.seconds += 100;
+    }
+    const std::string all = error_text(errors, now, SIZE_MAX);
+    for (const char* name : {"beauty 4 %", "c0 20 %", "c8 20 %", "albedo 20 %"})
+        CHECK(all.find(name) != std::string::npos);
+    for (const char* name : {"c2", "z ", "more"}) CHECK(all.find(name) == std::string::npos);
+    // What has the larger error stands before what has the smaller.
+    FlatImage brighter = image;
+    brighter.low = brighter.high = 0.08;
+    now.image = &brighter;
+    errors.update(now);
+    CHECK(errors.errors()[1].error == Approx(0.4));
+    CHECK(errors.errors().back().error == Approx(0.2));
 }
 
 TEST_CASE("measuring errors while rendering changes no bit, and they are the finished render's within a tenth [law2]",

@@ -1,0 +1,11 @@
+// Subcommands about pictures and colours; commands.h says what each of them does with its arguments.
+#pragma once
+
+#include "experiments/cli/commands.h"
+
+namespace raylex::experiments {
+
+void add_preview_command(CLI::App& app, CommandContext& context);
+void add_ocio_command(CLI::App& app, CommandContext& context);
+
+}  // namespace raylex::experiments

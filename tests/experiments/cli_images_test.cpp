@@ -1,0 +1,316 @@
+// Pictures of any OpenEXR file, names of the colour config, error images, single-part files and crops, as a user asks
+// for them.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "../display/files.h"
+#include "display/output/color_manager.h"
+#include "display/output/color_names.h"
+#include "display/output/exr_reader.h"
+#include "experiments/report/preview.h"
+#include "support.h"
+#include "support/paths.h"
+
+using namespace raylex::test;
+using raylex::display::read_exr;
+using raylex::experiments::LayerLook;
+namespace display = raylex::display;
+
+namespace {
+
+constexpr int width = 6, height = 4;
+
+std::vector<float> ramp(float first, float step) {
+    std::vector<float> values;
+    for (int i = 0; i < width * height; ++i) values.push_back(first + step * static_cast<float>(i));
+    return values;
+}
+
+void check_refused(const Folder& folder, const std::string& arguments, const std::vector<std::string>& words) {
+    CAPTURE(arguments);
+    const std::vector<std::string> before = folder.names();
+    const Outcome outcome = run_raylex(folder, arguments);
+    CAPTURE(outcome.err);
+    CHECK(outcome.code == 2);
+    for (const std::string& word : words) {
+        CAPTURE(word);
+        CHECK(outcome.err.find(word) != std::string::npos);
+    }
+    CHECK(folder.names() == before);
+}
+
+/// The picture that preview makes of a layer, without the program.
+raylex::experiments::Picture picture(const Folder& folder, const std::string& file, const std::string& layer,
+                                     const std::string& view = {}) {
+    auto image = read_exr(folder.path(file));
+    REQUIRE(image);
+    auto color = display::ColorManager::open();
+    REQUIRE(color);
+    auto found = image->require_layer(layer);
+    REQUIRE(found);
+    raylex::experiments::PictureOptions options;
+    options.view = view;
+    auto made = raylex::experiments::picture_of(*image, **found, *color, options);
+    REQUIRE(made);
+    return *made;
+}
+
+std::vector<unsigned char> pixel(const raylex::experiments::Picture& of, std::size_t i) {
+    return {of.rgb[3 * i], of.rgb[3 * i + 1], of.rgb[3 * i + 2]};
+}
+
+}  // namespace
+
+TEST_CASE("a preview shows any OpenEXR file: half, single part, luminance alone, depths, vectors, foreign names") {
+    const Folder folder;
+    const std::vector<float> values = ramp(0, 0.05f), none(width * height, 0.0f);
+    write_foreign(folder.path("half.exr"),
+                  {{"R", Imf::HALF, values},
+                   {"G", Imf::HALF, values},
+                   {"B", Imf::HALF, none},
+                   {"Z", Imf::FLOAT, ramp(1, 1)},
+                   {"N.X", Imf::HALF, none},
+                   {"N.Y", Imf::HALF, none},
+                   {"N.Z", Imf::HALF, std::vector<float>(width * height, 1.0f)},
+                   {"id", Imf::UINT, ramp(0, 1)},
+                   {"flow.U", Imf::FLOAT, values},
+                   {"flow.V", Imf::FLOAT, none}},
+                  width, height);
+    const Outcome outcome = run_raylex(folder, "preview half.exr --view Raw");
+    CAPTURE(outcome.err);
+    REQUIRE(outcome.code == 0);
+    CHECK(outcome.out == "half.png: 6x4, beauty through Raw of sRGB - Display\n");
+    CHECK(folder.read("half.png").substr(1, 3) == "PNG");
+    CHECK(pixel(picture(folder, "half.exr", "", "Raw"), 4) == std::vector<unsigned char>{51, 51, 0});
+    CHECK(run_raylex(folder, "preview half.exr --layer Z -o z.png").out ==
+          "z.png: 6x4, Z, near is bright, nothing hit is black\n");
+    CHECK(pixel(picture(folder, "half.exr", "Z"), 0)[0] == 255);
+    CHECK(pixel(picture(folder, "half.exr", "N"), 0) == std::vector<unsigned char>{128, 128, 255});
+    CHECK(pixel(picture(folder, "half.exr", "id"), 0) == std::vector<unsigned char>{0, 0, 0});
+    CHECK(pixel(picture(folder, "half.exr", "id"), 1) != pixel(picture(folder, "half.exr", "id"), 2));
+    CHECK(pixel(picture(folder, "half.exr", "flow"), 23) ==
+          std::vector<unsigned char>{255, 128, 0});  // V is the same everywhere
+
+    // Luminance alone is light; with chroma, as OpenEXR defines it, it is the colour: Y = 0.2126 R + 0.7152 G + 0.0722
+    // B.
+    write_foreign(folder.path("grey.exr"), {{"Y", Imf::HALF, values}, {"A", Imf::HALF, values}}, width, height);
+    CHECK(pixel(picture(folder, "grey.exr", "", "Raw"), 8) == std::vector<unsigned char>{102, 102, 102});
+    write_foreign(folder.path("grey2.exr"), {{"Y", Imf::FLOAT, values}}, width, height);
+    CHECK(pixel(picture(folder, "grey2.exr", "", "Raw"), 8) == std::vector<unsigned char>{102, 102, 102});
+    const double y = 0.2126 * 0.8 + 0.7152 * 0.4 + 0.0722 * 0.2;
+    const std::vector<float> luma(width * height, static_cast<float>(y)),
+        ry(width * height, static_cast<float>(0.8 / y - 1)), by(width * height, static_cast<float>(0.2 / y - 1));
+    write_foreign(folder.path("chroma.exr"), {{"Y", Imf::FLOAT, luma}, {"RY", Imf::FLOAT, ry}, {"BY", Imf::FLOAT, by}},
+                  width, height);
+    CHECK(pixel(picture(folder, "chroma.exr", "", "Raw"), 3) == std::vector<unsigned char>{204, 102, 51});
+
+    // Blender's names, its depth of nothing, and a file without anything nameless.
+    std::vector<float> depth = ramp(1, 1);
+    depth[0] = 1e10f;
+    write_foreign(folder.path("blender.exr"),
+                  {{"ViewLayer.Combined.R", Imf::HALF, values},
+                   {"ViewLayer.Combined.G", Imf::HALF, values},
+                   {"ViewLayer.Combined.B", Imf::HALF, values},
+                   {"ViewLayer.Depth.V", Imf::FLOAT, depth}},
+                  width, height);
+    CHECK(run_raylex(folder, "preview blender.exr -o b.png").out.find("ViewLayer.Combined through") !=
+          std::string::npos);
+    CHECK(pixel(picture(folder, "blender.exr", "ViewLayer.Depth"), 0)[0] == 0);
+    CHECK(pixel(picture(folder, "blender.exr", "ViewLayer.Depth"), 1)[0] == 255);
+    write_foreign_parts(folder.path("parts.exr"),
+                        {{"depth", {{"Z", Imf::FLOAT, depth}}}, {"mask", {{"mask", Imf::HALF, values}}}}, width,
+                        height);
+    CHECK(run_raylex(folder, "preview parts.exr -o p.png").code == 0);
+    CHECK(run_raylex(folder, "preview parts.exr --layer mask -o m.png").out.find("from the least to the largest") !=
+          std::string::npos);
+
+    // The page has the same pictures, whatever the planes are.
+    const Outcome page = run_raylex(folder, "report half.exr grey.exr chroma.exr blender.exr parts.exr -o page.html");
+    CAPTURE(page.err);
+    CHECK(page.code == 0);
+    folder.write("page.html", "");
+
+    // Exposures and sizes.
+    CHECK(run_raylex(folder, "preview half.exr --exposure 2 --size 3 -o bright.png").out.find("3x2, beauty through") !=
+          std::string::npos);
+    CHECK(run_raylex(folder, "preview half.exr --exposure 60 -o white.png").code == 0);
+}
+
+TEST_CASE("names that a preview does not know are answered with the nearest ones", "[law7]") {
+    const Folder folder;
+    const std::vector<float> values = ramp(0, 0.05f);
+    write_foreign(folder.path("a.exr"),
+                  {{"R", Imf::FLOAT, values},
+                   {"G", Imf::FLOAT, values},
+                   {"B", Imf::FLOAT, values},
+                   {"caustics.R", Imf::FLOAT, values},
+                   {"caustics.G", Imf::FLOAT, values},
+                   {"caustics.B", Imf::FLOAT, values}},
+                  width, height);
+    check_refused(folder, "preview a.exr --layer caustic", {"no layer 'caustic'", "did you mean 'caustics'?"});
+    check_refused(folder, "preview a.exr --display sRGB", {"no display 'sRGB'", "did you mean 'sRGB - Display'?"});
+    check_refused(folder, "preview a.exr --view Rwa",
+                  {"no view 'Rwa' of display 'sRGB - Display'", "did you mean 'Raw'?"});
+    check_refused(folder, "preview a.exr --view 'ACES 1.1 - HDR Video (1000 nits & P3 lim)'",
+                  {"display 'ST2084-P3-D65 - Display' has such a view"});
+    check_refused(folder, "preview a.exr -o a.jpg", {"'a.jpg' has no name ending in .png"});
+    check_refused(folder, "preview a.exr -o ''", {"no name ending in .png"});
+    check_refused(folder, "preview a.exr --ocio absent.ocio", {"absent.ocio"});
+    check_refused(folder, "preview absent.exr", {"absent.exr"});
+    check_refused(folder, "preview a.exr --exposure 1000", {"--exposure"});
+    folder.write("room.pbrt", small_scene());
+    check_refused(folder, "render room.pbrt --preview r.png --display sRGB", {"did you mean 'sRGB - Display'?"});
+    check_refused(folder, "render room.pbrt --rendering-space ACEScgg", {"did you mean 'ACEScg'?"});
+}
+
+TEST_CASE("ocio lists what the options take, of the config that they would use") {
+    const Folder folder;
+    const Outcome shipped = run_raylex(folder, "ocio");
+    CHECK(shipped.code == 0);
+    for (const char* line : {"  sRGB - Display  (default)\n", "    ACES 1.0 - SDR Video  (default)\n", "    Raw\n",
+                             "  ACEScg  (scene-linear)\n", "  Raw  (data)\n", "looks"})
+        CHECK(shipped.out.find(line) != std::string::npos);
+    folder.write("own.ocio",
+                 "ocio_profile_version: 2\nroles: {default: lin, scene_linear: lin}\nlooks:\n  - !<Look> {name: warm, "
+                 "process_space: lin}\n"
+                 "displays:\n  tv:\n    - !<View> {name: plain, colorspace: lin}\ncolorspaces:\n  - !<ColorSpace> "
+                 "{name: lin, encoding: scene-linear}\n");
+    for (const std::string& line :
+         {std::string("\"$RAYLEX\" ocio --ocio own.ocio"), std::string("OCIO=own.ocio \"$RAYLEX\" ocio")}) {
+        const Outcome own = run_shell(folder, line);
+        CAPTURE(own.err);
+        CHECK(own.code == 0);
+        CHECK(own.out.find("  tv  (default)\n    plain  (default)\n") != std::string::npos);
+        CHECK(own.out.find("looks:\n  warm\n") != std::string::npos);
+        CHECK(own.out.find("sRGB") == std::string::npos);
+    }
+    CHECK(run_raylex(folder, "ocio --ocio absent.ocio").code == 2);
+}
+
+TEST_CASE("displays and views that the documentation names are in the shipped config") {
+    auto color = display::ColorManager::open();
+    REQUIRE(color);
+    std::size_t found = 0;
+    const auto check = [&](const std::string& file) {
+        const std::string text = read_bytes(file);
+        // --view NAME and --view 'NAME' in commands, view = "NAME" in jobs; NAME itself is what help texts write.
+        const std::regex option(
+            "--(display|view)[ =]+('([^']*)'|\"([^\"]*)\"|([^\\s'\"`\\]]+))|\\b(display|view) = \"([^\"]*)\"");
+        for (std::sregex_iterator at(text.begin(), text.end(), option), end; at != end; ++at) {
+            const std::smatch& match = *at;
+            const std::string kind = match[1].str() + match[6].str(),
+                              name = match[3].str() + match[4].str() + match[5].str() + match[7].str();
+            if (name == "NAME" || name.starts_with("-") || name.find_first_of(",;|)") != std::string::npos) continue;
+            CAPTURE(file, kind, name);
+            if (kind == "display") {
+                CHECK(display::check_view(*color, name, "").ok());
+            } else {
+                const std::vector<std::string> displays = color->displays();
+                CHECK(std::any_of(displays.begin(), displays.end(), [&](const std::string& each) {
+                    return display::check_view(*color, each, name).ok();
+                }));
+            }
+            ++found;
+        }
+    };
+    namespace fs = std::filesystem;
+    check(source_dir() + "/README.md");
+    check(source_dir() + "/experiments/README.md");
+    for (const fs::directory_entry& each : fs::directory_iterator(source_dir() + "/experiments/docs"))
+        if (each.path().extension() == ".md") check(each.path().string());
+    CHECK(found >= 3);  // experiments/docs/images.md names some
+}
+
+TEST_CASE("compare prints every metric at once, as JSON too, and leaves error images") {
+    const Folder folder;
+    std::vector<float> dark = ramp(0.1f, 0), light = ramp(0.1f, 0);
+    light[9] = 0.6f;
+    const auto write = [&](const std::string& name, const std::vector<float>& values) {
+        write_foreign(folder.path(name),
+                      {{"R", Imf::FLOAT, values}, {"G", Imf::FLOAT, values}, {"B", Imf::FLOAT, values}}, width, height);
+    };
+    write("a.exr", light);
+    write("b.exr", dark);
+    const Outcome all = run_raylex(folder, "compare a.exr b.exr --metric all");
+    CAPTURE(all.out, all.err);
+    REQUIRE(all.code == 0);
+    for (const char* name : {"relmse ", "mse ", "mean-ratio ", "ssim ", "flip ", "hdr-flip "})
+        CHECK(all.out.find(name) != std::string::npos);
+    const auto json = nlohmann::json::parse(run_raylex(folder, "compare a.exr b.exr --metric all --json").out);
+    CHECK(json["metrics"].size() == 12);
+    CHECK(json["metrics"]["mae"].get<double>() == Approx(0.5 / 24).epsilon(1e-6));
+    CHECK(json["metrics"]["flip"].get<double>() > 0.01);
+    CHECK(json["metrics"]["ssim"].get<double>() < 0.99);
+    CHECK(json["reference"] == "b.exr");
+    CHECK(std::stod(run_raylex(folder, "compare a.exr b.exr --metric hdr-flip").out) ==
+          Approx(json["metrics"]["hdr-flip"].get<double>()));
+    const auto one =
+        nlohmann::json::parse(run_raylex(folder, "compare a.exr b.exr --channel R --json --metric all").out);
+    CHECK(one["metrics"]["flip"].is_null());
+    CHECK(one["without_value"]["flip"].get<std::string>().find("--channel") != std::string::npos);
+
+    const Outcome exr = run_raylex(folder, "compare a.exr b.exr --metric mae -o e.exr");
+    REQUIRE(exr.code == 0);
+    CHECK(exr.out == run_raylex(folder, "compare a.exr b.exr --metric mae").out);
+    CHECK(exr.err.find("largest 0.5 at pixel (3, 1)") != std::string::npos);
+    auto errors = read_exr(folder.path("e.exr"));
+    REQUIRE(errors);
+    CHECK(errors->attributes["raylex/metric"] == "mae");
+    const display::ImageLayer* layer = errors->layer("error");
+    REQUIRE(layer != nullptr);
+    for (std::size_t i = 0; i < 24; ++i) CHECK(layer->planes.front().values[i] == (i == 9 ? Approx(0.5) : Approx(0)));
+    const Outcome png = run_raylex(folder, "compare a.exr b.exr --metric flip -o e.png");
+    REQUIRE(png.code == 0);
+    CHECK(png.err.find("black 0, over blue, violet and red to pale yellow 1 and above") != std::string::npos);
+    CHECK(folder.read("e.png").substr(1, 3) == "PNG");
+
+    check_refused(folder, "compare a.exr b.exr --metric fllip", {"unknown metric 'fllip'", "did you mean 'flip'?"});
+    check_refused(folder, "compare a.exr b.exr --metric all -o x.png", {"of one metric"});
+    check_refused(folder, "compare a.exr b.exr --metric mean-ratio -o x.png", {"no single pixel has"});
+    check_refused(folder, "compare a.exr b.exr -o x.jpg", {"ending in .exr or .png"});
+    check_refused(folder, "compare a.exr b.exr -o ''", {"ending in .exr or .png"});
+    check_refused(folder, "compare a.exr b.exr -o b.exr", {"one of the images that are compared"});
+    check_refused(folder, "compare a.exr b.exr -o absent/x.png", {"absent/x.png"});
+}
+
+TEST_CASE("the help of render stands in groups, and words are coloured where that is wanted") {
+    const Folder folder;
+    const std::string help = run_raylex(folder, "render --help").out;
+    std::size_t last = 0;
+    for (const char* group : {"\nFiles and viewers:", "\nSampling:", "\nLong renders:", "\nMachine:",
+                              "\nLight transport:", "\nLayers:", "\nColour and previews:", "\nFilters:"}) {
+        CAPTURE(group);
+        const std::size_t at = help.find(group);
+        REQUIRE(at != std::string::npos);
+        CHECK(at > last);
+        last = at;
+    }
+    CHECK(help.find("--spp") > help.find("\nSampling:"));
+    CHECK(help.find("--spp") < help.find("\nLong renders:"));
+    const auto error = [&](const std::string& line) { return run_shell(folder, line).err; };
+    const std::string red = "raylex: \x1b[1;31merror:\x1b[0m ";
+    CHECK(error("\"$RAYLEX\" verify absent.exr").starts_with("raylex: error: "));
+    CHECK(error("\"$RAYLEX\" verify absent.exr --color always").starts_with(red));
+    CHECK(error("\"$RAYLEX\" --color always verify absent.exr").starts_with(red));
+    CHECK(
+        error("NO_COLOR=1 \"$RAYLEX\" verify absent.exr --color always").starts_with(red));  // who says always means it
+    CHECK(error("\"$RAYLEX\" verify --color sometimes absent.exr").find("--color") != std::string::npos);
+    // A terminal, made by script(1): coloured, but for NO_COLOR, a dumb one, and --color never.
+    const auto seen = [&](const std::string& variables, const std::string& options) {
+        return run_shell(folder,
+                         "env " + variables + " script -qec \"'$RAYLEX' verify absent.exr " + options + "\" /dev/null")
+            .out;
+    };
+    CHECK(seen("TERM=xterm", "").find(red) != std::string::npos);
+    CHECK(seen("TERM=xterm NO_COLOR=", "").find(red) != std::string::npos);
+    CHECK(seen("TERM=xterm NO_COLOR=1", "").find("\x1b") == std::string::npos);
+    CHECK(seen("TERM=dumb", "").find("\x1b") == std::string::npos);
+    CHECK(seen("TERM=xterm", "--color never").find("\x1b") == std::string::npos);
+}
