@@ -1,5 +1,7 @@
 #include "experiments/cli/command_line.h"
+#include "experiments/cli/interrupt.h"
 
 int main(int argc, char** argv) {
+    raylex::experiments::install_interrupt_handler();
     return raylex::experiments::run_command_line(argc, argv);
 }

@@ -42,6 +42,7 @@ int with_config(const ExperimentOptions& options, Work work) {
 
 int run_plan(const ExperimentOptions& options) {
     return with_config(options, [&](const ExperimentConfig& config, const Shard& shard) {
+        const InterruptsWait wait;
         const Status printed = print_plan(config, options.output, shard, !options.no_calibration, &interrupt_flag());
         if (!printed) return report_error(printed.error());
         return interrupt_flag().load() ? exit_interrupted : exit_holds;
@@ -50,6 +51,7 @@ int run_plan(const ExperimentOptions& options) {
 
 int run_cells(const ExperimentOptions& options, bool resume) {
     return with_config(options, [&](const ExperimentConfig& config, const Shard& shard) {
+        const InterruptsWait wait;
         auto outcome = run_experiment(config, {options.output, resume, options.retry, shard}, &interrupt_flag());
         if (!outcome) return report_error(outcome.error());
         if (outcome->interrupted) return exit_interrupted;
@@ -73,6 +75,7 @@ int run_merge(const ExperimentOptions& options) {
 
 int run_replay(const ExperimentOptions& options) {
     return with_config(options, [&](ExperimentConfig config, const Shard&) {
+        const InterruptsWait wait;
         auto outcome = replay_cell(std::move(config), options.output, options.cell, &interrupt_flag());
         if (!outcome) return report_error(outcome.error());
         if (interrupt_flag().load()) return exit_interrupted;

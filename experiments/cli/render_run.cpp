@@ -35,6 +35,7 @@ class RenderRun {
     RenderRun(Job job, const std::vector<std::string>& arguments) : job_(std::move(job)), arguments_(arguments) {}
 
     int run() {
+        at_once_.emplace("raylex: interrupted before anything was rendered; no file was written\n");
         if (job_.settings.only) {
             for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::plan})
                 if (const std::optional<int> code = (this->*step)()) return *code;
@@ -45,7 +46,7 @@ class RenderRun {
               &RenderRun::write_image, &RenderRun::judge, &RenderRun::write_statistics})
             if (const std::optional<int> code = (this->*step)()) return *code;
         print_summary();
-        if (!output_->complete) return exit_interrupted;
+        if (!output_->complete) return interrupt_flag().load() ? exit_interrupted : exit_does_not_hold;
         if (deep_ && !deep_->holds) return exit_does_not_hold;
         return std::all_of(splits_.begin(), splits_.end(), [](const display::SplitVerdict& each) { return each.holds; })
                    ? exit_holds
@@ -144,6 +145,7 @@ class RenderRun {
         Progress progress;
         job_.settings.before_rendering = [&](const transport::RenderPlan& plan,
                                              std::vector<display::SampleSink*>& sinks) {
+            at_once_.reset();
             progress.begin(plan);
             return outputs_.begin(plan, sinks, loaded_->primaries, partitions_);
         };
@@ -164,7 +166,12 @@ class RenderRun {
         phases_["render"] = {statistics.render_seconds, statistics.render_cpu_seconds};
         if (statistics.invalid_samples > 0)
             warn_of_invalid(statistics);
-        if (!output_->complete && statistics.camera_samples == 0) return interrupted_early();
+        if (!output_->complete && statistics.camera_samples == 0) {
+            if (interrupt_flag().load()) return interrupted_early();
+            print_warning("the time was up before any sample was finished; no file was written. Expected more time, or paths "
+                          "that end: --max-depth bounds them");
+            return exit_does_not_hold;
+        }
         return go_on;
     }
 
@@ -281,9 +288,11 @@ class RenderRun {
                            ", " + std::to_string(image_.layers.size()) +
                            (image_.layers.size() == 1 ? " layer, " : " layers, ") +
                            size_text(failed ? 0.0 : static_cast<double>(bytes));
-        if (!output_->complete) line += "; INCOMPLETE: interrupted";
+        if (!output_->complete)
+            line += interrupt_flag().load() ? "; INCOMPLETE: interrupted"
+                                            : "; INCOMPLETE: the time was up before all pixels had as many samples";
         print_line(line);
-        if (!output_->complete && job_.checkpoint_seconds > 0)
+        if (!output_->complete && job_.checkpoint_seconds > 0 && fs::exists(checkpoint_file(job_), failed))
             print_line(checkpoint_file(job_) + ": --resume goes on from here");
         print_sampling();
         if (!beauties_.empty())
@@ -320,6 +329,9 @@ class RenderRun {
 
     Job job_;
     const std::vector<std::string>& arguments_;
+    // Where an interrupt loses nothing it ends the program; from before_rendering() on it waits for the image.
+    const InterruptsWait wait_;
+    std::optional<InterruptsAtOnce> at_once_;
     std::unique_ptr<JobScene> loaded_;
     std::vector<display::PartitionDeclaration> partitions_;
     std::vector<std::string> beauties_;

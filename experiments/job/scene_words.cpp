@@ -20,8 +20,8 @@ lpe::Words SceneWords::with_user_events() const {
 Result<SceneWords> scene_words(const Job& job, const transport::SceneDescription& scene) {
     auto alphabet = transport::scene_alphabet(scene, job.settings.lobe_slots);
     if (!alphabet) return alphabet.error();
-    auto chosen = transport::choose_integrator(
-        job.settings.integrator ? *job.settings.integrator : scene.integrator, job.settings.max_depth);
+    auto chosen = transport::choose_integrator(transport::integrator_for(job.settings.integrator, scene.integrator),
+                                               job.settings.max_depth);
     if (!chosen) return chosen.error();
     const transport::IntegratorTraits traits = chosen->integrator->traits();
 

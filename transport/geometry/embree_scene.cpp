@@ -1,6 +1,7 @@
 #include "transport/geometry/embree_scene.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <mutex>
@@ -8,6 +9,8 @@
 #include <embree3/rtcore.h>
 #include <pmmintrin.h>
 #include <xmmintrin.h>
+
+#include "transport/geometry/scene_limits.h"
 
 namespace raylex::transport {
 namespace {
@@ -110,44 +113,6 @@ RTCRay to_embree(const Ray& ray, unsigned mask) {
     return r;
 }
 
-bool finite(const Vec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-Status check_mesh(const SceneShape& shape, std::size_t per_primitive) {
-    for (std::size_t i = 0; i < shape.positions.size(); ++i)
-        if (!finite(shape.positions[i]))
-            return error_at(shape.location,
-                            "vertex " + std::to_string(i) + " of the mesh is not finite; expected real numbers");
-    for (const std::uint32_t index : shape.indices)
-        if (index >= shape.positions.size())
-            return error_at(shape.location, "vertex index " + std::to_string(index) +
-                                                " is out of range; the mesh has " +
-                                                std::to_string(shape.positions.size()) + " vertices");
-    if (shape.indices.size() % per_primitive != 0)
-        return error_at(shape.location, "the number of indices is " + std::to_string(shape.indices.size()) +
-                                            "; expected a multiple of " + std::to_string(per_primitive));
-    if (!shape.normals.empty() && shape.normals.size() != shape.positions.size())
-        return error_at(shape.location, std::to_string(shape.normals.size()) + " normals for " +
-                                            std::to_string(shape.positions.size()) +
-                                            " vertices; expected one each or none");
-    if (!shape.uvs.empty() && shape.uvs.size() != shape.positions.size())
-        return error_at(shape.location, std::to_string(shape.uvs.size()) + " uv pairs for " +
-                                            std::to_string(shape.positions.size()) +
-                                            " vertices; expected one each or none");
-    return success();
-}
-
-Status check_quadric(const SceneShape& shape) {
-    if (!shape.object_to_world.invertible()) return error_at(shape.location, "the shape's transform has no inverse");
-    for (const float v : {shape.radius, shape.z_min, shape.z_max, shape.phi_max, shape.height, shape.inner_radius})
-        if (std::isnan(v)) return error_at(shape.location, "a parameter of the shape is not a number");
-    if (!(shape.radius > 0) || !std::isfinite(shape.radius))
-        return error_at(shape.location,
-                        "the shape's radius is " + std::to_string(shape.radius) + "; expected a positive number");
-    return success();
-}
-
 /// Embree's instruction sets that this machine has, widest first. Each asks for all of Embree's feature set of that
 /// name.
 std::vector<std::string> supported_instruction_sets() {
@@ -177,6 +142,7 @@ struct EmbreeScene::Device {
     std::vector<std::unique_ptr<UserShape>> users;
     std::vector<RTCGeometry> geometries;  // [shape]; null for empty meshes
     ErrorLog log;
+    std::atomic<std::uint64_t> untraced{0};
 
     ~Device() {
         for (RTCGeometry g : geometries)
@@ -252,6 +218,7 @@ Status EmbreeScene::add_shape(const SceneShape& shape, const SceneDescription& s
         g.patch_indices = shape.indices;
     } else if (!mesh) {
         g.quadric = Quadric(shape);
+        if (Status s = check_extent(shape, g.quadric.extent()); !s) return s.error();
     }
 
     RTCGeometry geometry = nullptr;
@@ -279,6 +246,22 @@ Status EmbreeScene::add_shape(const SceneShape& shape, const SceneDescription& s
     if (geometry) rtcSetGeometryMask(geometry, g.alpha >= 0 ? alpha_mask : opaque_mask);
     shapes_.push_back(std::move(g));
     device_->geometries.push_back(geometry);
+    return success();
+}
+
+/// Before instances are made.
+Status EmbreeScene::check_placements(const SceneDescription& scene, double extent) {
+    std::vector<std::optional<Bounds>> objects;
+    for (RTCScene object : device_->objects) {
+        RTCBounds b{};
+        rtcGetSceneBounds(object, &b);
+        const bool empty = !(b.lower_x <= b.upper_x);
+        objects.push_back(empty ? std::nullopt
+                                : std::optional<Bounds>({{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}}));
+    }
+    auto limit = limit_of_rays(scene, {shapes_, objects}, extent);
+    if (!limit) return limit.error();
+    ray_limit_ = *limit;
     return success();
 }
 
@@ -338,6 +321,9 @@ Result<EmbreeScene> EmbreeScene::build(const SceneDescription& scene, TextureTab
         attach(device.objects.back(), first_shape[k], scene.objects[k].shapes.size());
         rtcCommitScene(device.objects.back());
     }
+    double extent = extent_without_shapes(scene);
+    for (std::size_t i = 0; i < result.top_level_shapes_; ++i) extent = std::max(extent, result.shapes_[i].extent());
+    if (Status s = result.check_placements(scene, extent); !s) return s.error();
     std::uint64_t surfaces = result.top_level_shapes_;
     for (const SceneInstance& instance : scene.instances) {
         if (instance.object < 0 || static_cast<std::size_t>(instance.object) >= scene.objects.size())
@@ -375,6 +361,20 @@ Result<EmbreeScene> EmbreeScene::build(const SceneDescription& scene, TextureTab
     return result;
 }
 
+/// Embree ends the program where a number of a ray is beyond its range, in the world's space or an instance's.
+bool EmbreeScene::traceable(const Ray& ray) const {
+    const auto fits = [&](const Vec3& v) {
+        return (std::abs(v.x) <= ray_limit_) & (std::abs(v.y) <= ray_limit_) & (std::abs(v.z) <= ray_limit_);
+    };
+    if (fits(ray.origin) & fits(ray.direction)) [[likely]] return true;
+    device_->untraced.fetch_add(1, std::memory_order_relaxed);
+    return false;
+}
+
+std::uint64_t EmbreeScene::untraced_rays() const {
+    return device_->untraced.load(std::memory_order_relaxed);
+}
+
 void EmbreeScene::intersect(std::span<const Ray> rays, std::span<Hit> hits) const {
     if (log_ != nullptr) log_->closest.insert(log_->closest.end(), rays.begin(), rays.end());
     const auto top = static_cast<std::uint32_t>(top_level_shapes_);
@@ -382,11 +382,15 @@ void EmbreeScene::intersect(std::span<const Ray> rays, std::span<Hit> hits) cons
     rtcInitIntersectContext(&context);
     RTCRayHit rayhit;
     for (std::size_t i = 0; i < rays.size(); ++i) {
+        Hit& hit = hits[i];
+        if (!traceable(rays[i])) [[unlikely]] {
+            hit = Hit();
+            continue;
+        }
         rayhit.ray = to_embree(rays[i], any_mask);
         rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
         rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
         rtcIntersect1(device_->scene, &context, &rayhit);
-        Hit& hit = hits[i];
         hit.t = rayhit.ray.tfar;
         hit.u = rayhit.hit.u;
         hit.v = rayhit.hit.v;
@@ -404,6 +408,10 @@ void EmbreeScene::intersect_alpha(const Ray& ray, Hit& hit) const {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     RTCRayHit rayhit;
+    if (!traceable(ray)) [[unlikely]] {
+        hit = Hit();
+        return;
+    }
     rayhit.ray = to_embree(ray, alpha_mask);
     rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
@@ -420,6 +428,10 @@ void EmbreeScene::occluded(std::span<const Ray> rays, std::span<std::uint8_t> bl
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     for (std::size_t i = 0; i < rays.size(); ++i) {
+        if (!traceable(rays[i])) [[unlikely]] {
+            blocked[i] = 1;
+            continue;
+        }
         RTCRay ray = to_embree(rays[i], opaque_mask);
         rtcOccluded1(device_->scene, &context, &ray);
         blocked[i] = ray.tfar < 0;

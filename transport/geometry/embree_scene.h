@@ -48,6 +48,11 @@ struct ShapeGeometry {
     std::uint32_t first_light = Hit::none;  ///< set by the light table: the light of primitive 0
 
     [[nodiscard]] BilinearPatch patch(std::uint32_t primitive) const;
+    /// The largest coordinate.
+    [[nodiscard]] double extent() const;
+    /// How far from the origin rays to this shape may begin. For a triangle Embree multiplies the distance of the ray by two of
+    /// its edges, in single precision.
+    [[nodiscard]] double reach_of_rays() const;
     /// The medium into which a ray leaves the surface, whose outside `normal` points to, out of `current`. A surface with
     /// the same medium on both sides is no border: rays stay in whatever they came through (pbrt's rule).
     [[nodiscard]] std::int32_t medium_towards(const Vec3& normal, const Vec3& direction, std::int32_t current) const {
@@ -99,16 +104,19 @@ class EmbreeScene {
         int threads = 0;  ///< for building; 0 = all
     };
 
-    /// Non-finite vertices, indices out of range, singular transforms and Embree's own errors are Errors at the shape.
+    /// Vertices that are not finite or beyond largest_coordinate, indices out of range, transforms that are singular or beyond
+    /// what floats invert, and Embree's own errors are Errors at the shape or instance.
     static Result<EmbreeScene> build(const SceneDescription& scene, TextureTable& textures, const Options& options);
     ~EmbreeScene();
     EmbreeScene(EmbreeScene&&) noexcept;
     EmbreeScene& operator=(EmbreeScene&&) noexcept;
 
-    /// Closest hits over (0, t_max).
+    /// Closest hits over (0, t_max). A ray that begins or points beyond largest_coordinate, or is not of numbers, hits nothing,
+    /// and what it asks is taken for blocked; untraced_rays() counts them.
     void intersect(std::span<const Ray> rays, std::span<Hit> hits) const;
     /// 1 where an opaque shape lies on (0, t_max); shapes with alpha do not count.
     void occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked) const;
+    [[nodiscard]] std::uint64_t untraced_rays() const;
     /// Appends every later ray of intersect() and occluded() to `log`, for a benchmark to trace again; null ends it.
     /// One thread only.
     void record(RayLog* log) const { log_ = log; }
@@ -150,6 +158,8 @@ class EmbreeScene {
     EmbreeScene();
     struct Device;
     Status add_shape(const SceneShape& shape, const SceneDescription& scene, TextureTable& textures, bool instanced);
+    Status check_placements(const SceneDescription& scene, double extent);
+    [[nodiscard]] bool traceable(const Ray& ray) const;
     int label_index(const std::string& label);
     std::unique_ptr<Device> device_;
     std::vector<ShapeGeometry> shapes_;  // top level, then those of every object in turn
@@ -157,6 +167,7 @@ class EmbreeScene {
     std::vector<std::string> labels_;
     std::size_t top_level_shapes_ = 0;
     Bounds bounds_;
+    float ray_limit_ = largest_coordinate;  // of a ray's numbers, so that they stay in range in every instance's own space
     std::string isa_;
     mutable RayLog* log_ = nullptr;     // one test a batch; never part of a result
     bool has_alpha_ = false, has_holdouts_ = false;

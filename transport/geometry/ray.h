@@ -22,6 +22,10 @@ constexpr float gamma_bound(int n) {
     return (float(n) * unit_roundoff) / (1 - float(n) * unit_roundoff);
 }
 
+/// Farther from the origin than this nothing is placed and no ray begins: squares of lengths must be floats, and Embree
+/// takes no number above 1.8e18.
+inline constexpr float largest_coordinate = 1e18f;
+
 /// Shadow rays end this much short of the light, relative to their length: the direction's own rounding moves the far
 /// end by a few ulps of the distance, which a grazing view of the light multiplies (pbrt-v4's ShadowEpsilon).
 inline constexpr float shadow_t_max = 1 - 1e-4f;

@@ -108,6 +108,22 @@ Result<std::uint32_t> read_max_depth(const SceneEntity& entity, std::optional<st
     return static_cast<std::uint32_t>(std::min<std::int64_t>(*depth, 1'000'000));
 }
 
+SceneEntity integrator_for(const std::optional<SceneEntity>& asked, const SceneEntity& of_scene) {
+    if (!asked) return of_scene;
+    SceneEntity entity = *asked;
+    const auto* entry = integrator_registry().find(entity.type.empty() ? "path" : entity.type);
+    if (entry == nullptr) return entity;
+    for (const Parameter& each : of_scene.parameters.parameters) {
+        const auto named = [&](const auto& other) { return other.name == each.name; };
+        const std::vector<ParameterDescription>& known = entry->parameters;
+        const std::vector<Parameter>& given = entity.parameters.parameters;
+        if (std::any_of(known.begin(), known.end(), named) && std::none_of(given.begin(), given.end(), named))
+            entity.parameters.parameters.push_back(each);
+        else each.used = true;  // of the scene's integrator, which is not asked for
+    }
+    return entity;
+}
+
 Result<ChosenIntegrator> choose_integrator(const SceneEntity& entity, std::optional<std::int64_t> max_depth) {
     ChosenIntegrator chosen;
     SceneEntity asked = entity;

@@ -13,7 +13,8 @@
 //   start-up                     if starts_up(): one integrate() per tile with CameraBatch::startup, whose samples must be
 //                                discarded (display.discard_iteration()); then end_startup(), single-threaded
 //   begin_iteration(i)           single-threaded; photon maps, guiding structures, chains are shared state made here
-//     integrate(batch, ...)      many threads at once; const: shared state is read-only while rays fly
+//     integrate(batch, ...)      many threads at once; const: shared state is read-only while rays fly. A loop that has no
+//                                bound of its own asks services.leaving() and returns when told so
 //   end_iteration(i)             single-threaded: take in what the threads' states gathered
 //   save_state, restore_state    for checkpoints, when traits() says that there is state to save
 //
@@ -27,6 +28,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -153,6 +155,15 @@ struct ThreadServices {
     display::DisplayServices& display;
     display::LpeServices& lpe;
     display::RasterSplats* raster = nullptr;  ///< for integrators with the trait raster_splats; else null
+    const std::atomic<bool>* leave = nullptr; ///< set when the render ends without waiting for batches; null: never
+    bool left = false;                        ///< this batch is not finished: the engine drops what came of it
+
+    /// Whether to leave the batch as it is and return at once. To be asked in every loop that scenes can make endless: once
+    /// for each scattering event of a batch costs nothing that can be measured.
+    [[nodiscard]] bool leaving() {
+        left = left || (leave != nullptr && leave->load(std::memory_order_relaxed));
+        return left;
+    }
 };
 
 /// Work done, for statistics. Added up over threads at the end.
@@ -223,6 +234,10 @@ Registry<IntegratorFactory>& integrator_registry();
 
 /// The parameter "maxdepth" of in-tree integrators, `max_depth` first; 5 without, at most a million.
 Result<std::uint32_t> read_max_depth(const SceneEntity& entity, std::optional<std::int64_t> max_depth);
+
+/// The integrator that `asked` names, with the scene's parameters that both have and `asked` does not give: "maxdepth" most of
+/// all. Without `asked`, the scene's own.
+SceneEntity integrator_for(const std::optional<SceneEntity>& asked, const SceneEntity& of_scene);
 
 struct ChosenIntegrator {
     std::unique_ptr<Integrator> integrator;

@@ -15,9 +15,9 @@ void LightTracer::integrate(const CameraBatch& batch, IntegratorThread& state, T
     thread.counters.add(thread.camera->counters);
     thread.camera->counters = IntegratorCounters();
     thread.camera->counters.path_lengths.assign(1, 0);
-    if (!can_emit_) return;
+    if (!can_emit_ || services.left) return;
     emit(batch, thread);
-    while (thread.next_count > 0) {
+    while (thread.next_count > 0 && !services.leaving()) {
         trace(batch, thread);
         if (thread.count == 0) continue;
         context_.scene.materials->shade(*context_.scene.textures, {thread.points.data(), thread.count},

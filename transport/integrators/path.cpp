@@ -24,7 +24,7 @@ std::unique_ptr<IntegratorThread> PathIntegrator::make_thread_state() const {
 void PathIntegrator::integrate(const CameraBatch& batch, IntegratorThread& state, ThreadServices& services) const {
     auto& thread = static_cast<PathThread&>(state);
     start(batch, thread, services);
-    while (thread.next_count > 0) {
+    while (thread.next_count > 0 && !services.leaving()) {
         if (in_media_) trace_in_media(thread, services);
         else trace(thread, services);
         resolve(thread, services);

@@ -42,11 +42,13 @@ void Pssmlt::place(PssmltThread& thread, std::size_t row, PrimarySamples& number
                                                  context_.camera->has_lens() ? sampler.get_2d(lens_dimension) : Vec2{0, 0});
 }
 
-void Pssmlt::trace(PssmltThread& thread, std::size_t count) const {
+bool Pssmlt::trace(PssmltThread& thread, std::size_t count, ThreadServices& services) const {
     thread.table.begin({thread.rows.data(), count});
-    ThreadServices services{thread.display, thread.lpe};
+    ThreadServices own{thread.display, thread.lpe, nullptr, services.leave};
     path_->integrate({{thread.rays.data(), count}, {thread.samplers.data(), count}, {thread.rows.data(), count}}, *thread.path,
-                     services);
+                     own);
+    services.left = own.left;
+    return !own.left;
 }
 
 double Pssmlt::brought(const PssmltThread& thread, std::size_t row) const {
@@ -70,7 +72,8 @@ void Pssmlt::splat(display::RasterSplats& raster, const display::CameraRow& wher
     raster.add(where, weight * area_share_, splatted_, values);
 }
 
-void Pssmlt::bootstrap(ChainGroup& group, std::uint32_t tile, PssmltThread& thread) const {
+void Pssmlt::bootstrap(ChainGroup& group, std::uint32_t tile, PssmltThread& thread,
+                       ThreadServices& services) const {
     const std::size_t wanted = bootstrap_share(), room = thread.rows.size();
     while (group.bootstrap.size() < wanted) {
         const std::size_t first = group.bootstrap.size(), count = std::min(room, wanted - first);
@@ -80,7 +83,7 @@ void Pssmlt::bootstrap(ChainGroup& group, std::uint32_t tile, PssmltThread& thre
             numbers.propose(true, parameters_.sigma);
             place(thread, i, numbers, tile, first + i);
         }
-        trace(thread, count);
+        if (!trace(thread, count, services)) return;
         for (std::size_t i = 0; i < count; ++i) group.bootstrap.push_back(brought(thread, i));
     }
 }
@@ -114,7 +117,7 @@ void Pssmlt::end_startup() {
         }
 }
 
-void Pssmlt::start(ChainGroup& group, std::uint32_t tile, PssmltThread& thread) const {
+void Pssmlt::start(ChainGroup& group, std::uint32_t tile, PssmltThread& thread, ThreadServices& services) const {
     group.started = true;
     for (std::size_t first = 0; first < group.chains.size(); first += thread.rows.size()) {
         const std::size_t count = std::min(thread.rows.size(), group.chains.size() - first);
@@ -123,7 +126,7 @@ void Pssmlt::start(ChainGroup& group, std::uint32_t tile, PssmltThread& thread) 
             numbers.propose(true, parameters_.sigma);
             place(thread, i, numbers, tile, first + i);
         }
-        trace(thread, count);
+        if (!trace(thread, count, services)) return;
         for (std::size_t i = 0; i < count; ++i) {
             MarkovChain& chain = group.chains[first + i];
             chain.numbers.accept();
@@ -145,7 +148,7 @@ void Pssmlt::step(ChainGroup& group, std::uint32_t tile, std::size_t count, Pssm
         chain.numbers.propose(chain.large, parameters_.sigma);
         place(thread, i, chain.numbers, tile, chain_of(i));
     }
-    trace(thread, count);
+    if (!trace(thread, count, services)) return;
     const double p = static_cast<double>(parameters_.large_step_probability);
     for (std::size_t i = 0; i < count; ++i) {
         MarkovChain& chain = group.chains[chain_of(i)];
@@ -191,17 +194,18 @@ void Pssmlt::integrate(const CameraBatch& batch, IntegratorThread& state, Thread
     ChainGroup& group = groups_[batch.tile];
     if (batch.startup) {
         services.display.discard_iteration();
-        bootstrap(group, batch.tile, thread);
+        bootstrap(group, batch.tile, thread, services);
         return;
     }
     camera_->integrate(batch, *thread.camera, services);
     if (mean_ > 0) {
-        if (!group.started) start(group, batch.tile, thread);
-        for (std::size_t left = batch.rays.size(); left > 0;) {
+        if (!group.started && !services.left) start(group, batch.tile, thread, services);
+        for (std::size_t left = batch.rays.size(); left > 0 && !services.left;) {
             const std::size_t count = std::min({left, group.chains.size(), thread.rows.size()});
             step(group, batch.tile, count, thread, services);
             left -= count;
         }
+        if (services.left) return;
         display::CameraRow where;
         for (MarkovChain& chain : group.chains) {  // whoever looks at the image finds every step in it
             if (!(chain.weight > 0)) continue;

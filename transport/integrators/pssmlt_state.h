@@ -67,14 +67,15 @@ class Pssmlt final : public Integrator {
     void end_iteration(std::uint64_t iteration, std::span<IntegratorThread* const> threads) override;
 
   private:
-    void bootstrap(ChainGroup& group, std::uint32_t tile, PssmltThread& thread) const;
+    void bootstrap(ChainGroup& group, std::uint32_t tile, PssmltThread& thread, ThreadServices& services) const;
     /// The first state of each chain of the group.
-    void start(ChainGroup& group, std::uint32_t tile, PssmltThread& thread) const;
+    void start(ChainGroup& group, std::uint32_t tile, PssmltThread& thread, ThreadServices& services) const;
     /// One step of `count` chains from group.next on.
     void step(ChainGroup& group, std::uint32_t tile, std::size_t count, PssmltThread& thread, ThreadServices& services) const;
     /// Row i of the thread's table gets the path of `numbers`.
     void place(PssmltThread& thread, std::size_t row, PrimarySamples& numbers, std::uint32_t tile, std::uint64_t chain) const;
-    void trace(PssmltThread& thread, std::size_t count) const;
+    /// False when `services` say to leave: the paths are not whole then.
+    [[nodiscard]] bool trace(PssmltThread& thread, std::size_t count, ThreadServices& services) const;
     /// What row i brought: mean size of the three colours of beauty, or of all channels when there is none.
     [[nodiscard]] double brought(const PssmltThread& thread, std::size_t row) const;
     void take(const PssmltThread& thread, std::size_t row, std::vector<double>& values) const;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace raylex::transport {
 
@@ -130,6 +131,7 @@ void LightTable::finish(const EmbreeScene& geometry) {
         if (!(light.power > 0) && !light.emission.is_black())
             light.power = light.emission.max();  // colours of negative luminance
         if (light.is_area() && !(light.area > 0)) light.power = 0;
+        light.power = std::min(light.power, std::numeric_limits<float>::max());  // what there is to choose by must be a number
         if (light.power > 0) ++lit;
         any_to_hit_ = any_to_hit_ || (light.power > 0 && !light.is_delta());
         total += light.power;
@@ -162,6 +164,13 @@ Result<LightTable> LightTable::build(const SceneDescription& scene, EmbreeScene&
         if (!entry) return entry.error();
         auto light = (*entry)->factory(source, context);
         if (!light) return light.error();
+        if (light->kind == LightKind::point || light->kind == LightKind::spot) {
+            const Vec3& at = light->position;
+            if (!(std::max({std::abs(at.x), std::abs(at.y), std::abs(at.z)}) <= largest_coordinate))
+                return error_at(source.location, "the light stands at (" + std::to_string(at.x) + ", " + std::to_string(at.y) +
+                                                     ", " + std::to_string(at.z) + "); expected no coordinate beyond 1e18",
+                                "another unit of length brings it into range");
+        }
         light->group = table.group_index(source.group);
         table.lights_.push_back(*light);
     }

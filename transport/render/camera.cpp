@@ -1,5 +1,6 @@
 #include "transport/render/camera.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -46,6 +47,11 @@ Result<PerspectiveCamera> PerspectiveCamera::build(const SceneEntity& entity, co
         for (std::size_t i = 0; i < 4; ++i) screen[i] = p->numbers[i];
     }
     warn_unused(entity, "the perspective camera", warnings);
+    const Vec3 eye = camera_to_world.point({0, 0, 0});
+    if (!(std::max({std::abs(eye.x), std::abs(eye.y), std::abs(eye.z)}) <= largest_coordinate))
+        return error_at(entity.location, "the camera stands at (" + std::to_string(eye.x) + ", " + std::to_string(eye.y) + ", " +
+                                             std::to_string(eye.z) + "); expected no coordinate beyond 1e18",
+                        "another unit of length brings it into range");
 
     PerspectiveCamera camera;
     camera.camera_to_world_ = camera_to_world;

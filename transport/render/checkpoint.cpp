@@ -156,6 +156,11 @@ display::RecordFile make_checkpoint(const RecordIdentity& identity, const Render
     RecordWriter progress(record.add("progress"));
     progress.number(position.phase);
     progress.number(position.task);
+    progress.number(static_cast<std::uint64_t>(position.unfinished.size()));
+    for (const UnfinishedTask& each : position.unfinished) {
+        progress.number(each.task);
+        progress.number(each.done);
+    }
     write_statistics(progress, position.statistics);
     frame_buffer.append_record(record.add("frame buffer"));
     for (const geoaovs::Cryptomatte& matte : job.cryptomatte) matte.coverage().append_record(record.add(matte.name()));
@@ -183,18 +188,28 @@ Result<RenderPosition> restore_checkpoint(const CheckpointSettings& settings, co
         for (const std::string& each : differences) message += "\n  " + each;
         return resume_error(file, message, "render as it was begun, or, to begin again, remove this file and leave out --resume");
     }
+    return restore_record(*record, file, job, frame_buffer);
+}
+
+Result<RenderPosition> restore_record(const display::RecordFile& record, const std::string& file, RenderJob& job,
+                                      display::FrameBuffer& frame_buffer) {
     const auto damaged = [&](const std::string& section) {
         return resume_error(file, "cannot resume: section '" + section + "' of the checkpoint does not fit this render",
                             start_again);
     };
     const auto content = [&](const std::string& name) -> std::string_view {
-        const display::RecordSection* section = record->find(name);
+        const display::RecordSection* section = record.find(name);
         return section != nullptr ? std::string_view(section->content) : std::string_view();
     };
     RenderPosition position;
     RecordReader progress(content("progress"));
     position.phase = progress.number<std::uint64_t>();
     position.task = progress.number<std::uint64_t>();
+    const auto unfinished = progress.number<std::uint64_t>();
+    for (std::uint64_t i = 0; i < unfinished && progress.ok(); ++i) {
+        const auto task = progress.number<std::uint64_t>(), done = progress.number<std::uint64_t>();
+        position.unfinished.push_back({task, done});
+    }
     read_statistics(progress, position.statistics);
     if (!progress.at_end()) return damaged("progress");
     auto restored = display::FrameBuffer::from_record(content("frame buffer"));

@@ -2,8 +2,9 @@
 // is asked for stands in CheckpointSettings (render.h).
 //
 // A checkpoint is taken between tasks: the threads stop at the end of the task they are in, so the frame buffer holds tasks
-// [0, position) of the phase, whole, and no others; which is all that has to be remembered of the order. The record is
-// copied while they stand still, and checked, written and synced by a thread of its own while they go on.
+// [0, position) of the phase, whole, and no others; which is all that has to be remembered of the order, but for the tasks
+// that were left amid their batches when the render had to end at once. The record is copied while the threads stand still,
+// and checked, written and synced by a thread of its own while they go on.
 //
 // Sections of the record (display/checkpoint/record_file.h): "progress", "frame buffer", "adaptive" and "integrator" when
 // there is such a thing, and one for each set of mattes.
@@ -22,10 +23,17 @@ namespace raylex::transport {
 
 struct RenderJob;
 
+/// A task that its thread had to leave.
+struct UnfinishedTask {
+    std::uint64_t task = 0;
+    std::uint64_t done = 0;      ///< of the blocks of pixels that it goes through, so many first ones are in the frame buffer
+};
+
 /// Where a render stands.
 struct RenderPosition {
     std::uint64_t phase = 0;     ///< a run of tasks that threads go through without meeting
-    std::uint64_t task = 0;      ///< the first task of the phase that is not in the frame buffer
+    std::uint64_t task = 0;      ///< the first task of the phase that no thread has taken
+    std::vector<UnfinishedTask> unfinished;   ///< before `task`: all others there are in the frame buffer, whole
     RenderStatistics statistics; ///< of what is in the frame buffer
 };
 
@@ -34,6 +42,10 @@ display::RecordIdentity render_identity(const RenderJob& job, const RenderSettin
 
 /// Whether this render can be saved at all; an Error names what cannot.
 Status check_checkpoint(const CheckpointSettings& settings, const RenderJob& job, const std::string& integrator);
+
+/// What restore_checkpoint() takes from a record, of this very render.
+Result<RenderPosition> restore_record(const display::RecordFile& record, const std::string& file, RenderJob& job,
+                                      display::FrameBuffer& frame_buffer);
 
 display::RecordFile make_checkpoint(const display::RecordIdentity& identity, const RenderPosition& position,
                                     const RenderJob& job, const display::FrameBuffer& frame_buffer);

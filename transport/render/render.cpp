@@ -319,7 +319,7 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
                                    warnings);
         !s)
         return s.error();
-    auto chosen = choose_integrator(settings.integrator ? *settings.integrator : scene.integrator, settings.max_depth);
+    auto chosen = choose_integrator(integrator_for(settings.integrator, scene.integrator), settings.max_depth);
     if (!chosen) return chosen.error();
     warnings.insert(warnings.end(), chosen->warnings.begin(), chosen->warnings.end());
     job.integrator = chosen->integrator.get();
@@ -391,7 +391,9 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
         if (settings.adaptive)  // an error and a decision a pixel
             plan.memory.push_back({"adaptive", 9 * static_cast<std::uint64_t>(film->width) *
                                                    static_cast<std::uint64_t>(film->height)});
-        if (settings.checkpoint) plan.memory.push_back({"checkpoint", display::total_bytes(plan.memory)});
+        const std::uint64_t image_bytes = display::total_bytes(plan.memory);
+        if (settings.checkpoint) plan.memory.push_back({"checkpoint", image_bytes});
+        if (settings.limit && settings.limit->seconds > 0) plan.memory.push_back({"image before the pass", image_bytes});
         if (Status s = settings.before_rendering(plan, job.sinks); !s) return s.error();
     }
     display::RecordIdentity identity;
@@ -422,6 +424,7 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
     const std::uint64_t resumed_samples = position.statistics.camera_samples;
     const Stopwatch watch;
     job.seconds_before_loop = since_call.wall();
+    const std::uint64_t untraced_before = scene.view().geometry->untraced_rays();
     RenderLoop loop(job, *frame_buffer);
     if (settings.checkpoint && settings.checkpoint->resume) loop.resume(std::move(position));
     if (settings.checkpoint) loop.save_to(*settings.checkpoint, std::move(identity));
@@ -430,6 +433,10 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
         error.message = "a checkpoint could not be saved: " + error.message;
         warnings.push_back(std::move(error));
     }
+    if (const std::uint64_t untraced = scene.view().geometry->untraced_rays() - untraced_before; untraced > 0)
+        warnings.push_back(error_at({}, std::to_string(untraced) + " rays began or pointed beyond what can be traced (1e18, less where "
+                                        "instances shrink), or were not of numbers, and were taken to hit nothing",
+                                    "another unit of length, or a smaller scene, brings rays into range"));
     RenderStatistics statistics;
     statistics.build_seconds = scene.build_seconds;
     statistics.build_cpu_seconds = scene.build_cpu_seconds;

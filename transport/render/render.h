@@ -53,8 +53,8 @@ struct CheckpointSettings {
 /// Ends a render at a number of samples per pixel that is found on the way; at most RenderSettings::samples_per_pixel. All
 /// pixels get as many, so the image is, bit for bit, the one that asking for that number gives.
 struct SampleLimit {
-    /// Wall time since render() was called on a built scene, what the integrator prepares included; 0 = none. At least one
-    /// sample is rendered, and the time may be exceeded by what a sample's time varies.
+    /// Wall time since render() was called on a built scene, what the integrator prepares included; 0 = none. It is exceeded by
+    /// half a second at most: a pass that cannot end by then is taken back, or, without any before it, the render incomplete.
     double seconds = 0;
     double seconds_per_sample = 0;                  ///< what a sample of all pixels should take; 0: not known
     double error = 0;                               ///< AdaptiveProgress::error of the beauty, neighbourhood 0; 0 = none
@@ -155,7 +155,7 @@ struct RenderOutput {
 };
 
 /// Renders. `progress` is called from one thread, a few times a second. Setting `*stop` ends the render after the current
-/// blocks and returns what there is, marked incomplete.
+/// blocks, without batches that take longer than a moment, and returns what there is, marked incomplete.
 Result<RenderOutput> render(const SceneDescription& scene, const RenderSettings& settings,
                             const std::function<void(const RenderProgress&)>& progress = {},
                             const std::atomic<bool>* stop = nullptr);

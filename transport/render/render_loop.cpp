@@ -11,8 +11,7 @@
 #include "transport/render/clock.h"
 
 namespace raylex::transport {
-
-RenderLoop::RenderLoop(const RenderJob& job, display::FrameBuffer& frame_buffer) : job_(job), frame_buffer_(frame_buffer) {
+RenderLoop::RenderLoop(RenderJob& job, display::FrameBuffer& frame_buffer) : job_(job), frame_buffer_(frame_buffer) {
     tiles_x_ = static_cast<std::uint64_t>((job.film.width + 2 * job.padding_x + tile_size - 1) / tile_size);
     tiles_ = tiles_x_ * static_cast<std::uint64_t>((job.film.height + 2 * job.padding_y + tile_size - 1) / tile_size);
     rounds_ = (job.samples_per_pixel + block_size - 1) / block_size;
@@ -24,9 +23,14 @@ RenderLoop::RenderLoop(const RenderJob& job, display::FrameBuffer& frame_buffer)
     if (job.limit != nullptr)
         limited_ = std::make_unique<LimitedPasses>(*job.limit, job.samples_per_pixel, block_size, job.integrator->synchronous(),
                                                    job.channels, job.beauty, frame_buffer.layout());
-    const TileGrid grid{job.padding_x, job.padding_y, tiles_x_, tiles_ / tiles_x_};
-    for (int i = 0; i < job.threads; ++i)
-        workers_.push_back(std::make_unique<RenderWorker>(job, grid, locks_, frame_buffer));
+    make_workers();
+}
+
+void RenderLoop::make_workers() {
+    const TileGrid grid{job_.padding_x, job_.padding_y, tiles_x_, tiles_ / tiles_x_};
+    workers_.clear();
+    for (int i = 0; i < job_.threads; ++i)
+        workers_.push_back(std::make_unique<RenderWorker>(job_, grid, locks_, frame_buffer_, leave_));
 }
 
 void RenderLoop::resume(RenderPosition position) {
@@ -67,12 +71,22 @@ void RenderLoop::work(RenderWorker& worker, std::uint64_t last) {
     const double begin = thread_cpu_seconds();
     try {
         while (!failed_.load(std::memory_order_relaxed)) {
-            if (stopped() || pause_.load(std::memory_order_relaxed)) break;
-            const std::uint64_t task = next_.fetch_add(1, std::memory_order_relaxed);
-            if (task >= last) break;
+            if (ending() || pause_.load(std::memory_order_relaxed)) break;
+            UnfinishedTask part;
+            if (const std::uint64_t k = next_unfinished_.fetch_add(1); k < position_.unfinished.size()) {
+                part = position_.unfinished[k];
+            } else {
+                part.task = next_.fetch_add(1, std::memory_order_relaxed);
+                if (part.task >= last) break;
+            }
             const std::uint64_t before = worker.samples;
-            render_task(worker, task);
+            worker.go_on_from(part.done);
+            render_task(worker, part.task);
             samples_done_.fetch_add(worker.samples - before, std::memory_order_relaxed);
+            if (!worker.left()) continue;
+            const std::lock_guard lock(failure_mutex_);
+            left_tasks_.push_back({part.task, worker.done()});
+            break;
         }
     } catch (const std::exception& e) {
         const std::lock_guard lock(failure_mutex_);
@@ -84,6 +98,7 @@ void RenderLoop::work(RenderWorker& worker, std::uint64_t last) {
 
 Status RenderLoop::run_tasks(const std::function<void()>& report) {
     next_.store(position_.task);
+    next_unfinished_.store(0);
     pause_.store(false);
     std::mutex mutex;
     std::condition_variable done;
@@ -101,6 +116,7 @@ Status RenderLoop::run_tasks(const std::function<void()>& report) {
         std::unique_lock lock(mutex);
         while (!done.wait_for(lock, longest, [&] { return running == 0; })) {
             lock.unlock();
+            watch_threads();
             report();
             if (!by_passes() && checkpoint_due()) pause_.store(true, std::memory_order_relaxed);
             lock.lock();
@@ -108,8 +124,7 @@ Status RenderLoop::run_tasks(const std::function<void()>& report) {
     }
     for (std::thread& thread : threads) thread.join();
     if (failed_.load()) return error_at({}, "a render thread failed: " + failure_);
-    // Tasks are taken in order, and a task once taken is finished: those before the next are in the frame buffer, no others.
-    position_.task = std::min(next_.load(), tasks_);
+    take_unfinished();
     return success();
 }
 
@@ -164,22 +179,16 @@ std::optional<display::AdaptiveProgress> RenderLoop::error() const {
     return std::nullopt;
 }
 
-void RenderLoop::choose_pass() {
-    const std::uint64_t done = pass_end_ > 0 ? pass_end_ : position_.task / tiles_ * block_size;  // 0: the session begins
-    pass_end_ = limited_->next_end(done, job_.seconds_before_loop + seconds(), frame_buffer_);
-    limit_reached_ = pass_end_ == done;
-    samples_per_pixel_ = pass_end_;
-}
-
 Status RenderLoop::start_up(const std::function<void()>& report) {
     const RenderPosition begin = position_;
     position_.task = 0;
+    position_.unfinished.clear();
     tasks_ = tiles_;
     starting_ = true;
     const Status status = run_tasks(report);
     starting_ = false;
-    position_.task = begin.task;
-    if (status && !stopped()) job_.integrator->end_startup();
+    position_ = begin;
+    if (status && !ending()) job_.integrator->end_startup();
     return status;
 }
 
@@ -211,7 +220,7 @@ void RenderLoop::begin_phase() {
 Status RenderLoop::run_phase(const std::function<void()>& report) {
     for (;;) {
         if (Status s = run_tasks(report); !s) return s;
-        if (position_.task >= tasks_ || stopped()) return success();
+        if (whole_phase() || ending()) return success();
         save_checkpoint();
     }
 }
@@ -253,21 +262,27 @@ Status RenderLoop::run(const std::function<void(const RenderProgress&)>& progres
         }
         progress({done, total, seconds(), error, this, least});
     };
-    std::vector<IntegratorThread*> states;
-    for (auto& worker : workers_) states.push_back(&worker->state());
     if (job_.integrator->starts_up())
         if (Status s = start_up(report); !s) return s;
-    if (limited_) choose_pass();
-    while (!finished()) {
+    if (limited_ && !ending()) choose_pass();
+    while (!finished() && !(job_.integrator->starts_up() && ending())) {
         begin_phase();
         job_.integrator->begin_iteration(position_.phase);
         if (Status s = run_phase(report); !s) return s;
+        std::vector<IntegratorThread*> states;
+        for (auto& worker : workers_) states.push_back(&worker->state());
         job_.integrator->end_iteration(position_.phase, states);
-        const bool whole = position_.task >= tasks_;
+        const bool whole = whole_phase();
         if (whole) end_phase();
+        if (!whole && !stopped() && ending()) {
+            if (Status s = take_back_pass(); !s) return s;
+            if (!finished() && !ending()) continue;
+            break;
+        }
         if (stopped()) {
             // Amid an iteration there is nothing consistent to save: the last checkpoint stays.
-            if (checkpoint_ && (whole || !by_passes()) && !finished() && samples_done_.load() > 0) save_checkpoint();
+            if (checkpoint_ && (whole || !by_passes()) && !finished() && samples_done_.load() > 0 && !splats_left_behind())
+                save_checkpoint();
             break;
         }
         if (checkpoint_due() && !finished()) save_checkpoint();
@@ -284,7 +299,7 @@ bool RenderLoop::checkpoint_due() const {
 
 void RenderLoop::save_checkpoint() {
     const double begin = watch_.wall();
-    RenderPosition position{position_.phase, position_.task, {}};
+    RenderPosition position{position_.phase, position_.task, position_.unfinished, {}};
     collect(position.statistics);
     position.statistics.render_seconds = position_.statistics.render_seconds + begin;
     writer_->wait();
@@ -316,22 +331,16 @@ void RenderLoop::collect(RenderStatistics& statistics) const {
     statistics.checkpoints = writer_ ? writer_->written() : 0;
     statistics.checkpoint_stall_seconds = stall_seconds_;
     for (const auto& worker : workers_) {
-        counters.add(worker->state().counters);
+        const WorkerTotals& totals = worker->totals();
+        counters.add(totals.counters);
         statistics.camera_samples += worker->samples;
         statistics.render_cpu_seconds += worker->cpu_seconds;
-        statistics.attribution_overflow += worker->lpe().overflow_count();
+        statistics.attribution_overflow += totals.overflow;
+        statistics.invalid_samples += totals.invalid;
         statistics.invalid_by_channel.resize(job_.channels.size());
-        const auto add_invalid = [&](const display::SampleTable& table) {
-            statistics.invalid_samples += table.invalid_total();
-            for (std::size_t i = 0; i < job_.channels.size(); ++i)
-                statistics.invalid_by_channel[i] += table.invalid_by_channel()[i];
-            statistics.invalid_log.insert(statistics.invalid_log.end(), table.invalid_log().begin(), table.invalid_log().end());
-        };
-        add_invalid(worker->table());
-        if (worker->raster() != nullptr) {
-            statistics.attribution_overflow += worker->raster()->lpe().overflow_count();
-            add_invalid(worker->raster()->table());
-        }
+        for (std::size_t i = 0; i < job_.channels.size(); ++i)
+            statistics.invalid_by_channel[i] += totals.invalid_by_channel[i];
+        statistics.invalid_log.insert(statistics.invalid_log.end(), totals.invalid_log.begin(), totals.invalid_log.end());
         const std::span<const display::RefusalCounts> refusals = worker->display().refusals();
         statistics.refusals.resize(refusals.size());
         for (std::size_t i = 0; i < refusals.size(); ++i) {

@@ -95,18 +95,28 @@ struct TileGrid {
     [[nodiscard]] std::uint64_t count() const { return columns * rows; }
 };
 
+/// What a thread did, for statistics.
+struct WorkerTotals {
+    IntegratorCounters counters;
+    std::uint64_t overflow = 0, invalid = 0;
+    std::vector<std::uint64_t> invalid_by_channel;
+    std::vector<display::InvalidSample> invalid_log;
+};
+
 /// One thread's splats on their way to the frame buffer: sorted by tiles, so that a lock serves many.
 class SplatGate final : public display::RasterSink {
   public:
     SplatGate(const RenderJob& job, const TileGrid& grid, TileLocks& locks, display::FrameBuffer& frame_buffer)
         : job_(job), grid_(grid), locks_(locks), frame_buffer_(frame_buffer) {}
     void take(const display::SampleTable& table) override;
+    [[nodiscard]] std::uint64_t taken() const { return taken_; }   ///< tables so far
 
   private:
     const RenderJob& job_;
     TileGrid grid_;
     TileLocks& locks_;
     display::FrameBuffer& frame_buffer_;
+    std::uint64_t taken_ = 0;
     std::vector<std::pair<std::uint64_t, int>> order_;   // tile and whether its neighbours are reached, row
     std::vector<int> rows_;
 };
@@ -114,9 +124,19 @@ class SplatGate final : public display::RasterSink {
 /// One thread's tables and buffers.
 class RenderWorker {
   public:
-    RenderWorker(const RenderJob& job, const TileGrid& grid, TileLocks& locks, display::FrameBuffer& frame_buffer);
+    /// Once `leave` is set, batches are left and no more are begun.
+    RenderWorker(const RenderJob& job, const TileGrid& grid, TileLocks& locks, display::FrameBuffer& frame_buffer,
+                 const std::atomic<bool>& leave);
     RenderWorker(const RenderWorker&) = delete;
     RenderWorker& operator=(const RenderWorker&) = delete;
+
+    /// The next call goes on with a task of which so many first blocks of pixels are in the frame buffer.
+    void go_on_from(std::uint64_t done) { skip_ = done_ = done; }
+    /// Whether the last call left its task, and how many blocks of pixels of it are in the frame buffer.
+    [[nodiscard]] bool left() const { return left_; }
+    [[nodiscard]] std::uint64_t done() const { return done_; }
+    /// Whether splats of the batch that was left are in the frame buffer: they cannot be taken back.
+    [[nodiscard]] bool splats_left_behind() const { return left_ && gate_.taken() != splats_taken_; }
 
     /// Renders samples [first, first + count) of the tile with pixels [x0, x1) x [y0, y1). `adding` is held while the
     /// frame buffer takes a batch in.
@@ -128,14 +148,12 @@ class RenderWorker {
     void render_open_pixels(int x0, int y0, int x1, int y1, std::uint64_t blocks, TileLocks::Group& adding);
 
     void render_sample(const SampleChoice& choice, TileLocks::Group& adding) {
-        add_pixel(choice.x, choice.y, choice.sample, 1, adding);
+        add_pixel(choice.x, choice.y, choice.sample, 1, 0, adding);
         flush(adding);
     }
 
-    [[nodiscard]] const display::SampleTable& table() const { return table_; }
-    [[nodiscard]] const display::LpeServices& lpe() const { return lpe_; }
-    /// Null unless the integrator splats.
-    [[nodiscard]] const display::RasterSplats* raster() const { return raster_.get(); }
+    /// Without the batch that was left.
+    [[nodiscard]] const WorkerTotals& totals();
     [[nodiscard]] const display::DisplayServices& display() const { return display_; }
     [[nodiscard]] IntegratorThread& state() { return *state_; }
     std::uint64_t samples = 0;
@@ -143,7 +161,9 @@ class RenderWorker {
     std::uint32_t tile = 0;   ///< whose pixels come next
 
   private:
-    void add_pixel(int x, int y, std::uint64_t first, int count, TileLocks::Group& adding);
+    /// Block number `block` of those that the task goes through.
+    void add_pixel(int x, int y, std::uint64_t first, int count, std::uint64_t block, TileLocks::Group& adding);
+    void note_totals();
     void flush(TileLocks::Group& adding);
     void finish_samples(double begin);
     const RenderJob& job_;
@@ -160,18 +180,24 @@ class RenderWorker {
     std::vector<PixelSampler> samplers_;
     std::size_t count_ = 0;
     bool startup_ = false;
+    const std::atomic<bool>& leave_;
+    bool left_ = false;
+    std::uint64_t skip_ = 0, added_ = 0, done_ = 0;   // blocks of pixels of the task
+    std::uint64_t splats_taken_ = 0;                  // before the batch
+    WorkerTotals totals_;                             // the same
 };
 
 class RenderLoop : public LiveImage {
   public:
     static constexpr int batch_capacity = 256, tile_size = 16, block_size = 16;
 
-    RenderLoop(const RenderJob& job, display::FrameBuffer& frame_buffer);
+    RenderLoop(RenderJob& job, display::FrameBuffer& frame_buffer);
     /// Before run(): go on from here, with the frame buffer as it was then.
     void resume(RenderPosition position);
     /// Before run(): save the render while it goes on.
     void save_to(const CheckpointSettings& settings, display::RecordIdentity identity);
-    /// Returns when the budget is spent, `*stop` was seen, or a thread ran out of memory (an Error).
+    /// Returns when the budget is spent, the time is over, `*stop` was seen, or a thread ran out of memory (an Error). After
+    /// `*stop` threads finish their tasks; a batch that takes them longer than a moment is left.
     Status run(const std::function<void(const RenderProgress&)>& progress, const std::atomic<bool>* stop);
 
     [[nodiscard]] std::vector<double> resolve(display::ChannelId id, const display::PixelRegion& region) const override;
@@ -180,6 +206,8 @@ class RenderLoop : public LiveImage {
                                                                const display::PixelRegion& region) const override;
 
     [[nodiscard]] bool complete() const { return complete_; }
+    /// After a stop: whether splats of light paths that were not finished are in the image.
+    [[nodiscard]] bool splats_left_behind() const;
     /// After run(): the budget, or what a limited render came to.
     [[nodiscard]] std::uint64_t samples_per_pixel() const { return samples_per_pixel_; }
     /// Of adaptive sampling, or of a limit by error.
@@ -205,25 +233,44 @@ class RenderLoop : public LiveImage {
     Status run_tasks(const std::function<void()>& report);
     void work(RenderWorker& worker, std::uint64_t last);
     void render_task(RenderWorker& worker, std::uint64_t task);
+    /// Raises leave_ where threads must not be waited for any longer; called while they run.
+    void watch_threads();
+    void take_unfinished();
+    [[nodiscard]] double time_left() const;   ///< infinite without a limit
+    [[nodiscard]] double pass_share_done() const;
+    [[nodiscard]] bool pass_is_too_long() const;
+    void make_workers();
+    /// After the time was over amid a pass: the image as it was before the pass.
+    Status take_back_pass();
+    [[nodiscard]] bool can_take_back() const;
+    [[nodiscard]] bool ending() const { return stopped() || leave_.load(std::memory_order_relaxed); }
+    [[nodiscard]] bool whole_phase() const { return position_.task >= tasks_ && position_.unfinished.empty(); }
     [[nodiscard]] bool stopped() const { return stop_ != nullptr && stop_->load(std::memory_order_relaxed); }
     [[nodiscard]] bool checkpoint_due() const;
     void save_checkpoint();
     template <class Read>
     [[nodiscard]] std::vector<double> by_tiles(const display::PixelRegion& region, std::size_t components,
                                                Read read) const;
-    const RenderJob& job_;
+    RenderJob& job_;
+    std::atomic<bool> leave_{false};
     std::vector<std::unique_ptr<RenderWorker>> workers_;
     display::FrameBuffer& frame_buffer_;
     mutable TileLocks locks_;
     std::uint64_t tiles_x_ = 0, tiles_ = 0, rounds_ = 0, phases_ = 1;   // the padding is tiled too
     std::uint64_t samples_per_pixel_ = 0;
     std::unique_ptr<LimitedPasses> limited_;
-    std::uint64_t pass_end_ = 0;              // samples per pixel after the pass, when limited
+    std::uint64_t pass_begin_ = 0, pass_end_ = 0;   // samples per pixel before and after the pass, when limited
     bool limit_reached_ = false;
     RenderPosition position_;                 // its statistics are those of earlier sessions
     std::uint64_t tasks_ = 0;                 // of this phase
     std::vector<std::uint32_t> open_tiles_;   // of this phase, when sampling is adaptive
-    std::atomic<std::uint64_t> next_{0}, samples_done_{0};
+    std::atomic<std::uint64_t> next_{0}, next_unfinished_{0}, samples_done_{0};
+    std::vector<UnfinishedTask> left_tasks_;  // by threads that had to leave, under failure_mutex_
+    std::optional<double> stop_seen_;         // seconds()
+    std::optional<display::RecordFile> before_pass_;   // the whole render, when the time may be over amid a pass
+    bool first_pass_ = false;                 // of a session: nobody knows how long a sample takes
+    double pass_begin_seconds_ = 0;
+    std::uint64_t pass_begin_samples_ = 0;    // samples_done_
     const std::atomic<bool>* stop_ = nullptr;
     std::atomic<bool> failed_{false}, pause_{false};
     std::mutex failure_mutex_;

@@ -34,6 +34,7 @@ TileLocks::Group TileLocks::group(std::uint64_t x, std::uint64_t y, std::uint64_
 }
 
 void SplatGate::take(const display::SampleTable& table) {
+    ++taken_;
     const int tile = RenderLoop::tile_size;
     // Where a splat's footprint ends may be off by a rounding; half a pixel more makes up for it.
     const float reach_x = job_.filter->radius_x() + 1, reach_y = job_.filter->radius_y() + 1;
@@ -59,7 +60,8 @@ void SplatGate::take(const display::SampleTable& table) {
     }
 }
 
-RenderWorker::RenderWorker(const RenderJob& job, const TileGrid& grid, TileLocks& locks, display::FrameBuffer& frame_buffer)
+RenderWorker::RenderWorker(const RenderJob& job, const TileGrid& grid, TileLocks& locks, display::FrameBuffer& frame_buffer,
+                           const std::atomic<bool>& leave)
     : job_(job),
       frame_buffer_(frame_buffer),
       table_(job.channels, RenderLoop::batch_capacity, job.has_extra_rows ? 4 * RenderLoop::batch_capacity : 0,
@@ -72,13 +74,15 @@ RenderWorker::RenderWorker(const RenderJob& job, const TileGrid& grid, TileLocks
       state_(job.integrator->make_thread_state()),
       rows_(RenderLoop::batch_capacity),
       rays_(RenderLoop::batch_capacity),
-      samplers_(RenderLoop::batch_capacity) {}
+      samplers_(RenderLoop::batch_capacity),
+      leave_(leave) {}
 
 void RenderWorker::render_tile(int x0, int y0, int x1, int y1, std::uint64_t first, int count, TileLocks::Group& adding) {
+    std::uint64_t block = 0;
     for (int m = 0; m < RenderLoop::tile_size * RenderLoop::tile_size; ++m) {
         int dx, dy;
         morton_pixel(m, dx, dy);
-        if (x0 + dx < x1 && y0 + dy < y1) add_pixel(x0 + dx, y0 + dy, first, count, adding);
+        if (x0 + dx < x1 && y0 + dy < y1) add_pixel(x0 + dx, y0 + dy, first, count, block++, adding);
     }
     flush(adding);
 }
@@ -86,7 +90,7 @@ void RenderWorker::render_tile(int x0, int y0, int x1, int y1, std::uint64_t fir
 void RenderWorker::start_up(int x0, int y0, std::uint32_t of, TileLocks::Group& adding) {
     tile = of;
     startup_ = true;
-    add_pixel(x0, y0, 0, 1, adding);
+    add_pixel(x0, y0, 0, 1, 0, adding);
     flush(adding);
     startup_ = false;
 }
@@ -105,18 +109,23 @@ void RenderWorker::render_open_pixels(int x0, int y0, int x1, int y1, std::uint6
         const int x = x0 + dx, y = y0 + dy;
         if (x < x1 && y < y1 && adaptive.open(x, y)) pixels[open++] = {x, y, frame_buffer_.sample_count(x, y)};
     }
+    // What the frame buffer has of a task that was left is not of its beginning.
+    for (std::size_t i = 0; i < open; ++i)
+        pixels[i].first -= std::min(pixels[i].first, (skip_ / open + (i < skip_ % open ? 1 : 0)) * RenderLoop::block_size);
     for (std::uint64_t block = 0; block < blocks; ++block)
         for (std::size_t i = 0; i < open; ++i) {
             const std::uint64_t first = pixels[i].first + block * RenderLoop::block_size;
             if (first >= adaptive.max_samples()) continue;
             const auto count = std::min<std::uint64_t>(RenderLoop::block_size, adaptive.max_samples() - first);
-            add_pixel(pixels[i].x, pixels[i].y, first, static_cast<int>(count), adding);
+            add_pixel(pixels[i].x, pixels[i].y, first, static_cast<int>(count), block * open + i, adding);
         }
     flush(adding);
 }
 
-void RenderWorker::add_pixel(int x, int y, std::uint64_t first, int count, TileLocks::Group& adding) {
+void RenderWorker::add_pixel(int x, int y, std::uint64_t first, int count, std::uint64_t block, TileLocks::Group& adding) {
+    if (block < skip_) return;
     if (count_ + static_cast<std::size_t>(count) > rows_.size()) flush(adding);
+    if (left_) return;
     for (int k = 0; k < count; ++k) {
         const std::uint64_t sample = first + static_cast<std::uint64_t>(k);
         const PixelSampler sampler(job_.sampler, job_.seed, x, y, sample);
@@ -136,16 +145,28 @@ void RenderWorker::add_pixel(int x, int y, std::uint64_t first, int count, TileL
         samplers_[count_] = sampler;
         ++count_;
     }
+    added_ = block + 1;
     if (job_.aovs->wants_time()) flush(adding);  // so that every pixel is timed by itself
 }
 
 void RenderWorker::flush(TileLocks::Group& adding) {
     if (count_ == 0) return;
+    note_totals();
+    if (leave_.load(std::memory_order_relaxed)) {  // also where the integrator never asks
+        left_ = true;
+        count_ = 0;
+        return;
+    }
     table_.begin({rows_.data(), count_});
     const double begin = job_.aovs->wants_time() ? thread_cpu_seconds() : 0;
-    ThreadServices services{display_, lpe_, raster_.get()};
+    ThreadServices services{display_, lpe_, raster_.get(), &leave_};
     job_.integrator->integrate({{rays_.data(), count_}, {samplers_.data(), count_}, {rows_.data(), count_}, tile, startup_},
                                *state_, services);
+    if (services.left) {
+        left_ = true;
+        count_ = 0;
+        return;
+    }
     if (raster_ && table_.discarded()) raster_->discard();
     if (!table_.discarded()) {
         if (raster_) {
@@ -159,6 +180,33 @@ void RenderWorker::flush(TileLocks::Group& adding) {
     }
     if (!startup_) samples += count_;
     count_ = 0;
+    done_ = added_;
+}
+
+void RenderWorker::note_totals() {
+    totals_.counters = state_->counters;
+    totals_.overflow = lpe_.overflow_count();
+    std::uint64_t invalid = table_.invalid_total();
+    if (raster_) {
+        totals_.overflow += raster_->lpe().overflow_count();
+        invalid += raster_->table().invalid_total();
+    }
+    splats_taken_ = gate_.taken();
+    if (invalid == totals_.invalid && !totals_.invalid_by_channel.empty()) return;
+    totals_.invalid = invalid;
+    totals_.invalid_by_channel.assign(job_.channels.size(), 0);
+    totals_.invalid_log.clear();
+    const auto add = [&](const display::SampleTable& table) {
+        for (std::size_t i = 0; i < job_.channels.size(); ++i) totals_.invalid_by_channel[i] += table.invalid_by_channel()[i];
+        totals_.invalid_log.insert(totals_.invalid_log.end(), table.invalid_log().begin(), table.invalid_log().end());
+    };
+    add(table_);
+    if (raster_) add(raster_->table());
+}
+
+const WorkerTotals& RenderWorker::totals() {
+    if (!left_) note_totals();
+    return totals_;
 }
 
 /// What happens to samples between the integrator and the frame buffer.

@@ -61,7 +61,10 @@ std::uint64_t LimitedPasses::within_time(std::uint64_t done, std::uint64_t end, 
     const double rate = done > first_ ? (seconds - first_seconds_) / static_cast<double>(done - first_) : limit_.seconds_per_sample;
     const double left = limit_.seconds - seconds;
     if (rate > 0) {
-        const double most = std::floor(std::max(left, 0.0) / rate);
+        // What a sample takes varies, and a pass that ends late may be given up. While there is much time left, a twentieth of it
+        // stays for that; passes to come use it.
+        const double planned = left > 4 ? 0.95 * left : left;
+        const double most = std::floor(std::max(planned, 0.0) / rate);
         if (most < static_cast<double>(end - done)) end = done + static_cast<std::uint64_t>(most);
         // Only the last pass may end amid a block.
         if (end - done > block_) end -= (end - done) % block_;

@@ -7,6 +7,7 @@
 
 #include "display/buffer/memory_estimate.h"
 #include "display/services/hash64.h"
+#include "experiments/cli/interrupt.h"
 #include "experiments/job/scene_words.h"
 #include "experiments/job/statistics.h"
 #include "transport/render/camera.h"
@@ -57,6 +58,8 @@ Result<const StudyScene*> SceneStore::scene(std::size_t index) {
     job.scene_file = from.scene_file;
     job.label_rules = from.label_rules;
     StudyScene made;
+    // Loading watches no flag, and of cells there is nothing under way.
+    const InterruptsAtOnce at_once("raylex: interrupted while a scene was loading; cells that are done stay\n");
     const transport::Stopwatch loading;
     auto loaded = load_job_scene(job);
     if (!loaded) return loaded.error();

@@ -1,0 +1,109 @@
+// Signals and the clock end the program in every phase within a second or so, and never by an abort.
+#include <catch2/catch.hpp>
+
+#include <chrono>
+#include <string>
+
+#include "support.h"
+
+using namespace raylex::test;
+
+namespace {
+
+/// Light that is never lost in a box without a hole.
+std::string endless_scene() {
+    return R"(Film "rgb" "integer xresolution" 16 "integer yresolution" 16
+Integrator "path" "integer maxdepth" 1000000 "bool roulette" false
+LookAt 0 0 0  0 0 1  0 1 0
+Camera "perspective" "float fov" 60
+WorldBegin
+LightSource "point" "rgb I" [1 1 1] "point3 from" [0 0.5 0]
+Material "diffuse" "rgb reflectance" [1 1 1]
+Shape "sphere" "float radius" 2
+)";
+}
+
+/// The program is sent `signal` after a while; its exit code and how long it took after that.
+struct Stopped {
+    Outcome outcome;
+    double seconds = 0;
+};
+Stopped stop_by(const Folder& folder, const std::string& arguments, const std::string& signal, double after) {
+    const auto begin = std::chrono::steady_clock::now();
+    Stopped stopped{run_shell(folder, "\"$RAYLEX\" " + arguments + " & raylex=$!; sleep " + std::to_string(after) + "; kill -" +
+                                          signal + " $raylex; wait $raylex"),
+                    0};
+    stopped.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() - after;
+    return stopped;
+}
+
+/// The second that stopping may take, and what a machine with other work to do may add.
+constexpr double soon = 1 + 2;
+
+}  // namespace
+
+TEST_CASE("A path without end hears every signal that ends programs", "[cli][stopping]") {
+    const Folder folder;
+    folder.write("box.pbrt", endless_scene());
+    for (const char* signal : {"INT", "TERM", "HUP"}) {
+        INFO(signal);
+        const Stopped stopped = stop_by(folder, "render box.pbrt --checkpoint 60s", signal, 0.7);
+        INFO(stopped.outcome.err);
+        CHECK(stopped.outcome.code == 130);
+        CHECK(stopped.seconds < soon);
+        CHECK(stopped.outcome.err.find("interrupted") != std::string::npos);
+    }
+}
+
+TEST_CASE("A path without end hears the clock", "[cli][stopping]") {
+    const Folder folder;
+    folder.write("box.pbrt", endless_scene());
+    const auto begin = std::chrono::steady_clock::now();
+    const Outcome outcome = run_raylex(folder, "render box.pbrt --time 0.5s");
+    CHECK(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() < 0.5 + soon);
+    CHECK(outcome.code == 1);
+    CHECK(outcome.err.find("the time was up before any sample was finished") != std::string::npos);
+    CHECK_FALSE(folder.has("box.exr"));
+}
+
+TEST_CASE("Loading hears a signal", "[cli][stopping]") {
+    const Folder folder;
+    std::string scene = "WorldBegin\n";
+    for (int i = 0; i < 400'000; ++i) scene += "Translate 0.01 0 0\nShape \"sphere\" \"float radius\" 0.01\n";
+    folder.write("many.pbrt", scene);
+    const Stopped stopped = stop_by(folder, "render many.pbrt", "TERM", 0.4);
+    INFO(stopped.outcome.err);
+    CHECK(stopped.outcome.code == 130);
+    CHECK(stopped.seconds < soon);
+    CHECK(stopped.outcome.err.find("interrupted before anything was rendered; no file was written") != std::string::npos);
+}
+
+TEST_CASE("What is out of range is named, and never ends the program by a signal", "[cli][law7]") {
+    const Folder folder;
+    const std::string head = "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8\n",
+                      sky = "WorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\n", ball = "Shape \"sphere\" \"float radius\" 1\n";
+    const auto camera = [](const std::string& z) { return "LookAt 0 0 " + z + "  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" 40\n"; };
+    const auto instance = [&](const std::string& transform) {
+        return head + camera("-5") + sky + "ObjectBegin \"a\"\n" + ball + "ObjectEnd\n" + transform + "\nObjectInstance \"a\"\n";
+    };
+    std::string scales;
+    for (int i = 0; i < 10; ++i) scales += "Scale 1e10 1e10 1e10\n";
+    const struct {
+        std::string scene, expected;
+    } cases[] = {
+        {instance("Scale 1e-18 1e-18 1e-18"), "scene.pbrt:10:1: the instance's transform is beyond what single precision inverts"},
+        {instance("Scale 1e-9 1 1e9 Scale 1e-9 1 1e9"), "scene.pbrt:10:1: the instance reaches to 1e+18"},
+        {instance("Scale 1e18 1e-18 1"), "the instance"},
+        {head + camera("1e19") + sky + ball, "scene.pbrt:3:1: the camera stands at"},
+        {head + camera("4e18") + sky + "Shape \"sphere\" \"float radius\" 1e18\n", "scene.pbrt:3:1: the camera stands at"},
+        {head + camera("5") + sky + scales + ball, "the shape reaches to 1e+100 from the origin; expected at most 1e+18"},
+        {head + camera("5") + sky + "LightSource \"point\" \"point3 from\" [1e30 0 0]\n" + ball, "scene.pbrt:6:1: the light stands at"},
+    };
+    for (const auto& [scene, expected] : cases) {
+        folder.write("scene.pbrt", scene);
+        const Outcome outcome = run_raylex(folder, "render scene.pbrt --spp 2");
+        INFO(outcome.err);
+        CHECK(outcome.code == 2);
+        CHECK(outcome.err.find(expected) != std::string::npos);
+    }
+}
