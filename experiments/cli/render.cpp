@@ -254,7 +254,7 @@ void add_options(CLI::App& command, RenderOptions& options) {
         ->option_text("E");
     command
         .add_option("--time", options.time,
-                    "renders for so long, such as 30s, 5m or 1h, and at least one sample a pixel; --spp is then the most. The "
+                    "renders for so long, such as 30s, 5m or 1h, to within a second; --spp is then the most. The "
                     "samples reached are printed: --spp with their number gives the same bits")
         ->option_text("TIME");
     command
