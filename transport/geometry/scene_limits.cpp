@@ -117,12 +117,16 @@ Status check_extent(const SceneShape& shape, double extent) {
 }
 
 double extent_without_shapes(const SceneDescription& scene) {
-    double extent = largest_of(scene.camera_to_world.point({0, 0, 0}));
+    double extent = 0;
+    const auto take = [&](const Vec3& place) {  // what lies beyond all reach is an error of its own, at the camera or light
+        if (const double distance = largest_of(place); distance <= double{largest_coordinate}) extent = std::max(extent, distance);
+    };
+    take(scene.camera_to_world.point({0, 0, 0}));
     for (const SceneLight& light : scene.lights) {
         const Parameter* from = light.type == "point" || light.type == "spot" ? light.parameters.find("from") : nullptr;
         const bool moved = from != nullptr && from->numbers.size() == 3;
         const auto at = [&](std::size_t i) { return moved ? static_cast<float>(from->numbers[i]) : 0.0f; };
-        extent = std::max(extent, largest_of(light.to_world.point({at(0), at(1), at(2)})));
+        take(light.to_world.point({at(0), at(1), at(2)}));
     }
     return extent;
 }
@@ -150,8 +154,8 @@ Result<float> limit_of_rays(const SceneDescription& scene, const PlacedShapes& p
         const double reach = placed.shapes[i].reach_of_rays();
         if (!(rays <= reach))
             return error_at(scene.shapes[i].location,
-                            "rays of the scene begin as far as " + short_number(rays) + " from the origin, and triangles as large as "
-                            "here can be traced from " + short_number(reach) + " at most, in single precision",
+                            "rays of the scene begin as far as " + short_number(rays) + " from the origin, and this shape can be "
+                            "traced from " + short_number(reach) + " at most, in single precision",
                             "another unit of length, or smaller triangles, bring it into range");
         limit = std::min(limit, static_cast<float>(reach));
     }
