@@ -71,6 +71,16 @@ void part_straight(WordSets& sets) {
     std::erase_if(sets.scattering.any_of, [](const EventPattern& pattern) { return pattern.cores.none(); });
 }
 
+/// The label is one of the list, or absent.
+LabelTest one_of(const std::vector<std::string>& names) {
+    LabelTest test;
+    test.add_name({});
+    for (const std::string& name : names) {
+        test.add_name(name);
+    }
+    return test;
+}
+
 WordSets uncut_word_sets(const Words& words, bool skip_reserved_labels, std::span<const EventSet> told_apart) {
     LabelTest label = LabelTest::any();
     if (skip_reserved_labels) {
@@ -85,7 +95,8 @@ WordSets uncut_word_sets(const Words& words, bool skip_reserved_labels, std::spa
         sets.terminal = listed(words.alphabet->terminals, words, told_apart);
         return sets;
     }
-    EventPattern scattering{{}, {label, label}, Missing::is_empty, Extra::refused};  // slots: object, lobe
+    const LabelTest object = words.object_labels ? one_of(*words.object_labels) : label;
+    EventPattern scattering{{}, {object, label}, Missing::is_empty, Extra::refused};  // slots: object, lobe
     for (const EventType type : {EventType::reflection, EventType::transmission}) {
         add_core(scattering.cores, type, Scatter::diffuse, 4);
         add_core(scattering.cores, type, Scatter::glossy, 8);
@@ -98,9 +109,12 @@ WordSets uncut_word_sets(const Words& words, bool skip_reserved_labels, std::spa
         add_core(scattering.cores, EventType::volume, Scatter::none, 0);
     }
     sets.scattering.any_of.push_back(std::move(scattering));
-    LabelTest group = label;
-    if (!words.unlabelled_lights) {
+    const LabelTest any_group = words.light_groups ? one_of(*words.light_groups) : label;
+    LabelTest group = any_group;
+    if (!words.unlabelled_lights && group.negated) {
         group.add_name({});
+    } else if (!words.unlabelled_lights) {
+        std::erase(group.names, std::string());
     }
     EventPattern light{{}, {group}, Missing::is_empty, Extra::refused};  // slot: light group
     add_core(light.cores, EventType::light, Scatter::none, 0);
@@ -109,7 +123,7 @@ WordSets uncut_word_sets(const Words& words, bool skip_reserved_labels, std::spa
     }
     sets.terminal.any_of.push_back(std::move(light));
     if (words.emission) {
-        EventPattern emission{{}, {label}, Missing::is_empty, Extra::refused};
+        EventPattern emission{{}, {any_group}, Missing::is_empty, Extra::refused};
         add_core(emission.cores, EventType::emission, Scatter::none, 0);
         sets.terminal.any_of.push_back(std::move(emission));
     }

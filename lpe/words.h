@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "lpe/event.h"
@@ -23,6 +24,9 @@ struct Words {
     bool background = true;  ///< B terminals occur
     bool emission = true;    ///< O terminals occur
     bool unlabelled_lights = true;  ///< L and B terminals without a light group occur
+    /// The light groups, and the labels of objects and media, that exist; none given: any text. Emission without a group and
+    /// objects without a label always exist. No part beside an alphabet, which lists its own.
+    std::optional<std::vector<std::string>> light_groups, object_labels;
     /// Scattering events of a word at most, straight-through ones not counted; none or more than limits::word_depth: any
     /// number, so that a proof is never relative to fewer words than there are.
     std::optional<int> max_depth;

@@ -61,13 +61,17 @@ Status add_toml(const std::string& text, const std::string& path, ChannelSet& se
 Status add_file(const std::string& path, const std::string& format, lpe::Dialect dialect, ChannelSet& set) {
     auto text = read_text(path);
     if (!text) return text.error();
-    if (format == "toml" || (format.empty() && path.ends_with(".toml"))) return add_toml(*text, path, set);
+    if (format == "toml" || (format.empty() && path.ends_with(".toml"))) {
+        set.of_renderman = false;
+        return add_toml(*text, path, set);
+    }
     std::optional<lpe::ChannelFormat> kind = format_named(format);
     if (!kind) {
         auto told = lpe::channel_format(path, *text);
         if (!told) return told.error();
         kind = *told;
     }
+    if (*kind == lpe::ChannelFormat::usda) set.of_renderman = false;
     auto file = lpe::parse_channel_file(*text, path, *kind);
     if (!file) return file.error();
     for (lpe::FileChannel& channel : file->channels) {
@@ -206,6 +210,7 @@ const std::vector<std::string>& channel_format_names() {
 Result<ChannelSet> read_channel_files(const std::vector<std::string>& paths, const std::string& format,
                                       lpe::Dialect dialect) {
     ChannelSet set;
+    set.of_renderman = !paths.empty();
     for (const std::string& path : paths)
         if (Status added = add_file(path, format, dialect, set); !added) return added.error();
     if (set.file.channels.empty()) {

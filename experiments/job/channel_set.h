@@ -13,6 +13,7 @@ namespace raylex::experiments {
 struct ChannelSet {
     lpe::ChannelFile file;                     ///< channels, macros, lobe options, warnings
     std::vector<PartitionRequest> partitions;  ///< of TOML files
+    bool of_renderman = false;                 ///< some file is RIB or rendermn.ini, and none is of another kind
 };
 
 /// Names of formats: toml, rib, usda, ini.

@@ -120,9 +120,9 @@ void SlotLabels::gather(const Node& root) {
     }
 }
 
-EventWriter::EventWriter(const EventClasses& classes, const SlotLabels& labels) {
-    add_types();
-    add_lobes();
+EventWriter::EventWriter(const EventClasses& classes, const SlotLabels& labels, bool extensions) {
+    add_types(extensions);
+    add_lobes(extensions);
     add_labels(0, labels.names[0], labels.globs[0]);
     add_labels(1, labels.names[1], labels.globs[1]);
     if (sizes_[0] * sizes_[1] * sizes_[2] * sizes_[3] > most_cells) {
@@ -146,7 +146,7 @@ EventWriter::EventWriter(const EventClasses& classes, const SlotLabels& labels) 
     }
 }
 
-void EventWriter::add_types() {
+void EventWriter::add_types(bool extensions) {
     sizes_[0] = types.size();
     const auto add = [&](std::string text, std::initializer_list<EventType> meant) {
         Values values(types.size(), false);
@@ -158,13 +158,17 @@ void EventWriter::add_types() {
     add("C", {EventType::camera});
     add("L", {EventType::light, EventType::background});
     add("O", {EventType::emission});
-    add("B", {EventType::background});
+    if (extensions) {
+        add("B", {EventType::background});
+    }
     add("R", {EventType::reflection});
     add("T", {EventType::transmission});
-    add("V", {EventType::volume});
+    if (extensions) {
+        add("V", {EventType::volume});
+    }
 }
 
-void EventWriter::add_lobes() {
+void EventWriter::add_lobes(bool extensions) {
     sizes_[1] = lobes().size();
     const auto add = [&](std::string text, std::initializer_list<Scatter> scatters, int number) {
         Values values(lobes().size(), false);
@@ -176,7 +180,9 @@ void EventWriter::add_lobes() {
     };
     add("D", {Scatter::diffuse}, 0);
     add("S", {Scatter::glossy, Scatter::singular}, 0);
-    add("G", {Scatter::glossy}, 0);
+    if (extensions) {
+        add("G", {Scatter::glossy}, 0);
+    }
     for (int k = 1; k <= 4; ++k) {
         add("D" + std::to_string(k), {Scatter::diffuse}, k);
     }

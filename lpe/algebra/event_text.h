@@ -29,8 +29,9 @@ struct SlotLabels {
 
 class EventWriter {
   public:
-    /// Throws Failure when the labels are too many to lay out.
-    EventWriter(const EventClasses& classes, const SlotLabels& labels);
+    /// Throws Failure when the labels are too many to lay out. `extensions`: the letters B, V and G may be written, which
+    /// RenderMan does not know.
+    EventWriter(const EventClasses& classes, const SlotLabels& labels, bool extensions = true);
 
     /// An item that matches every class of `wanted` and none of `avoided`; nothing where only a longer construction could.
     [[nodiscard]] std::optional<std::string> write(const ClassSet& wanted, const ClassSet& avoided) const;
@@ -64,8 +65,8 @@ class EventWriter {
     [[nodiscard]] std::optional<std::vector<std::string>> box_text(const std::vector<Cell>& cells, const Box& box,
                                                                    const std::string& label = {}) const;
 
-    void add_types();
-    void add_lobes();
+    void add_types(bool extensions);
+    void add_lobes(bool extensions);
     void add_labels(std::size_t slot, const std::vector<std::string>& names, const std::vector<std::string>& globs);
 
     std::array<std::size_t, slots> sizes_{};

@@ -167,7 +167,24 @@ RegexPtr RegexBuilder::sequence(const RegexPtr& a, const RegexPtr& b) {
     for (RegexPtr& part : parts_of(b)) {
         parts.push_back(std::move(part));
     }
-    return sequence_of(std::move(parts));
+    const auto optional = std::find_if(parts.begin(), parts.end(), [](const RegexPtr& part) {
+        return part->kind == Kind::repeat && part->min == 0 && part->max == 1;
+    });
+    if (optional_mark_ || failed_ || parts.size() == 1 || optional == parts.end()) {
+        return sequence_of(std::move(parts));
+    }
+    const auto at = optional - parts.begin();
+    std::vector<RegexPtr> with = parts, without = parts;
+    with[static_cast<std::size_t>(at)] = (*optional)->parts.front();
+    without.erase(without.begin() + at);
+    const auto all_of = [this](const std::vector<RegexPtr>& list) {
+        RegexPtr whole = epsilon();
+        for (const RegexPtr& part : list) {
+            whole = sequence(whole, part);
+        }
+        return whole;
+    };
+    return alternatives(all_of(without), all_of(with));
 }
 
 /// What the first or last parts of both share, taken out: AX | AY = A(X|Y). Null when they share nothing.
@@ -203,6 +220,12 @@ RegexPtr RegexBuilder::factored(const RegexPtr& a, const RegexPtr& b, bool from_
         }
     } else {
         return nullptr;
+    }
+    if (!optional_mark_ && left.empty() != right.empty()) {
+        const std::vector<RegexPtr>& more = left.empty() ? right : left;
+        if (!std::all_of(more.begin(), more.end(), [](const RegexPtr& part) { return part->nullable; })) {
+            return nullptr;  // the rest would be (X)?
+        }
     }
     const RegexPtr rest = alternatives(sequence_of(std::move(left)), sequence_of(std::move(right)));
     return from_front ? sequence(shared, rest) : sequence(rest, shared);

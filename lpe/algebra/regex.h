@@ -32,9 +32,11 @@ struct Regex {
 /// expression passes the length bound.
 class RegexBuilder {
   public:
-    /// `write` turns a set of events into one item, or into nothing when it cannot.
-    RegexBuilder(std::function<std::optional<std::string>(const ClassSet&)> write, std::size_t longest)
-        : write_(std::move(write)), longest_(longest) {}
+    /// `write` turns a set of events into one item, or into nothing when it cannot. Without `optional_mark` X?Y is
+    /// written Y|XY.
+    RegexBuilder(std::function<std::optional<std::string>(const ClassSet&)> write, std::size_t longest,
+                 bool optional_mark = true)
+        : write_(std::move(write)), longest_(longest), optional_mark_(optional_mark) {}
 
     [[nodiscard]] bool failed() const { return failed_; }
 
@@ -57,6 +59,7 @@ class RegexBuilder {
 
     std::function<std::optional<std::string>(const ClassSet&)> write_;
     std::size_t longest_;
+    bool optional_mark_;
     bool failed_ = false;
 };
 

@@ -12,6 +12,7 @@
 #include "lpe/algebra/regex.h"
 #include "lpe/automata/languages.h"
 #include "lpe/failure.h"
+#include "lpe/language/extensions.h"
 #include "lpe/language/parser.h"
 #include "lpe/limits.h"
 
@@ -164,12 +165,13 @@ std::optional<std::string> eliminated(Graph graph, Order order, RegexBuilder bui
     return builder.text(whole->second);
 }
 
-std::optional<std::string> text_of(const Dfa& language, const Languages& languages, const SlotLabels& labels) {
+std::optional<std::string> text_of(const Dfa& language, const Languages& languages, const SlotLabels& labels,
+                                   Reader reader = Reader::raylex) {
     if (language.states() > most_states || language.start == 0) {
         return std::nullopt;
     }
     const Roles roles = find_roles(languages);
-    const EventWriter writer(*languages.classes, labels);
+    const EventWriter writer(*languages.classes, labels, reader == Reader::raylex);
     // An item among terminals may match scattering events no more than it may match other terminals, and the other way
     // round: [LO] rather than '.', though W would forgive it. What is on no path of W is free.
     std::map<ClassSet, std::optional<std::string>> written;
@@ -190,7 +192,7 @@ std::optional<std::string> text_of(const Dfa& language, const Languages& languag
         return place->second;
     };
     // While states are taken out texts may be longer than the result.
-    RegexBuilder builder(write, 8 * longest_printed_expression);
+    RegexBuilder builder(write, 8 * longest_printed_expression, reader == Reader::raylex);
     const Graph graph = graph_of(language, roles, builder);
     if (builder.failed()) {
         return std::nullopt;
@@ -198,6 +200,9 @@ std::optional<std::string> text_of(const Dfa& language, const Languages& languag
     std::optional<std::string> best;
     for (const Order order : {Order::cheapest, Order::from_the_end, Order::from_the_start}) {
         std::optional<std::string> text = eliminated(graph, order, builder);
+        if (text && reader == Reader::renderman && !extensions_in(*text).empty()) {
+            continue;
+        }
         if (text && (!best || text->size() < best->size())) {
             best = std::move(text);
         }
@@ -236,8 +241,9 @@ ChannelSource printed(const std::string& text) {
     return source;
 }
 
-std::optional<std::string> rest_text(std::span<const ChannelSource> channels,
-                                     const std::optional<ChannelSource>& beauty, const Words& words) {
+/// What the channels leave of the beauty, cut to `words`, as text.
+std::optional<std::string> left_over(std::span<const ChannelSource> channels,
+                                     const std::optional<ChannelSource>& beauty, const Words& words, Reader reader) {
     std::vector<ChannelSource> all(channels.begin(), channels.end());
     const std::size_t count = all.size();
     if (beauty) {
@@ -262,21 +268,66 @@ std::optional<std::string> rest_text(std::span<const ChannelSource> channels,
         }
         language = minimized(*cut);
     }
-    std::optional<std::string> text = text_of(language, question.languages, question.labels);
-    if (!text) {
-        return std::nullopt;
+    return text_of(language, question.languages, question.labels, reader);
+}
+
+/// W itself, and W with fewer cuts: the rest of more words is a rest of fewer, and often has the shorter text.
+std::vector<Words> worlds_around(const Words& words) {
+    Words wider = words;
+    wider.alphabet.reset();
+    wider.max_depth.reset();
+    wider.light_groups.reset();
+    wider.object_labels.reset();
+    wider.unlabelled_lights = true;
+    std::vector<Words> worlds{wider};
+    if (words.alphabet) {
+        const auto any_of_type = [](const std::vector<Event>& events, EventType type) {
+            return std::any_of(events.begin(), events.end(), [type](const Event& e) { return e.type == type; });
+        };
+        Words same_types = wider;
+        same_types.volume = words.volume && any_of_type(words.alphabet->scattering, EventType::volume);
+        same_types.emission = words.emission && any_of_type(words.alphabet->terminals, EventType::emission);
+        worlds.push_back(same_types);
     }
-    std::vector<ChannelSource> whole(channels.begin(), channels.end());
-    whole.push_back(printed(*text));
-    const Result<PartitionReport> proof = check_partition(whole, beauty, words);
-    return proof && proof->verdict == Verdict::partition ? text : std::nullopt;
+    if (words.alphabet || words.max_depth || words.light_groups || words.object_labels || !words.unlabelled_lights) {
+        worlds.push_back(words);
+    }
+    return worlds;
+}
+
+std::optional<std::string> rest_text(std::span<const ChannelSource> channels,
+                                     const std::optional<ChannelSource>& beauty, const Words& words, Reader reader) {
+    std::optional<std::string> best;
+    std::optional<Error> failure;
+    for (const Words& world : worlds_around(words)) {
+        auto left = guarded([&] { return left_over(channels, beauty, world, reader); });
+        if (!left) {
+            failure = left.error();  // another world may be small enough
+            continue;
+        }
+        std::optional<std::string> text = std::move(*left);
+        if (!text || (best && best->size() <= text->size())) {
+            continue;
+        }
+        std::vector<ChannelSource> whole(channels.begin(), channels.end());
+        whole.push_back(printed(*text));
+        const Result<PartitionReport> proof = check_partition(whole, beauty, words);
+        if (proof && proof->verdict == Verdict::partition) {
+            best = std::move(text);
+        }
+    }
+    if (!best && failure) {
+        throw Failure{std::move(*failure)};
+    }
+    return best;
 }
 
 }  // namespace
 
 Result<std::optional<std::string>> rest_expression(std::span<const ChannelSource> channels,
-                                                   const std::optional<ChannelSource>& beauty, const Words& words) {
-    return guarded([&] { return rest_text(channels, beauty, words); });
+                                                   const std::optional<ChannelSource>& beauty, const Words& words,
+                                                   Reader reader) {
+    return guarded([&] { return rest_text(channels, beauty, words, reader); });
 }
 
 Result<std::optional<std::string>> plain_expression(const ChannelSource& channel, const Words& words) {

@@ -7,10 +7,14 @@
 namespace raylex::lpe {
 namespace {
 
+std::string symbol_of(Scatter scatter) {
+    return scatter == Scatter::none ? std::string(none_symbol) : std::string(1, scatter_letter(scatter));
+}
+
 /// What names of events in the first slot and of lobes in the second stand for. Wildcards and [^...] mean none of
 /// them.
 void add_registered(CoreSet& cores, const LabelTest& type, const LabelTest& scatter, const Vocabulary& vocabulary) {
-    if (!type.negated && scatter.matches("x")) {
+    if (!type.negated && scatter.matches(none_symbol)) {
         for (const std::string& name : type.names) {
             if (vocabulary.is_event(name)) {
                 cores |= *vocabulary.cores(name);
@@ -33,8 +37,7 @@ void add_registered(CoreSet& cores, const LabelTest& type, const LabelTest& scat
 
 void add_scatterings(CoreSet& cores, EventType type, const LabelTest& test) {
     for (int scatter = 0; scatter < scatter_kinds; ++scatter) {
-        const char letter = scatter_letter(static_cast<Scatter>(scatter));
-        if (test.matches({&letter, 1})) {
+        if (test.matches(symbol_of(static_cast<Scatter>(scatter)))) {
             const std::size_t first = core_index({type, static_cast<Scatter>(scatter), 0, {}});
             for (std::size_t number = 0; number < lobe_numbers; ++number) {
                 cores.set(first + number);
@@ -71,6 +74,9 @@ EventSet osl_events(const SymbolSequences& sequences, bool open, const Vocabular
             add_registered(pattern.cores, symbols[0], symbols[1], *vocabulary);
         }
         pattern.labels.assign(symbols.begin() + 2, symbols.end());
+        for (LabelTest& label : pattern.labels) {
+            std::erase(label.names, none_symbol);  // a label that is there is never NONE
+        }
         pattern.missing = Missing::refuses;
         pattern.extra = open ? Extra::unreserved : Extra::refused;
         set.any_of.push_back(std::move(pattern));

@@ -2,12 +2,17 @@
 // the words.
 #pragma once
 
+#include <string_view>
 #include <vector>
 
 #include "lpe/adopt/vocabulary.h"
 #include "lpe/language/pattern.h"
 
 namespace raylex::lpe {
+
+/// OSL's NONE, which the unquoted letter x stands for. No quoted text is equal to it, as it is to no label: quoted texts
+/// hold no quote.
+inline constexpr std::string_view none_symbol = "'";
 
 using SymbolSequence = std::vector<LabelTest>;
 using SymbolSequences = std::vector<SymbolSequence>;

@@ -259,8 +259,13 @@ class OslParser {
 
     // ---- symbols inside <...> -----------------------------------------------------------------------------------
 
-    /// One byte, or a quoted text; second: whether it was quoted.
+    /// One byte, or a quoted text; second: whether it was quoted. Quoted, a text is compared as it is, so 'x' is a label
+    /// like any other and 'D' is the symbol D.
     std::pair<std::string, bool> parse_symbol() {
+        if (at('x')) {
+            ++position_;
+            return {std::string(none_symbol), false};
+        }
         if (!at('\'')) {
             return {std::string(1, text_[position_++]), false};
         }

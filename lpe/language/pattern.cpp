@@ -158,9 +158,9 @@ bool matches(const EventSet& set, const Event& event) {
 }
 
 const std::vector<std::string>& reserved_names() {
-    // OSL's basic symbols; "x" is its NONE.
+    // OSL's basic symbols with a text. Its NONE, the unquoted x, is equal to no text, so a label named x is as any other.
     static const std::vector<std::string> names = [] {
-        std::vector<std::string> list{"B", "C", "D", "G", "L", "O", "R", "S", "T", "V", "s", "x"};
+        std::vector<std::string> list{"B", "C", "D", "G", "L", "O", "R", "S", "T", "V", "s"};
         std::sort(list.begin(), list.end());
         return list;
     }();

@@ -43,9 +43,9 @@ TEST_CASE("lpe check holds the parts against the channel that is the beauty, wha
                  "DisplayChannel \"color visible\" \"string source\" \"color lpe:C[<L.>O]\"\n");
     const Outcome holds = run_raylex(folder, "lpe check --channels list.rib");
     CHECK(holds.code == 0);
-    CHECK(holds.err.find("'Ci' is the beauty where no path scatters in a medium") != std::string::npos);
-    const Outcome misses = run_raylex(folder, "lpe check --channels list.rib --of 'C.*'");
-    CHECK(misses.code == 1);
+    CHECK(holds.out.find("no layers (the beauty): 'Ci'") != std::string::npos);
+    CHECK(run_raylex(folder, "lpe check --channels list.rib --of 'C.*'").code == 0);
+    CHECK(run_raylex(folder, "lpe check --channels list.rib --of 'C.*' --volume").code == 1);
     folder.write("alone.rib", "DisplayChannel \"color Ci\" \"string source\" \"color lpe:C.*\"\n");
     CHECK(run_raylex(folder, "lpe check --channels alone.rib").code == 0);  // one channel alone is a partition of it
     CHECK(run_raylex(folder, "lpe check 'all=C.*' 'a=CL'").out.find("both count") != std::string::npos);  // given one by one

@@ -1,4 +1,7 @@
 // Expressions and channels as the `raylex lpe` commands take them.
+#include <algorithm>
+#include <array>
+#include <filesystem>
 #include <map>
 #include <utility>
 
@@ -8,6 +11,8 @@
 
 namespace raylex::experiments {
 namespace {
+
+constexpr std::array<std::string_view, 5> file_endings{".rib", ".usda", ".usd", ".ini", ".toml"};
 
 /// "osl:C.*" and "renderman:C.*" say their own dialect. Neither dialect has such a beginning in its language.
 void take_dialect_mark(lpe::ChannelSource& source) {
@@ -54,8 +59,38 @@ CLI::Option* add_channel_files(CLI::App& command, ChannelArguments& arguments) {
 
 CLI::Option* add_channel_arguments(CLI::App& command, ChannelArguments& arguments) {
     add_channel_files(command, arguments);
-    return command.add_option("NAME=EXPR", arguments.named, "channels; they follow those of --channels")
+    return command
+        .add_option("NAME=EXPR", arguments.named,
+                    "channels, and files of channels by their names; NAME=EXPR follow those of files")
         ->option_text("...");
+}
+
+Result<bool> is_channel_file(const std::string& text) {
+    const bool ends_as_one = std::any_of(file_endings.begin(), file_endings.end(), [&](std::string_view ending) {
+        return text.size() > ending.size() && text.ends_with(ending);
+    });
+    if (!ends_as_one) return false;
+    std::error_code failed;
+    const bool exists = std::filesystem::exists(text, failed);
+    const std::size_t equals = text.find('=');
+    const bool named = equals != std::string::npos && equals > 0 && text.find('/') > equals;
+    if (named && exists)
+        return error_at({}, "'" + text + "' is a file, and reads as NAME=EXPR too; expected one of them",
+                        "'--channels " + text + "' or './" + text + "' is the file");
+    if (named) return false;
+    if (!exists) return error_at({text, 0, 0}, "there is no such file of channels");
+    return true;
+}
+
+Status take_channel_files(ChannelArguments& arguments) {
+    std::vector<std::string> named;
+    for (std::string& text : arguments.named) {
+        auto file = is_channel_file(text);
+        if (!file) return file.error();
+        (*file ? arguments.files : named).push_back(std::move(text));
+    }
+    arguments.named = std::move(named);
+    return success();
 }
 
 Result<ChannelSet> read_channel_set(const ChannelArguments& arguments, lpe::Dialect dialect) {
@@ -75,9 +110,9 @@ Result<ChannelSet> read_channel_set(const ChannelArguments& arguments, lpe::Dial
         const lpe::ChannelSource& source = channel.source;
         const auto [place, fresh] = known.emplace(source.name, &source);
         if (fresh) continue;
-        const std::string first = place->second->origin_line > 0 ? place->second->origin + ":" +
-                                                                       std::to_string(place->second->origin_line)
-                                                                 : place->second->origin;
+        const std::string first = place->second->origin_line > 0
+                                      ? place->second->origin + ":" + std::to_string(place->second->origin_line)
+                                      : place->second->origin;
         return error_at(
             {source.origin_line > 0 ? source.origin : std::string(), source.origin_line, 0},
             "the channel name '" + source.name + "' is used twice; expected every channel to have its own name",
@@ -91,7 +126,7 @@ Result<std::vector<lpe::ChannelSource>> resolved_channels(const ChannelSet& set,
         std::string others;
         for (const std::string& each : set.file.other_channels) others += (others.empty() ? "" : ", ") + each;
         return error_at({arguments.files.empty() ? std::string() : arguments.files.front(), 0, 0},
-                        "no channel with a light path expression is given; expected NAME=EXPR or --channels FILE",
+                        "no channel with a light path expression is given; expected NAME=EXPR or a file of channels",
                         others.empty() ? "" : "channels without one: " + others);
     }
     std::vector<std::string> warnings;

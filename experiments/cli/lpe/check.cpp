@@ -1,15 +1,19 @@
-// raylex lpe check, equal, contains, empty: proofs about channels and expressions.
+// raylex lpe check: do channels partition the beauty? The proof, and where they do not, the whole picture.
 #include <algorithm>
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <utility>
 
 #include "experiments/cli/command_line.h"
 #include "experiments/cli/console.h"
-#include "experiments/cli/lpe/commands.h"
+#include "experiments/cli/lpe/layers.h"
+#include "experiments/cli/lpe/picture.h"
+#include "experiments/job/label_doubts.h"
 #include "lpe/algebra/check.h"
 #include "lpe/algebra/regex_printing.h"
 #include "lpe/algebra/relations.h"
+#include "lpe/language/extensions.h"
 
 namespace raylex::experiments {
 namespace {
@@ -19,52 +23,187 @@ struct CheckOptions {
     ChannelArguments channels;
     ChannelOutput output;
     SceneOption scene;
-    lpe::Words words;  // of the scene
+    PathOptions paths;
+    lpe::Words words;  // what scene and paths leave
     std::string of, what = "partition", rest;
+    bool json = false;
 };
 
-struct RelationOptions {
-    DialectOption dialect;
-    SceneOption scene;
-    lpe::Words words;  // of the scene
-    std::string first, second;
-};
-
-/// Prints the verdict, then the path against it as events, and returns the exit code.
-int verdict(bool holds, const std::string& summary, const lpe::Witness& witness,
-            const std::vector<std::string>& warnings) {
-    for (const std::string& warning : warnings) print_warning(warning);
-    print_line(summary);
-    if (holds) return exit_holds;
-    print_line(witness.text);
-    return exit_does_not_hold;
+const char* word_for(lpe::Verdict verdict) {
+    switch (verdict) {
+        case lpe::Verdict::partition:
+            return "partition";
+        case lpe::Verdict::missed:
+            return "missed";
+        case lpe::Verdict::counted_twice:
+            return "counted twice";
+        case lpe::Verdict::outside:
+            return "outside";
+    }
+    return "";
 }
 
-int verdict(const Result<lpe::Proof>& proof) {
-    if (!proof) return report_error(proof.error());
-    return verdict(proof->holds, proof->summary, proof->witness, proof->warnings);
+/// Whether the channels are for RenderMan itself, which lacks our extensions.
+bool for_renderman(const CheckOptions& options, const ChannelSet& set) {
+    const auto written = [&](const char* format) {
+        return options.output.format == format ||
+               (options.output.format.empty() && options.output.path.ends_with(std::string(".") + format));
+    };
+    return set.of_renderman || written("rib") || written("ini");
 }
 
-/// Says what the channels leave, where they share no path; with --rest the layer is added to them and the proof done
-/// again.
-Result<lpe::PartitionReport> complete(const CheckOptions& options, std::vector<lpe::ChannelSource>& sources,
-                                      const std::optional<lpe::ChannelSource>& of, lpe::PartitionReport report) {
-    if (report.verdict != lpe::Verdict::missed) return report;
-    auto disjoint = lpe::check_disjoint(sources, options.words);
-    if (!disjoint || !disjoint->disjoint) return report;
-    auto rest = lpe::rest_expression(sources, of, options.words);
+/// What the layers leave, as an expression for the application that the channels are of, else for raylex.
+void find_rest(const CheckOptions& options, const ChannelSet& set, CheckPicture& picture) {
+    const bool renderman = for_renderman(options, set);
+    const auto& layers = picture.layers;
+    if (renderman) {
+        auto rest = lpe::rest_expression(layers.sources, layers.whole, options.words, lpe::Reader::renderman);
+        if (rest && *rest) {
+            picture.rest = **rest;
+            return;
+        }
+    }
+    auto rest = lpe::rest_expression(layers.sources, layers.whole, options.words);
     if (!rest || !*rest) {
-        print_note("the channels share no path; what they leave has no short expression (at most " +
-                   std::to_string(lpe::longest_printed_expression) + " characters)");
-        return report;
+        picture.rest_note = "what they leave has no short expression (" +
+                            (rest ? "at most " + std::to_string(lpe::longest_printed_expression) + " characters"
+                                  : rest.error().message) +
+                            ")";
+        return;
     }
-    const std::string name = options.rest.empty() ? "rest" : options.rest;
-    if (options.rest.empty()) {
-        print_note("the channels share no path; with this one they are a partition: " + name + "=\"" + **rest + "\"");
-        return report;
+    picture.rest = **rest;
+    std::string ours;
+    for (const std::string& each : lpe::extensions_in(picture.rest)) ours += (ours.empty() ? "" : ", ") + each;
+    if (renderman) picture.rest_note = "raylex reads it; RenderMan does not know " + ours;
+    else if (std::any_of(layers.sources.begin(), layers.sources.end(),
+                         [](const lpe::ChannelSource& each) { return each.dialect == lpe::Dialect::osl; }))
+        picture.rest_note = "it is of the dialect renderman";
+}
+
+/// The verdict of channels that are too large together for a proof: a pair that overlaps decides it too.
+Status judge_pairs(const CheckOptions& options, CheckPicture& picture, const Error& too_large) {
+    const Layers& layers = picture.layers;
+    auto overview = lpe::look_over(layers.sources, layers.whole, options.words);
+    if (!overview || overview->overlaps.empty()) return too_large;
+    picture.overview = std::move(*overview);
+    const auto& overlaps = picture.overview.overlaps;
+    const auto shortest = std::min_element(overlaps.begin(), overlaps.end(), [](const auto& a, const auto& b) {
+        return a.witness.events.size() < b.witness.events.size();
+    });
+    picture.verdict = word_for(lpe::Verdict::counted_twice);
+    picture.witness = shortest->witness;
+    picture.summary = "'" + layers.sources[shortest->first].name + "' and '" + layers.sources[shortest->second].name +
+                      "' both count " + picture.witness.sentence + " (" + picture.witness.text + ")";
+    return success();
+}
+
+Status judge_partition(const CheckOptions& options, const ChannelSet& set, CheckPicture& picture) {
+    Layers& layers = picture.layers;
+    auto report = lpe::check_partition(layers.sources, layers.whole, options.words);
+    if (!report) return judge_pairs(options, picture, report.error());
+    const bool fails = report->verdict != lpe::Verdict::partition;
+    if (fails) {
+        auto overview = lpe::look_over(layers.sources, layers.whole, options.words);
+        if (!overview) return overview.error();
+        picture.overview = std::move(*overview);
     }
-    sources.push_back(bare_expression(**rest, lpe::Dialect::renderman, name, "--rest"));
-    return lpe::check_partition(sources, of, options.words);
+    const bool only_missed = fails && picture.overview.overlaps.empty() && picture.overview.outside.empty();
+    if (only_missed) {
+        find_rest(options, set, picture);
+        if (!options.rest.empty() && !picture.rest.empty()) {
+            layers.sources.push_back(bare_expression(picture.rest, lpe::Dialect::renderman, options.rest, "--rest"));
+            picture.overview = {};
+            report = lpe::check_partition(layers.sources, layers.whole, options.words);
+            if (!report) return report.error();
+        }
+    }
+    picture.holds = report->verdict == lpe::Verdict::partition;
+    picture.verdict = word_for(report->verdict);
+    picture.summary = std::move(report->summary);
+    picture.witness = std::move(report->witness);
+    picture.warnings = std::move(report->warnings);
+    return success();
+}
+
+/// The layers that are in no partition, by themselves: their overlaps and holes are what is to be mended.
+Status judge_left(const CheckOptions& options, const ChannelSet& set, CheckPicture& picture) {
+    const std::vector<std::size_t>& left = picture.sorting.left;
+    CheckPicture alone;
+    alone.layers.whole = picture.layers.whole;
+    std::string names;
+    for (const std::size_t channel : left) {
+        const lpe::ChannelSource& source = picture.layers.sources[channel];
+        names += (names.empty() ? "'" : ", '") + source.name + "'";
+        alone.layers.sources.push_back(source);
+    }
+    CheckOptions plain = options;
+    plain.rest.clear();
+    if (Status judged = judge_partition(plain, set, alone); !judged) return judged;
+    for (lpe::SharedPath& each : alone.overview.overlaps) {
+        each.first = left[each.first];
+        each.second = left[each.second];
+    }
+    for (lpe::OutsidePath& each : alone.overview.outside) each.channel = left[each.channel];
+    for (std::size_t& each : alone.overview.empty) each = left[each];
+    picture.overview = std::move(alone.overview);
+    picture.rest = std::move(alone.rest);
+    picture.rest_note = std::move(alone.rest_note);
+    picture.verdict = std::move(alone.verdict);
+    picture.summary = (left.size() <= 4 ? names : std::to_string(left.size()) + " layers") +
+                      (left.size() == 1 ? " is" : " are") + " in no partition; alone, " + alone.summary;
+    picture.witness = std::move(alone.witness);
+    return success();
+}
+
+/// Layers of files may be several splits of the same beauty side by side, by lobe and by light group: then it holds
+/// where each layer is in one of them. What a person writes by hand is one split.
+Status sort_layers(const CheckOptions& options, const ChannelSet& set, CheckPicture& picture) {
+    if (picture.holds || picture.files.empty() || picture.overview.overlaps.empty()) return success();
+    auto sorting = lpe::sort_into_partitions(picture.layers.sources, picture.layers.whole, options.words);
+    if (!sorting) return success();  // too large for it: the verdict stands as it is
+    picture.sorting = std::move(*sorting);
+    const lpe::Sorting& sorted = picture.sorting;
+    if (sorted.partitions.empty()) return success();
+    if (!sorted.left.empty()) return judge_left(options, set, picture);
+    picture.holds = true;
+    picture.verdict = "partitions";
+    picture.summary = "the layers are " + std::to_string(sorted.partitions.size()) +
+                      " partitions of the beauty side by side: each counts every path exactly once";
+    picture.overview = {};
+    return success();
+}
+
+Status judge_disjoint(const CheckOptions& options, CheckPicture& picture, const std::string& rest) {
+    auto report = lpe::check_disjoint(picture.layers.sources, options.words);
+    if (!report) return report.error();
+    if (!report->disjoint) {
+        auto overview = lpe::look_over(picture.layers.sources, std::nullopt, options.words);
+        if (!overview) return overview.error();
+        picture.overview = std::move(*overview);
+        picture.overview.holes.clear();
+    }
+    picture.holds = report->disjoint;
+    picture.verdict = report->disjoint ? "disjoint" : "overlaps";
+    picture.summary = report->summary + (report->disjoint && !rest.empty() ? "; '" + rest + "' takes the rest" : "");
+    picture.witness = std::move(report->witness);
+    picture.warnings = std::move(report->warnings);
+    return success();
+}
+
+Status judge_covers(const CheckOptions& options, CheckPicture& picture) {
+    auto proof = lpe::check_covers(picture.layers.sources, picture.layers.whole, options.words);
+    if (!proof) return proof.error();
+    if (!proof->holds) {
+        auto overview = lpe::look_over(picture.layers.sources, picture.layers.whole, options.words);
+        if (!overview) return overview.error();
+        picture.overview.holes = std::move(overview->holes);
+    }
+    picture.holds = proof->holds;
+    picture.verdict = proof->holds ? "covers" : "missed";
+    picture.summary = std::move(proof->summary);
+    picture.witness = std::move(proof->witness);
+    picture.warnings = std::move(proof->warnings);
+    return success();
 }
 
 /// The channels of the set by name. Errors: a name that is not there.
@@ -88,135 +227,141 @@ Result<std::vector<lpe::ChannelSource>> members(const std::vector<lpe::ChannelSo
 }
 
 /// The partitions that TOML files declare, each by itself.
-int run_declared(const std::vector<lpe::ChannelSource>& sources, const std::vector<PartitionRequest>& partitions,
-                 const lpe::Words& words) {
-    int code = exit_holds;
-    for (const PartitionRequest& partition : partitions) {
+Result<std::vector<CheckPicture>> judge_declared(const CheckOptions& options, const ChannelSet& set,
+                                                 const std::vector<lpe::ChannelSource>& sources) {
+    std::vector<CheckPicture> pictures;
+    for (const PartitionRequest& partition : set.partitions) {
+        CheckPicture& picture = pictures.emplace_back();
+        picture.partition = partition.name;
+        picture.words = options.words;
         auto channels = members(sources, partition, partition.channels);
-        if (!channels) return report_error(channels.error());
-        std::optional<lpe::ChannelSource> of;
+        if (!channels) return channels.error();
+        picture.layers.sources = std::move(*channels);
         if (!partition.of.empty()) {
             auto found = members(sources, partition, {partition.of});
-            if (!found) return report_error(found.error());
-            of = found->front();
+            if (!found) return found.error();
+            picture.layers.whole = found->front();
         }
-        int one = exit_holds;
-        const std::string name = "partition '" + partition.name + "': ";
-        if (partition.rest.empty()) {
-            auto report = lpe::check_partition(*channels, of, words);
-            if (!report) return report_error(report.error());
-            one = verdict(report->verdict == lpe::Verdict::partition, name + report->summary, report->witness,
-                          report->warnings);
-        } else {
-            auto report = lpe::check_disjoint(*channels, words);
-            if (!report) return report_error(report.error());
-            one =
-                verdict(report->disjoint,
-                        name + report->summary + (report->disjoint ? "; '" + partition.rest + "' takes the rest" : ""),
-                        report->witness, report->warnings);
-        }
-        code = std::max(code, one);
+        const Status judged = partition.rest.empty() ? judge_partition(options, set, picture)
+                                                     : judge_disjoint(options, picture, partition.rest);
+        if (!judged) return judged.error();
     }
+    return pictures;
+}
+
+/// --of: a channel by its name, or an expression that may use the files' macros.
+Result<std::optional<lpe::ChannelSource>> find_whole(const CheckOptions& options, const ChannelSet& set,
+                                                     const std::vector<lpe::ChannelSource>& sources) {
+    if (options.of.empty()) return std::optional<lpe::ChannelSource>();
+    for (const lpe::ChannelSource& source : sources)
+        if (source.name == options.of) return std::optional(source);
+    ChannelSet one;
+    one.file.macros = set.file.macros;
+    one.file.channels.emplace_back().source = bare_expression(options.of, options.dialect.value(), "", "--of");
+    std::vector<std::string> warnings;
+    auto expanded = expanded_channels(one, warnings);
+    if (!expanded) return expanded.error();
+    for (const std::string& warning : warnings) print_warning(warning);
+    return std::optional(std::move(expanded->front()));
+}
+
+Result<std::vector<CheckPicture>> judge(const CheckOptions& options, const ChannelSet& set,
+                                        std::vector<lpe::ChannelSource> sources, std::optional<lpe::ChannelSource> of) {
+    const bool declared =
+        !set.partitions.empty() && options.of.empty() && options.rest.empty() && options.what == "partition";
+    if (declared) return judge_declared(options, set, sources);
+    std::vector<CheckPicture> pictures(1);
+    CheckPicture& picture = pictures.front();
+    picture.channels = sources.size();
+    picture.files = options.channels.files;
+    picture.words = options.words;
+    if (options.what == "partition" || of) {
+        auto layers = choose_layers(set, std::move(sources), std::move(of), options.words);
+        if (!layers) return layers.error();
+        picture.layers = std::move(*layers);
+    } else {
+        picture.layers.sources = std::move(sources);
+    }
+    const Status judged = options.what == "covers"     ? judge_covers(options, picture)
+                          : options.what == "disjoint" ? judge_disjoint(options, picture, "")
+                                                       : judge_partition(options, set, picture);
+    if (!judged) return judged.error();
+    if (options.what == "partition")
+        if (Status sorted = sort_layers(options, set, picture); !sorted) return sorted.error();
+    return pictures;
+}
+
+/// Labels that nothing in the scene has, or without one those that look like slips.
+Status warn_about_labels(const CheckOptions& options, const std::vector<lpe::ChannelSource>& sources,
+                         const std::optional<SceneWords>& scene) {
+    warn_about_scene(sources, scene);
+    if (scene) return success();
+    KnownLabels known;
+    known.groups = options.words.light_groups;
+    known.labels = options.words.object_labels;
+    auto doubts = label_doubts(sources, known);
+    if (!doubts) return doubts.error();
+    for (const std::string& each : *doubts) print_warning(each);
+    return success();
+}
+
+int report_all(const std::vector<Error>& errors, std::size_t channels) {
+    for (const Error& error : errors) report_error(error);
+    if (errors.size() > 1)
+        return report_error(std::to_string(errors.size()) + " errors in " + std::to_string(channels) + " channels");
+    return exit_bad_input;
+}
+
+int finish(const CheckOptions& options, ChannelSet& set, const std::vector<CheckPicture>& pictures) {
+    int code = exit_holds;
+    for (const CheckPicture& picture : pictures) {
+        if (!options.json) print_picture(picture);
+        code = picture.holds ? code : exit_does_not_hold;
+    }
+    if (options.json) print_line(pictures_as_json(pictures));
+    if (options.output.path.empty()) return code;
+    const std::vector<lpe::ChannelSource>& layers = pictures.front().layers.sources;
+    if (!options.rest.empty() && layers.back().name == options.rest)
+        set.file.channels.emplace_back().source = layers.back();
+    if (Status written = write_channels(set, options.output); !written) return report_error(written.error());
     return code;
-}
-
-/// Takes out of an artist's list the channels that are the whole, however they are written, and returns the first of
-/// them: the beauty beside its parts is no part. None of several channels, or of one alone, may be left over.
-Result<std::optional<lpe::ChannelSource>> take_beauty(std::vector<lpe::ChannelSource>& sources,
-                                                      const lpe::Words& words) {
-    std::optional<lpe::ChannelSource> beauty;
-    lpe::Words without_media = words;
-    without_media.volume = false;
-    std::vector<lpe::ChannelSource> parts;
-    std::string note;
-    for (const lpe::ChannelSource& source : sources) {
-        auto is_whole = lpe::is_beauty(source, words);
-        const bool everywhere = is_whole && *is_whole;
-        if (is_whole && !everywhere) is_whole = lpe::is_beauty(source, without_media);
-        if (!is_whole) return is_whole.error();
-        if (!*is_whole) {
-            parts.push_back(source);
-            continue;
-        }
-        if (!beauty) beauty = source;
-        note += (note.empty() ? "'" : "; '") + source.name + "' is the beauty" +
-                (everywhere ? "" : " where no path scatters in a medium");
-    }
-    if (parts.empty() || !beauty) return std::optional<lpe::ChannelSource>{};
-    print_note(note + ": the others are held against it");
-    sources = std::move(parts);
-    return beauty;
-}
-
-int run_proof(const CheckOptions& options, std::vector<lpe::ChannelSource>& sources) {
-    std::optional<lpe::ChannelSource> of;
-    if (options.of.empty() && options.what == "partition" && !options.channels.files.empty()) {
-        auto found = take_beauty(sources, options.words);
-        if (!found) return report_error(found.error());
-        of = std::move(*found);
-    } else if (!options.of.empty()) {
-        auto found = channel_or_expression(options.of, options.channels, options.dialect.value(), "--of");
-        if (!found) return report_error(found.error());
-        of = std::move(*found);
-        std::erase_if(sources, [&](const lpe::ChannelSource& source) { return source.name == options.of; });
-    }
-    if (options.what == "covers") return verdict(lpe::check_covers(sources, of, options.words));
-    if (options.what == "disjoint") {
-        if (of) return report_error("--of has no part in --what disjoint; expected it with partition or covers");
-        auto report = lpe::check_disjoint(sources, options.words);
-        if (!report) return report_error(report.error());
-        return verdict(report->disjoint, report->summary, report->witness, report->warnings);
-    }
-    auto report = lpe::check_partition(sources, of, options.words);
-    if (report) report = complete(options, sources, of, std::move(*report));
-    if (!report) return report_error(report.error());
-    return verdict(report->verdict == lpe::Verdict::partition, report->summary, report->witness, report->warnings);
 }
 
 int run_check(CheckOptions options) {
+    if (Status taken = take_channel_files(options.channels); !taken) return report_error(taken.error());
     auto set = read_channel_set(options.channels, options.dialect.value());
     if (!set) return report_error(set.error());
-    auto sources = resolved_channels(*set, options.channels);
-    if (!sources) return report_error(sources.error());
-    auto scene = options.scene.load();
-    if (!scene) return report_error(scene.error());
-    options.words = words_of(*scene);
-    warn_about_scene(*sources, *scene);
-    for (const lpe::ChannelSource& source : *sources)
+    if (set->file.channels.empty()) return report_error(resolved_channels(*set, options.channels).error());
+    std::vector<Error> errors;
+    const std::vector<lpe::ChannelSource> sources = read_all(*set, errors);
+    if (!errors.empty()) return report_all(errors, set->file.channels.size());
+    for (const lpe::ChannelSource& source : sources)
         if (source.name == options.rest)
             return report_error("--rest " + options.rest + ": a channel has that name; expected another one");
-    const bool declared =
-        !set->partitions.empty() && options.of.empty() && options.rest.empty() && options.what == "partition";
-    const int code = declared ? run_declared(*sources, set->partitions, options.words) : run_proof(options, *sources);
-    if (code == exit_bad_input || options.output.path.empty()) return code;
-    if (!options.rest.empty() && sources->back().name == options.rest)
-        set->file.channels.emplace_back().source = sources->back();
-    if (Status written = write_channels(*set, options.output); !written) return report_error(written.error());
-    return code;
+    auto of = find_whole(options, *set, sources);
+    if (!of) return report_error(of.error());
+    if (*of && options.what == "disjoint")
+        return report_error("--of has no part in --what disjoint; expected it with partition or covers");
+    auto scene = options.scene.load();
+    if (!scene) return report_error(scene.error());
+    std::vector<lpe::ChannelSource> all = sources;
+    if (*of) all.push_back(**of);
+    auto words = words_of(options.paths, *scene, *set, all);
+    if (!words) return report_error(words.error());
+    options.words = std::move(*words);
+    if (Status warned = warn_about_labels(options, sources, *scene); !warned) return report_error(warned.error());
+    auto pictures = judge(options, *set, sources, std::move(*of));
+    if (!pictures) return report_error(pictures.error());
+    return finish(options, *set, *pictures);
 }
 
-int run_equal(const RelationOptions& options) {
-    const std::vector<lpe::ChannelSource> both{
-        bare_expression(options.first, options.dialect.value(), "", "first expression"),
-        bare_expression(options.second, options.dialect.value(), "", "second expression")};
-    return verdict(lpe::check_equal(both, options.words));
-}
+}  // namespace
 
-int run_contains(const RelationOptions& options) {
-    return verdict(lpe::check_contains(
-        bare_expression(options.first, options.dialect.value(), "", "first expression"),
-        bare_expression(options.second, options.dialect.value(), "", "second expression"), options.words));
-}
-
-int run_empty(const RelationOptions& options) {
-    return verdict(
-        lpe::check_empty(bare_expression(options.first, options.dialect.value(), "", "expression"), options.words));
-}
-
-void add_check(CLI::App& lpe, CommandContext& context) {
+void add_lpe_check_commands(CLI::App& lpe, CommandContext& context) {
     auto options = std::make_shared<CheckOptions>();
     CLI::App* check = lpe.add_subcommand(
-        "check", "Proves that the channels partition the beauty, or prints the shortest path that shows the contrary.");
+        "check",
+        "Proves that the channels partition the beauty, or shows every overlap and every kind of path missed.");
     add_channel_arguments(*check, options->channels);
     check
         ->add_option(
@@ -227,55 +372,30 @@ void add_check(CLI::App& lpe, CommandContext& context) {
         ->check(CLI::IsMember({"partition", "disjoint", "covers"}));
     check
         ->add_option("--of", options->of,
-                     "what is split, an expression or the name of a channel of --channels; default: the channel of a "
-                     "file that denotes the beauty, else every path a scene can produce")
+                     "what is split, an expression or the name of a channel; default: the channel of a file that "
+                     "denotes the beauty, else every path a scene can produce. Channels of files that are the same "
+                     "or the beauty are then no layers")
         ->option_text("BEAUTY");
     check
         ->add_option("--rest", options->rest,
                      "channels that share no path get a channel NAME with what they leave, and are proved with it")
         ->option_text("NAME");
+    check->add_flag("--json", options->json, "everything as JSON on standard output");
+    add_path_options(*check, options->paths);
     add_channel_output(*check, options->output, "also writes the channels, in any format; any verdict");
     add_scene_option(*check, options->scene);
     add_dialect_option(*check, options->dialect);
     check->footer(
-        "Where a TOML file declares partitions, each of them is proved; otherwise all channels together.\n"
-        "The path is said in words, then printed as 'raylex lpe match' reads it. Channels with prefixes (noclamp;, "
-        "...) are "
-        "refused.\nSee also: lpe equal, contains and empty for single expressions.\n"
-        "Exit codes: 0 proved, 1 a path is missed, counted twice or outside, 2 bad usage or input.");
+        "Example: raylex lpe check show.rib\n"
+        "Where a TOML file declares partitions, each of them is proved; otherwise all channels together. Of channels "
+        "from files,\nthose with prefixes (noclamp;, ...), with statistics (mse, variance, even, odd) and the beauty "
+        "itself are no layers.\nFiles may hold several splits of the same beauty (by lobe, by light group): it holds "
+        "where each layer is in one of them.\n"
+        "The last line of a check that fails is the shortest path against it, as 'raylex lpe match' reads it.\n"
+        "See also: lpe equal, contains and empty for single expressions.\n"
+        "Exit codes: 0 proved, 1 a path is missed, counted twice or outside, 2 bad usage or input: every expression "
+        "that cannot\nbe read is named.");
     check->callback([options, &context] { context.exit_code = run_check(*options); });
-}
-
-void add_relation(CLI::App& lpe, CommandContext& context, const std::string& name, const std::string& description,
-                  bool two, const std::string& holds, int (*run)(const RelationOptions&)) {
-    auto options = std::make_shared<RelationOptions>();
-    CLI::App* command = lpe.add_subcommand(name, description);
-    command->add_option(two ? "A" : "EXPR", options->first, "an expression")->required()->option_text("(required)");
-    if (two) command->add_option("B", options->second, "another")->required()->option_text("(required)");
-    add_scene_option(*command, options->scene);
-    add_dialect_option(*command, options->dialect);
-    command->footer(
-        "Every path that some scene, or the one of --scene, can produce is taken into account. Prefixes play no part: "
-        "they do not change which paths match.\n"
-        "Exit codes: 0 " +
-        holds + ", 1 not: the shortest path that shows it is printed, 2 bad usage or input.");
-    command->callback([options, run, &context] {
-        auto scene = options->scene.load();
-        if (scene) options->words = words_of(*scene);
-        context.exit_code = scene ? run(*options) : report_error(scene.error());
-    });
-}
-
-}  // namespace
-
-void add_lpe_check_commands(CLI::App& lpe, CommandContext& context) {
-    add_check(lpe, context);
-    add_relation(lpe, context, "equal", "Proves that two expressions match the same paths, whatever their dialects.",
-                 true, "equal", run_equal);
-    add_relation(lpe, context, "contains", "Proves that the first expression matches every path of the second.", true,
-                 "contained", run_contains);
-    add_relation(lpe, context, "empty", "Proves that no path matches the expression.", false, "no path matches",
-                 run_empty);
 }
 
 }  // namespace raylex::experiments

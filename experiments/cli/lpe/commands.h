@@ -10,6 +10,7 @@
 #include "experiments/cli/commands.h"
 #include "experiments/job/channel_set.h"
 #include "experiments/job/scene_words.h"
+#include "lpe/algebra/check.h"
 #include "lpe/program.h"
 #include "lpe/result.h"
 
@@ -17,7 +18,8 @@ namespace raylex::experiments {
 
 // Each adds its subcommands to `raylex lpe`.
 void add_lpe_match_commands(CLI::App& lpe, CommandContext& context);    ///< match, vectors
-void add_lpe_check_commands(CLI::App& lpe, CommandContext& context);    ///< check, equal, contains, empty
+void add_lpe_check_commands(CLI::App& lpe, CommandContext& context);    ///< check
+void add_lpe_relation_commands(CLI::App& lpe, CommandContext& context); ///< equal, contains, empty
 void add_lpe_path_commands(CLI::App& lpe, CommandContext& context);     ///< words, complement, intersection, union, difference
 void add_lpe_explain_commands(CLI::App& lpe, CommandContext& context);  ///< explain
 void add_lpe_graph_commands(CLI::App& lpe, CommandContext& context);    ///< graph
@@ -44,6 +46,7 @@ lpe::Words words_of(const std::optional<SceneWords>& scene);
 void warn_about_scene(std::span<const lpe::ChannelSource> channels, const std::optional<SceneWords>& scene);
 
 /// Channels as a command takes them: NAME=EXPR arguments, and files.
+/// A text among the arguments that names an existing channel file (.rib, .usda, .usd, .ini, .toml) is one.
 struct ChannelArguments {
     std::vector<std::string> named, files;
     std::string format;  ///< of the files; empty: by their names and contents
@@ -51,6 +54,12 @@ struct ChannelArguments {
 CLI::Option* add_channel_arguments(CLI::App& command, ChannelArguments& arguments);
 /// --channels and --format alone.
 CLI::Option* add_channel_files(CLI::App& command, ChannelArguments& arguments);
+
+/// Whether the text given by itself is the path of a channel file. Errors: it is as well NAME=EXPR, or ends as one and is
+/// not there.
+Result<bool> is_channel_file(const std::string& text);
+/// Takes the files among the arguments to the files. Commands do so first.
+Status take_channel_files(ChannelArguments& arguments);
 
 /// What the files and the arguments say, each channel with its own name; warnings are printed.
 Result<ChannelSet> read_channel_set(const ChannelArguments& arguments, lpe::Dialect dialect);
@@ -77,6 +86,10 @@ Status write_channels(const ChannelSet& set, const ChannelOutput& output);
 
 /// An expression given by itself; `what` names it in errors ("expression", "--of").
 lpe::ChannelSource bare_expression(std::string_view text, lpe::Dialect dialect, std::string name, std::string what);
+
+/// Prints the verdict, then the path against it as events, and returns the exit code.
+int print_verdict(bool holds, const std::string& summary, const lpe::Witness& witness,
+                  const std::vector<std::string>& warnings);
 
 /// An error about a text of the command line, shown under that text.
 Error about_argument(Error error, const std::string& what, const std::string& text);

@@ -4,7 +4,7 @@
 
 #include "experiments/cli/command_line.h"
 #include "experiments/cli/console.h"
-#include "experiments/cli/lpe/commands.h"
+#include "experiments/cli/lpe/layers.h"
 #include "lpe/algebra/explain.h"
 
 namespace raylex::experiments {
@@ -14,7 +14,9 @@ struct ExplainOptions {
     ChannelArguments channels;
     DialectOption dialect;
     SceneOption scene;
-    std::string expression;
+    PathOptions paths;
+    std::string expression;           // or a file
+    std::vector<std::string> others;  // behind it: channels of the file
 };
 
 /// Characters on the screen, more or less: bytes that begin one.
@@ -50,14 +52,8 @@ void print_section(const std::string& title, const std::vector<std::string>& lin
     for (const std::string& line : lines) print_line(title.empty() ? line : "  " + line);
 }
 
-int run_explain(const ExplainOptions& options) {
-    auto found = channel_or_expression(options.expression, options.channels, options.dialect.value(), "expression");
-    if (!found) return report_error(found.error());
-    const lpe::ChannelSource& source = *found;
-    auto scene = options.scene.load();
-    if (!scene) return report_error(scene.error());
-    warn_about_scene({&source, 1}, *scene);
-    auto explanation = lpe::explain(source, words_of(*scene));
+int print_explanation(const lpe::ChannelSource& source, const lpe::Words& words, bool of_scene) {
+    auto explanation = lpe::explain(source, words);
     if (!explanation) return report_error(about_argument(explanation.error(), "expression", source.expression));
     print_line(explanation->expression + "    (" + (source.dialect == lpe::Dialect::osl ? "osl" : "renderman") + ")");
     print_section("", {explanation->sentence});
@@ -78,8 +74,75 @@ int run_explain(const ExplainOptions& options) {
     print_section("Note:", explanation->notes);
     print_section("Warning:", explanation->warnings);
     if (!explanation->samples.empty()) return exit_holds;
-    print_section("", {*scene ? "No path of this scene matches." : "No path a scene can produce matches."});
+    print_section("", {of_scene ? "No path of this scene matches." : "No path a scene can produce matches."});
     return exit_does_not_hold;
+}
+
+/// Every channel of the files in a few lines.
+int print_list(const std::vector<lpe::ChannelSource>& sources, const lpe::Words& words) {
+    int code = exit_holds;
+    for (const lpe::ChannelSource& source : sources) {
+        auto explanation = lpe::explain(source, words);
+        if (!explanation) return report_error(explanation.error());
+        if (&source != &sources.front()) print_line("");
+        print_line(source.name + "    " + source.expression);
+        print_line("    " + explanation->sentence);
+        for (const auto& [prefix, effect] : explanation->prefixes) print_line("    " + prefix + ": " + effect + ".");
+        for (const std::string& same : explanation->same_as) print_line("    " + same);
+        for (const std::string& warning : explanation->warnings) print_line("    Warning: " + warning);
+        if (!explanation->samples.empty()) continue;
+        print_line("    No path matches.");
+        code = exit_does_not_hold;
+    }
+    return code;
+}
+
+/// What is to be explained, and what the files say of paths.
+struct Explained {
+    std::vector<lpe::ChannelSource> sources;
+    ChannelSet set;
+    bool whole_files = false;
+};
+
+Result<Explained> read_explained(ExplainOptions& options) {
+    options.others.insert(options.others.begin(), options.expression);
+    std::vector<std::string> texts;
+    for (const std::string& text : options.others) {
+        if (text.starts_with("--"))
+            return error_at({}, "unknown option '" + text + "'; 'raylex lpe explain --help' lists them");
+        auto file = is_channel_file(text);
+        if (!file) return file.error();
+        (*file ? options.channels.files : texts).push_back(text);
+    }
+    if (texts.size() > 1)
+        return error_at({}, "'" + texts[1] + "' is a second expression; expected one, and files of channels");
+    Explained explained;
+    auto set = read_channel_set(options.channels, options.dialect.value());
+    if (!set) return set.error();
+    explained.set = std::move(*set);
+    explained.whole_files = texts.empty();
+    if (explained.whole_files) {
+        auto sources = resolved_channels(explained.set, options.channels);
+        if (!sources) return sources.error();
+        explained.sources = std::move(*sources);
+        return explained;
+    }
+    auto found = channel_or_expression(texts.front(), options.channels, options.dialect.value(), "expression");
+    if (!found) return found.error();
+    explained.sources.push_back(std::move(*found));
+    return explained;
+}
+
+int run_explain(ExplainOptions options) {
+    auto explained = read_explained(options);
+    if (!explained) return report_error(explained.error());
+    auto scene = options.scene.load();
+    if (!scene) return report_error(scene.error());
+    auto words = words_of(options.paths, *scene, explained->set, explained->sources);
+    if (!words) return report_error(words.error());
+    warn_about_scene(explained->sources, *scene);
+    if (explained->whole_files) return print_list(explained->sources, *words);
+    return print_explanation(explained->sources.front(), *words, scene->has_value());
 }
 
 }  // namespace
@@ -92,13 +155,18 @@ void add_lpe_explain_commands(CLI::App& lpe, CommandContext& context) {
     explain
         ->add_option(
             "EXPR", options->expression,
-            "the expression, a built-in name such as lpe:indirectdiffuse, or the name of a channel of --channels")
+            "the expression, a built-in name such as lpe:indirectdiffuse, the name of a channel of a file, or a file "
+            "of channels")
         ->required()
-        ->option_text("(required)");
+        ->option_text("... (required)");
+    explain->allow_extras();
+    add_path_options(*explain, options->paths);
     add_channel_files(*explain, options->channels);
     add_scene_option(*explain, options->scene);
     add_dialect_option(*explain, options->dialect);
     explain->footer(
+        "Example: raylex lpe explain show.rib, and raylex lpe explain show.rib rimDiffuse\n"
+        "A file alone is explained channel by channel, a few lines each.\n"
         "Prints the expression as a sentence and piece by piece; what its prefixes do; whether it is the beauty, a "
         "shipped "
         "channel\nor a built-in name however it is written; a few paths, in words and as 'raylex lpe match' reads "
@@ -106,7 +174,10 @@ void add_lpe_explain_commands(CLI::App& lpe, CommandContext& context) {
         "what it leaves out that\none might expect in it; warnings, where another reading of '|' would differ or a "
         "piece "
         "can never match.\nExit codes: 0 explained, 1 explained, and no path matches, 2 bad usage or input.");
-    explain->callback([options, &context] { context.exit_code = run_explain(*options); });
+    explain->callback([options, explain, &context] {
+        options->others = explain->remaining();
+        context.exit_code = run_explain(*options);
+    });
 }
 
 }  // namespace raylex::experiments

@@ -26,6 +26,12 @@ int run_graph(const GraphOptions& options) {
     ChannelArguments named = options.channels;
     named.named.clear();
     for (const std::string& text : options.channels.named) {
+        auto file = is_channel_file(text);
+        if (!file) return report_error(file.error());
+        if (*file) {
+            named.files.push_back(text);
+            continue;
+        }
         if (is_named(text)) named.named.push_back(text);
         else sources.push_back(bare_expression(text, options.dialect.value(), "", "expression"));
     }
@@ -52,7 +58,7 @@ void add_lpe_graph_commands(CLI::App& lpe, CommandContext& context) {
     auto options = std::make_shared<GraphOptions>();
     CLI::App* graph = lpe.add_subcommand("graph", "Draws the minimised automaton of expressions as SVG or DOT.");
     add_channel_arguments(*graph, options->channels)
-        ->description("expressions, or channels NAME=EXPR; they follow those of --channels");
+        ->description("expressions, channels NAME=EXPR, or files of channels");
     graph->add_option("-o,--output", options->output, "file to write; default: DOT to standard output")
         ->option_text("FILE.{svg,dot}");
     add_dialect_option(*graph, options->dialect);

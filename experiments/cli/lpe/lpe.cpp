@@ -11,6 +11,7 @@ void add_lpe_command(CLI::App& app, CommandContext& context) {
     command->require_subcommand(1);
     add_lpe_match_commands(*command, context);
     add_lpe_check_commands(*command, context);
+    add_lpe_relation_commands(*command, context);
     add_lpe_path_commands(*command, context);
     add_lpe_explain_commands(*command, context);
     add_lpe_graph_commands(*command, context);

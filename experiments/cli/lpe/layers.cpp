@@ -1,0 +1,142 @@
+#include "experiments/cli/lpe/layers.h"
+
+#include <algorithm>
+#include <set>
+
+#include "experiments/cli/console.h"
+#include "lpe/algebra/check.h"
+#include "lpe/algebra/relations.h"
+#include "lpe/language/extensions.h"
+
+namespace raylex::experiments {
+namespace {
+
+/// "mse" of `"string statistics" ["mse"]`, "variance" of `string ...:statistics = "variance"`; else empty. Such
+/// channels hold the spread of another one, not light.
+std::string statistics_of(const lpe::FileChannel& channel) {
+    for (const std::string& parameter : channel.parameters) {
+        const std::size_t at = parameter.find("statistics");
+        if (at == std::string::npos) continue;
+        for (const char* kind : {"variance", "mse", "even", "odd"})
+            if (parameter.find("\"" + std::string(kind) + "\"", at) != std::string::npos) return kind;
+    }
+    return {};
+}
+
+/// Why a channel of a file is no layer, whatever paths it counts.
+Result<std::string> why_no_layer(const lpe::FileChannel& channel, const lpe::ChannelSource& source) {
+    auto prefixes = lpe::expression_prefixes(source);
+    if (!prefixes) return prefixes.error();
+    if (!prefixes->empty()) return "prefix " + prefixes->front();
+    const std::string statistics = statistics_of(channel);
+    return statistics.empty() ? std::string() : "statistics " + statistics;
+}
+
+bool is_of_file(const lpe::ChannelSource& source) {
+    return source.origin_line > 0;
+}
+
+/// The beauty, or the same paths as the whole that was given.
+Result<bool> is_whole(const lpe::ChannelSource& source, const std::optional<lpe::ChannelSource>& of,
+                      const lpe::Words& words) {
+    auto beauty = lpe::is_beauty(source, words);
+    if (!beauty || *beauty || !of) return beauty;
+    auto difference = lpe::find_difference(source, *of, words);
+    if (!difference) return difference.error();
+    return !difference->has_value();
+}
+
+}  // namespace
+
+void add_path_options(CLI::App& command, PathOptions& options) {
+    const auto list = [&](const char* name, std::vector<std::string>& to, const char* description) {
+        command.add_option(name, to, description)
+            ->option_text("NAME[,NAME...]")
+            ->delimiter(',')
+            ->expected(1)
+            ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    };
+    CLI::Option* without = command.add_flag(
+        "--no-volume", options.no_volume,
+        "no path scatters in a medium: leaves V out; so it is for RIB and rendermn.ini that name no V");
+    command.add_flag("--volume", options.volume, "paths may scatter in media, whatever the files are")
+        ->excludes(without);
+    list("--groups", options.groups, "the light groups that exist; lights without one exist too (but --all-labelled)");
+    list("--labels", options.labels, "the labels of objects and media that exist; objects without one exist too");
+    command.add_flag("--all-labelled", options.all_labelled, "every light has a group");
+}
+
+Result<lpe::Words> words_of(const PathOptions& options, const std::optional<SceneWords>& scene, const ChannelSet& set,
+                            std::span<const lpe::ChannelSource> channels) {
+    lpe::Words words = words_of(scene);
+    if (scene && (!options.groups.empty() || !options.labels.empty()))
+        return error_at({}, "--groups and --labels have no part beside --scene, which has its own");
+    if (!options.groups.empty()) words.light_groups = options.groups;
+    if (!options.labels.empty()) words.object_labels = options.labels;
+    words.unlabelled_lights = !options.all_labelled;
+    const bool named = std::any_of(channels.begin(), channels.end(), [](const lpe::ChannelSource& channel) {
+        return channel.dialect == lpe::Dialect::renderman && lpe::names_volume(channel.expression);
+    });
+    words.volume = !options.no_volume && (options.volume || scene || named || !set.of_renderman);
+    return words;
+}
+
+std::vector<lpe::ChannelSource> read_all(const ChannelSet& set, std::vector<Error>& errors) {
+    std::vector<lpe::ChannelSource> sources;
+    std::vector<std::string> warnings;
+    std::set<std::string> known;  // a macro's error comes up in every channel that uses it
+    ChannelSet one;
+    one.file.macros = set.file.macros;
+    for (const lpe::FileChannel& channel : set.file.channels) {
+        one.file.channels.assign(1, channel);
+        auto expanded = expanded_channels(one, warnings);
+        const Result<std::vector<std::string>> prefixes =
+            expanded ? lpe::expression_prefixes(expanded->front()) : Result<std::vector<std::string>>(expanded.error());
+        if (prefixes) sources.push_back(std::move(expanded->front()));
+        else if (known.insert(prefixes.error().to_string()).second) errors.push_back(prefixes.error());
+    }
+    for (const std::string& warning : warnings) print_warning(warning);
+    return sources;
+}
+
+Result<Layers> choose_layers(const ChannelSet& set, std::vector<lpe::ChannelSource> sources,
+                             std::optional<lpe::ChannelSource> of, const lpe::Words& words) {
+    Layers layers;
+    std::vector<lpe::ChannelSource> wholes;
+    for (std::size_t k = 0; k < sources.size(); ++k) {
+        lpe::ChannelSource& source = sources[k];
+        if (of && !of->name.empty() && source.name == of->name) continue;
+        if (!is_of_file(source)) {
+            layers.sources.push_back(std::move(source));
+            continue;
+        }
+        auto why = why_no_layer(set.file.channels[k], source);
+        if (!why) return why.error();
+        if (!why->empty()) {
+            layers.no_layers.emplace_back(source.name, *why);
+            continue;
+        }
+        auto whole = is_whole(source, of, words);
+        if (!whole) return whole.error();
+        (*whole ? wholes : layers.sources).push_back(std::move(source));
+    }
+    // One channel alone is a split of it, as are several that stand for themselves.
+    if (layers.sources.empty() && !of) std::swap(layers.sources, wholes);
+    for (const lpe::ChannelSource& each : wholes)
+        layers.no_layers.emplace_back(each.name, of ? "what is split" : "the beauty");
+    if (of) {
+        layers.whole_name = of->name;
+        layers.whole = std::move(of);
+    } else if (!wholes.empty()) {
+        layers.whole_name = wholes.front().name;
+        layers.whole = wholes.front();
+    }
+    if (layers.sources.empty())
+        return error_at({}, "no channel is a layer of a split; expected channels without prefixes and statistics",
+                        layers.no_layers.empty()
+                            ? std::string()
+                            : "'" + layers.no_layers.front().first + "': " + layers.no_layers.front().second);
+    return layers;
+}
+
+}  // namespace raylex::experiments
