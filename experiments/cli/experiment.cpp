@@ -60,7 +60,7 @@ int run_cells(const ExperimentOptions& options, bool resume) {
             if (!results) return report_error(results.error());
             if (const int code = write_study_report(*results); code != exit_holds) return code;
         }
-        if (outcome->failed > 0) return exit_bad_input;
+        if (outcome->failed + outcome->references_failed > 0) return exit_bad_input;
         return outcome->splits_broken > 0 ? exit_does_not_hold : exit_holds;
     });
 }
@@ -79,7 +79,10 @@ int run_replay(const ExperimentOptions& options) {
         auto outcome = replay_cell(std::move(config), options.output, options.cell, &interrupt_flag());
         if (!outcome) return report_error(outcome.error());
         if (interrupt_flag().load()) return exit_interrupted;
-        print_line(options.cell + (outcome->same ? ": the same bits again" : ": DIFFERS in " + outcome->difference));
+        std::string compared;
+        for (const std::string& each : outcome->compared) compared += (compared.empty() ? "" : ", ") + each;
+        print_line(options.cell + (outcome->same ? ": the same bits again, in " + compared
+                                                 : ": DIFFERS in " + outcome->difference));
         return outcome->same ? exit_holds : exit_does_not_hold;
     });
 }

@@ -27,7 +27,19 @@ extern "C" void on_interrupt(int) {
     if (waiting.load() == 0) end_at_once("raylex: interrupted\n");
 }
 
+extern "C" void on_interrupt_of_worker(int) {
+    interrupted.store(true);
+}
+
 }  // namespace
+
+void install_worker_interrupt_handler() {
+    struct sigaction action = {};
+    action.sa_handler = on_interrupt_of_worker;
+    sigemptyset(&action.sa_mask);
+    action.sa_flags = SA_RESTART;
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
+}
 
 void install_interrupt_handler() {
     // SIGINT even when a shell started us with it ignored, as it does for background jobs: nothing is lost by an interrupt.

@@ -11,6 +11,10 @@ namespace raylex::experiments {
 /// pipe becomes an error of the call that met it and never the end of the process.
 void install_interrupt_handler();
 
+/// In a process that works for another one: these signals set the flag, however often they come. The one that asks for the
+/// work ends it when it must.
+void install_worker_interrupt_handler();
+
 /// Set once an interrupt has arrived; what transport::render watches.
 const std::atomic<bool>& interrupt_flag();
 

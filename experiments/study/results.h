@@ -53,6 +53,18 @@ struct PartitionVerdict {
     double worst_relative_error = 0;  ///< largest |sum - whole| over the bound's (sum of |layers| + |whole|)
 };
 
+/// A file as it was written: what tells damage.
+struct FileRecord {
+    std::string name;  ///< in its directory
+    std::uint64_t bytes = 0;
+    std::string hash;  ///< XXH64 of the content, 16 hexadecimal digits
+};
+
+/// Paths that a method is known not to find, as a light path expression.
+struct OmittedPathsInfo {
+    std::string expression, dialect;
+};
+
 /// One render: a scene by a method with settings, to a budget, with a seed of its own.
 struct Cell {
     std::string id;                           ///< SCENE.METHOD[.KEY=VALUE...].BUDGET.rREPLICATE; unique, fit for a file name
@@ -77,6 +89,8 @@ struct Cell {
     std::string isa;                          ///< instruction set of the ray tracer; empty for external renderers
     unsigned threads = 0;
     std::vector<std::string> warnings;
+    std::vector<OmittedPathsInfo> omits;      ///< what its integrator says it does not find of this scene's light
+    std::vector<FileRecord> files;            ///< all of its directory but cell.json; empty when it failed
     std::string directory;                    ///< where its files are; empty when it failed
 };
 
@@ -94,6 +108,7 @@ struct SceneInfo {
                                               ///< negative: not known (an image from elsewhere)
     std::string reference_method;             ///< method's name, or the file it came from
     std::uint64_t reference_samples = 0;      ///< per pixel; 0: not known
+    std::string reference_failure;            ///< why there is none though one was asked for
 };
 
 struct MethodInfo {

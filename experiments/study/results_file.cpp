@@ -93,6 +93,14 @@ Json cell_json(const Cell& cell) {
     json["isa"] = cell.isa;
     json["threads"] = cell.threads;
     json["warnings"] = cell.warnings;
+    Json omits = Json::array();
+    for (const OmittedPathsInfo& each : cell.omits)
+        omits.push_back({{"expression", each.expression}, {"dialect", each.dialect}});
+    if (!cell.omits.empty()) json["omits"] = omits;
+    Json files = Json::array();
+    for (const FileRecord& each : cell.files)
+        files.push_back({{"name", each.name}, {"bytes", each.bytes}, {"hash", each.hash}});
+    if (!cell.failed) json["files"] = files;
     return json;
 }
 
@@ -117,6 +125,10 @@ Cell cell_of(const Json& json) {
     cell.isa = json.at("isa");
     cell.threads = json.at("threads");
     cell.warnings = json.at("warnings").get<std::vector<std::string>>();
+    for (const Json& each : json.value("omits", Json::array()))
+        cell.omits.push_back({each.at("expression"), each.at("dialect")});
+    for (const Json& each : json.value("files", Json::array()))
+        cell.files.push_back({each.at("name"), each.at("bytes"), each.at("hash")});
     return cell;
 }
 
@@ -125,16 +137,18 @@ Json scene_json(const SceneInfo& scene) {
     for (const ChannelInfo& each : scene.channels)
         channels.push_back(
             {{"name", each.name}, {"expression", each.expression}, {"dialect", each.dialect}, {"beauty", each.beauty}});
-    return {{"name", scene.name},
-            {"file", scene.file},
-            {"hash", scene.hash},
-            {"width", scene.width},
-            {"height", scene.height},
-            {"channels", channels},
-            {"reference", scene.reference},
-            {"reference_relative_error", scene.reference_relative_error},
-            {"reference_method", scene.reference_method},
-            {"reference_samples", scene.reference_samples}};
+    Json json{{"name", scene.name},
+              {"file", scene.file},
+              {"hash", scene.hash},
+              {"width", scene.width},
+              {"height", scene.height},
+              {"channels", channels},
+              {"reference", scene.reference},
+              {"reference_relative_error", scene.reference_relative_error},
+              {"reference_method", scene.reference_method},
+              {"reference_samples", scene.reference_samples}};
+    if (!scene.reference_failure.empty()) json["reference_failure"] = scene.reference_failure;
+    return json;
 }
 
 SceneInfo scene_of(const Json& json, const std::string& directory) {
@@ -152,6 +166,7 @@ SceneInfo scene_of(const Json& json, const std::string& directory) {
     scene.reference_relative_error = json.at("reference_relative_error");
     scene.reference_method = json.at("reference_method");
     scene.reference_samples = json.at("reference_samples");
+    scene.reference_failure = json.value("reference_failure", std::string());
     return scene;
 }
 
@@ -304,8 +319,20 @@ std::string cell_of_part(const std::string& name) {
     return no_parts == std::errc() && last == end && part >= 1 && part <= parts ? name.substr(0, dot) : std::string();
 }
 
+std::string cell_text(const Cell& cell) {
+    return text_of(cell_json(cell));
+}
+
+Result<Cell> cell_of_text(const std::string& text, const std::string& where) {
+    try {
+        return cell_of(Json::parse(text));
+    } catch (const Json::exception& error) {
+        return error_at({where, 0, 0}, std::string("this is not a cell: ") + error.what());
+    }
+}
+
 Status write_cell_file(const std::string& path, const Cell& cell, display::FileSync sync) {
-    return display::write_text_file(path, text_of(cell_json(cell)), sync);
+    return display::write_text_file(path, cell_text(cell), sync);
 }
 
 Result<Cell> read_cell_file(const std::string& path) {

@@ -13,6 +13,10 @@ inline constexpr const char* experiment_format = "raylex-experiment 1";
 Status write_cell_file(const std::string& path, const Cell& cell, display::FileSync sync = display::FileSync::now);
 Result<Cell> read_cell_file(const std::string& path);
 
+/// What these files hold; `where` is named when the text is something else.
+std::string cell_text(const Cell& cell);
+Result<Cell> cell_of_text(const std::string& text, const std::string& where);
+
 /// config.toml, then experiment.json, which says by being there that the directory is whole. Of the experiment's cells
 /// only `planned` is written: what became of them is in their own files.
 Status write_experiment_files(const Experiment& experiment);

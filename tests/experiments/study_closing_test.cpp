@@ -40,6 +40,7 @@ raylex::Result<RunOutcome> run(const Folder& folder, bool resume) {
     RunRequest request;
     request.directory = folder.path("out");
     request.resume = resume;
+    request.isolated = false;  // the faults are of this process
     return run_experiment(*config, request, nullptr);
 }
 

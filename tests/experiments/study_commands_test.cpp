@@ -1,8 +1,14 @@
 // What an experiment's config hands to a shell, and what it names that is not there.
 #include <catch2/catch.hpp>
 
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "experiments/study/analysis/convergence.h"
 #include "experiments/study/run/external.h"
 #include "support.h"
+#include "tests/support/paths.h"
 
 using namespace raylex::experiments;
 using raylex::test::Folder;
@@ -120,4 +126,61 @@ TEST_CASE("what a config, a job or a flag names and raylex lacks is an error wit
     folder.write("odd.pbrt", "Accelerator \"octree\"\n" + small_scene());
     CHECK(run_raylex(folder, "render odd.pbrt --spp 1 -o x.exr").err.find("accelerator 'octree' is none of pbrt's") !=
           std::string::npos);
+}
+
+TEST_CASE("nobody is accused without evidence: of paths that it says it omits, of a slope through two budgets") {
+    const Folder folder;
+    folder.write("c.toml", "replicates = 3\n[[scene]]\nname = \"glass\"\nfile = \"" + raylex::test::source_dir() +
+                               R"(/experiments/scenes/still-life/scene.pbrt"
+resolution = [24, 16]
+[[method]]
+name = "path"
+[[method]]
+name = "light"
+integrator = "lighttracer"
+[budget]
+samples = [4, 16]
+[reference]
+method = "path"
+spp = 64
+[[channel]]
+name = "direct"
+lpe = "C<RD>L"
+[[channel]]
+name = "mirrored"
+lpe = "C<RS>.*L"
+)");
+    const Outcome run = run_raylex(folder, "experiment run c.toml -o out --report");
+    INFO(run.out << run.err);
+    REQUIRE(run.code == 0);
+    CHECK(run.out.find("BIASED") == std::string::npos);
+    CHECK(run.out.find("not judged by beauty, mirrored, rest, which have paths that it says it does not find (C<.S>.*)") !=
+          std::string::npos);
+    CHECK(run.out.find("warning: ") != std::string::npos);  // of the cell, on the terminal
+    std::istringstream lines(folder.read("out/results.jsonl"));
+    int judged = 0, left_out = 0;
+    for (std::string line; std::getline(lines, line);) {
+        const auto json = nlohmann::json::parse(line);
+        if (json.at("kind") != "bias" || json.at("variant") != "light") continue;
+        const bool omitted = json.at("omitted") == "C<.S>.*";
+        CHECK(omitted == (json.at("channel") != "direct"));
+        ++(omitted ? left_out : judged);
+    }
+    CHECK(judged == 1);
+    CHECK(left_out >= 2);
+
+    std::vector<BudgetGroup> groups;
+    for (const double budget : {64.0, 256.0, 1024.0}) {
+        BudgetGroup group;
+        group.budget = budget;
+        for (int i = 0; i < 6; ++i) {
+            group.errors.push_back(std::pow(budget, -0.5) * (1 + 0.001 * i));  // far too shallow
+            group.samples.push_back(budget);
+            group.seconds.push_back(budget);
+        }
+        groups.push_back(group);
+        const SlopeVerdict verdict = judge_slope(groups, true);
+        CHECK(verdict.too_shallow == (groups.size() == 3));
+        if (groups.size() == 2) CHECK(verdict.text.find("three are needed") != std::string::npos);
+    }
 }

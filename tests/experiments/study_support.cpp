@@ -78,6 +78,7 @@ SceneInfo scene_of(const SyntheticStudy& study, const std::string& root, int ind
     scene.reference_samples = 65536;
     scene.reference_relative_error = study.noise / 256;
     write_images(scene.reference, scene, simulate(study, 65536, random, 1, 1), 65536);
+    REQUIRE(raylex::display::write_text_file(scene.reference + "/reference.json", "{}"));
     return scene;
 }
 

@@ -14,6 +14,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 // The reference's noise is taken off in expectation only; what is left of it may bend a line of high budgets by this
 // much.
 constexpr double slope_margin = 0.02;
+constexpr std::size_t fewest_judged_budgets = 3;  // two lie on a line whatever the error does between and beyond
 constexpr double farthest_octaves = 10;  // an extrapolation beyond is a guess
 
 struct Point {
@@ -172,9 +173,14 @@ SlopeVerdict judge_slope(std::span<const BudgetGroup> groups, bool declared_unbi
     SlopeVerdict verdict;
     verdict.seconds = fit_line(groups, Against::seconds);
     verdict.samples = fit_line(groups, Against::samples);
+    const Against against = verdict.samples ? Against::samples : Against::seconds;
     const std::optional<Line>& line = verdict.samples ? verdict.samples : verdict.seconds;
     if (!line) {
         verdict.text = "not known: needs two budgets, three replicates in all";
+        return verdict;
+    }
+    if (last_octaves(usable_groups(groups, against), against, slope_octaves).size() < fewest_judged_budgets) {
+        verdict.text = "not judged: two budgets show no slope but that between them, three are needed";
         return verdict;
     }
     const bool shallow = line->slope_low > -1 + slope_margin;

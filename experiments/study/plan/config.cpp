@@ -28,18 +28,9 @@ void read_method_table(TomlTable& table, MethodRequest& method) {
     table.read("unbiased", method.unbiased);
     method.location = table.location();
     table.read("command", method.command);
-    std::string timeout;
-    if (table.read("timeout", timeout)) {
-        auto seconds = parse_interval(timeout, table.content_location_of("timeout"));
-        if (seconds) method.timeout = *seconds;
-        else table.source().fail(seconds.error());
-    }
+    read_timeout(table, method.timeout);
     table.take("sweep");
     if (!method.command.empty()) return;
-    if (table.has("timeout"))
-        table.source().fail(table.location_of("timeout"),
-                            "'timeout' is for external commands; a method of this program ends "
-                            "by its budget");
     read_method_settings(table, method.settings);
     read_entity(table, "integrator", method.settings.integrator);
     read_entity(table, "sampler", method.settings.sampler);
@@ -121,6 +112,7 @@ class ConfigReader {
         Job timing;
         read_checkpoint(root, timing);
         config_.checkpoint_seconds = timing.checkpoint_seconds;
+        read_timeout(root, config_.timeout);
     }
 
     void read_scenes(TomlTable& root) {
@@ -182,6 +174,7 @@ class ConfigReader {
             TomlTable table(source_, *each, "a [[method]] table");
             MethodRequest method;
             read_method_table(table, method);
+            if (method.timeout == 0) method.timeout = config_.timeout;
             method.sweep = shared;
             for (SweepAxis& own : read_sweep(table)) {
                 std::erase_if(method.sweep, [&](const SweepAxis& axis) { return axis.key == own.key; });

@@ -31,7 +31,7 @@ struct SweepAxis {
 struct MethodRequest {
     std::string name, command;  ///< `command` is empty for methods of this program
     bool unbiased = true;
-    double timeout = 0;                  ///< seconds, of external commands; 0 = none
+    double timeout = 0;                  ///< seconds a cell may take in all, else it is ended and failed; 0 = none
     transport::RenderSettings settings;  ///< what the method's table says, without sweeps
     std::vector<SweepAxis> sweep;        ///< [sweep] and the method's own [method.sweep]: the axes that it goes along
     SourceLocation location;
@@ -56,6 +56,7 @@ struct ReferenceRequest {
     std::size_t variant = 0;    ///< in ExperimentConfig::variants: the method as its table has it, unswept
     std::uint64_t samples = 0;  ///< at most; 0: no limit beside `error`
     double error = 0;           ///< 0: `samples` alone
+    double timeout = 0;         ///< seconds; 0 = none
     std::string cache;          ///< folder; empty: references/ in the results
     SourceLocation location;
 };
@@ -77,6 +78,7 @@ struct ExperimentConfig {
     std::uint64_t seed = 0;
     unsigned replicates = 1;
     double checkpoint_seconds = 0;  ///< within cells and references; 0 = none
+    double timeout = 0;             ///< of cells whose method has none of its own, and of loading a scene; 0 = none
     Job base;                       ///< plugins, colour, channels, threads, instruction set: what all renders share
     std::vector<SceneRequest> scenes;
     std::vector<MethodRequest> methods;

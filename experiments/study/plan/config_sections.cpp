@@ -139,6 +139,14 @@ void check_short_name(TomlTable& table, std::string_view key, const std::string&
                                 "digits, _ and -");
 }
 
+void read_timeout(TomlTable& table, double& seconds) {
+    std::string text;
+    if (!table.read("timeout", text)) return;
+    auto parsed = parse_interval(text, table.content_location_of("timeout"));
+    if (parsed) seconds = *parsed;
+    else table.source().fail(parsed.error());
+}
+
 void require_file(TomlTable& table, std::string_view key, const std::string& path, const char* what) {
     std::error_code failed;
     if (!std::filesystem::is_regular_file(path, failed))
@@ -197,6 +205,7 @@ void read_reference(TomlTable& root, ExperimentConfig& config) {
         if (value) reference.error = *value;
         else root.source().fail(value.error());
     }
+    read_timeout(reader, reference.timeout);
     if (reader.read("cache", reference.cache)) reference.cache = beside_job(config.file, reference.cache);
     reader.close();
     if (reference.samples == 0 && reference.error == 0)

@@ -11,6 +11,8 @@ namespace raylex::experiments {
 
 /// Names that stand in file names: letters, digits, _ and -.
 void check_short_name(TomlTable& table, std::string_view key, const std::string& name);
+/// timeout = "10m".
+void read_timeout(TomlTable& table, double& seconds);
 void require_file(TomlTable& table, std::string_view key, const std::string& path, const char* what);
 
 void read_budgets(TomlTable& root, std::vector<Budget>& budgets);

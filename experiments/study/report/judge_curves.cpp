@@ -103,7 +103,10 @@ void find_words(Study& study, const SceneInfo& scene, const MethodVariant& varia
     std::vector<JudgedChannel> channels;
     bool any = false;
     for (const BiasEntry& entry : study.bias) {
-        if (entry.scene != scene.name || entry.variant != variant.name || !entry.verdict.tested) continue;
+        // What the method says it does not find makes a channel neither wrong nor right.
+        if (entry.scene != scene.name || entry.variant != variant.name || !entry.verdict.tested ||
+            !entry.omitted.empty())
+            continue;
         any = any || entry.convicts();
         for (const ChannelInfo& channel : scene.channels)
             if (channel.name == entry.channel && !channel.beauty)
@@ -134,6 +137,12 @@ void judge_curves(Study& study) {
         for (const MethodVariant& variant : study.variants)
             if (variant.name == curve.variant) unbiased = variant.unbiased;
         curve.slope = judge_slope(groups, unbiased);
+        for (const BiasEntry& entry : study.bias)
+            if (entry.scene == curve.scene && entry.variant == curve.variant && entry.channel == curve.channel &&
+                !entry.omitted.empty()) {
+                curve.slope.too_shallow = false;
+                curve.slope.text = "not judged: it says that it does not find " + entry.omitted;
+            }
         for (const double target : target_errors)
             curve.times.push_back(time_to_error(groups, target, study.options.confidence));
         curve.prediction = check_prediction(groups);

@@ -3,8 +3,11 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 
+#include "experiments/cli/console.h"
 #include "experiments/study/report/study.h"
+#include "lpe/algebra/paths.h"
 
 namespace raylex::experiments {
 namespace {
@@ -59,7 +62,9 @@ class Measurer {
     Status measure_scene(const SceneInfo& scene) {
         if (scene.reference.empty()) {
             study_.omissions.push_back(
-                {"scene " + scene.name, "no reference: errors, bias and images of it are not judged"});
+                {"scene " + scene.name, "no reference" +
+                                            (scene.reference_failure.empty() ? "" : " (" + scene.reference_failure + ")") +
+                                            ": errors, bias and images of it are not judged"});
             return success();
         }
         std::vector<RegionPixels> regions{{"", {}}};
@@ -125,16 +130,34 @@ class Measurer {
         std::map<std::string, BiasCandidate> candidates;
         for (const Group& group : groups) {
             const std::vector<PixelArray> images = read_group(group, channel, reference.mean);
+            offer(candidates, group, images);
+            // An image without light costs nothing and has no noise: it would beat whoever finds some.
+            if (is_dark(images)) {
+                study_.omissions.push_back({"channel " + channel.name + " of " + group.variant->name + " on " +
+                                                scene.name + ", " + budget_kind_name(group.kind) + " " +
+                                                number_text(group.budget, 6),
+                                            "no light at all, where the reference has some: it is not compared"});
+                continue;
+            }
             for (const RegionPixels& region : regions) {
                 std::optional<BudgetPoint> point = measure_group(group, images, channel, region, reference);
                 if (point)
                     study_.curves[curves[{region.name, group.variant->name}]].points.push_back(std::move(*point));
             }
-            offer(candidates, group, images);
         }
         for (const MethodVariant& variant : study_.variants)
             if (const auto found = candidates.find(variant.name); found != candidates.end())
                 test_channel(scene, channel, variant, found->second, reference);
+    }
+
+    /// All that could be read is black; false when there is nothing.
+    static bool is_dark(const std::vector<PixelArray>& images) {
+        bool any = false;
+        for (const PixelArray& image : images) {
+            if (!image.values.empty() && !is_black(image)) return false;
+            any = any || !image.values.empty();
+        }
+        return any;
     }
 
     static bool is_black_everywhere(const ChannelInfo& channel, const std::vector<Group>& groups) {
@@ -253,7 +276,8 @@ class Measurer {
         options.level = study_.options.bias_level;
         options.channels = static_cast<double>(scene.channels.size());
         study_.bias.push_back({scene.name, variant.name, channel.name, candidate.budget,
-                               candidate.side.replicates.size(), test_bias(candidate.side, truth, options)});
+                               candidate.side.replicates.size(), test_bias(candidate.side, truth, options), false,
+                               omitted_in(experiment_, scene.name, variant.name, channel)});
     }
 
     const Experiment& experiment_;
@@ -261,6 +285,32 @@ class Measurer {
 };
 
 }  // namespace
+
+std::string omitted_in(const Experiment& experiment, const std::string& scene, const std::string& variant,
+                       const ChannelInfo& channel) {
+    const auto source = [](const std::string& name, const std::string& expression, const std::string& dialect) {
+        lpe::ChannelSource result;
+        result.name = name;
+        result.expression = expression;
+        result.dialect = dialect == "osl" ? lpe::Dialect::osl : lpe::Dialect::renderman;
+        result.origin = "channel '" + name + "'";
+        return result;
+    };
+    for (const Cell& cell : experiment.cells) {
+        if (cell.failed || cell.scene != scene || variant_name(cell) != variant) continue;
+        for (const OmittedPathsInfo& each : cell.omits) {
+            const std::vector<lpe::ChannelSource> both{source(channel.name, channel.expression, channel.dialect),
+                                                       source("omitted", each.expression, each.dialect)};
+            lpe::PathSetOptions options;
+            options.samples = 1;
+            options.longest_counted = 0;
+            const auto shared = lpe::look_at_paths(lpe::Operation::intersection, both, {}, options);
+            if (!shared || !shared->empty()) return each.expression;
+        }
+        return {};  // all cells of a variant say the same
+    }
+    return {};
+}
 
 std::string variant_name(const Cell& cell) {
     std::string name = cell.method;
@@ -272,7 +322,12 @@ Result<Study> study_of(const Experiment& experiment, const StudyReportOptions& o
     Study study;
     study.experiment = &experiment;
     study.options = options;
+    std::set<std::string> warned;
     for (const Cell& cell : experiment.cells) {
+        for (const std::string& warning : cell.warnings) {
+            const std::string who = "warning of " + variant_name(cell) + " on " + cell.scene;
+            if (warned.insert(who + "\n" + warning).second) study.omissions.push_back({who, warning});
+        }
         if (cell.failed) {
             study.omissions.push_back({"cell " + cell.id, "failed: " + cell.failure});
             continue;

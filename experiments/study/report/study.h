@@ -59,7 +59,8 @@ struct BiasEntry {
     std::size_t replicates = 0;
     BiasVerdict verdict;
     bool heavy_tail = false;  ///< a few rare samples decide: what the test assumes does not hold, and it convicts nobody
-    [[nodiscard]] bool convicts() const { return verdict.differs && !heavy_tail; }
+    std::string omitted;      ///< paths of this channel that the method says it does not find: then it is not judged by it
+    [[nodiscard]] bool convicts() const { return verdict.differs && !heavy_tail && omitted.empty(); }
 };
 
 struct WordsEntry {
@@ -72,6 +73,10 @@ struct SettingEffect {
     std::string scene, channel, key, from, to, others;  ///< others: the method that `from` is of, and what it sweeps beside
     Interval speed_up;                                  ///< of `to` against `from`
 };
+
+/// The expression of paths that a variant says it does not find in a scene and that a channel has, too; empty: none.
+std::string omitted_in(const Experiment& experiment, const std::string& scene, const std::string& variant,
+                       const ChannelInfo& channel);
 
 struct Omission {
     std::string what, reason;

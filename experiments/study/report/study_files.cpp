@@ -250,6 +250,7 @@ std::string results_jsonl(const Study& study) {
                        {"tested", v.tested},
                        {"differs", v.differs},
                        {"heavy_tail", entry.heavy_tail},
+                       {"omitted", entry.omitted},
                        {"adjusted_p", number(v.adjusted_p)},
                        {"tests", v.tests},
                        {"mean_difference", number(v.mean_difference)},

@@ -8,10 +8,12 @@
 #include "display/output/atomic_file.h"
 #include "experiments/cli/command_line.h"
 #include "experiments/cli/console.h"
+#include "experiments/study/file_records.h"
 #include "experiments/study/report/assets.h"
 #include "experiments/study/report/paper.h"
 #include "experiments/study/report/study_files.h"
 #include "experiments/study/report/study_page.h"
+#include "experiments/study/run/run_progress.h"
 
 namespace raylex::experiments {
 namespace {
@@ -50,27 +52,37 @@ Status write_paper(const std::string& directory, const Study& study, std::size_t
 /// The verdict on bias of a variant in a scene in a line; empty when nothing of it was tested.
 std::string bias_line(const Study& study, const std::string& scene, const MethodVariant& variant) {
     bool tested = false, convicted = false, doubtful = false;
+    std::string omitted, without;  // expression; channels
     double detectable = std::numeric_limits<double>::quiet_NaN();
     for (const BiasEntry& entry : study.bias) {
         if (entry.scene != scene || entry.variant != variant.name || !entry.verdict.tested) continue;
+        if (!entry.omitted.empty()) {
+            omitted = entry.omitted;
+            without += (without.empty() ? "" : ", ") + entry.channel;
+            continue;
+        }
         if (!tested) detectable = entry.verdict.detectable_whole;  // of the first channel, the beauty
         tested = true;
         convicted = convicted || entry.convicts();
         doubtful = doubtful || entry.verdict.differs;
     }
-    if (!tested) return {};
     std::string text = variant.name + " on " + scene + ": ";
-    if (!convicted && doubtful) return text + "no verdict on bias, since a few rare samples decide";
+    const std::string not_judged =
+        omitted.empty() ? "" : "not judged by " + without + ", which have paths that it says it does not find (" + omitted + ")";
+    if (!tested) return omitted.empty() ? std::string() : text + not_judged;
+    const std::string elsewhere = omitted.empty() ? "" : "; " + not_judged;
+    if (!convicted && doubtful) return text + "no verdict on bias, since a few rare samples decide" + elsewhere;
     if (!convicted)
         return text + "no bias found" +
                (std::isfinite(detectable) ? "; one of " + percent_text(detectable) + " of the mean would be, with 90 %"
-                                          : "");
+                                          : "") +
+               elsewhere;
     text += variant.unbiased ? "BIASED: it differs from the reference" : "differs from the reference, as declared";
     for (const WordsEntry& words : study.words)
         if (words.scene == scene && words.variant == variant.name && !words.first.words.empty())
             text += "; first wrong path " + words.first.words.front().text + ", channel " +
                     words.first.words.front().channel;
-    return text;
+    return text + elsewhere;
 }
 
 /// All verdicts of a small study; of a large one those against methods that are declared unbiased, and how many others.
@@ -88,11 +100,36 @@ void print_verdicts(const Study& study) {
     if (kept_back > 0) print_line(std::to_string(kept_back) + " other verdicts on bias are in the report");
 }
 
+/// Cells and references whose files are not what was written, as failed and as none, and how many they are: each is a
+/// warning, and nothing is measured of it.
+std::pair<Experiment, std::size_t> without_damage(Experiment experiment) {
+    std::size_t count = 0;
+    for (Cell& cell : experiment.cells) {
+        const std::string damage = damage_of(cell);
+        if (damage.empty()) continue;
+        ++count;
+        print_warning("cell '" + cell.id + "' is damaged and is left out: " + damage);
+        cell.failed = true;
+        cell.failure = "damaged: " + damage;
+    }
+    for (SceneInfo& scene : experiment.scenes) {
+        if (scene.reference.empty()) continue;
+        const std::string damage = damage_of_reference(scene.reference);
+        if (damage.empty()) continue;
+        ++count;
+        print_warning("the reference of scene '" + scene.name + "' is damaged and is left out: " + damage);
+        scene.reference_failure = "damaged: " + damage;
+        scene.reference.clear();
+    }
+    return {std::move(experiment), count};
+}
+
 }  // namespace
 
-int write_study_report(const Experiment& experiment, const StudyReportOptions& options) {
+int write_study_report(const Experiment& as_read, const StudyReportOptions& options) {
     Result<std::string> d3 = read_d3();
     if (!d3) return report_error(d3.error());
+    const auto [experiment, damaged] = without_damage(as_read);
     Result<Study> study = study_of(experiment, options);
     if (!study) return report_error(study.error());
     const std::string directory = options.directory.empty() ? experiment.directory : options.directory;
@@ -114,13 +151,13 @@ int write_study_report(const Experiment& experiment, const StudyReportOptions& o
     if (written) written = display::write_text_file(directory + "/report.html", page);
     if (!written) return report_error(written.error());
     if (!study->omissions.empty())
-        print_warning(std::to_string(study->omissions.size()) + " omissions, listed in the report; the first: " +
+        print_warning(counted(study->omissions.size(), "omission") + ", listed in the report; the first: " +
                       study->omissions.front().what + ": " + study->omissions.front().reason);
     print_line(directory + "/report.html: " + size_text(static_cast<double>(page.size())) +
                "; results.csv, results.jsonl, " + std::to_string(plots.size()) + " plots and " + std::to_string(paper_files) +
                " tables and insets beside it");
     print_verdicts(*study);
-    return exit_holds;
+    return damaged > 0 ? exit_bad_input : exit_holds;
 }
 
 }  // namespace raylex::experiments

@@ -7,6 +7,8 @@
 
 #include "display/output/atomic_file.h"
 #include "display/services/parameters.h"
+#include "experiments/study/file_records.h"
+#include "experiments/study/results_file.h"
 #include "transport/render/clock.h"
 
 namespace raylex::experiments {
@@ -14,6 +16,11 @@ namespace raylex::experiments {
 namespace fs = std::filesystem;
 
 Status close_cell_directory(const WrittenCell& cell) {
+    auto files = file_records(cell.partial);
+    if (!files) return files.error();
+    Cell whole = cell.cell;
+    whole.files = *std::move(files);
+    if (Status s = write_cell_file(cell.partial + "/cell.json", whole, display::FileSync::later); !s) return s;
     if (Status s = display::sync_files_in(cell.partial); !s) return s;
     std::error_code ignored, failed;
     for (const std::string& each : cell.obsolete) fs::remove(each, ignored);

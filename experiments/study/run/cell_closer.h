@@ -10,18 +10,20 @@
 #include <thread>
 #include <vector>
 
+#include "experiments/study/results.h"
 #include "lpe/result.h"
 
 namespace raylex::experiments {
 
-/// A directory whose files are all written. It gets its final name only once they are on disk: a name in cells/ is a whole
-/// cell, whatever happens.
+/// A directory whose files are all written but cell.json, which lists them. It gets its final name only once they are on
+/// disk: a name in cells/ is a whole cell, whatever happens.
 struct WrittenCell {
+    Cell cell;  ///< for cell.json; `files` is filled in
     std::string partial, final_name;
     std::vector<std::string> obsolete;  ///< files that go when the rest is safe: a checkpoint, an earlier failure
 };
 
-/// Syncs and renames at once.
+/// Writes cell.json, syncs and renames at once.
 Status close_cell_directory(const WrittenCell& cell);
 
 class CellCloser {

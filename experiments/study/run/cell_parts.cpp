@@ -18,20 +18,13 @@ using Json = nlohmann::ordered_json;
 constexpr auto block = static_cast<std::uint64_t>(transport::RenderLoop::block_size);
 
 /// Why all cells of a method with budgets of this kind are kept whole; empty when they can be split.
-std::string reason_to_keep(const ExperimentConfig& config, const PlannedCell& planned, SceneStore& scenes) {
+std::string reason_of_plan(const ExperimentConfig& config, const PlannedCell& planned) {
     const Variant& variant = config.variants[planned.variant];
     if (!config.methods[variant.method].command.empty()) return "an external command gets whole cells";
     if (planned.cell.budget_kind != BudgetKind::samples)
         return "how many samples a budget of " + budget_kind_name(planned.cell.budget_kind) +
                " comes to is found while rendering";
     if (!config.base.settings.cryptomatte.empty()) return "cryptomattes are of whole renders";
-    auto scene = scenes.scene(planned.scene);
-    if (!scene) return {};  // its cells will say so
-    const transport::SceneEntity& entity =
-        variant.render.integrator ? *variant.render.integrator : (*scene)->loaded->scene.integrator;
-    auto chosen = transport::choose_integrator(entity, variant.render.max_depth);
-    if (chosen && chosen->integrator->starts_up())
-        return "the Markov chains of integrator '" + chosen->name + "' would begin alike in every part";
     return {};
 }
 
@@ -80,7 +73,20 @@ Error part_error(const Cell& part, std::string message, std::string hint = {}) {
 
 }  // namespace
 
-Result<WorkList> split_cells(const ExperimentConfig& config, const Plan& plan, SceneStore& scenes, unsigned split) {
+std::string reason_of_scene(const ExperimentConfig& config, std::size_t scene_index, std::size_t variant,
+                            SceneStore& scenes) {
+    auto scene = scenes.scene(scene_index);
+    if (!scene) return {};  // its cells will say so
+    const transport::RenderSettings& render = config.variants[variant].render;
+    auto chosen = transport::choose_integrator(
+        render.integrator ? *render.integrator : (*scene)->loaded->scene.integrator, render.max_depth);
+    if (chosen && chosen->integrator->starts_up())
+        return "the Markov chains of integrator '" + chosen->name + "' would begin alike in every part";
+    return {};
+}
+
+WorkList split_cells(const ExperimentConfig& config, const Plan& plan, const ReasonToKeep& reason_to_keep,
+                     unsigned split) {
     WorkList work;
     std::set<std::string> said;
     std::map<std::pair<std::size_t, std::size_t>, std::string> reasons;
@@ -88,9 +94,11 @@ Result<WorkList> split_cells(const ExperimentConfig& config, const Plan& plan, S
         std::string reason;
         if (split > 1) {
             const std::pair key(planned.scene, planned.variant);
-            if (planned.cell.budget_kind != BudgetKind::samples) reason = reason_to_keep(config, planned, scenes);
-            else if (const auto known = reasons.find(key); known != reasons.end()) reason = known->second;
-            else reason = reasons[key] = reason_to_keep(config, planned, scenes);
+            reason = reason_of_plan(config, planned);
+            if (reason.empty()) {
+                if (!reasons.contains(key)) reasons[key] = reason_to_keep(planned.scene, planned.variant);
+                reason = reasons[key];
+            }
         }
         const auto samples = static_cast<std::uint64_t>(planned.cell.budget);
         const std::uint64_t blocks = (samples + block - 1) / block, parts = std::min<std::uint64_t>(split, blocks);
@@ -183,6 +191,7 @@ Cell merged_cell(const Cell& planned, const std::vector<const Cell*>& parts) {
             same->wall_seconds += phase.wall_seconds;
             same->cpu_seconds += phase.cpu_seconds;
         }
+        if (cell.omits.empty()) cell.omits = part->omits;
         for (const std::string& warning : part->warnings)
             if (std::find(cell.warnings.begin(), cell.warnings.end(), warning) == cell.warnings.end())
                 cell.warnings.push_back(warning);

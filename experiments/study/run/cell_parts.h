@@ -6,6 +6,7 @@
 // cell.json and record.bin.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -21,10 +22,16 @@ struct WorkList {
     std::vector<std::string> notes;  ///< which cells are kept whole, and why
 };
 
+/// Why cells of a scene by a variant of this program are kept whole; empty when they can be split.
+std::string reason_of_scene(const ExperimentConfig& config, std::size_t scene, std::size_t variant, SceneStore& scenes);
+
+/// Asked for a scene and a variant: what reason_of_scene() says.
+using ReasonToKeep = std::function<std::string(std::size_t scene, std::size_t variant)>;
+
 /// The plan with each cell in `split` parts of about as many samples; fewer where it has fewer blocks of samples. Kept
 /// whole: cells whose samples are found on the way (budgets of time and error), those of external commands, of Markov
 /// chains, with cryptomattes, and of one block.
-Result<WorkList> split_cells(const ExperimentConfig& config, const Plan& plan, SceneStore& scenes, unsigned split);
+WorkList split_cells(const ExperimentConfig& config, const Plan& plan, const ReasonToKeep& reason_to_keep, unsigned split);
 
 /// record.bin of a part: its sums, and what the image of the whole cell will say of itself.
 Status write_part_record(const std::string& directory, const Rendered& rendered, const JobScene& scene,

@@ -25,10 +25,6 @@ Status file_error(const std::string& path, const std::error_code& failed, const 
     return error_at({path, 0, 0}, std::string("cannot ") + what + ": " + failed.message());
 }
 
-std::string checkpoint_file(const std::string& partial) {
-    return partial + "/render.checkpoint";
-}
-
 /// A directory for the cell's files. Of what an interrupted session left in it the checkpoint alone is of use.
 Status open_partial(const std::string& path) {
     std::error_code failed;
@@ -114,6 +110,7 @@ void take_results(const Rendered& rendered, Cell& cell) {
     cell.isa = output.isa;
     cell.threads = static_cast<unsigned>(output.threads);
     cell.warnings = rendered.warnings;
+    cell.omits = rendered.omits;
     if (cell.invalid_samples > 0)
         cell.warnings.push_back(
             std::to_string(cell.invalid_samples) +
@@ -121,21 +118,14 @@ void take_results(const Rendered& rendered, Cell& cell) {
 }
 
 Result<CellOutcome> fail_cell(const WorkContext& context, CellOutcome outcome, const Error& error) {
-    outcome.cell.failed = true;
-    outcome.cell.failure = error.to_string();
-    std::error_code ignored;
-    fs::create_directories(context.directory + "/failed", ignored);
-    fs::remove_all(partial_directory(context.directory, outcome.cell.id), ignored);
-    if (Status s = write_cell_file(failed_file(context.directory, outcome.cell.id), outcome.cell); !s) return s.error();
-    return outcome;
+    return record_failure(context.directory, std::move(outcome), error, false);
 }
 
 Result<CellOutcome> close_cell(const WorkContext& context, CellOutcome outcome, const std::string& partial) {
     Cell& cell = outcome.cell;
-    if (Status s = write_cell_file(partial + "/cell.json", cell, display::FileSync::later); !s) return s.error();
     cell.directory = cell_directory(context.directory, cell.id);
     if (Status s = context.closer->close(
-            {partial, cell.directory, {checkpoint_file(partial), failed_file(context.directory, cell.id)}});
+            {cell, partial, cell.directory, {checkpoint_file(partial), failed_file(context.directory, cell.id)}});
         !s)
         return s.error();
     return outcome;
@@ -166,10 +156,10 @@ Result<CellOutcome> run_external(const WorkContext& context, const PlannedCell& 
     const std::string& command = filled->text;
     auto process = run_process(
         *filled, fs::absolute(fs::path(context.config.file)).parent_path().string(),
-        fs::absolute(partial).string() + "/log.txt", method.timeout, context.stop, [&](double seconds) {
+        fs::absolute(partial).string() + "/log.txt", method.timeout, context.stop, [&](double seconds, int group) {
             if (context.progress)
-                context.progress(
-                    {cell.budget_kind == BudgetKind::seconds ? std::min(1.0, seconds / cell.budget) : 0, seconds, -1});
+                context.progress({cell.budget_kind == BudgetKind::seconds ? std::min(1.0, seconds / cell.budget) : 0,
+                                  seconds, -1, group});
         });
     if (!process) return fail_cell(context, std::move(outcome), process.error());
     outcome.outside_seconds = process->wall_seconds;
@@ -208,6 +198,23 @@ Result<CellOutcome> run_external(const WorkContext& context, const PlannedCell& 
 }
 
 }  // namespace
+
+std::string checkpoint_file(const std::string& partial) {
+    return partial + "/render.checkpoint";
+}
+
+Result<CellOutcome> record_failure(const std::string& results, CellOutcome outcome, const Error& reason,
+                                   bool keep_checkpoint) {
+    outcome.cell.failed = true;
+    outcome.cell.failure = reason.to_string();
+    std::error_code ignored;
+    const std::string partial = partial_directory(results, outcome.cell.id);
+    fs::create_directories(results + "/failed", ignored);
+    if (keep_checkpoint && fs::exists(checkpoint_file(partial), ignored)) static_cast<void>(open_partial(partial));
+    else fs::remove_all(partial, ignored);
+    if (Status s = write_cell_file(failed_file(results, outcome.cell.id), outcome.cell); !s) return s.error();
+    return outcome;
+}
 
 Result<CellOutcome> run_cell(const WorkContext& context, const PlannedCell& planned, double seconds_per_sample) {
     CellOutcome outcome{planned.cell};

@@ -16,6 +16,7 @@ namespace raylex::experiments {
 /// How far the render at hand is. `error` is relative, negative while it is not known.
 struct WorkProgress {
     double share = 0, seconds = 0, error = -1;
+    int process_group = 0;  ///< of an external command that is being waited for
 };
 
 struct WorkContext {
@@ -42,11 +43,18 @@ struct CellOutcome {
 /// be done is no Error but a failed cell.
 Result<CellOutcome> run_cell(const WorkContext& context, const PlannedCell& planned, double seconds_per_sample);
 
+/// Writes failed/ID.json and removes the cell's directory, all of it or all but its checkpoint. Errors end the experiment.
+Result<CellOutcome> record_failure(const std::string& results, CellOutcome outcome, const Error& reason,
+                                   bool keep_checkpoint);
+/// Of a cell's directory or a reference's, while it is partial.
+std::string checkpoint_file(const std::string& partial);
+
 /// The same pixels again, without files: for comparing bits.
 Result<Rendered> render_again(const WorkContext& context, const PlannedCell& planned, const Cell& done);
 
 /// Makes the scene's reference, or finds it: sets the scene's fields. Nothing when the config asks for none; false when
-/// an interrupt came first. `seconds` is increased by what it took.
+/// an interrupt came first. `seconds` is increased by what it took. A render that cannot be done is told in
+/// `info.reference_failure`; Errors are of images from elsewhere, of damaged files and of disks.
 Result<bool> provide_reference(const WorkContext& context, std::size_t scene, SceneInfo& info, double& seconds);
 
 }  // namespace raylex::experiments

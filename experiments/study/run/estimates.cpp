@@ -12,25 +12,40 @@ constexpr std::uint64_t calibration_samples = 64;
 
 }  // namespace
 
-bool Estimates::calibrate(const WorkContext& context) {
+Result<Calibration> calibration_of(const ExperimentConfig& config, SceneStore& scenes, std::size_t scene,
+                                   std::size_t variant, const std::atomic<bool>* stop) {
+    RenderOrder order{.scene = scene, .variant = variant, .samples = calibration_samples};
+    order.seed = seed_for(config.seed, "calibration", config.scenes[scene].name);
+    order.limit = transport::SampleLimit{calibration_seconds, 0, 0};
+    auto rendered = scenes.render(order, {}, stop);
+    if (!rendered) return rendered.error();
+    if (!rendered->output.complete) return error_at({}, "interrupted");
+    const auto samples = static_cast<double>(rendered->output.samples_per_pixel);
+    return Calibration{rendered->seconds, samples, samples >= 2 ? relative_error(rendered->output) : -1,
+                       rendered->warnings};
+}
+
+std::vector<std::string> Estimates::calibrate(CellWorker& worker, const Plan& plan, const std::set<std::size_t>& skips,
+                                              const std::atomic<bool>* stop) {
     std::set<std::pair<std::size_t, std::size_t>> wanted;
-    for (const PlannedCell& each : context.plan.cells) wanted.emplace(each.scene, each.variant);
+    for (const PlannedCell& each : plan.cells) wanted.emplace(each.scene, each.variant);
     if (!config_.reference.method.empty())
         for (std::size_t scene = 0; scene < config_.scenes.size(); ++scene)
             wanted.emplace(scene, config_.reference.variant);
+    std::vector<std::string> warnings;
     for (const auto& [scene, variant] : wanted) {
-        if (context.stop != nullptr && context.stop->load()) return false;
-        if (!config_.methods[config_.variants[variant].method].command.empty()) continue;
-        RenderOrder order{.scene = scene, .variant = variant, .samples = calibration_samples};
-        order.seed = seed_for(config_.seed, "calibration", config_.scenes[scene].name);
-        order.limit = transport::SampleLimit{calibration_seconds, 0, 0};
-        auto rendered = context.scenes.render(order, {}, context.stop);
-        if (!rendered || !rendered->output.complete) continue;
-        const auto samples = static_cast<double>(rendered->output.samples_per_pixel);
-        const double error = samples >= 2 ? relative_error(rendered->output) : -1;
-        rates_[{scene, variant}] = {rendered->seconds, samples, error < 0 ? -1 : error * std::sqrt(samples)};
+        if (stop != nullptr && stop->load()) break;
+        if (skips.contains(scene) || !config_.methods[config_.variants[variant].method].command.empty()) continue;
+        auto measured = worker.calibrate(scene, variant);
+        if (!measured) continue;
+        const double error = measured->relative_error;
+        rates_[{scene, variant}] = {measured->seconds, measured->samples,
+                                    error < 0 ? -1 : error * std::sqrt(measured->samples)};
+        for (std::string& each : measured->warnings)
+            if (std::find(warnings.begin(), warnings.end(), each) == warnings.end())
+                warnings.push_back(std::move(each));
     }
-    return context.stop == nullptr || !context.stop->load();
+    return warnings;
 }
 
 void Estimates::learn(const PlannedCell& planned, const Cell& done, double relative_error) {

@@ -4,19 +4,28 @@
 #include <cstddef>
 #include <map>
 #include <optional>
+#include <set>
+#include <string>
 #include <utility>
+#include <vector>
 
-#include "experiments/study/run/cell_runner.h"
+#include "experiments/study/run/cell_worker.h"
 
 namespace raylex::experiments {
+
+/// One such render.
+Result<Calibration> calibration_of(const ExperimentConfig& config, SceneStore& scenes, std::size_t scene,
+                                   std::size_t variant, const std::atomic<bool>* stop);
 
 class Estimates {
   public:
     explicit Estimates(const ExperimentConfig& config) : config_(config) {}
 
     /// Renders each scene by each variant of this program for a fifth of a second or 64 samples, which also warms up
-    /// caches and clocks. Renders that fail are left to their cells. False when an interrupt came first.
-    bool calibrate(const WorkContext& context);
+    /// caches and clocks. Renders that fail are left to their cells, and scenes that `skips` are. Returns what the renders
+    /// warned of, each once; nothing more is done after an interrupt.
+    std::vector<std::string> calibrate(CellWorker& worker, const Plan& plan, const std::set<std::size_t>& skips,
+                                       const std::atomic<bool>* stop);
     /// Takes note of a cell that is done.
     void learn(const PlannedCell& planned, const Cell& done, double relative_error);
 

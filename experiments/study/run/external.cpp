@@ -1,6 +1,7 @@
 #include "experiments/study/run/external.h"
 
 #include <fcntl.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -56,7 +57,8 @@ std::vector<char*> with_own_environment(const std::vector<std::string>& added) {
 /// In the child: never returns.
 [[noreturn]] void become(const char* command, char* const* environment, const char* directory, const char* log) {
     setpgid(0, 0);
-    std::signal(SIGINT, SIG_DFL);
+    prctl(PR_SET_PDEATHSIG, SIGKILL);  // nobody would wait for it any more
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_DFL);
     std::signal(SIGPIPE, SIG_DFL);
     std::signal(SIGXFSZ, SIG_DFL);
     const int output = open(log, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644),
@@ -72,7 +74,7 @@ std::vector<char*> with_own_environment(const std::vector<std::string>& added) {
 
 Result<ProcessOutcome> run_process(const ShellCommand& command, const std::string& directory, const std::string& log,
                                    double timeout_seconds, const std::atomic<bool>* stop,
-                                   const std::function<void(double seconds)>& progress) {
+                                   const std::function<void(double seconds, int group)>& progress) {
     using Clock = std::chrono::steady_clock;
     const auto begin = Clock::now();
     const auto elapsed = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
@@ -98,7 +100,7 @@ Result<ProcessOutcome> run_process(const ShellCommand& command, const std::strin
             kill(child, SIGKILL);  // before it has made its group
             killed = true;
         }
-        if (progress) progress(now);
+        if (progress) progress(now, child);
         std::this_thread::sleep_for(pause);
         if (pause < std::chrono::milliseconds(5)) pause *= 2;
     }

@@ -41,9 +41,9 @@ struct ProcessOutcome {
 };
 
 /// Runs `command` by /bin/sh in `directory`, in a process group of its own; its output goes to `log` there. A timeout
-/// (0: none) or `*stop` ends the whole group. Errors: no process could be made.
+/// (0: none) or `*stop` ends the whole group, whose id `progress` gets. Errors: no process could be made.
 Result<ProcessOutcome> run_process(const ShellCommand& command, const std::string& directory, const std::string& log,
                                    double timeout_seconds, const std::atomic<bool>* stop,
-                                   const std::function<void(double seconds)>& progress);
+                                   const std::function<void(double seconds, int group)>& progress);
 
 }  // namespace raylex::experiments

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "display/services/parameters.h"
+#include "experiments/study/file_records.h"
 #include "experiments/study/results_file.h"
 #include "experiments/study/run/cell_closer.h"
 #include "experiments/study/run/cell_parts.h"
@@ -27,10 +28,25 @@ Status check_one_experiment(const Experiment& first, const Experiment& other) {
                            "merge takes the shards of one config, with the same --set");
     for (const SceneInfo& scene : first.scenes)
         for (const SceneInfo& same : other.scenes)
-            if (scene.name == same.name &&
+            if (scene.name == same.name && !scene.hash.empty() && !same.hash.empty() &&
                 (scene.hash != same.hash || scene.width != same.width || scene.height != same.height))
                 return merge_error(other.directory,
                                    "scene '" + scene.name + "' is another one than in '" + first.directory + "'");
+    return success();
+}
+
+/// Nothing damaged is taken for a result.
+Status check_files(const Experiment& experiment) {
+    for (const auto* list : {&experiment.cells, &experiment.parts})
+        for (const Cell& cell : *list)
+            if (const std::string damage = damage_of(cell); !damage.empty())
+                return merge_error(experiment.directory, "cell '" + cell.id + "' is damaged: " + damage,
+                                   "'raylex experiment resume' in that directory renders it again");
+    for (const SceneInfo& scene : experiment.scenes)
+        if (!scene.reference.empty())
+            if (const std::string damage = damage_of_reference(scene.reference); !damage.empty())
+                return merge_error(experiment.directory, "the reference of scene '" + scene.name + "' is damaged: " + damage,
+                                   "remove its folder, and 'raylex experiment resume' makes it again");
     return success();
 }
 
@@ -54,7 +70,9 @@ Status merge_references(const std::vector<Experiment>& experiments, Experiment& 
     for (SceneInfo& scene : merged.scenes) {
         for (const Experiment& each : experiments)
             for (const SceneInfo& same : each.scenes) {
-                if (same.name != scene.name || same.reference.empty()) continue;
+                if (same.name != scene.name) continue;
+                if (scene.hash.empty()) scene = same;  // it could not be loaded there
+                if (same.reference.empty()) continue;
                 if (scene.reference.empty()) scene = same;
                 else if (fs::path(scene.reference).filename() != fs::path(same.reference).filename())
                     return merge_error(each.directory, "the reference of scene '" + scene.name + "' is another one (" +
@@ -142,8 +160,7 @@ Status write_merged_cell(const std::string& output, Cell cell, const std::vector
     auto splits = write_merged_files(partial, cell, parts);
     if (!splits) return splits.error();
     cell.splits = std::move(*splits);
-    if (Status s = write_cell_file(partial + "/cell.json", cell, display::FileSync::later); !s) return s;
-    return close_cell_directory({partial, cell_directory(output, cell.id), {}});
+    return close_cell_directory({cell, partial, cell_directory(output, cell.id), {}});
 }
 
 }  // namespace
@@ -158,6 +175,7 @@ Result<MergeOutcome> merge_experiments(const std::vector<std::string>& directori
         if (!read) return read.error();
         experiments.push_back(std::move(*read));
         if (Status s = check_one_experiment(experiments.front(), experiments.back()); !s) return s.error();
+        if (Status s = check_files(experiments.back()); !s) return s.error();
     }
     std::stable_sort(experiments.begin(), experiments.end(),
                      [](const Experiment& a, const Experiment& b) { return order_key(a) < order_key(b); });

@@ -9,6 +9,7 @@
 #include "display/services/hash64.h"
 #include "experiments/cli/console.h"
 #include "experiments/job/provenance.h"
+#include "experiments/study/file_records.h"
 #include "experiments/study/run/cell_files.h"
 #include "experiments/study/run/cell_runner.h"
 #include "experiments/study/run/method_settings.h"
@@ -38,6 +39,16 @@ Status write_reference_file(const std::string& path, const Json& json) {
                                     display::FileSync::later);
 }
 
+/// Sizes and checksums of what the reference's folder holds.
+Result<Json> files_json(const std::string& partial) {
+    auto files = file_records(partial);
+    if (!files) return files.error();
+    Json list = Json::array();
+    for (const FileRecord& each : *files)
+        list.push_back({{"name", each.name}, {"bytes", each.bytes}, {"hash", each.hash}});
+    return list;
+}
+
 /// What an earlier run left; false when there is nothing.
 Result<bool> take_known(const std::string& directory, SceneInfo& info) {
     const std::string path = directory + "/reference.json";
@@ -53,6 +64,9 @@ Result<bool> take_known(const std::string& directory, SceneInfo& info) {
         return error_at({path, 0, 0}, std::string("this is no reference.json, or it is damaged: ") + error.what(),
                         "remove its folder to have the reference made again");
     }
+    if (const std::string damage = damage_of_reference(directory); !damage.empty())
+        return error_at({directory, 0, 0}, "this reference is damaged: " + damage,
+                        "remove its folder to have the reference made again");
     return true;
 }
 
@@ -62,7 +76,10 @@ Status make_directory(const std::string& path) {
     return failed ? error_at({path, 0, 0}, "cannot make this directory: " + failed.message()) : success();
 }
 
-Status close_reference(const std::string& partial, const std::string& directory, const Json& json) {
+Status close_reference(const std::string& partial, const std::string& directory, Json json) {
+    auto files = files_json(partial);
+    if (!files) return files.error();
+    json["files"] = *std::move(files);
     if (Status s = write_reference_file(partial + "/reference.json", json); !s) return s;
     if (Status s = display::sync_files_in(partial); !s) return s;
     std::error_code failed;
@@ -109,10 +126,14 @@ Result<bool> provide_reference(const WorkContext& context, std::size_t index, Sc
     if (config.reference.method.empty()) return true;
     // The method as its own table has it: no sweep changes what is true.
     const std::size_t variant = config.reference.variant;
+    const auto fails = [&](const Error& error) {
+        info.reference_failure = error.to_string();
+        return true;
+    };
     auto scene = context.scenes.scene(index);
-    if (!scene) return scene.error();
+    if (!scene) return fails(scene.error());
     auto channels = context.scenes.channels(index, variant);
-    if (!channels) return channels.error();
+    if (!channels) return fails(channels.error());
     const std::uint64_t seed = context.plan.reference_seeds[index];
     const std::string identity = reference_identity(config, **scene, **channels, config.variants[variant], seed);
     const std::string directory = folder + "/" + hash_text(hash64(identity));
@@ -122,7 +143,7 @@ Result<bool> provide_reference(const WorkContext& context, std::size_t index, Sc
     if (Status s = make_directory(partial); !s) return s.error();
     RenderOrder order{.scene = index, .variant = variant, .samples = config.reference.samples, .seed = seed};
     if (config.reference.error > 0) order.limit = transport::SampleLimit{0, 0, config.reference.error};
-    const std::string checkpoint = partial + "/render.checkpoint";
+    const std::string checkpoint = checkpoint_file(partial);
     if (config.checkpoint_seconds > 0)
         order.checkpoint =
             transport::CheckpointSettings{checkpoint, config.checkpoint_seconds, fs::exists(checkpoint), {}};
@@ -136,7 +157,8 @@ Result<bool> provide_reference(const WorkContext& context, std::size_t index, Sc
                     {static_cast<double>(now.samples_done) / total, now.seconds, has_error ? now.adaptive->error : -1});
         },
         context.stop);
-    if (!rendered) return rendered.error();
+    if (!rendered && rendered.error().file == checkpoint) return rendered.error();
+    if (!rendered) return fails(rendered.error());
     seconds += watch.wall();
     if (!rendered->output.complete) return false;
     auto splits = write_render_files(partial, *rendered, *(*scene)->loaded,

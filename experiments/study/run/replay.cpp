@@ -1,8 +1,15 @@
 // One cell once more, and whether its bits are the same.
+#include <stdlib.h>
 #include <algorithm>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <utility>
 
+#include "display/output/exr_reader.h"
 #include "display/services/parameters.h"
+#include "experiments/study/file_records.h"
 #include "experiments/study/results_file.h"
 #include "experiments/study/run/cell_files.h"
 #include "experiments/study/run/cell_runner.h"
@@ -10,6 +17,86 @@
 #include "experiments/study/run/runner.h"
 
 namespace raylex::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Removed with all that is in it.
+struct TemporaryFolder {
+    TemporaryFolder() {
+        std::string name = (fs::temp_directory_path() / "raylex-replay-XXXXXX").string();
+        if (mkdtemp(name.data()) != nullptr) path = name;
+    }
+    ~TemporaryFolder() {
+        std::error_code ignored;
+        if (!path.empty()) fs::remove_all(path, ignored);
+    }
+    TemporaryFolder(const TemporaryFolder&) = delete;
+    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+    std::string path;
+};
+
+std::string content_of(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+/// A header tells of times and machines; what an image shows are its pixels.
+Result<bool> same_pixels(const std::string& a, const std::string& b) {
+    auto first = display::read_exr(a), second = display::read_exr(b);
+    if (!first) return first.error();
+    if (!second) return second.error();
+    if (first->width != second->width || first->height != second->height ||
+        first->layers.size() != second->layers.size())
+        return false;
+    for (std::size_t i = 0; i < first->layers.size(); ++i) {
+        const display::ImageLayer &one = first->layers[i], &other = second->layers[i];
+        if (one.name != other.name || one.planes.size() != other.planes.size()) return false;
+        for (std::size_t c = 0; c < one.planes.size(); ++c) {
+            const std::vector<float>&before = one.planes[c].values, &now = other.planes[c].values;
+            if (before.size() != now.size() ||
+                std::memcmp(before.data(), now.data(), before.size() * sizeof(float)) != 0)
+                return false;
+        }
+    }
+    return true;
+}
+
+/// The arrays and the image that the new render comes to, against those of the cell.
+Status compare_files(const Cell& cell, const Rendered& again, const JobScene& scene, ReplayOutcome& outcome) {
+    const TemporaryFolder folder;
+    if (folder.path.empty()) return error_at({}, "cannot make a temporary folder; expected room in $TMPDIR");
+    auto written = write_render_files(folder.path, again, scene, {});
+    if (!written) return written.error();
+    std::vector<std::string> names;
+    for (const fs::directory_entry& each : fs::directory_iterator(folder.path))
+        names.push_back(each.path().filename().string());
+    std::sort(names.begin(), names.end());
+    for (const std::string& name : names) {
+        const std::string before = cell.directory + "/" + name, now = folder.path + "/" + name;
+        bool same = true;
+        if (name == "record.bin") continue;  // its sums are the same; it also says who made it
+        if (!fs::exists(before)) {
+            outcome.difference = name + ": this file is gone";
+            return success();
+        }
+        if (name.ends_with(".exr")) {
+            auto pixels = same_pixels(before, now);
+            if (!pixels) return pixels.error();
+            same = *pixels;
+        } else {
+            same = content_of(before) == content_of(now);
+        }
+        if (!same) {
+            outcome.difference = name;
+            return success();
+        }
+        outcome.compared.push_back(name);
+    }
+    return success();
+}
+
+}  // namespace
 
 Result<ReplayOutcome> replay_cell(ExperimentConfig config, const std::string& directory, const std::string& id,
                                   const std::atomic<bool>* stop) {
@@ -35,24 +122,34 @@ Result<ReplayOutcome> replay_cell(ExperimentConfig config, const std::string& di
     if (!config.methods[config.variants[planned->variant].method].command.empty())
         return directory_error(cell->directory,
                                "this cell is of an external renderer, whose bits raylex cannot promise");
+    ReplayOutcome outcome;
+    outcome.difference = damage_of(*cell);
+    if (!outcome.difference.empty()) return outcome;
     auto record = read_record(cell->directory);
     if (!record) return record.error();
     config.base.settings.isa = cell->isa;
     SceneStore scenes(config);
     auto again = render_again({config, *plan, scenes, directory, {}, stop}, *planned, *cell);
     if (!again) return again.error();
-    ReplayOutcome outcome;
+    if (!again->output.complete) return outcome;
     outcome.difference = record->difference_from(again->output.frame_buffer);
     if (!outcome.difference.empty()) return outcome;
     std::string before, now;
     record->append_record(before);
     again->output.frame_buffer.append_record(now);
-    outcome.same = before == now;
-    if (outcome.same) return outcome;
-    outcome.difference = "the sums of its pixels";
-    for (const SceneInfo& each : results->scenes)
-        if (auto scene = scenes.scene(planned->scene); each.name == cell->scene && scene && (*scene)->hash != each.hash)
-            outcome.difference += "; the scene's files have changed since";
+    if (before != now) {
+        outcome.difference = "record.bin: the sums of its pixels";
+        for (const SceneInfo& each : results->scenes)
+            if (auto scene = scenes.scene(planned->scene);
+                each.name == cell->scene && scene && (*scene)->hash != each.hash)
+                outcome.difference += "; the scene's files have changed since";
+        return outcome;
+    }
+    outcome.compared = {"record.bin"};
+    auto scene = scenes.scene(planned->scene);
+    if (!scene) return scene.error();
+    if (Status s = compare_files(*cell, *again, *(*scene)->loaded, outcome); !s) return s.error();
+    outcome.same = outcome.difference.empty();
     return outcome;
 }
 

@@ -28,6 +28,11 @@ DirectoryLock::~DirectoryLock() {
     if (file_ >= 0) close(file_);
 }
 
+void DirectoryLock::leave_to_parent() {
+    if (file_ >= 0) close(file_);
+    file_ = -1;
+}
+
 Status DirectoryLock::take(const std::string& directory, const std::string& name) {
     const std::string path = directory + "/" + name;
     file_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);

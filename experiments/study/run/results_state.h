@@ -25,6 +25,8 @@ class DirectoryLock {
     DirectoryLock& operator=(const DirectoryLock&) = delete;
     /// Shards of one run may share a directory: each has a lock of its `name`. An Error when another process has it.
     Status take(const std::string& directory, const std::string& name);
+    /// In a copy of this process: the lock is not its own, and does not outlive the process that has it.
+    void leave_to_parent();
 
   private:
     int file_ = -1;

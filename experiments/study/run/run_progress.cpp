@@ -17,6 +17,11 @@ std::string time_left_text(double seconds, std::size_t unknown) {
     return (unknown > 0 ? "at least " : "about ") + duration_text(seconds);
 }
 
+std::string counted(std::size_t count, const std::string& one, const std::string& several) {
+    if (count == 1) return "1 " + one;
+    return std::to_string(count) + " " + (several.empty() ? one + "s" : several);
+}
+
 RunProgress::RunProgress() : terminal_(error_stream_is_terminal()) {}
 
 void RunProgress::begin(std::string title, double seconds_left, std::size_t unknown) {

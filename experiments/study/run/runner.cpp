@@ -4,17 +4,17 @@
 #include <charconv>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <set>
 #include <thread>
 
 #include "display/services/parameters.h"
 #include "experiments/cli/console.h"
 #include "experiments/job/provenance.h"
+#include "experiments/study/file_records.h"
 #include "experiments/study/results_file.h"
-#include "experiments/study/run/cell_closer.h"
-#include "experiments/study/run/cell_files.h"
 #include "experiments/study/run/cell_parts.h"
-#include "experiments/study/run/cell_runner.h"
+#include "experiments/study/run/cell_worker.h"
 #include "experiments/study/run/estimates.h"
 #include "experiments/study/run/method_settings.h"
 #include "experiments/study/run/results_state.h"
@@ -92,7 +92,11 @@ NamedValues provenance(const ExperimentConfig& config) {
 class Run {
   public:
     Run(const ExperimentConfig& config, const RunRequest& request, const std::atomic<bool>* stop)
-        : config_(config), request_(request), stop_(stop), scenes_(config), estimates_(config) {}
+        : config_(config),
+          request_(request),
+          stop_(stop),
+          worker_(config, plan_, request.directory, stop, request.isolated, [this] { lock_.leave_to_parent(); }),
+          estimates_(config) {}
 
     Result<RunOutcome> run() {
         for (Status (Run::*step)() :
@@ -105,18 +109,14 @@ class Run {
 
   private:
     [[nodiscard]] bool stopped() const { return stop_ != nullptr && stop_->load(); }
-    [[nodiscard]] WorkContext context() {
-        return {config_, plan_, scenes_, request_.directory, [this](const WorkProgress& now) { progress_.update(now); },
-                stop_,   &closer_};
-    }
-
     Status open() {
         auto plan = make_plan(config_);
         if (!plan) return plan.error();
         plan_ = std::move(*plan);
-        auto work = split_cells(config_, plan_, scenes_, request_.shard.split_cells);
-        if (!work) return work.error();
-        work_ = std::move(*work);
+        work_ = split_cells(
+            config_, plan_,
+            [this](std::size_t scene, std::size_t variant) { return worker_.reason_to_keep(scene, variant); },
+            request_.shard.split_cells);
         auto earlier = earlier_results(config_, request_, work_);
         if (!earlier) return earlier.error();
         earlier_ = std::move(*earlier);
@@ -125,8 +125,34 @@ class Run {
         if (failed) return directory_error(request_.directory, "cannot make this directory: " + failed.message());
         const std::string shard = request_.shard.parts > 1 ? "-" + std::to_string(request_.shard.part) : std::string();
         if (Status s = lock_.take(request_.directory, ".running" + shard); !s) return s;
+        if (Status s = set_damaged_aside(); !s) return s;
         for (const auto* notes : {&plan_.notes, &work_.notes})
             for (const std::string& note : *notes) print_note(note);
+        return success();
+    }
+
+    /// Cells whose files are not what was written go to damaged/ID, and are rendered again.
+    Status set_damaged_aside() {
+        if (!earlier_) return success();
+        for (auto* list : {&earlier_->cells, &earlier_->parts})
+            for (auto cell = list->begin(); cell != list->end();) {
+                const std::string damage = damage_of(*cell);
+                if (damage.empty()) {
+                    ++cell;
+                    continue;
+                }
+                print_warning("cell '" + cell->id + "' is damaged and is rendered again: " + damage);
+                const std::string aside = request_.directory + "/damaged/" + cell->id;
+                std::error_code failed;
+                fs::create_directories(request_.directory + "/damaged", failed);
+                fs::remove_all(aside, failed);
+                fs::rename(cell->directory, aside, failed);
+                if (failed)
+                    return directory_error(cell->directory, "cannot move this damaged cell to '" + aside +
+                                                                "': " + failed.message());
+                earlier_->missing.push_back(cell->id);
+                cell = list->erase(cell);
+            }
         return success();
     }
 
@@ -157,40 +183,61 @@ class Run {
             experiment_.methods.push_back(
                 {each.name, integrator, each.command, each.unbiased, settings_text(each.settings)});
         }
-        for (std::size_t i = 0; i < config_.scenes.size(); ++i)
+        bool any_died = false;
+        for (std::size_t i = 0; i < config_.scenes.size(); ++i) {
             if (Status s = describe_scene(i); !s) return s;
+            any_died = any_died || worker_.died();
+            if (!stopped()) continue;
+            experiment_.scenes.clear();  // half a description is not written over a whole one
+            return success();
+        }
+        // A mistake that all scenes share, such as in a channel, is to be mended before anything is rendered.
+        if (broken_.size() == config_.scenes.size() && !any_died && !earlier_) return broken_.begin()->second;
+        for (const auto& [index, error] : broken_)
+            print_warning("scene '" + config_.scenes[index].name +
+                          "' fails, and with it all of its cells: " + error.to_string());
         return write_experiment_files(experiment_);
     }
 
     Status describe_scene(std::size_t index) {
-        auto scene = scenes_.scene(index);
-        if (!scene) return scene.error();
+        const auto planned = std::find_if(plan_.cells.begin(), plan_.cells.end(),
+                                          [&](const PlannedCell& each) { return each.scene == index; });
         SceneInfo info;
         info.name = config_.scenes[index].name;
         info.file = fs::absolute(config_.scenes[index].job.scene_file).lexically_normal().string();
-        info.hash = (*scene)->hash;
-        info.width = (*scene)->width;
-        info.height = (*scene)->height;
+        auto facts = worker_.describe(index, planned != plan_.cells.end() ? planned->variant : 0);
+        if (!facts) {
+            if (!stopped()) broken_.emplace(index, facts.error());
+            if (earlier_)
+                for (const SceneInfo& known : earlier_->scenes)
+                    if (known.name == info.name) info = known;
+            experiment_.scenes.push_back(std::move(info));
+            return success();
+        }
+        info.hash = facts->info.hash;
+        info.width = facts->info.width;
+        info.height = facts->info.height;
+        info.channels = facts->info.channels;
         if (earlier_)
             for (const SceneInfo& known : earlier_->scenes)
-                if (known.name == info.name &&
+                if (known.name == info.name && !known.hash.empty() &&
                     (known.hash != info.hash || known.width != info.width || known.height != info.height))
                     return error_at(config_.scenes[index].location,
                                     "scene '" + info.name + "' is not what it was when the results in '" +
                                         request_.directory + "' were begun: its files have changed",
                                     "choose another directory with -o, or bring the scene's files back");
-        const auto planned = std::find_if(plan_.cells.begin(), plan_.cells.end(),
-                                          [&](const PlannedCell& each) { return each.scene == index; });
-        if (planned != plan_.cells.end()) {
-            auto channels = scenes_.channels(index, planned->variant);
-            if (!channels) return channels.error();
-            info.channels = channel_infos(**channels);
-            for (const display::PartitionDeclaration& each : (*channels)->partitions) {
-                const bool known = std::any_of(experiment_.partitions.begin(), experiment_.partitions.end(),
-                                               [&](const PartitionInfo& other) { return other.name == each.name; });
-                if (!known)
-                    experiment_.partitions.push_back({each.name, each.of.empty() ? "beauty" : each.of, each.layers});
-            }
+        if (earlier_)  // until it is found again, or made again
+            for (const SceneInfo& known : earlier_->scenes)
+                if (known.name == info.name) {
+                    info.reference = known.reference;
+                    info.reference_method = known.reference_method;
+                    info.reference_samples = known.reference_samples;
+                    info.reference_relative_error = known.reference_relative_error;
+                }
+        for (PartitionInfo& each : facts->partitions) {
+            const bool known = std::any_of(experiment_.partitions.begin(), experiment_.partitions.end(),
+                                           [&](const PartitionInfo& other) { return other.name == each.name; });
+            if (!known) experiment_.partitions.push_back(std::move(each));
         }
         experiment_.scenes.push_back(std::move(info));
         return success();
@@ -199,9 +246,11 @@ class Run {
     Status warm_up() {
         // Nothing that is done already is measured again.
         if (earlier_ && earlier_->missing.empty() && !request_.retry) return success();
-        const double rendered = scenes_.seconds();
-        estimates_.calibrate(context());
-        warm_up_ = scenes_.seconds() - rendered;
+        const double rendered = worker_.seconds();
+        std::set<std::size_t> skips;
+        for (const auto& [scene, error] : broken_) skips.insert(scene);
+        for (const std::string& each : estimates_.calibrate(worker_, plan_, skips, stop_)) warn(each, "");
+        warm_up_ = worker_.seconds() - rendered;
         return success();
     }
 
@@ -210,16 +259,20 @@ class Run {
             const bool wanted = std::any_of(work_.items.begin(), work_.items.end(), [&](const PlannedCell& each) {
                 return each.scene == i && request_.shard.has(static_cast<std::size_t>(&each - work_.items.data()));
             });
-            if (!wanted) continue;
+            if (!wanted || broken_.contains(i)) continue;
             SceneInfo& info = experiment_.scenes[i];
             progress_.begin("reference of " + info.name, -1, 0);
             double seconds = 0;
-            const double rendered = scenes_.seconds();
-            auto made = provide_reference(context(), i, info, seconds);
+            const double rendered = worker_.seconds();
+            auto made = worker_.reference(i, info, seconds, draw());
             if (!made) return made.error();
             references_ += seconds;
-            reference_render_ += scenes_.seconds() - rendered;
+            reference_render_ += worker_.seconds() - rendered;
             if (stopped() || !*made) return success();
+            if (!info.reference_failure.empty()) {
+                ++references_failed_;
+                progress_.line("reference of " + info.name + ": FAILED: " + info.reference_failure);
+            }
             if (info.reference.empty()) continue;
             std::string text = "reference of " + info.name + ": " + info.reference_method;
             if (info.reference_samples > 0) text += ", " + std::to_string(info.reference_samples) + " spp";
@@ -246,7 +299,10 @@ class Run {
                 "[" + std::to_string(i + 1) + "/" + std::to_string(work_.items.size()) + "] " + planned.cell.id;
             expect(i + 1);
             progress_.begin(title, left_seconds_, left_unknown_);
-            auto outcome = run_cell(context(), planned, estimates_.seconds_per_sample(planned));
+            const auto broken = broken_.find(planned.scene);
+            auto outcome = broken != broken_.end()
+                               ? record_failure(request_.directory, {planned.cell}, broken->second, true)
+                               : worker_.run_cell(planned, estimates_.seconds_per_sample(planned), draw());
             if (!outcome) return outcome.error();
             outside_ += outcome->outside_seconds;
             if (outcome->stopped) return success();
@@ -274,8 +330,18 @@ class Run {
         }
     }
 
+    [[nodiscard]] std::function<void(const WorkProgress&)> draw() {
+        return [this](const WorkProgress& now) { progress_.update(now); };
+    }
+
+    /// Each warning once, with the first cell that has it.
+    void warn(const std::string& text, const std::string& id) {
+        if (++warnings_[text] == 1) progress_.line("warning: " + (id.empty() ? "" : id + ": ") + text);
+    }
+
     void report(const std::string& title, const CellOutcome& outcome) {
         const Cell& cell = outcome.cell;
+        for (const std::string& each : cell.warnings) warn(each, cell.id);
         if (cell.failed) {
             progress_.line(title + ": FAILED: " + cell.failure);
             return;
@@ -293,12 +359,12 @@ class Run {
     }
 
     Result<RunOutcome> finish() {
-        if (Status s = closer_.wait(); !s) return s.error();
+        if (Status s = worker_.close(); !s) return s.error();
         RunnerTime& time = experiment_.time;
         time.total += total_.wall();
         time.references += references_;
         time.warm_up += warm_up_;
-        time.render += scenes_.seconds() - reference_render_ - warm_up_ + outside_;
+        time.render += worker_.seconds() - reference_render_ - warm_up_ + outside_;
         if (!experiment_.scenes.empty())
             if (Status s = write_experiment_files(experiment_); !s) return s.error();
         RunOutcome outcome;
@@ -312,22 +378,23 @@ class Run {
         }
         for (const Cell& each : results->parts) ++(each.failed ? outcome.failed : outcome.parts);
         outcome.left = results->missing.size();
+        outcome.references_failed = references_failed_;
         summarise(*results, outcome);
         return outcome;
     }
 
     void summarise(const Experiment& results, const RunOutcome& outcome) {
         progress_.line(request_.directory + ": " + std::to_string(outcome.done) + " of " +
-                       std::to_string(plan_.cells.size()) + " cells done" +
-                       (outcome.parts > 0 ? ", " + std::to_string(outcome.parts) + " parts of cells" : "") +
+                       counted(plan_.cells.size(), "cell") + " done" +
+                       (outcome.parts > 0 ? ", " + counted(outcome.parts, "part of a cell", "parts of cells") : "") +
                        (outcome.failed > 0 ? ", " + std::to_string(outcome.failed) + " FAILED" : "") +
                        (outcome.left > 0 ? ", " + std::to_string(outcome.left) + " not run yet" : ""));
         for (const auto* list : {&results.cells, &results.parts})
             for (const Cell& each : *list)
                 if (each.failed) progress_.line("  failed: " + each.id + ": " + each.failure);
         if (outcome.splits_broken > 0)
-            progress_.line("  " + std::to_string(outcome.splits_broken) +
-                           " cells have a split that does not sum to what it splits");
+            progress_.line("  " + counted(outcome.splits_broken, "cell has", "cells have") +
+                           " a split that does not sum to what it splits");
         const RunnerTime& time = results.time;
         if (time.render > 0)
             progress_.line("  " + duration_text(time.render) + " of rendering, " + duration_text(time.warm_up) +
@@ -347,10 +414,12 @@ class Run {
     DirectoryLock lock_;
     Plan plan_;
     WorkList work_;
-    SceneStore scenes_;
+    CellWorker worker_;
     Estimates estimates_;
     RunProgress progress_;
-    CellCloser closer_;
+    std::map<std::size_t, Error> broken_;           // scenes that cannot be rendered
+    std::map<std::string, std::size_t> warnings_;  // and how often they came
+    std::size_t references_failed_ = 0;
     std::optional<Experiment> earlier_;
     Experiment experiment_;
     std::set<std::string> settled_;

@@ -27,6 +27,7 @@ struct RunRequest {
     bool resume = false;  ///< go on with results that are there
     bool retry = false;   ///< run failed cells again
     Shard shard;
+    bool isolated = true;  ///< scenes are loaded and rendered by another process, whose end is not this one's
 };
 
 /// Prints the cells, the expected time and how it was got, and the memory. Nothing is written. `calibrate`: see
@@ -36,21 +37,24 @@ Status print_plan(const ExperimentConfig& config, const std::string& directory, 
 
 struct RunOutcome {
     std::size_t done = 0, failed = 0, left = 0, splits_broken = 0;
+    std::size_t references_failed = 0;
     std::size_t parts = 0;  ///< of cells, done
     bool interrupted = false;
 };
 
 /// Makes references, then runs the cells. Errors: results of another config or with finished cells (unless `resume`),
-/// scenes that are not those of the results any more, half-written cells, a disk that takes nothing. Finished cells
-/// stay.
+/// scenes that are not those of the results any more, half-written cells, a disk that takes nothing, no scene at all that
+/// can be loaded. Finished cells stay. A scene that cannot be loaded, or ends the process that does it, fails its cells.
 Result<RunOutcome> run_experiment(const ExperimentConfig& config, const RunRequest& request,
                                   const std::atomic<bool>* stop);
 
 struct ReplayOutcome {
     bool same = false;
-    std::string difference;  ///< what is not the same
+    std::string difference;             ///< what is not the same
+    std::vector<std::string> compared;  ///< the files whose bits are
 };
-/// Renders a finished cell again, to the samples it reached, and compares every bit of its record.
+/// Every file of a finished cell against the checksums in its cell.json; then renders it again, to the samples it
+/// reached, and compares every bit of its record, its arrays and its image's pixels.
 Result<ReplayOutcome> replay_cell(ExperimentConfig config, const std::string& directory, const std::string& id,
                                   const std::atomic<bool>* stop);
 

@@ -8,8 +8,10 @@
 #include "display/buffer/memory_estimate.h"
 #include "display/services/hash64.h"
 #include "experiments/cli/interrupt.h"
-#include "experiments/job/scene_words.h"
 #include "experiments/job/statistics.h"
+#include "lpe/algebra/check.h"
+#include "transport/integrators/integrator.h"
+#include "transport/integrators/omitted_paths.h"
 #include "transport/render/camera.h"
 #include "transport/render/clock.h"
 #include "transport/scene/scene_hash.h"
@@ -93,12 +95,33 @@ Result<const ChannelPlan*> SceneStore::channels(std::size_t scene_index, std::si
     if (!words) return words.error();
     auto plan = plan_channels(*job, *words);
     if (!plan) return plan.error();
+    omissions_[key] = omissions(*job, **made, *words);
     std::set<std::string> ruled;
     for (const display::RuleRequest& each : job->settings.rules) ruled.insert(each.channel);
     for (display::ChannelDefinition& channel : plan->channels)
         if (channel.style == display::ChannelStyle::expression && !ruled.contains(channel.name))
             channel.statistics = !job->settings.splat;
     return &channels_.emplace(key, std::pair(std::move(*plan), phase_of("plan", planning))).first->second.first;
+}
+
+std::vector<OmittedPathsInfo> SceneStore::omissions(const Job& job, const StudyScene& scene, const SceneWords& words) {
+    const transport::SceneEntity& entity =
+        job.settings.integrator ? *job.settings.integrator : scene.loaded->scene.integrator;
+    auto chosen = transport::choose_integrator(entity, job.settings.max_depth);
+    std::vector<OmittedPathsInfo> found;
+    if (!chosen) return found;
+    for (const transport::OmittedPaths& each : transport::omitted_paths(chosen->name)) {
+        lpe::ChannelSource source;
+        source.name = "omitted";
+        source.expression = each.expression;
+        source.dialect = each.dialect;
+        source.origin = "what integrator '" + chosen->name + "' omits";
+        const auto word = lpe::find_word(source, words.words);
+        // Where it cannot be told, it may be there.
+        if (!word || *word)
+            found.push_back({each.expression, each.dialect == lpe::Dialect::osl ? "osl" : "renderman"});
+    }
+    return found;
 }
 
 Result<std::uint64_t> SceneStore::frame_buffer_bytes(std::size_t scene_index, std::size_t variant) {
@@ -166,6 +189,7 @@ Result<Rendered> SceneStore::render(const RenderOrder& order,
                     .partitions = (*plan)->partitions,
                     .phases = {(*made)->load, planning, (*made)->build, prepare, rendering},
                     .warnings = std::move(warnings),
+                    .omits = omissions_[{order.scene, order.variant}],
                     .peak_memory_bytes = peak_memory_since_reset(),
                     .seconds = prepare.wall_seconds + rendering.wall_seconds,
                     .cpu_seconds = prepare.cpu_seconds + rendering.cpu_seconds};

@@ -13,6 +13,7 @@
 
 #include "experiments/job/channel_plan.h"
 #include "experiments/job/job_scene.h"
+#include "experiments/job/scene_words.h"
 #include "experiments/study/plan/config.h"
 #include "experiments/study/results.h"
 #include "experiments/study/run/cell_closer.h"
@@ -44,6 +45,7 @@ struct Rendered {
     std::vector<display::PartitionDeclaration> partitions;
     std::vector<Phase> phases;  ///< load, plan, build, prepare, render
     std::vector<std::string> warnings;
+    std::vector<OmittedPathsInfo> omits;  ///< of what this scene has, by its integrator's own account
     std::uint64_t peak_memory_bytes = 0;
     double seconds = 0;  ///< wall, of prepare and render
     double cpu_seconds = 0;
@@ -71,8 +73,12 @@ class SceneStore {
 
   private:
     Result<Job> job_of(std::size_t scene, std::size_t variant);
+    /// What the variant's integrator does not find, as far as the scene has such paths.
+    static std::vector<OmittedPathsInfo> omissions(const Job& job, const StudyScene& scene, const SceneWords& words);
+
     const ExperimentConfig& config_;
     std::map<std::size_t, StudyScene> scenes_;
+    std::map<std::pair<std::size_t, std::size_t>, std::vector<OmittedPathsInfo>> omissions_;
     std::map<std::pair<std::size_t, std::size_t>, std::pair<ChannelPlan, Phase>> channels_;
     double seconds_ = 0;
 };
