@@ -70,10 +70,10 @@ std::vector<Group> grouped(const ExrImage& image) {
     return groups;
 }
 
-/// The planes one after the other, at one value per block: the mean of light, the middle pixel of anything else, since a
-/// mean would invent ids, normals and depths. So picture_of does it.
-std::vector<float> reduced_planes(const ExrImage& image, const std::vector<const display::ImagePlane*>& planes, int block,
-                                  bool mean) {
+/// The planes one after the other, at one value per block: the mean of light, the middle pixel of anything else, since
+/// a mean would invent ids, normals and depths. So picture_of does it.
+std::vector<float> reduced_planes(const ExrImage& image, const std::vector<const display::ImagePlane*>& planes,
+                                  int block, bool mean) {
     std::vector<float> values;
     for (const display::ImagePlane* plane : planes) {
         if (block == 1) {
@@ -87,7 +87,8 @@ std::vector<float> reduced_planes(const ExrImage& image, const std::vector<const
         for (int y = 0; y < image.height; y += block)
             for (int x = 0; x < image.width; x += block) {
                 if (!mean) {
-                    values.push_back(at(std::min(x + block / 2, image.width - 1), std::min(y + block / 2, image.height - 1)));
+                    values.push_back(
+                        at(std::min(x + block / 2, image.width - 1), std::min(y + block / 2, image.height - 1)));
                     continue;
                 }
                 double sum = 0, count = 0;
@@ -157,8 +158,7 @@ Result<std::vector<PageLayers::View>> PageLayers::views_of(const ExrImage& image
     return views;
 }
 
-Result<PageLayers::Row> PageLayers::row_of(const ExrImage& image, const ImageLayer& layer, int block,
-                                         bool may_fold) {
+Result<PageLayers::Row> PageLayers::row_of(const ExrImage& image, const ImageLayer& layer, int block, bool may_fold) {
     const std::string name = shown_name(layer);
     const LayerLook look = look_of(layer);
     const auto attribute = image.attributes.find("lpe/" + name);
@@ -174,9 +174,8 @@ Result<PageLayers::Row> PageLayers::row_of(const ExrImage& image, const ImageLay
     auto png = display::encode_png(picture->width, picture->height, picture->rgb);
     if (!png) return png.error();
 
-    row.json = Json{{"name", name},      {"expression", expression}, {"look", describe(look)},
-                    {"light", !painted}, {"empty", row.empty},       {"planes", Json::array()},
-                    {"data", nullptr}};
+    row.json = Json{{"name", name},       {"expression", expression}, {"look", describe(look)}, {"light", !painted},
+                    {"empty", row.empty}, {"planes", Json::array()},  {"data", nullptr}};
     if (look != LayerLook::mattes && plain && !row.empty) {
         std::vector<const display::ImagePlane*> planes;
         for (const display::ImagePlane* plane : layer.triple())
@@ -201,8 +200,9 @@ Result<PageLayers::Row> PageLayers::row_of(const ExrImage& image, const ImageLay
     row.html = "<button type=\"button\" class=\"layer" + std::string(is_light(layer) ? " light" : "") +
                "\" aria-pressed=\"false\" data-name=\"" + escape_html(name) + "\" title=\"" +
                escape_html(name + (under.empty() ? "" : ": " + under)) + "\"><span class=\"thumb\"><img alt=\"" +
-               escape_html(name) + "\" src=\"" + data_uri(*png) + "\"></span><span class=\"text\"><span class=\"title\">" +
-               escape_html(name) + "</span><code class=\"value\"></code><code class=\"formula\">" + escape_html(under) +
+               escape_html(name) + "\" src=\"" + data_uri(*png) +
+               "\"></span><span class=\"text\"><span class=\"title\">" + escape_html(name) +
+               "</span><code class=\"value\"></code><code class=\"formula\">" + escape_html(under) +
                "</code></span><span class=\"part\"><span class=\"share\"></span><span class=\"track\"><span "
                "class=\"bar\"></span></span></span></button>\n";
     return row;
@@ -215,14 +215,17 @@ std::string tools(const std::vector<std::string>& views) {
     std::string options;
     for (std::size_t i = 0; i < views.size(); ++i)
         options += "<option value=\"" + std::to_string(i) + "\">" + escape_html(views[i]) + "</option>";
-    return "<div class=\"stage\"><div class=\"tools\"><span class=\"group\"><button type=\"button\" data-show=\"one\">one "
+    return "<div class=\"stage\"><div class=\"tools\"><span class=\"group\"><button type=\"button\" "
+           "data-show=\"one\">one "
            "layer</button><button type=\"button\" data-show=\"all\">all layers</button></span><label>exposure <input "
            "class=\"exposure\" type=\"range\" min=\"-10\" max=\"10\" step=\"0.1\" value=\"0\" aria-label=\"exposure\">"
            "</label><span class=\"stops\" title=\"back to 0\"></span><label>view <select class=\"view\">" +
            options +
-           "</select></label><span class=\"group\"><button type=\"button\" data-fit>fit</button><button type=\"button\" "
+           "</select></label><span class=\"group\"><button type=\"button\" data-fit>fit</button><button "
+           "type=\"button\" "
            "data-actual>1:1</button></span><b class=\"name\"></b> <code class=\"expression\"></code></div>\n<div "
-           "class=\"panes\" tabindex=\"0\"></div>\n<p class=\"status\" data-hint=\"wheel zooms, drag moves, arrow keys flip "
+           "class=\"panes\" tabindex=\"0\"></div>\n<p class=\"status\" data-hint=\"wheel zooms, drag moves, arrow keys "
+           "flip "
            "layers, a all, b beauty, e/E exposure\"></p></div>\n";
 }
 
@@ -252,7 +255,8 @@ Result<std::string> PageLayers::html(const ExrImage& image) {
         std::string rows;
         for (const ImageLayer* layer : group.layers) {
             if (layer->triple()[0] == nullptr) {
-                rows += "<p class=\"faint\">" + escape_html(shown_name(*layer)) + " has no form that can be shown.</p>\n";
+                rows +=
+                    "<p class=\"faint\">" + escape_html(shown_name(*layer)) + " has no form that can be shown.</p>\n";
                 continue;
             }
             auto row = row_of(image, *layer, block, layer != group.whole);
@@ -275,12 +279,15 @@ Result<std::string> PageLayers::html(const ExrImage& image) {
             data["layers"].push_back(std::move(row->json));
         }
         if (rows.empty()) continue;
-        list += "<h3>" + escape_html(group.title) +
-                (group.note.empty() ? "" : " <span class=\"faint\">" + escape_html(group.note) + "</span>") +
-                (list.empty() && group.whole != nullptr ? "<span class=\"head\">share <span class=\"where\"></span></span>" : "") +
-                "</h3>\n" + rows;
+        list +=
+            "<h3>" + escape_html(group.title) +
+            (group.note.empty() ? "" : " <span class=\"faint\">" + escape_html(group.note) + "</span>") +
+            (list.empty() && group.whole != nullptr ? "<span class=\"head\">share <span class=\"where\"></span></span>"
+                                                    : "") +
+            "</h3>\n" + rows;
     }
-    if (data["layers"].empty()) return std::string("<p class=\"faint\">No layer of it can be shown, or all are black.</p>\n");
+    if (data["layers"].empty())
+        return std::string("<p class=\"faint\">No layer of it can be shown, or all are black.</p>\n");
     for (std::size_t i = 0; i < wholes.size(); ++i)
         for (std::size_t k = 0; k < wholes.size(); ++k)
             if (wholes[i].second != nullptr && wholes[k].first == wholes[i].second) data["layers"][i]["whole"] = k;

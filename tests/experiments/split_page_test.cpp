@@ -58,7 +58,8 @@ std::string between(const std::string& text, const std::string& before, const st
     return text.substr(start, text.find(after, start) - start);
 }
 
-display::ImageLayer layer(const std::string& name, const std::vector<std::string>& planes, std::size_t pixels, float value) {
+display::ImageLayer layer(const std::string& name, const std::vector<std::string>& planes, std::size_t pixels,
+                          float value) {
     display::ImageLayer made;
     made.name = name;
     for (const std::string& plane : planes)
@@ -74,8 +75,12 @@ display::ExrImage image_of_layers() {
     image.path = "made.exr";
     image.width = 8;
     image.height = 4;
-    image.layers = {layer("", rgb, 32, 4), layer("lit", rgb, 32, 1),      layer("more", rgb, 32, 3),
-                    layer("dark", rgb, 32, 0), layer("id", {"id"}, 32, 16777215.0F), layer("z", {"Z"}, 32, 1e6F)};
+    image.layers = {layer("", rgb, 32, 4),
+                    layer("lit", rgb, 32, 1),
+                    layer("more", rgb, 32, 3),
+                    layer("dark", rgb, 32, 0),
+                    layer("id", {"id"}, 32, 16777215.0F),
+                    layer("z", {"Z"}, 32, 1e6F)};
     image.partitions = {{"all", "", {"lit", "more", "dark"}}};
     return image;
 }
@@ -118,7 +123,9 @@ TEST_CASE("a view's table is the view at its nodes", "[report]") {
     auto packed = pack_view(*color, primaries, "", "");
     REQUIRE(packed);
     const std::vector<unsigned char> table = unpacked(*packed, view_nodes * view_nodes * view_nodes * 3);
-    const auto node = [](std::size_t i) { return static_cast<float>(std::exp2(static_cast<double>(i) / 2 - 10) - std::exp2(-10)); };
+    const auto node = [](std::size_t i) {
+        return static_cast<float>(std::exp2(static_cast<double>(i) / 2 - 10) - std::exp2(-10));
+    };
     CHECK(node(20) == Approx(1).epsilon(1e-3));
     const std::size_t red = 17, green = 9, blue = 22;  // red fastest
     auto shown = color->to_display(std::vector<float>{node(red), node(green), node(blue)}, primaries, "", "");

@@ -66,7 +66,8 @@ Bitmap magnified(const PixelArray& image, const InsetBox& box, int scale, int fr
 void draw_frame(Bitmap& bitmap, const InsetBox& box, int thick, const FrameColor& color) {
     for (int y = std::max(0, box.y); y < std::min(bitmap.height, box.y + box.height); ++y)
         for (int x = std::max(0, box.x); x < std::min(bitmap.width, box.x + box.width); ++x)
-            if (x < box.x + thick || y < box.y + thick || x >= box.x + box.width - thick || y >= box.y + box.height - thick)
+            if (x < box.x + thick || y < box.y + thick || x >= box.x + box.width - thick ||
+                y >= box.y + box.height - thick)
                 std::copy(color.rgb.begin(), color.rgb.end(), bitmap.at(x, y));
 }
 
@@ -74,18 +75,22 @@ void draw_frame(Bitmap& bitmap, const InsetBox& box, int thick, const FrameColor
 class DifferenceSums {
   public:
     DifferenceSums(int width, int height)
-        : width_(width), sums_(static_cast<std::size_t>(width + 1) * static_cast<std::size_t>(height + 1)),
+        : width_(width),
+          sums_(static_cast<std::size_t>(width + 1) * static_cast<std::size_t>(height + 1)),
           height_(height) {}
 
     void add(const PixelArray& image, const PixelArray& reference) {
         double mean = 0;
-        for (const double value : reference.values) mean += std::abs(value) / static_cast<double>(reference.values.size());
+        for (const double value : reference.values)
+            mean += std::abs(value) / static_cast<double>(reference.values.size());
         for (int y = 0; y < height_; ++y) {
             double row = 0;
             for (int x = 0; x < width_; ++x) {
                 for (std::size_t c = 0; c < 3; ++c) {
-                    const std::size_t i = (static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
-                                           static_cast<std::size_t>(x)) * 3 + c;
+                    const std::size_t i =
+                        (static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)) *
+                            3 +
+                        c;
                     const double b = reference.values[i], d = image.values[i] - b;
                     const double square = d * d / (b * b + 0.01 * mean * mean + 1e-30);
                     // One firefly must not decide where the figure looks: a pixel counts 1 at most.
@@ -146,8 +151,8 @@ std::vector<InsetBox> boxes_of(const Study& study, const SceneInfo& scene, const
         if ((region.scene.empty() || region.scene == scene.name) && region.crop[2] > region.crop[0] &&
             region.crop[3] > region.crop[1] && region.crop[2] <= scene.width && region.crop[3] <= scene.height &&
             boxes.size() < most_insets)
-            boxes.push_back({region.crop[0], region.crop[1], region.crop[2] - region.crop[0],
-                             region.crop[3] - region.crop[1]});
+            boxes.push_back(
+                {region.crop[0], region.crop[1], region.crop[2] - region.crop[0], region.crop[3] - region.crop[1]});
     const bool reference = !images.empty() && images.back().source.variant.empty();
     if (!boxes.empty() || !reference || images.size() < 2) return boxes;
     const int side = std::max(1, std::min(scene.width, scene.height) / 5), step = std::max(1, side / 4);
@@ -183,14 +188,15 @@ class InsetFigure {
     void add_column(const std::vector<std::string>& uris, const std::string& name, const std::string& error) {
         const double x = left_ + gap + count_++ * (column + gap);
         double y = 0;
-        for (std::size_t i = 0; i < uris.size(); y += heights_[i] + gap, ++i) body_ += picture(x, y, column, heights_[i], uris[i]);
+        for (std::size_t i = 0; i < uris.size(); y += heights_[i] + gap, ++i)
+            body_ += picture(x, y, column, heights_[i], uris[i]);
         body_ += label(x + column / 2, total_ + 16, name, 600) + label(x + column / 2, total_ + 31, error, 400);
     }
     [[nodiscard]] std::string svg() const {
         const double width = left_ + count_ * (column + gap);
         return "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + plain_number(width, 6) + " " +
-               plain_number(total_ + 38, 6) + "\" font-family=\"system-ui, DejaVu Sans, sans-serif\" font-size=\"11\">\n" +
-               body_ + "</svg>\n";
+               plain_number(total_ + 38, 6) +
+               "\" font-family=\"system-ui, DejaVu Sans, sans-serif\" font-size=\"11\">\n" + body_ + "</svg>\n";
     }
 
   private:
@@ -240,8 +246,8 @@ Result<std::size_t> write_scene(const Study& study, const SceneInfo& scene, cons
     std::size_t files = 0, columns = 0;
     for (const Shown& each : images) {
         const bool reference = each.source.variant.empty();
-        const std::string base = folder + "/" + file_part(scene.name) + "." +
-                                 file_part(reference ? "reference" : each.source.variant);
+        const std::string base =
+            folder + "/" + file_part(scene.name) + "." + file_part(reference ? "reference" : each.source.variant);
         Bitmap whole = magnified(each.image, {0, 0, scene.width, scene.height}, 1, 0);
         for (std::size_t i = 0; i < boxes.size(); ++i)
             draw_frame(whole, boxes[i], std::max(1, scene.width / 256), frame_colors[i]);

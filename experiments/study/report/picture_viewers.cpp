@@ -16,7 +16,8 @@ std::string button(const std::string& attributes, const std::string& name) {
 }
 
 std::string slider(const char* name, const char* label, const char* range) {
-    return std::string("<label>") + label + " <input class=\"" + name + "\" type=\"range\" " + range + " value=\"0\"></label>";
+    return std::string("<label>") + label + " <input class=\"" + name + "\" type=\"range\" " + range +
+           " value=\"0\"></label>";
 }
 
 std::string viewer(const ScenePictures& pictures, std::size_t index) {
@@ -29,21 +30,25 @@ std::string viewer(const ScenePictures& pictures, std::size_t index) {
                    (i + 1 == pictures.images.size() ? " selected" : "") + ">" + escape_html(name) + "</option>";
     }
     return "<h3>" + escape_html(pictures.scene) + "</h3>\n<div class=\"bench\" tabindex=\"-1\" data-scene=\"" +
-           std::to_string(index) + "\">\n<div class=\"tools\"><span class=\"faint\">Channel</span><span class=\"group\">" +
-           channels + "</span></div>\n<div class=\"tools\"><span class=\"faint\">Images</span><span class=\"group\">" +
-           chips + "</span></div>\n<div class=\"tools\"><span class=\"group\">" + button("data-mode=\"side\"", "side by side") +
+           std::to_string(index) +
+           "\">\n<div class=\"tools\"><span class=\"faint\">Channel</span><span class=\"group\">" + channels +
+           "</span></div>\n<div class=\"tools\"><span class=\"faint\">Images</span><span class=\"group\">" + chips +
+           "</span></div>\n<div class=\"tools\"><span class=\"group\">" + button("data-mode=\"side\"", "side by side") +
            button("data-mode=\"flip\"", "flip") + button("data-mode=\"split\"", "split") +
            button("data-mode=\"difference\"", "difference") + "</span><span class=\"for-light tools\">" +
            slider("exposure", "exposure", "min=\"-10\" max=\"10\" step=\"0.1\"") +
-           "<span class=\"stops\" title=\"back to 0\"></span></span><span class=\"for-difference tools\" hidden><label>from "
+           "<span class=\"stops\" title=\"back to 0\"></span></span><span class=\"for-difference tools\" "
+           "hidden><label>from "
            "<select class=\"against\">" +
            against + "</select></label>" + slider("gain", "gain", "min=\"-4\" max=\"8\" step=\"0.25\"") +
-           "<span class=\"times\"></span></span><span class=\"group\"><button type=\"button\" data-fit>fit</button><button "
+           "<span class=\"times\"></span></span><span class=\"group\"><button type=\"button\" "
+           "data-fit>fit</button><button "
            "type=\"button\" data-actual>1:1</button></span><button type=\"button\" class=\"clear\" hidden>clear "
            "insets</button></div>\n<div class=\"panes\" style=\"--shape:" +
            std::to_string(pictures.width) + "/" + std::to_string(pictures.height) +
            "\"></div>\n<div class=\"colorbar\" hidden><span class=\"ramp\"></span><span class=\"marks\">"
-           "<span class=\"mark\"></span><span class=\"mark\"></span><span class=\"mark\"></span><span class=\"mark\"></span>"
+           "<span class=\"mark\"></span><span class=\"mark\"></span><span class=\"mark\"></span><span "
+           "class=\"mark\"></span>"
            "<span class=\"mark\"></span></span></div>\n<p class=\"status\"></p><div class=\"wide\"><table "
            "class=\"readout\"><thead></thead><tbody></tbody></table></div></div>\n";
 }
@@ -84,9 +89,12 @@ std::string image_viewers(const Pictures& pictures) {
         html += ", reduced " + std::to_string(pictures.scenes.front().block) + " times to keep this page small";
     html +=
         ". Drag moves and, with Shift, draws an inset; double click fits. With the viewer in focus the wheel zooms, "
-        "<b>g</b> puts images side by side, <b>f</b> flips them, <b>s</b> splits under the pointer, <b>d</b> subtracts, left "
-        "and right change the channel. Differences are relative to the image chosen, the mean over red, green and blue, dark "
-        "pixels judged as a tenth of its mean. Shares are of the first channel, by the sum of red, green and blue.</p>\n";
+        "<b>g</b> puts images side by side, <b>f</b> flips them, <b>s</b> splits under the pointer, <b>d</b> "
+        "subtracts, left "
+        "and right change the channel. Differences are relative to the image chosen, the mean over red, green and "
+        "blue, dark "
+        "pixels judged as a tenth of its mean. Shares are of the first channel, by the sum of red, green and "
+        "blue.</p>\n";
     for (std::size_t i = 0; i < pictures.scenes.size(); ++i) html += viewer(pictures.scenes[i], i);
     for (const std::string& each : pictures.left_out)
         html += "<p class=\"note\">Left out: " + escape_html(each) + "</p>\n";

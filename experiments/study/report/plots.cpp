@@ -72,7 +72,8 @@ Plot error_plot(const Study& study, std::size_t scene, const std::string& channe
     const std::string& name = study.experiment->scenes[scene].name;
     const bool time = against == Abscissa::seconds;
     Plot plot{time ? plot_id(scene, channel, region) : samples_id(scene, channel, region),
-              file_part(name) + "." + file_part(channel), {}};
+              file_part(name) + "." + file_part(channel),
+              {}};
     if (!region.empty()) plot.file += "." + file_part(region);
     plot.file += time ? ".svg" : ".samples.svg";
     Json series = Json::array();
@@ -88,7 +89,8 @@ Plot error_plot(const Study& study, std::size_t scene, const std::string& channe
                     {"title", name + ", " + channel + (region.empty() ? "" : ", region " + region) +
                                   (time ? ": error against time" : ": error against samples")},
                     {"subtitle", "100 sqrt(relmse-mean), reference's noise subtracted; bands: " +
-                                     number_text(study.options.confidence * 100) + (time ? " % intervals; dotted: 1/sqrt(t)" : " % intervals; dotted: 1/sqrt(n)")},
+                                     number_text(study.options.confidence * 100) +
+                                     (time ? " % intervals; dotted: 1/sqrt(t)" : " % intervals; dotted: 1/sqrt(n)")},
                     {"xLabel", time ? "wall time, seconds, everything counted" : "samples per pixel"},
                     {"yLabel", "relative error"},
                     {"guide", true},
@@ -101,7 +103,8 @@ Plot error_plot(const Study& study, std::size_t scene, const std::string& channe
 bool any_samples(const Study& study, const Curve& like) {
     return std::any_of(study.curves.begin(), study.curves.end(), [&](const Curve& curve) {
         return curve.scene == like.scene && curve.channel == like.channel && curve.region == like.region &&
-               std::any_of(curve.points.begin(), curve.points.end(), [](const BudgetPoint& p) { return p.samples > 0; });
+               std::any_of(curve.points.begin(), curve.points.end(),
+                           [](const BudgetPoint& p) { return p.samples > 0; });
     });
 }
 

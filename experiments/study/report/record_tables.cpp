@@ -154,11 +154,12 @@ std::string provenance_table(const Study& study) {
     for (const auto& [name, value] : experiment.provenance)
         rows += "<tr>" + text_cell(name) + text_cell(value) + "</tr>\n";
     if (experiment.time.render > 0)
-        rows += "<tr>" + text_cell("runner overhead") +
-                text_cell(number_text(experiment.time.overhead_percent()) + " % of " +
-                          number_text(experiment.time.render) + " s of rendering, beside " + number_text(experiment.time.warm_up) + " s of warm-up and " +
-                          number_text(experiment.time.references) + " s for references") +
-                "</tr>\n";
+        rows +=
+            "<tr>" + text_cell("runner overhead") +
+            text_cell(number_text(experiment.time.overhead_percent()) + " % of " + number_text(experiment.time.render) +
+                      " s of rendering, beside " + number_text(experiment.time.warm_up) + " s of warm-up and " +
+                      number_text(experiment.time.references) + " s for references") +
+            "</tr>\n";
     std::string methods;
     for (const MethodInfo& method : experiment.methods) {
         std::string settings;

@@ -8,7 +8,8 @@
 
 namespace raylex::experiments {
 
-/// One row per cell, channel and region with every metric, below a header of plain names: letters, digits and _. RFC 4180.
+/// One row per cell, channel and region with every metric, below a header of plain names: letters, digits and _. RFC
+/// 4180.
 std::string results_csv(const Study& study);
 /// What the columns of results_csv mean: column, unit, meaning or formula. RFC 4180.
 std::string columns_csv();
@@ -23,8 +24,8 @@ struct Plot {
     std::string file;  ///< name for plots/: "cornell.beauty.svg"
     std::string json;
 };
-/// Per scene, channel and region: error against time and, where they are known, against samples; per scene and channel the Pareto front of all budgets of all
-/// variants.
+/// Per scene, channel and region: error against time and, where they are known, against samples; per scene and channel
+/// the Pareto front of all budgets of all variants.
 std::vector<Plot> plots_of(const Study& study);
 
 /// Letters that any file system takes: others become _.

@@ -36,13 +36,13 @@ std::string summary(const Study& study) {
             broken += split.holds ? 0 : 1;
         }
     }
-    std::string text = "<p class=\"faint\">" + counted(experiment.cells.size() - failed, "cell", "cells") + " done" +
-                       (failed > 0 ? ", " + std::to_string(failed) + " failed" : "") +
-                       (experiment.missing.empty() ? "" : ", " + std::to_string(experiment.missing.size()) + " not run") +
-                       "; " +
-                       counted(experiment.scenes.size(), "scene", "scenes") + ", " +
-                       counted(study.variants.size(), "variant", "variants") + "; " + duration_text(seconds) +
-                       " of rendering.</p>\n<ul class=\"summary\">\n";
+    std::string text =
+        "<p class=\"faint\">" + counted(experiment.cells.size() - failed, "cell", "cells") + " done" +
+        (failed > 0 ? ", " + std::to_string(failed) + " failed" : "") +
+        (experiment.missing.empty() ? "" : ", " + std::to_string(experiment.missing.size()) + " not run") + "; " +
+        counted(experiment.scenes.size(), "scene", "scenes") + ", " +
+        counted(study.variants.size(), "variant", "variants") + "; " + duration_text(seconds) +
+        " of rendering.</p>\n<ul class=\"summary\">\n";
     if (splits > 0)
         text += mark(broken == 0,
                      broken == 0 ? "Every split sums" : counted(broken, "split does", "splits do") + " not sum") +
@@ -184,19 +184,22 @@ std::string study_page(const Study& study, const std::vector<Plot>& plots, const
         "content=\"width=device-width, initial-scale=1\">\n<title>" +
         escape_html(experiment.name) + "</title>\n<style>" + std::string(page_style()) + std::string(study_style()) +
         "</style>\n</head>\n<body>\n<h1>" + escape_html(experiment.name) + "</h1>\n" + summary(study) + contents +
-        "</nav>\n" + scenes + image_viewers(pictures) + "<section id=\"splits\"><h2>Split sums</h2>\n" + splits_table(study) +
-        "</section>\n<section id=\"costs\"><h2>Time and rays</h2>\n" + costs_table(study) + predictions_text(study) +
-        "</section>\n<section id=\"references\"><h2>References</h2>\n" + references_table(study) +
-        "</section>\n<section id=\"omissions\"><h2>Omissions</h2>\n" + omissions_table(study) +
-        "</section>\n<section id=\"provenance\"><h2>Provenance</h2>\n" + provenance_table(study) + "</section>\n";
+        "</nav>\n" + scenes + image_viewers(pictures) + "<section id=\"splits\"><h2>Split sums</h2>\n" +
+        splits_table(study) + "</section>\n<section id=\"costs\"><h2>Time and rays</h2>\n" + costs_table(study) +
+        predictions_text(study) + "</section>\n<section id=\"references\"><h2>References</h2>\n" +
+        references_table(study) + "</section>\n<section id=\"omissions\"><h2>Omissions</h2>\n" +
+        omissions_table(study) + "</section>\n<section id=\"provenance\"><h2>Provenance</h2>\n" +
+        provenance_table(study) + "</section>\n";
     page.reserve(page.size() + d3.size() + pictures.bytes + pictures.encoded.size() * 80 + 1'000'000);
-    page += "<script type=\"application/json\" id=\"study\">" + script_json(data.dump(-1, ' ', false, Json::error_handler_t::replace)) + "</script>\n";
+    page += "<script type=\"application/json\" id=\"study\">" +
+            script_json(data.dump(-1, ' ', false, Json::error_handler_t::replace)) + "</script>\n";
     for (std::size_t id = 0; id < pictures.encoded.size(); ++id)
         page += "<script type=\"text/plain\" id=\"picture-" + std::to_string(id) + "\">" + pictures.encoded[id] +
                 "</script>\n";
     return page + "<script>" + d3 + "</script>\n<script>" + std::string(plot_script()) + "</script>\n<script>" +
            std::string(pixels_script()) + "</script>\n<script>" + std::string(panes_script()) + "</script>\n<script>" +
-           std::string(bench_script()) + "</script>\n<script>" + std::string(study_script()) + "</script>\n</body>\n</html>\n";
+           std::string(bench_script()) + "</script>\n<script>" + std::string(study_script()) +
+           "</script>\n</body>\n</html>\n";
 }
 
 }  // namespace raylex::experiments

@@ -154,8 +154,8 @@ int write_study_report(const Experiment& as_read, const StudyReportOptions& opti
         print_warning(counted(study->omissions.size(), "omission") + ", listed in the report; the first: " +
                       study->omissions.front().what + ": " + study->omissions.front().reason);
     print_line(directory + "/report.html: " + size_text(static_cast<double>(page.size())) +
-               "; results.csv, results.jsonl, " + std::to_string(plots.size()) + " plots and " + std::to_string(paper_files) +
-               " tables and insets beside it");
+               "; results.csv, results.jsonl, " + std::to_string(plots.size()) + " plots and " +
+               std::to_string(paper_files) + " tables and insets beside it");
     print_verdicts(*study);
     return damaged > 0 ? exit_bad_input : exit_holds;
 }

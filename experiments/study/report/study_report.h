@@ -1,5 +1,5 @@
-// The report of an experiment: report.html, results.csv, results.columns.csv, results.jsonl, plots/*.svg, tables/*.tex and
-// insets/*.png in its directory.
+// The report of an experiment: report.html, results.csv, results.columns.csv, results.jsonl, plots/*.svg, tables/*.tex
+// and insets/*.png in its directory.
 #pragma once
 
 #include <cstddef>

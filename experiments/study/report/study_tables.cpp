@@ -142,8 +142,7 @@ std::string errors_table(const Study& study, const std::string& scene, const std
     for (const Curve& curve : study.curves) {
         if (!shown(curve, scene, channel, region) || curve.points.empty()) continue;
         const BudgetPoint& point = curve.points.back();
-        std::string cells =
-            text_cell(curve.variant) + cell(spoken_budget(curve.budget_kind, point.budget)) +
+        std::string cells = text_cell(curve.variant) + cell(spoken_budget(curve.budget_kind, point.budget)) +
                             cell(figure(point.seconds)) + cell(interval_cell(point.relative, notes, 100, " %"));
         std::array<double, display::error_metric_count> sums{};
         double trimmed = 0, count = 0;
@@ -188,10 +187,10 @@ std::string front_table(const Study& study, const std::string& scene, const std:
     Footnotes notes;
     int place = 0;
     for (const FrontPoint& each : front_of(study, scene, channel))
-        rows += row(cell(std::to_string(++place)) + text_cell(each.curve->variant) +
-                    cell(spoken_budget(each.curve->budget_kind, each.point->budget)) +
-                    cell(duration_text(each.point->seconds)) +
-                    cell(interval_cell(each.point->relative, notes, 100, " %")));
+        rows +=
+            row(cell(std::to_string(++place)) + text_cell(each.curve->variant) +
+                cell(spoken_budget(each.curve->budget_kind, each.point->budget)) +
+                cell(duration_text(each.point->seconds)) + cell(interval_cell(each.point->relative, notes, 100, " %")));
     return table("<th></th><th>Variant</th><th>Budget</th><th>Time</th><th>Relative error</th>", rows) + notes.legend();
 }
 
@@ -212,8 +211,8 @@ std::string effects_table(const Study& study, const SceneInfo& scene) {
     for (const ChannelInfo& channel : scene.channels) head += "<th>" + escape_html(channel.name) + "</th>";
     for (std::size_t i = 0; i < changes.size(); ++i) {
         const auto& [key, from, to, others] = changes[i];
-        std::string cells = "<td><code>" + escape_html(key) + "</code></td>" + text_cell(from + " to " + to) +
-                            text_cell(others);
+        std::string cells =
+            "<td><code>" + escape_html(key) + "</code></td>" + text_cell(from + " to " + to) + text_cell(others);
         for (const ChannelInfo& channel : scene.channels) {
             const auto effect = found.find({i, channel.name});
             if (effect == found.end()) {

@@ -1,5 +1,5 @@
-// The tables of a study's page, each a piece of HTML. Formulas stand in the headers; a reason stands once below its table,
-// and cells refer to it by a letter.
+// The tables of a study's page, each a piece of HTML. Formulas stand in the headers; a reason stands once below its
+// table, and cells refer to it by a letter.
 #pragma once
 
 #include <string>
