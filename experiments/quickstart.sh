@@ -37,6 +37,7 @@ out=$(cd "$out" && pwd)
 [ -w "$root" ] || stop "cannot write to $root, where the build goes; copy the clone to a folder of your own"
 program=$root/build/release/raylex
 cores=$(nproc)
+begun=$(date +%s.%N)
 
 # What a result depends on: the program, the job and the scene's files.
 stamp_of() { find "$program" "$here/quickstart/$1.toml" "$here/scenes/$1" -type f -print0 | sort -z | xargs -0 sha256sum | awk '{ print $1 }' | sha256sum | awk '{ print $1 }'; }
@@ -81,12 +82,13 @@ if [ ! -f "$cache" ]; then
     fi
     rm -f "$log"
 fi
+# Only what renders and what `cmake --install` takes: the tests wait until somebody runs them.
 say "Building ..."
 # Ninja redraws one line on a terminal; elsewhere a line every 20 steps is enough.
 if [ -t 1 ]; then
-    (cd "$root" && cmake --build --preset release --target raylex) || stop "the build failed"
+    (cd "$root" && cmake --build --preset release --target raylex_installed) || stop "the build failed"
 else
-    (cd "$root" && cmake --build --preset release --target raylex) 2>&1 |
+    (cd "$root" && cmake --build --preset release --target raylex_installed) 2>&1 |
         awk '/^\[[0-9]+\/[0-9]+\]/ { split(substr($1, 2), step, /[\/\]]/); if (step[1] % 20 && step[1] != step[2]) next } { print; fflush() }' ||
         stop "the build failed"
 fi
@@ -120,6 +122,7 @@ for scene in "${scenes[@]}"; do
         [ $status -le 1 ] || stop "rendering $scene failed"
         printf '%s\n' "$stamp" >"$base.stamp"
         renders+=", $scene $(seconds_since "$started") s"
+        [ ${#made[@]} -gt 0 ] || say "The first picture, $(seconds_since "$begun") s after the start: $base.png"
         made+=("$base.exr")
     fi
     images+=("$base.exr")

@@ -3,9 +3,17 @@
 # components that build without any third-party library, then a project outside that uses an installed raylex.
 #
 #   bash tests/run.sh                 everything short
-#   bash tests/run.sh FILTER          only test cases whose name or [tag] matches (Catch2's syntax, * is a wildcard)
+#   bash tests/run.sh NAME            only what matches, Release; builds only the programs that hold it. NAME is
+#                                       a part: lpe, services, display, geoaovs, transport, experiments, endtoend
+#                                       a test file: tests/lpe/rest_test.cpp, lpe/rest_test, rest_test
+#                                       a tag: [law5]
+#                                       words of a test case's name; * is a wildcard
+#   bash tests/run.sh NAME --sanitize the same under the address and undefined sanitizers too
 #   bash tests/run.sh --full          adds the long half: statistical figures, reference images, exhaustive comparison, fuzzing
 #   bash tests/run.sh --release-only  skips the sanitizer build
+#   bash tests/run.sh --benchmark lpe|exr|rays [GOOGLE BENCHMARK'S OPTIONS]   builds and runs one benchmark
+#   bash tests/run.sh --format [REVISION]   checks the lines changed since a revision (default main): at most 120
+#                                       columns, no tabs, no blanks at the end
 #
 # Ends with "N passed, N failed, N skipped"; exit 1 if anything failed, 2 for bad usage or a missing tool.
 set -uo pipefail
@@ -13,17 +21,83 @@ here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 root=$(dirname "$here")
 cd "$root" || exit 2
 
-full=0 sanitize=1 filter=""
-for argument in "$@"; do
-    case $argument in
+full=0 sanitize=1 name=""
+usage() { echo "tests/run.sh: $1; see tests/run.sh --help" >&2; exit 2; }
+
+run_benchmark() {
+    local program=bench_${1:-}
+    [ -f "lpe/bench/$program.cpp" ] || [ -f "display/bench/$program.cpp" ] || [ -f "transport/bench/$program.cpp" ] ||
+        usage "no benchmark '${1:-}'; expected lpe, exr or rays"
+    shift
+    bash experiments/install_packages.sh && cmake --preset bench >/dev/null || exit 2
+    cmake --build --preset bench --target help | grep -q "^$program:" ||
+        usage "$program needs Google Benchmark (Debian: libbenchmark-dev)"
+    cmake --build --preset bench --target "$program" || exit 2
+    exec "build/bench/$program" "$@"
+}
+
+# Only changed lines: the tree as a whole is older than the rule.
+check_format() {
+    local base
+    base=$(git merge-base "$1" HEAD 2>/dev/null) || usage "no revision '$1' to compare with"
+    git diff -U0 "$base" -- '*.cpp' '*.h' '*.sh' '*.cmake' '*CMakeLists.txt' '*.js' | LC_ALL=C.UTF-8 awk '
+        /^\+\+\+ / { file = substr($0, 7); next }
+        /^@@ / { split($3, at, ","); line = substr(at[1], 2); next }
+        /^\+/ {
+            text = substr($0, 2)
+            if (length(text) > 120) { print file ":" line ": " length(text) " columns; expected at most 120"; bad = 1 }
+            if (text ~ /\t/) { print file ":" line ": a tab; expected blanks"; bad = 1 }
+            if (text ~ /[ \t]$/) { print file ":" line ": blanks at the end of the line"; bad = 1 }
+            ++line
+        }
+        END { exit bad }'
+}
+
+while [ $# -gt 0 ]; do
+    case $1 in
         --full) full=1 ;;
         --release-only) sanitize=0 ;;
-        -h | --help) sed -n '2,10s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
-        -*) echo "tests/run.sh: unknown option '$argument'; expected --full, --release-only or a filter" >&2; exit 2 ;;
-        *) filter=$argument ;;
+        --sanitize) sanitize=2 ;;
+        --benchmark) shift; run_benchmark "$@" ;;
+        --format) check_format "${2:-main}"; exit ;;
+        -h | --help) sed -n '2,/^set /{/^#/s/^# \{0,1\}//p}' "${BASH_SOURCE[0]}"; exit 0 ;;
+        -*) usage "unknown option '$1'" ;;
+        *) [ -z "$name" ] || usage "two names, '$name' and '$1'; expected at most one"; name=$1 ;;
     esac
+    shift
 done
-case $filter in "" | \[* | *\** | \"*) ;; *) filter="*$filter*" ;; esac
+
+# What a name stands for: the parts whose programs are built and run, and what these are asked to run of their cases.
+parts=() cases=()
+choose() {
+    local part stem=${name##*/}
+    stem=${stem%.cpp}
+    for part in lpe services display geoaovs transport experiments endtoend; do
+        [ "$name" = "$part" ] && { parts=("$part"); return; }
+    done
+    local files
+    files=$(ls tests/*/"$stem".cpp 2>/dev/null | grep -F -- "${name%.cpp}.cpp")
+    if [ -n "$files" ]; then
+        cases=(--filenames-as-tags "[#$stem]~[.]")
+    else
+        local wanted=$name
+        case $name in \[* | *\** | \"*) ;; *) wanted="*$name*" ;; esac
+        cases=("$wanted~[.]")   # a pattern alone would also choose the hidden long half
+        case $name in *\[.*) cases=("$wanted") ;; esac
+        # Which files hold it: the same pattern over what stands between TEST_CASE and its body, a line a case.
+        local pattern
+        pattern=$(sed -e 's/^"\(.*\)"$/\1/' -e 's/[].^$\\[]/\\&/g' -e 's/^\*//' -e 's/\*$//' -e 's/\*/.*/g' <<<"$name")
+        files=$(awk '/^(TEMPLATE_)?TEST_CASE/ { text = ""; on = 1 }
+                     on { text = text $0 }
+                     on && /\{ *$/ { gsub(/" +"/, "", text); print FILENAME "\t" text; on = 0 }' \
+                tests/{lpe,services,display,geoaovs,transport,experiments,endtoend}/*.cpp |
+                grep -iE -- $'\t'".*$pattern" | cut -f1)
+    fi
+    [ -n "$files" ] || usage "'$name' is no part, no test file, and no test case has it in its name or tags"
+    mapfile -t parts < <(cut -d/ -f2 <<<"$files" | sort -u)
+}
+[ -z "$name" ] || choose
+[ -n "$name" ] && [ "$sanitize" = 1 ] && sanitize=0
 
 bash "$root/experiments/install_packages.sh" || exit 2
 
@@ -35,13 +109,15 @@ failures=()
 say() { printf '\n== %s\n' "$1"; }
 fail() { failed=$((failed + 1)); failures+=("$1"); echo "FAILED: $1"; }
 
-# configure_and_build <preset> [cmake arguments]: quiet unless it fails.
+# configure_and_build <preset> [cmake arguments]: all of it, or the programs of the chosen parts. Quiet unless it fails.
 configure_and_build() {
     local preset=$1
     shift
-    say "Building preset '$preset'"
+    say "Building preset '$preset'${parts[*]:+: ${parts[*]/#/test_}}"
     local log="$results/build-$preset.log"
-    if ! { cmake --preset "$preset" "$@" && cmake --build --preset "$preset"; } >"$log" 2>&1; then
+    local targets=()
+    [ ${#parts[@]} = 0 ] || targets=(--target "${parts[@]/#/test_}")
+    if ! { cmake --preset "$preset" "$@" && cmake --build --preset "$preset" "${targets[@]}"; } >"$log" 2>&1; then
         grep -E -B2 -A12 'error|FAILED|Error' "$log" | head -n 60
         tail -n 20 "$log"
         fail "build of preset '$preset'"
@@ -54,16 +130,19 @@ configure_and_build() {
 run_programs() {
     local preset=$1 label=$2
     shift 2
-    local program name report log cases ok bad status
+    local program name report log cases ok bad status programs=()
     for program in "build/$preset"/test_*; do
         [ -x "$program" ] || continue
+        [ ${#parts[@]} = 0 ] || [[ " ${parts[*]} " == *" ${program##*/test_} "* ]] || continue
+        programs+=("$program")
+    done
+    for program in "${programs[@]}"; do
         report="$results/$preset-$label-$(basename "$program")"
         while [ "$(jobs -rp | wc -l)" -ge "$(nproc)" ]; do wait -n; done
         { "$program" -r xml -o "$report.xml" "$@" >"$report.log" 2>&1; echo $? >"$report.status"; } &
     done
     wait
-    for program in "build/$preset"/test_*; do
-        [ -x "$program" ] || continue
+    for program in "${programs[@]}"; do
         name=$(basename "$program")
         report="$results/$preset-$label-$name.xml" log="$results/$preset-$label-$name.log"
         status=$(cat "$results/$preset-$label-$name.status")
@@ -92,8 +171,7 @@ run_programs() {
 
 warnings=()
 [ "${CI:-}" = "true" ] && warnings=(-DRAYLEX_WARNINGS_AS_ERRORS=ON)
-selection=()
-[ -n "$filter" ] && selection=("$filter~[.]")   # a pattern alone would also choose the hidden long half
+selection=("${cases[@]}")
 
 if configure_and_build release "${warnings[@]}"; then
     say "Release tests"
@@ -104,13 +182,24 @@ if configure_and_build release "${warnings[@]}"; then
     fi
 fi
 
-if [ "$sanitize" = 1 ] && configure_and_build asan "${warnings[@]}"; then
+# Whole renders have no sanitizer build: transport's own tests take the same code through it.
+if [ "$sanitize" = 2 ]; then
+    kept=()
+    for part in "${parts[@]}"; do [ "$part" = endtoend ] || kept+=("$part"); done
+    parts=("${kept[@]}")
+    [ ${#parts[@]} -gt 0 ] || sanitize=0
+fi
+if [ "$sanitize" != 0 ] && configure_and_build asan "${warnings[@]}"; then
     say "Unit tests under the address and undefined sanitizers"
     # Embree's and TBB's own allocations live until exit; leaks of ours are still reported by type.
     export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_leaks=1:abort_on_error=0}
     export LSAN_OPTIONS="${LSAN_OPTIONS:-suppressions='$here/support/lsan.supp':print_suppressions=0}"
     export UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1}
-    run_programs asan sanitized "$filter~[statistical]~[release-only]~[.]"
+    if [ ${#cases[@]} = 0 ]; then
+        run_programs asan sanitized "~[statistical]~[release-only]~[.]"
+    else
+        run_programs asan sanitized "${cases[@]:0:${#cases[@]}-1}" "${cases[-1]}~[statistical]~[release-only]"
+    fi
 fi
 
 # Each fuzz target from its corpus for a minute: a crash, a hang, a sanitizer's finding or 256 MiB in use fails it.
@@ -140,9 +229,23 @@ run_fuzzers() {
         fi
     done
 }
-if [ "$full" = 1 ] && [ -z "$filter" ]; then run_fuzzers; fi
+if [ "$full" = 1 ] && [ -z "$name" ]; then run_fuzzers; fi
 
-if [ -z "$filter" ]; then
+# Sources are compiled many together: each must include what it uses all the same. --full sees to all of them.
+compiles_alone() {
+    say "Each source of lpe and services by itself"
+    if find lpe display/{services,buffer,deep,filters} -name '*.cpp' -not -path '*/bench/*' -print0 |
+        xargs -0 -n 4 -P "$(nproc)" "${CXX:-c++}" -std=c++20 -fsyntax-only -I. >"$results/alone.log" 2>&1; then
+        passed=$((passed + 1))
+    else
+        head -n 40 "$results/alone.log"
+        fail "a source does not compile by itself"
+    fi
+    if [ "$full" = 1 ] && configure_and_build apart "${warnings[@]}"; then passed=$((passed + 1)); fi
+}
+
+if [ -z "$name" ]; then
+    compiles_alone
     if configure_and_build adopters "${warnings[@]}"; then
         say "Components lpe and services without any third-party library"
         run_programs adopters adopters
@@ -155,6 +258,8 @@ if [ -z "$filter" ]; then
         hide=()
         [ "$preset" = adopters ] && hide=(-DCMAKE_DISABLE_FIND_PACKAGE_embree=ON -DCMAKE_DISABLE_FIND_PACKAGE_OpenEXR=ON
             -DCMAKE_DISABLE_FIND_PACKAGE_OpenColorIO=ON -DCMAKE_DISABLE_FIND_PACKAGE_TBB=ON)
+        # Installing builds what is missing, as where only the program was built.
+        rm -f "build/$preset/lpe/libraylex_lpe.a" "build/$preset/plugins/libplanted_error.so"
         if { cmake --install "build/$preset" --prefix "$prefix" &&
             cmake -G Ninja -S tests/outside -B "$build" "-DCMAKE_PREFIX_PATH=$prefix" "-DRAYLEX_WANTED=$wanted" "${hide[@]}" &&
             cmake --build "$build"; } >"$log" 2>&1; then

@@ -32,7 +32,8 @@ class GradeDisplay final : public DisplayFilter {
     bool alone_;   // named channels, and not all light alike
 };
 
-Result<std::unique_ptr<DisplayFilter>> build_grade(const ParameterSet& parameters, const DisplayFilterContext& context) {
+Result<std::unique_ptr<DisplayFilter>> build_display_grade(const ParameterSet& parameters,
+                                                           const DisplayFilterContext& context) {
     const std::string who = "display filter 'grade'";
     const auto grade = read_grade(parameters, who);
     if (!grade) return grade.error();
@@ -78,7 +79,8 @@ Result<std::unique_ptr<DisplayFilter>> build_background(const ParameterSet& para
 
 Registry<DisplayFilterFactory> in_tree_filters() {
     Registry<DisplayFilterFactory> registry("display filter");
-    registry.add({"grade", "exposure, gain, offset, gamma and saturation of pixels", grade_parameters(), build_grade});
+    registry.add(
+        {"grade", "exposure, gain, offset, gamma and saturation of pixels", grade_parameters(), build_display_grade});
     registry.add({"background",
                   "the beauty over a colour; its alpha becomes 1",
                   {{"color", ParameterType::rgb, "0", "one number, or red, green and blue: rendering colour space"}},

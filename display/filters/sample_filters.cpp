@@ -52,7 +52,8 @@ class GradeFilter final : public SampleFilter {
     bool alone_;   // named channels, and not all light alike
 };
 
-Result<std::unique_ptr<SampleFilter>> build_grade(const ParameterSet& parameters, const SampleFilterContext& context) {
+Result<std::unique_ptr<SampleFilter>> build_sample_grade(const ParameterSet& parameters,
+                                                         const SampleFilterContext& context) {
     const std::string who = "sample filter 'grade'";
     const auto grade = read_grade(parameters, who);
     if (!grade) return grade.error();
@@ -159,7 +160,7 @@ Result<std::unique_ptr<SampleFilter>> build_shadow(const ParameterSet& parameter
 }  // namespace
 
 Registry<SampleFilterFactory>::Entry grade_filter_entry() {
-    return {"grade", "exposure, gain, offset, gamma and saturation of samples", grade_parameters(), build_grade};
+    return {"grade", "exposure, gain, offset, gamma and saturation of samples", grade_parameters(), build_sample_grade};
 }
 
 Registry<SampleFilterFactory>::Entry shadow_filter_entry() {

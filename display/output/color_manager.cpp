@@ -32,7 +32,7 @@ std::string list(const std::vector<std::string>& names) {
     return text.empty() ? "(none)" : text;
 }
 
-std::string lower(std::string text) {
+std::string lower_case(std::string text) {
     for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     return text;
 }
@@ -59,7 +59,7 @@ Error unknown_name(const std::string& file, const std::string& kind, const std::
     std::string near = nearest_name(name, known);
     // Names of configs are long ("sRGB - Display"): a part of one is a near miss too.
     for (const std::string& each : known)
-        if (near.empty() && !name.empty() && lower(each).find(lower(name)) != std::string::npos) near = each;
+        if (near.empty() && !name.empty() && lower_case(each).find(lower_case(name)) != std::string::npos) near = each;
     if (!near.empty()) error.hint = "did you mean '" + near + "'?";
     return error;
 }

@@ -12,8 +12,8 @@ namespace raylex::display {
 namespace {
 
 // The hue goes from blue over violet (within the bound) and red to yellow.
-constexpr ScaleAnchor scale[] = {{0.00, 0.12, 0.00, -0.06}, {0.25, 0.30, 0.03, -0.15}, {0.49, 0.42, 0.12, -0.12},
-                                 {0.51, 0.56, 0.19, 0.06},  {0.75, 0.74, 0.10, 0.14},  {1.00, 0.96, -0.03, 0.10}};
+constexpr ScaleAnchor anchors[] = {{0.00, 0.12, 0.00, -0.06}, {0.25, 0.30, 0.03, -0.15}, {0.49, 0.42, 0.12, -0.12},
+                                   {0.51, 0.56, 0.19, 0.06},  {0.75, 0.74, 0.10, 0.14},  {1.00, 0.96, -0.03, 0.10}};
 
 // 0 .. 0.49 within the bound (ten powers of two below it), 0.51 .. 1 from the bound to 1.
 double position_of(double residual, double bound) {
@@ -38,7 +38,7 @@ Status write_residual_png(const std::string& path, const SplitVerdict& verdict, 
     for (const float residual : verdict.residual) {
         const std::array<unsigned char, 3> color = !std::isfinite(residual) ? std::array<unsigned char, 3>{0, 255, 255}
                                                    : residual == 0          ? std::array<unsigned char, 3>{0, 0, 0}
-                                                                   : scale_color(scale, position_of(residual, limit));
+                                                                   : scale_color(anchors, position_of(residual, limit));
         rgb.insert(rgb.end(), color.begin(), color.end());
     }
     return write_png(path, width, height, rgb);

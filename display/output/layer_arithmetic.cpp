@@ -8,6 +8,10 @@
 
 namespace raylex::display {
 
+std::string name_of(const ImageLayer& layer) {
+    return layer.name.empty() ? "beauty" : layer.name;
+}
+
 namespace {
 
 using Kind = SumStep::Kind;
@@ -25,10 +29,6 @@ bool is_space(char c) {
 }
 bool ends_name(char c) {
     return is_space(c) || std::string_view("()+-*,'\"").find(c) != std::string_view::npos;
-}
-
-std::string name_of(const ImageLayer& layer) {
-    return layer.name.empty() ? "beauty" : layer.name;
 }
 
 // Reads one text. Positions are offsets into it; a Status that failed ends everything.

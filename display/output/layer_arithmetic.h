@@ -20,6 +20,9 @@
 
 namespace raylex::display {
 
+/// How messages call a layer: the nameless one is the beauty.
+[[nodiscard]] std::string name_of(const ImageLayer& layer);
+
 /// One step in postfix order.
 struct SumStep {
     enum class Kind : std::uint8_t {

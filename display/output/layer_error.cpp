@@ -17,10 +17,6 @@ using Kind = SumStep::Kind;
 using Planes = std::array<const ImagePlane*, 3>;
 constexpr std::size_t block = 512;  // pixels at a time: the stack of a sum of fifty layers stays in the cache
 
-std::string name_of(const ImageLayer& layer) {
-    return layer.name.empty() ? "beauty" : layer.name;
-}
-
 // A layer's three components, or why it cannot take part in a sum of light.
 Result<Planes> summable(const ExrImage& image, const ImageLayer& layer) {
     Error error;

@@ -10,10 +10,10 @@
 namespace raylex::experiments {
 namespace {
 
-using Json = nlohmann::json;
+using RecordJson = nlohmann::json;
 
-double number_at(const Json& json, const char* pointer) {
-    const Json::json_pointer path(pointer);
+double number_at(const RecordJson& json, const char* pointer) {
+    const RecordJson::json_pointer path(pointer);
     return json.contains(path) && json.at(path).is_number() ? json.at(path).get<double>() : 0.0;
 }
 
@@ -35,7 +35,7 @@ std::string row(const std::string& name, const std::string& value) {
     return "<tr><td>" + name + "</td><td class=\"number\">" + value + "</td></tr>\n";
 }
 
-std::string phases(const Json& json) {
+std::string phases(const RecordJson& json) {
     std::string table =
         "<div class=\"wide\"><table>\n<tr><th>Phase</th><th>Wall seconds</th><th>CPU seconds</th></tr>\n";
     for (const std::string phase : {"load", "plan", "build", "render", "write"}) {
@@ -48,11 +48,11 @@ std::string phases(const Json& json) {
 }
 
 /// Path lengths as shares with bars; one colour, so that length alone carries the number.
-std::string path_lengths(const Json& json) {
+std::string path_lengths(const RecordJson& json) {
     const auto found = json.find("path_length_histogram");
     if (found == json.end() || !found->is_array()) return {};
     double total = 0;
-    for (const Json& each : *found) total += each.is_number() ? each.get<double>() : 0;
+    for (const RecordJson& each : *found) total += each.is_number() ? each.get<double>() : 0;
     if (!(total > 0)) return {};
     std::string table = "<div class=\"wide\"><table>\n<tr><th>Scattering events</th><th>Paths</th><th></th></tr>\n";
     for (std::size_t i = 0; i < found->size(); ++i) {
@@ -67,7 +67,7 @@ std::string path_lengths(const Json& json) {
 }  // namespace
 
 std::string statistics_table(const std::string& json_text) {
-    const Json json = Json::parse(json_text, nullptr, false);
+    const RecordJson json = RecordJson::parse(json_text, nullptr, false);
     if (json.is_discarded() || !json.is_object() || !json.contains("phases")) return {};
     std::string text = "<div class=\"tables\">\n" + phases(json) + "<div class=\"wide\"><table>\n";
     text += row("Camera samples", counted(number_at(json, "/samples/camera")));
@@ -82,7 +82,7 @@ std::string statistics_table(const std::string& json_text) {
     const auto warnings = json.find("warnings");
     if (warnings != json.end() && warnings->is_array() && !warnings->empty()) {
         text += "<p>Warnings:</p>\n<ul>\n";
-        for (const Json& each : *warnings)
+        for (const RecordJson& each : *warnings)
             if (each.is_string()) text += "<li>" + escape_html(each.get<std::string>()) + "</li>\n";
         text += "</ul>\n";
     }

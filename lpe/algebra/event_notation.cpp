@@ -10,10 +10,6 @@ namespace raylex::lpe {
 
 namespace {
 
-bool has(const std::vector<Scatter>& list, Scatter scatter) {
-    return std::find(list.begin(), list.end(), scatter) != list.end();
-}
-
 std::string label_text(const std::string& label, Dialect dialect) {
     return dialect == Dialect::renderman ? quoted_label(label) : "'" + label + "'";
 }
@@ -65,15 +61,16 @@ struct Letter {
 std::vector<Letter> scatter_letters(const std::vector<Scatter>& scatters, const ScatteringOutline& part,
                                     Dialect dialect) {
     std::vector<Letter> letters;
-    if (has(scatters, Scatter::diffuse)) {
+    if (has_scatter(scatters, Scatter::diffuse)) {
         letters.push_back({"D", {}, {}});
     }
-    if (has(scatters, Scatter::glossy) && !(dialect == Dialect::renderman && has(scatters, Scatter::singular))) {
+    if (has_scatter(scatters, Scatter::glossy) &&
+        !(dialect == Dialect::renderman && has_scatter(scatters, Scatter::singular))) {
         letters.push_back({"G", {}, {}});
     }
-    if (has(scatters, Scatter::singular)) {
+    if (has_scatter(scatters, Scatter::singular)) {
         // In renderman S takes glossy lobes in; what is not glossy has no letter of its own.
-        const bool narrower = dialect == Dialect::renderman && !has(scatters, Scatter::glossy);
+        const bool narrower = dialect == Dialect::renderman && !has_scatter(scatters, Scatter::glossy);
         letters.push_back({"S", {}, narrower ? std::vector<std::string>{"G"} : std::vector<std::string>{}});
     }
     std::vector<Letter> numbered;

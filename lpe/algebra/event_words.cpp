@@ -6,19 +6,19 @@
 
 namespace raylex::lpe {
 
+bool has_scatter(const std::vector<Scatter>& list, Scatter scatter) {
+    return std::find(list.begin(), list.end(), scatter) != list.end();
+}
+
 namespace {
 
 std::string quoted(const std::string& text) { return "'" + text + "'"; }
 
-bool has(const std::vector<Scatter>& list, Scatter scatter) {
-    return std::find(list.begin(), list.end(), scatter) != list.end();
-}
-
 /// "diffuse or specular "
 std::string adjectives(const std::vector<Scatter>& scatters, Dialect dialect) {
-    const bool diffuse = has(scatters, Scatter::diffuse);
-    const bool glossy = has(scatters, Scatter::glossy);
-    const bool singular = has(scatters, Scatter::singular);
+    const bool diffuse = has_scatter(scatters, Scatter::diffuse);
+    const bool glossy = has_scatter(scatters, Scatter::glossy);
+    const bool singular = has_scatter(scatters, Scatter::singular);
     std::vector<std::string> words;
     if (diffuse) {
         words.emplace_back("diffuse");
@@ -95,8 +95,9 @@ std::string number_words(const ScatteringOutline& part) {
         return {};
     }
     std::vector<std::string> items;
-    for (const auto& [letter, present] : {std::pair{'D', has(all, Scatter::diffuse)},
-                                          std::pair{'S', has(all, Scatter::glossy) || has(all, Scatter::singular)}}) {
+    for (const auto& [letter, present] :
+         {std::pair{'D', has_scatter(all, Scatter::diffuse)},
+          std::pair{'S', has_scatter(all, Scatter::glossy) || has_scatter(all, Scatter::singular)}}) {
         for (const std::uint8_t number : part.numbers) {
             if (present) {
                 items.push_back(std::string(1, letter) + std::to_string(number));

@@ -22,6 +22,8 @@ struct EventPhrase {
 /// The first few items and how many there are besides.
 [[nodiscard]] std::vector<std::string> shortened(std::vector<std::string> items);
 
+[[nodiscard]] bool has_scatter(const std::vector<Scatter>& list, Scatter scatter);
+
 class EventTeller {
   public:
     using Members = std::function<Membership(const Event&)>;

@@ -211,13 +211,13 @@ std::optional<std::string> text_of(const Dfa& language, const Languages& languag
 }
 
 /// Channels as automata, labels gathered, W beside them.
-struct Question {
+struct PrintingQuestion {
     Languages languages;
     SlotLabels labels;
 };
 
-Question pose(std::span<const ChannelSource> channels, const Words& words) {
-    Question question;
+PrintingQuestion pose_for_printing(std::span<const ChannelSource> channels, const Words& words) {
+    PrintingQuestion question;
     LanguageOptions options;
     options.words = &words;
     std::vector<Expression> expressions;
@@ -255,7 +255,7 @@ std::optional<std::string> left_over(std::span<const ChannelSource> channels,
         rest.rest_of.push_back(k);
     }
     all.push_back(std::move(rest));
-    const Question question = pose(all, words);
+    const PrintingQuestion question = pose_for_printing(all, words);
     if (question.labels.deeper) {
         return std::nullopt;
     }
@@ -332,7 +332,7 @@ Result<std::optional<std::string>> rest_expression(std::span<const ChannelSource
 
 Result<std::optional<std::string>> plain_expression(const ChannelSource& channel, const Words& words) {
     return guarded([&]() -> std::optional<std::string> {
-        const Question question = pose({&channel, 1}, words);
+        const PrintingQuestion question = pose_for_printing({&channel, 1}, words);
         const auto cut = product(*question.languages.words, question.languages.channels[0], intersection_of(),
                                  limits::boolean_states);
         if (!cut || question.labels.deeper) {

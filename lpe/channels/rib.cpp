@@ -18,12 +18,12 @@ namespace raylex::lpe {
 
 namespace {
 
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\f' || c == '\v'; }
+bool is_white(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\f' || c == '\v'; }
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 
 /// "varying color name" as its type and its name.
 std::pair<std::string, std::string> split_declaration(std::string_view text) {
-    while (!text.empty() && is_blank(text.back())) {
+    while (!text.empty() && is_white(text.back())) {
         text.remove_suffix(1);
     }
     const std::size_t blank = text.find_last_of(" \t");
@@ -31,7 +31,7 @@ std::pair<std::string, std::string> split_declaration(std::string_view text) {
         return {"color", std::string(text)};
     }
     std::string_view type = text.substr(0, blank);
-    while (!type.empty() && is_blank(type.back())) {
+    while (!type.empty() && is_white(type.back())) {
         type.remove_suffix(1);
     }
     return {std::string(type), std::string(text.substr(blank + 1))};
@@ -81,7 +81,7 @@ class RibReader {
                     comment_ += (comment_.empty() ? "" : "\n") + std::string(line);
                 }
                 newlines = 1;
-            } else if (is_blank(in_.peek())) {
+            } else if (is_white(in_.peek())) {
                 newlines += in_.peek() == '\n' ? 1 : 0;
                 if (newlines > 1) {
                     comment_.clear();  // a blank line between: it is not about what follows

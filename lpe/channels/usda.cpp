@@ -22,7 +22,7 @@ namespace raylex::lpe {
 
 namespace {
 
-bool is_letter(char c) {
+bool is_name_letter(char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || (static_cast<unsigned char>(c) & 0x80U) != 0;
 }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
@@ -122,7 +122,7 @@ class UsdaReader {
 
     std::string_view take_word() {
         const std::size_t begin = in_.position();
-        while (is_letter(in_.peek()) || is_digit(in_.peek()) || in_.peek() == ':' || in_.peek() == '.') {
+        while (is_name_letter(in_.peek()) || is_digit(in_.peek()) || in_.peek() == ':' || in_.peek() == '.') {
             in_.move_to(in_.position() + 1);
         }
         newlines_ = 0;
@@ -230,10 +230,10 @@ class UsdaReader {
                 in_.fail_at(begin, "the path is not closed; expected '>'");
             }
             in_.move_to(end + 1);
-        } else if (is_letter(c)) {
+        } else if (is_name_letter(c)) {
             take_word();
         } else if (is_digit(c) || c == '-' || c == '+' || c == '.') {
-            while (is_letter(in_.peek()) || is_digit(in_.peek()) ||
+            while (is_name_letter(in_.peek()) || is_digit(in_.peek()) ||
                    std::string_view("+-.").find(in_.peek()) != std::string_view::npos) {
                 in_.move_to(in_.position() + 1);
             }
@@ -255,7 +255,7 @@ class UsdaReader {
             open_variant(begin);
             return;
         }
-        if (!is_letter(in_.peek())) {
+        if (!is_name_letter(in_.peek())) {
             in_.fail_at(begin,
                         "found " + in_.describe(begin) + "; expected a prim (def, over, class), an attribute or '}'");
         }
@@ -299,7 +299,7 @@ class UsdaReader {
     void open_prim(std::size_t begin, const std::string& comment) {
         Prim prim = make_prim(begin);
         skip_blank();
-        if (is_letter(in_.peek())) {
+        if (is_name_letter(in_.peek())) {
             prim.render_var = take_word() == "RenderVar";
             skip_blank();
         } else {
@@ -339,7 +339,7 @@ class UsdaReader {
     /// [custom] [uniform] type name [= value] [( metadata )], to the end of the line.
     void read_attribute(std::size_t begin) {
         std::string_view name;
-        for (skip_blank(false); is_letter(in_.peek()) || in_.peek() == '['; skip_blank(false)) {
+        for (skip_blank(false); is_name_letter(in_.peek()) || in_.peek() == '['; skip_blank(false)) {
             if (in_.peek() == '[') {
                 skip_balanced();  // float[] name
                 continue;

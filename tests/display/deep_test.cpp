@@ -19,9 +19,9 @@ using raylex::test::Folder;
 
 namespace {
 
-constexpr float inf = std::numeric_limits<float>::infinity();
+constexpr float infinite = std::numeric_limits<float>::infinity();
 
-std::vector<ChannelDefinition> channels() {
+std::vector<ChannelDefinition> deep_channels() {
     std::vector<ChannelDefinition> list(2);
     list[0].name = "beauty";
     list[1].name = "diffuse";
@@ -40,7 +40,7 @@ using Sample = std::vector<Hit>;
 /// Hands samples to a sink as a render would: blocks of 16, the first hit in the camera's row, the others added.
 void give(SampleSink& sink, FrameBuffer* frame_buffer, const std::vector<Sample>& samples, int x, int y,
           std::uint64_t first = 0) {
-    const auto list = channels();
+    const auto list = deep_channels();
     SampleTable table(list, 16, 64);
     for (std::size_t begin = 0; begin < samples.size(); begin += 16) {
         std::vector<CameraRow> rows(std::min<std::size_t>(16, samples.size() - begin));
@@ -73,7 +73,7 @@ void give(SampleSink& sink, FrameBuffer* frame_buffer, const std::vector<Sample>
 }
 
 std::vector<DeepSample> pixel_of(const std::vector<Sample>& samples, const DeepOptions& options = {}) {
-    DeepBuffer deep(1, 1, channels(), {0}, options);
+    DeepBuffer deep(1, 1, deep_channels(), {0}, options);
     give(deep, nullptr, samples, 0, 0);
     return deep.resolve(0, 0);
 }
@@ -92,7 +92,7 @@ std::vector<Sample> busy_pixel(unsigned seed, int count) {
     for (int i = 0; i < count; ++i) {
         Sample sample;
         if (uniform() < 0.3) sample.push_back({static_cast<float>(2 + uniform()), 1, uniform(), true});
-        else if (uniform() < 0.2) sample.push_back({inf, 0, 0.3 * uniform()});
+        else if (uniform() < 0.2) sample.push_back({infinite, 0, 0.3 * uniform()});
         else sample.push_back({static_cast<float>(5 + 20 * uniform()), uniform() < 0.8 ? 1 : 0.5, uniform()});
         while (uniform() < 0.3) sample.push_back({static_cast<float>(1 + 30 * uniform()), uniform(), 0.1 * uniform()});
         samples.push_back(sample);
@@ -106,7 +106,8 @@ struct Rendered {
 };
 
 Rendered rendered(const DeepOptions& options, int size = 12, int count = 64) {
-    Rendered result{DeepBuffer(size, size, channels(), {0, 1}, options), FrameBuffer({size, size}, channels())};
+    Rendered result{DeepBuffer(size, size, deep_channels(), {0, 1}, options),
+                    FrameBuffer({size, size}, deep_channels())};
     for (int y = 0; y < size; ++y)
         for (int x = 0; x < size; ++x)
             give(result.deep, &result.flat, busy_pixel(static_cast<unsigned>(y * size + x), count), x, y);
@@ -131,8 +132,8 @@ TEST_CASE("half-covered pixels keep their alpha when flattened", "[display][deep
     CHECK(flat_alpha(pixel_of(sixteen)) == Approx(1).epsilon(1e-6));  // 8 float alphas
 
     // Nothing hit: no sample. An environment: one, far away, that hides nothing.
-    CHECK(pixel_of({{{inf, 0, 0}}}).empty());
-    const auto sky = pixel_of({{{2, 1, 1}}, {{inf, 0, 5}}});
+    CHECK(pixel_of({{{infinite, 0, 0}}}).empty());
+    const auto sky = pixel_of({{{2, 1, 1}}, {{infinite, 0, 5}}});
     REQUIRE(sky.size() == 2);
     CHECK(sky[1].z == deep_background);
     CHECK(sky[1].alpha == 0);
@@ -225,7 +226,7 @@ TEST_CASE("the order of batches does not show", "[display][deep][law3]") {
         const std::vector<Sample> samples = busy_pixel(7, 128);
         std::vector<std::vector<DeepSample>> results;
         for (int order = 0; order < 3; ++order) {
-            DeepBuffer deep(1, 1, channels(), {0, 1}, options);
+            DeepBuffer deep(1, 1, deep_channels(), {0, 1}, options);
             for (int k = 0; k < 8; ++k) {
                 const int block = order == 0 ? k : order == 1 ? 7 - k : (k * 3) % 8;
                 const std::vector<Sample> part(samples.begin() + 16 * block, samples.begin() + 16 * (block + 1));
@@ -250,7 +251,7 @@ TEST_CASE("memory per pixel is bounded, and merging is counted", "[display][deep
     DeepOptions options;
     options.most_samples = 3;
     options.tolerance = 0x1p-20;
-    DeepBuffer deep(2, 1, channels(), {0}, options);
+    DeepBuffer deep(2, 1, deep_channels(), {0}, options);
     std::vector<Sample> many;
     for (int i = 0; i < 1000; ++i) many.push_back({{static_cast<float>(1 + 0.01 * i), 1, 1}});
     give(deep, nullptr, many, 0, 0);
@@ -288,7 +289,7 @@ TEST_CASE("tidy pixels do not overlap, sorted ones may", "[display][deep]") {
 TEST_CASE("a deep file that does not flatten to the image is told from one that does", "[display][deep]") {
     const Folder folder;
     const Rendered image = rendered({});
-    Rendered other{DeepBuffer(12, 12, channels(), {0, 1}, {}), FrameBuffer({12, 12}, channels())};
+    Rendered other{DeepBuffer(12, 12, deep_channels(), {0, 1}, {}), FrameBuffer({12, 12}, deep_channels())};
     for (int i = 0; i < 144; ++i)
         give(other.deep, &other.flat, busy_pixel(static_cast<unsigned>(i), i == 70 ? 63 : 64), i % 12, i / 12);
     REQUIRE(write_exr(folder.path("flat.exr"), image.flat, 0, {}).ok());
@@ -312,7 +313,7 @@ TEST_CASE("a deep file that does not flatten to the image is told from one that 
 }
 
 TEST_CASE("what cannot be deep is refused before rendering", "[display][deep][law7]") {
-    auto list = channels();
+    auto list = deep_channels();
     list.resize(4);
     list[2].name = "id";
     list[2].type = ChannelType::integer;

@@ -18,10 +18,10 @@ using raylex::test::TevReceiver;
 
 namespace {
 
-constexpr int width = 300, height = 120;  // two slices a layer
+constexpr int driver_width = 300, driver_height = 120;  // two slices a layer
 constexpr float inf = std::numeric_limits<float>::infinity();
 
-std::vector<ChannelDefinition> channels() {
+std::vector<ChannelDefinition> driver_channels() {
     std::vector<ChannelDefinition> list(3);
     list[0].name = "beauty";
     list[0].style = list[1].style = ChannelStyle::expression;
@@ -33,14 +33,14 @@ std::vector<ChannelDefinition> channels() {
     return list;
 }
 
-FrameBuffer filled() {
-    const auto list = channels();
-    FrameBuffer buffer({width, height}, list);
+FrameBuffer filled_for_drivers() {
+    const auto list = driver_channels();
+    FrameBuffer buffer({driver_width, driver_height}, list);
     SampleTable table(list, 1, 0);
-    for (int pixel = 0; pixel < width * height; ++pixel) {
+    for (int pixel = 0; pixel < driver_width * driver_height; ++pixel) {
         CameraRow row;
-        row.pixel_x = pixel % width;
-        row.pixel_y = pixel / width;
+        row.pixel_x = pixel % driver_width;
+        row.pixel_y = pixel / driver_width;
         table.begin(std::span(&row, 1));
         for (int c = 0; c < 3; ++c) {
             table.values(0)[c] = pixel + 0.25 * c;
@@ -62,8 +62,8 @@ FrameBuffer filled() {
 DriverImage image_of(const std::vector<ChannelDefinition>& list) {
     DriverImage image;
     image.title = "out.exr";
-    image.width = width;
-    image.height = height;
+    image.width = driver_width;
+    image.height = driver_height;
     image.layers = driver_layers(list, 0);
     image.channels = list;
     image.beauty = 0;
@@ -101,8 +101,8 @@ bool eventually(Condition condition) {
 }  // namespace
 
 TEST_CASE("a viewer receives every layer, while rendering and in the end", "[display][tev]") {
-    const FrameBuffer buffer = filled();
-    const auto list = channels();
+    const FrameBuffer buffer = filled_for_drivers();
+    const auto list = driver_channels();
     TevReceiver viewer;
     DriverSet drivers;
     drivers.add(driver("tev:host=127.0.0.1,port=" + std::to_string(viewer.port())));
@@ -120,11 +120,11 @@ TEST_CASE("a viewer receives every layer, while rendering and in the end", "[dis
         return seen.channels["Z"].back() == static_cast<float>(z.back());
     }));
     CHECK(viewer.complaint().empty());
-    CHECK(seen.width == width);
-    CHECK(seen.height == height);
+    CHECK(seen.width == driver_width);
+    CHECK(seen.height == driver_height);
     CHECK(seen.order == std::vector<std::string>{"R", "G", "B", "A", "diffuse.R", "diffuse.G", "diffuse.B", "Z"});
     std::size_t wrong = 0;
-    for (std::size_t i = 0; i < width * height; ++i) {
+    for (std::size_t i = 0; i < driver_width * driver_height; ++i) {
         wrong += seen.channels["R"][i] != static_cast<float>(beauty[3 * i]);
         wrong += seen.channels["B"][i] != static_cast<float>(beauty[3 * i + 2]);
         wrong += seen.channels["A"][i] != static_cast<float>(alpha[i]);
@@ -135,8 +135,8 @@ TEST_CASE("a viewer receives every layer, while rendering and in the end", "[dis
 }
 
 TEST_CASE("a live view takes its share of the time and no more", "[display][tev]") {
-    const FrameBuffer buffer = filled();
-    const auto list = channels();
+    const FrameBuffer buffer = filled_for_drivers();
+    const auto list = driver_channels();
     TevReceiver viewer;
     DriverSet drivers;
     drivers.add(driver("tev:host=127.0.0.1,port=" + std::to_string(viewer.port())));
@@ -157,8 +157,8 @@ TEST_CASE("a live view takes its share of the time and no more", "[display][tev]
 }
 
 TEST_CASE("a viewer that is not there costs a render nothing but one warning", "[display][tev]") {
-    const FrameBuffer buffer = filled();
-    const auto list = channels();
+    const FrameBuffer buffer = filled_for_drivers();
+    const auto list = driver_channels();
     int port;
     {
         const TevReceiver gone;
@@ -184,8 +184,8 @@ TEST_CASE("a viewer that is not there costs a render nothing but one warning", "
 }
 
 TEST_CASE("a viewer that leaves, and one that does not read, end in one warning", "[display][tev]") {
-    const FrameBuffer buffer = filled();
-    const auto list = channels();
+    const FrameBuffer buffer = filled_for_drivers();
+    const auto list = driver_channels();
     const bool leaves = GENERATE(true, false);
     TevReceiver viewer(leaves ? TevReceiver::Manner::leaves : TevReceiver::Manner::never_reads);
     DriverSet drivers;
@@ -217,8 +217,8 @@ TEST_CASE("a queue is bounded by bytes, and one packet always fits", "[display][
 }
 
 TEST_CASE("several drivers get the same image, each in its own form", "[display][drivers]") {
-    const FrameBuffer buffer = filled();
-    const auto list = channels();
+    const FrameBuffer buffer = filled_for_drivers();
+    const auto list = driver_channels();
     const Folder folder;
     DriverSet drivers;
     drivers.add(driver("exr:file='" + folder.path("a,b.exr") + "'"));
@@ -235,7 +235,7 @@ TEST_CASE("several drivers get the same image, each in its own form", "[display]
 }
 
 TEST_CASE("drivers refuse before the render what they could not do after it", "[display][drivers][law7]") {
-    const auto list = channels();
+    const auto list = driver_channels();
     const auto opened = [&](const std::string& text) {
         DriverSet drivers;
         drivers.add(driver(text));
@@ -298,8 +298,8 @@ TEST_CASE("a registered driver comes in by the same door", "[display][drivers]")
                                        made = counter.get();
                                        return std::unique_ptr<DisplayDriver>(std::move(counter));
                                    }});
-    const FrameBuffer buffer = filled();
-    const auto list = channels();
+    const FrameBuffer buffer = filled_for_drivers();
+    const auto list = driver_channels();
     DriverSet drivers;
     drivers.add(driver("counter:step=0.5"));
     REQUIRE(drivers.open(image_of(list)).ok());
@@ -308,5 +308,5 @@ TEST_CASE("a registered driver comes in by the same door", "[display][drivers]")
     CHECK(made->pixels == 0);
     REQUIRE(drivers.close({buffer, 0, {}}).ok());
     CHECK(made->layers == 3);
-    CHECK(made->pixels == width * height * (4 + 3 + 1));
+    CHECK(made->pixels == driver_width * driver_height * (4 + 3 + 1));
 }

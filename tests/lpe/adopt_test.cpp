@@ -19,7 +19,8 @@ using namespace raylex::lpe;
 
 namespace {
 
-std::vector<ChannelSource> sources(const std::vector<std::string>& expressions, Dialect dialect = Dialect::renderman) {
+std::vector<ChannelSource> adopted_channels(const std::vector<std::string>& expressions,
+                                            Dialect dialect = Dialect::renderman) {
     std::vector<ChannelSource> channels;
     for (const std::string& expression : expressions) {
         channels.push_back({.name = "channel " + expression, .expression = expression, .dialect = dialect});
@@ -29,7 +30,8 @@ std::vector<ChannelSource> sources(const std::vector<std::string>& expressions, 
 
 /// Channels with labels, globs and, when `packed`, enough labels anywhere to need lanes.
 std::vector<ChannelSource> channel_set(bool packed) {
-    std::vector<ChannelSource> channels = sources({"CD+L", "C<RD'floor'>[DS]*L", "C<R.'wall*'>.*[<L.'key'>O]", "CU2L"});
+    std::vector<ChannelSource> channels =
+        adopted_channels({"CD+L", "C<RD'floor'>[DS]*L", "C<R.'wall*'>.*[<L.'key'>O]", "CU2L"});
     for (int k = 0; packed && k < 40; ++k) {
         channels.push_back(
             {.name = "x", .expression = "C.*<RD'obj" + std::to_string(k) + "'>.*L", .dialect = Dialect::osl});
@@ -47,7 +49,7 @@ std::set<std::size_t> accepted(const Program& program, const std::vector<Event>&
     return channels;
 }
 
-std::vector<Event> random_word(oracle::Random& random) {
+std::vector<Event> random_path(oracle::Random& random) {
     const char* labels[] = {"floor", "wall", "wall 2", "obj3", "obj17", "key", ""};
     std::vector<Event> word{{EventType::camera, Scatter::none, 0, {}}};
     for (std::size_t k = random.below(4); k > 0; --k) {
@@ -66,7 +68,7 @@ std::vector<Event> random_word(oracle::Random& random) {
 void exercise(const Program& program) {
     oracle::Random random(3);
     for (int round = 0; round < 50; ++round) {
-        (void)accepted(program, random_word(random));
+        (void)accepted(program, random_path(random));
     }
 }
 
@@ -84,7 +86,7 @@ TEST_CASE("a program read from its file does what the program did", "[adopt][fil
         oracle::Random random(9);
         std::size_t matches = 0;
         for (int round = 0; round < 500; ++round) {
-            const auto word = random_word(random);
+            const auto word = random_path(random);
             INFO(to_text(word));
             REQUIRE(accepted(*again, word) == accepted(*program, word));
             matches += accepted(*again, word).size();
@@ -171,9 +173,10 @@ TEST_CASE("programs are saved and loaded by name", "[adopt][file]") {
 TEST_CASE("a channel set that grows accepts what all its channels compiled at once accept", "[adopt][channel_set]") {
     for (const bool packed : {false, true}) {
         std::vector<ChannelSource> channels = channel_set(packed);
-        const auto more = sources({"C[DS]*<L.'key'>", "C<T.'obj3'>.*L", "C.*<RD'new label'>.*L", "C<R.'wal?'>L"});
+        const auto more =
+            adopted_channels({"C[DS]*<L.'key'>", "C<T.'obj3'>.*L", "C.*<RD'new label'>.*L", "C<R.'wal?'>L"});
         channels.insert(channels.end(), more.begin(), more.end());
-        const auto osl = sources({"C<RD'floor'>.*", "C.*<RD'obj50'>.*L"}, Dialect::osl);
+        const auto osl = adopted_channels({"C<RD'floor'>.*", "C.*<RD'obj50'>.*L"}, Dialect::osl);
         channels.insert(channels.end(), osl.begin(), osl.end());
         ChannelSet set;
         const std::size_t first = channels.size() - 6;
@@ -193,7 +196,7 @@ TEST_CASE("a channel set that grows accepts what all its channels compiled at on
         oracle::Random random(4);
         std::size_t matches = 0;
         for (int round = 0; round < 1000; ++round) {
-            auto word = random_word(random);
+            auto word = random_path(random);
             if (random.below(4) == 0) {
                 word.insert(word.begin() + 1, {EventType::reflection, Scatter::diffuse, 0, {"new label", ""}});
             }
@@ -203,7 +206,7 @@ TEST_CASE("a channel set that grows accepts what all its channels compiled at on
         }
         CHECK(matches > 200);
         // A channel that does not compile leaves the set as it was.
-        const auto bad = sources({"CD("});
+        const auto bad = adopted_channels({"CD("});
         CHECK_FALSE(set.add(bad));
         ChannelSource rest{.name = "rest"};
         rest.rest_of = {0};
@@ -218,7 +221,7 @@ TEST_CASE("a channel set that grows accepts what all its channels compiled at on
 TEST_CASE("channels that would multiply do not make a growing set explode", "[adopt][channel_set]") {
     ChannelSet set;
     for (int k = 0; k < 40; ++k) {
-        const auto program = set.add(sources({"C.*<RD'label" + std::to_string(k) + "'>.*L"}));
+        const auto program = set.add(adopted_channels({"C.*<RD'label" + std::to_string(k) + "'>.*L"}));
         REQUIRE(program);
         CHECK(program->tables().bytes() < 300'000);
         CHECK(program->word_count() <= 8);

@@ -17,7 +17,7 @@ using namespace raylex::lpe;
 
 namespace {
 
-ChannelSource source(const std::string& text) {
+ChannelSource source_of(const std::string& text) {
     ChannelSource channel;
     channel.expression = text.starts_with("osl:") ? text.substr(4) : text;
     channel.dialect = text.starts_with("osl:") ? Dialect::osl : Dialect::renderman;
@@ -25,7 +25,7 @@ ChannelSource source(const std::string& text) {
 }
 
 Explanation explained(const std::string& text, const Words& words = {}) {
-    const auto explanation = explain(source(text), words);
+    const auto explanation = explain(source_of(text), words);
     CAPTURE(text);
     REQUIRE(explanation);
     return *explanation;
@@ -219,7 +219,7 @@ TEST_CASE("hostile expressions are explained or refused within seconds") {
     for (const std::string& text :
          {nested, letters + "L", labels + "]*L", std::string("C(((((D*)*)*)*)*)*L"), std::string("C.*D.{24}L"),
           std::string("C(D{30}){30}L"), std::string("CD{900}L"), std::string(60'000, '.')}) {
-        const auto explanation = explain(source(text));
+        const auto explanation = explain(source_of(text));
         if (!explanation) {
             CHECK_FALSE(explanation.error().message.empty());
         } else {

@@ -15,7 +15,7 @@ using namespace raylex::lpe;
 
 namespace {
 
-std::vector<ChannelSource> sources(const std::vector<std::string>& texts, Dialect dialect = Dialect::renderman) {
+std::vector<ChannelSource> graph_sources(const std::vector<std::string>& texts, Dialect dialect = Dialect::renderman) {
     std::vector<ChannelSource> channels;
     for (const std::string& text : texts) {
         channels.emplace_back();
@@ -90,7 +90,7 @@ TEST_CASE("following a graph by its labels accepts what the channels accept") {
                                                      {"C[^D]*O", "C.* - CD.*", "C<T.>B"},
                                                      {"C<R[DG]>+<L.[^'k']>", "CS2.*"}};
     for (const auto& set : sets) {
-        const std::vector<ChannelSource> channels = sources(set);
+        const std::vector<ChannelSource> channels = graph_sources(set);
         const auto graph = graph_of(channels);
         REQUIRE(graph);
         std::size_t seen = 0;
@@ -111,7 +111,7 @@ TEST_CASE("following a graph by its labels accepts what the channels accept") {
 }
 
 TEST_CASE("osl graphs are labelled in osl") {
-    const auto graph = graph_of(sources({"C<RD>[GS]*L", "C.*B"}, Dialect::osl));
+    const auto graph = graph_of(graph_sources({"C<RD>[GS]*L", "C.*B"}, Dialect::osl));
     REQUIRE(graph);
     for (const char* text : {"C,- R,D L,-", "C,- R,D T,G R,S L,-", "C,- B,-", "C,- T,s B,-", "C,- V,- L,-"}) {
         const std::vector<Event> path = *parse_events(text);
@@ -150,7 +150,7 @@ TEST_CASE("in the drawing no state or label lies on another, and all text is XML
                                                {"C.*<.D'a'>.{3}L"},
                                                {"C.*"},
                                                {"C<RD'a&b<\">'>L"}}) {
-        const auto graph = graph_of(sources(set));
+        const auto graph = graph_of(graph_sources(set));
         REQUIRE(graph);
         const GraphLayout layout = layout_of(*graph);
         std::vector<Box> boxes = layout.states;
@@ -178,13 +178,13 @@ TEST_CASE("in the drawing no state or label lies on another, and all text is XML
 }
 
 TEST_CASE("an empty language draws as such, and what is too large is refused") {
-    const auto empty = graph_of(sources({"CLD"}));
+    const auto empty = graph_of(graph_sources({"CLD"}));
     REQUIRE(empty);
     CHECK(empty->states.empty());
     CHECK(to_svg(*empty).find("no path is accepted") != std::string::npos);
     CHECK(to_dot(*empty).find("->") == std::string::npos);
-    const auto large = graph_of(sources({"C.*D.{9}L"}));
+    const auto large = graph_of(graph_sources({"C.*D.{9}L"}));
     REQUIRE_FALSE(large);
     CHECK(large.error().message.find("states") != std::string::npos);
-    CHECK_FALSE(graph_of(sources(std::vector<std::string>(33, "CL"))));
+    CHECK_FALSE(graph_of(graph_sources(std::vector<std::string>(33, "CL"))));
 }

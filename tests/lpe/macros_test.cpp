@@ -13,7 +13,7 @@ using namespace raylex::lpe;
 
 namespace {
 
-ChannelSource source(const std::string& expression, const std::string& name = "c") {
+ChannelSource macro_source(const std::string& expression, const std::string& name = "c") {
     ChannelSource result;
     result.name = name;
     result.expression = expression;
@@ -23,7 +23,7 @@ ChannelSource source(const std::string& expression, const std::string& name = "c
 MacroTable table(const std::vector<std::pair<std::string, std::string>>& macros) {
     MacroTable result;
     for (const auto& [name, expression] : macros) {
-        ChannelSource macro = source(expression, name);
+        ChannelSource macro = macro_source(expression, name);
         macro.origin = "rendermn.ini";
         macro.origin_line = 1 + static_cast<int>(result.list().size());
         macro.origin_column = 20;
@@ -33,7 +33,7 @@ MacroTable table(const std::vector<std::pair<std::string, std::string>>& macros)
 }
 
 std::string expanded(const std::string& expression, const MacroTable& macros = {}) {
-    const auto expansion = expand_names(source(expression), macros);
+    const auto expansion = expand_names(macro_source(expression), macros);
     return expansion ? expansion->source.expression : "error: " + expansion.error().message;
 }
 
@@ -43,7 +43,7 @@ TEST_CASE("every built-in name parses and can match", "[macros]") {
     REQUIRE(builtin_names().size() == 16);
     for (const NamedExpression& entry : builtin_names()) {
         INFO(entry.name);
-        const auto word = find_word(source(std::string(entry.name)));
+        const auto word = find_word(macro_source(std::string(entry.name)));
         REQUIRE(word);
         CHECK(word->has_value());
         CHECK(expanded(std::string(entry.name)) == entry.expression);
@@ -52,13 +52,14 @@ TEST_CASE("every built-in name parses and can match", "[macros]") {
 
 TEST_CASE("a built-in name means the published expression, with or without its mark", "[macros]") {
     for (const char* spelling : {"diffuse", "lpe:diffuse", "  diffuse  ", " lpe: diffuse # the direct part"}) {
-        const auto difference = find_difference(source(spelling), source("CD<L.>"));
+        const auto difference = find_difference(macro_source(spelling), macro_source("CD<L.>"));
         INFO(spelling);
         REQUIRE(difference);
         CHECK_FALSE(difference->has_value());
     }
     CHECK(expanded("unoccluded;noclamp;diffuse") == "unoccluded;noclamp;CD<L.>");
-    CHECK(*expression_prefixes(source("noclamp;shadowcollector")) == std::vector<std::string>{"noclamp", "shadows"});
+    CHECK(*expression_prefixes(macro_source("noclamp;shadowcollector")) ==
+          std::vector<std::string>{"noclamp", "shadows"});
 }
 
 TEST_CASE("a light group suffix labels every <L.> and nothing else", "[macros]") {
@@ -70,12 +71,12 @@ TEST_CASE("a light group suffix labels every <L.> and nothing else", "[macros]")
 }
 
 TEST_CASE("a light group that changes nothing is warned of", "[macros]") {
-    const auto expansion = expand_names(source("emission_key"));
+    const auto expansion = expand_names(macro_source("emission_key"));
     REQUIRE(expansion);
     CHECK(expansion->source.expression == "CO");
     REQUIRE(expansion->warnings.size() == 1);
     CHECK(expansion->warnings.front().find("'key' changes nothing") != std::string::npos);
-    const auto warnings = expression_warnings(source("emission_key"));
+    const auto warnings = expression_warnings(macro_source("emission_key"));
     REQUIRE(warnings);
     CHECK(warnings->size() == 1);
 }
@@ -97,7 +98,7 @@ TEST_CASE("macros that use themselves are refused with the circle", "[macros]") 
     for (const auto& [name, circle] : {std::pair<std::string, std::string>{"one", "one -> two -> three -> one"},
                                        {"C$two", "two -> three -> one -> two"},
                                        {"self", "self -> self"}}) {
-        const auto expansion = expand_names(source(name), macros);
+        const auto expansion = expand_names(macro_source(name), macros);
         INFO(name);
         REQUIRE_FALSE(expansion);
         CHECK(expansion.error().message.find(circle) != std::string::npos);
@@ -107,31 +108,31 @@ TEST_CASE("macros that use themselves are refused with the circle", "[macros]") 
 
 TEST_CASE("macros that grow beyond bounds are refused", "[macros]") {
     MacroTable wide, deep;
-    REQUIRE(wide.add(source("CDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDL", "m0")));
+    REQUIRE(wide.add(macro_source("CDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDL", "m0")));
     for (int k = 1; k < 40; ++k) {
         const std::string below = "$m" + std::to_string(k - 1);
-        REQUIRE(wide.add(source(below + below, "m" + std::to_string(k))));  // 2^39 copies
+        REQUIRE(wide.add(macro_source(below + below, "m" + std::to_string(k))));  // 2^39 copies
     }
-    const auto grown = expand_names(source("m39"), wide);
+    const auto grown = expand_names(macro_source("m39"), wide);
     REQUIRE_FALSE(grown);
     CHECK(grown.error().message.find("65536 bytes") != std::string::npos);
-    REQUIRE(deep.add(source("CDL", "d0")));
+    REQUIRE(deep.add(macro_source("CDL", "d0")));
     for (int k = 1; k < 200; ++k) {
-        REQUIRE(deep.add(source("$d" + std::to_string(k - 1), "d" + std::to_string(k))));
+        REQUIRE(deep.add(macro_source("$d" + std::to_string(k - 1), "d" + std::to_string(k))));
     }
-    CHECK(expand_names(source("$d10"), deep));
-    const auto sunk = expand_names(source("$d199"), deep);
+    CHECK(expand_names(macro_source("$d10"), deep));
+    const auto sunk = expand_names(macro_source("$d199"), deep);
     REQUIRE_FALSE(sunk);
     CHECK(sunk.error().message.find("more than 64 deep") != std::string::npos);
 }
 
 TEST_CASE("unknown names come with near misses, prefixes cannot stand inside", "[macros]") {
     const MacroTable macros = table({{"caustics", "C<RD>S+<L.>"}, {"raw", "noclamp;C.*"}});
-    const auto near = expand_names(source("lpe:caustic"), macros);
+    const auto near = expand_names(macro_source("lpe:caustic"), macros);
     REQUIRE_FALSE(near);
     CHECK(near.error().hint == "did you mean 'caustics'?");
     CHECK(near.error().column == 5);
-    const auto inside = expand_names(source("CD$nobody"), macros);
+    const auto inside = expand_names(macro_source("CD$nobody"), macros);
     REQUIRE_FALSE(inside);
     CHECK(inside.error().column == 4);
     CHECK(expanded("C$raw", macros).find("carries the prefix 'noclamp'") != std::string::npos);
@@ -142,19 +143,19 @@ TEST_CASE("unknown names come with near misses, prefixes cannot stand inside", "
 
 TEST_CASE("macro names that read as expressions, repeat or are none are refused", "[macros]") {
     MacroTable macros;
-    CHECK_FALSE(macros.add(source("CDL", "CS2O")));
-    CHECK_FALSE(macros.add(source("CDL", "a-b")));
-    CHECK_FALSE(macros.add(source("CDL", "")));
-    CHECK_FALSE(macros.add(source("   # nothing", "empty")));
-    CHECK(macros.add(source("CDL", "good")));
-    const auto twice = macros.add(source("CSL", "good"));
+    CHECK_FALSE(macros.add(macro_source("CDL", "CS2O")));
+    CHECK_FALSE(macros.add(macro_source("CDL", "a-b")));
+    CHECK_FALSE(macros.add(macro_source("CDL", "")));
+    CHECK_FALSE(macros.add(macro_source("   # nothing", "empty")));
+    CHECK(macros.add(macro_source("CDL", "good")));
+    const auto twice = macros.add(macro_source("CSL", "good"));
     REQUIRE_FALSE(twice);
     CHECK(twice.error().message.find("defined twice") != std::string::npos);
 }
 
 TEST_CASE("an error inside a macro points into its definition", "[macros][law7]") {
     const MacroTable macros = table({{"fine", "C<RD>L"}, {"wrong", "C<RX>L"}});
-    auto expansion = expand_names(source("($fine)|$wrong"), macros);
+    auto expansion = expand_names(macro_source("($fine)|$wrong"), macros);
     REQUIRE(expansion);
     const auto word = find_word(expansion->source);
     REQUIRE_FALSE(word);
@@ -165,7 +166,7 @@ TEST_CASE("an error inside a macro points into its definition", "[macros][law7]"
 }
 
 TEST_CASE("osl has no names", "[macros]") {
-    ChannelSource osl = source("diffuse");
+    ChannelSource osl = macro_source("diffuse");
     osl.dialect = Dialect::osl;
     const auto expansion = expand_names(osl, table({{"diffuse_x", "CDL"}}));
     REQUIRE(expansion);

@@ -29,7 +29,7 @@ std::vector<ChannelSource> read_set(const std::string& name) {
     return channels;
 }
 
-std::set<std::size_t> accepted(const Program& program, const std::vector<Event>& path) {
+std::set<std::size_t> accepted_by(const Program& program, const std::vector<Event>& path) {
     std::vector<State> words(program.starts().begin(), program.starts().end());
     bool alive = true;
     for (const Event& event : path) {
@@ -130,13 +130,13 @@ TEST_CASE("channels compiled together accept what each accepts alone, in one gro
             const auto word = random_word(random);
             std::set<std::size_t> expected;
             for (std::size_t k = 0; k < alone.size(); ++k) {
-                if (!accepted(alone[k], word).empty()) {
+                if (!accepted_by(alone[k], word).empty()) {
                     expected.insert(k);
                 }
             }
             INFO(to_text(word));
-            REQUIRE(accepted(*whole, word) == expected);
-            REQUIRE(accepted(*spread, word) == expected);
+            REQUIRE(accepted_by(*whole, word) == expected);
+            REQUIRE(accepted_by(*spread, word) == expected);
             matches += expected.size();
         }
         CHECK(matches > 300);
@@ -155,7 +155,7 @@ TEST_CASE("the rest layer counts every path of the beauty that its channels do n
     std::size_t rest = 0;
     for (int round = 0; round < 2000; ++round) {
         const auto word = random_word(random);
-        const auto found = accepted(*program, word);
+        const auto found = accepted_by(*program, word);
         INFO(to_text(word));
         REQUIRE(found.count(2) == (found.count(0) + found.count(1) == 0 ? 1U : 0U));
         rest += found.count(2);
@@ -165,7 +165,7 @@ TEST_CASE("the rest layer counts every path of the beauty that its channels do n
     // A label that OSL's wildcards refuse is no reason to lose light.
     const auto odd = parse_events("C,- R,D,floor,D L,-");
     REQUIRE(odd);
-    CHECK(accepted(*program, *odd) == std::set<std::size_t>{2});
+    CHECK(accepted_by(*program, *odd) == std::set<std::size_t>{2});
 
     channels[2].rest_of = {0, 7};
     CHECK_FALSE(Program::compile(channels));

@@ -31,7 +31,7 @@ void add(std::vector<ChannelSource>& channels, Dialect dialect, const std::strin
 }
 
 /// Any sequence of events; most are words of W.
-std::vector<Event> random_word(oracle::Random& random) {
+std::vector<Event> random_spelling(oracle::Random& random) {
     std::vector<Event> word;
     if (random.below(30) != 0) {
         word.push_back({EventType::camera, Scatter::none, 0, {}});
@@ -74,7 +74,7 @@ void check_joins(const std::vector<ChannelSource>& channels, const CompileOption
     oracle::Random random(77);
     std::size_t accepted = 0;
     for (int round = 0; round < 300; ++round) {
-        const std::vector<Event> word = random_word(random);
+        const std::vector<Event> word = random_spelling(random);
         std::vector<EventClass> events;
         for (const Event& event : word) {
             events.push_back(program->classify(event));

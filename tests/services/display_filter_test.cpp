@@ -11,21 +11,21 @@ namespace raylex::display {
 namespace {
 
 const SourceLocation where{"job.toml", 4, 2};
-constexpr int width = 3, height = 2;
+constexpr int picture_width = 3, picture_height = 2;
 
 /// beauty = a + b, random; alpha 0.25; z.
 struct Image {
     std::vector<ChannelDefinition> channels{test::expression_channel("beauty", "C.*"), test::expression_channel("a", "CDL"),
                                             test::expression_channel("b", "CSL"),
                                             test::plain_channel("z", ChannelType::real, FilterRule::zmin)};
-    FrameBuffer buffer{{width, height}, channels};
+    FrameBuffer buffer{{picture_width, picture_height}, channels};
     std::vector<std::unique_ptr<DisplayFilter>> filters;
 
     Image() {
         SampleTable table(channels, 8, 0);
         test::Random random(8);
-        for (int pixel = 0; pixel < width * height; ++pixel) {
-            table.begin(test::pixel_rows(pixel % width, pixel / width, 0, 8));
+        for (int pixel = 0; pixel < picture_width * picture_height; ++pixel) {
+            table.begin(test::pixel_rows(pixel % picture_width, pixel / picture_width, 0, 8));
             for (int i = 0; i < 24; ++i) {
                 table.values(1)[i] = random.uniform();
                 table.values(2)[i] = random.uniform();

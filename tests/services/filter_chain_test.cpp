@@ -10,10 +10,11 @@
 namespace raylex::display {
 namespace {
 
-const SourceLocation where{"job.toml", 7, 1};
+const SourceLocation chain_location{"job.toml", 7, 1};
 
 ParameterSet parameters(const std::string& filter, const std::string& text) {
-    const auto request = parse_object_request(filter + ":" + text, sample_filter_registry(), "sample filter", where);
+    const auto request =
+        parse_object_request(filter + ":" + text, sample_filter_registry(), "sample filter", chain_location);
     if (!request) FAIL(request.error().to_string());
     return request->parameters;
 }
@@ -202,7 +203,7 @@ TEST_CASE("filters that cannot be made say what they expect", "[sample_filter][l
     CHECK(holds(c.add("shadow", "unoccluded=a,occluded=N"), "no light path expression"));
     CHECK(holds(c.add("shadow", "unoccluded=a,occluded=b,alpha=false"), "nowhere to put"));
     CHECK(holds(c.add("shadow", "unoccluded=a,occluded=b,threshold=-1"), "below 0"));
-    const auto bad = parse_object_request("grade:gain=big", sample_filter_registry(), "sample filter", where);
+    const auto bad = parse_object_request("grade:gain=big", sample_filter_registry(), "sample filter", chain_location);
     CHECK((!bad && holds(bad.error().to_string(), "three with blanks")));
 }
 

@@ -17,7 +17,7 @@ namespace {
 using test::plain_channel;
 using test::Random;
 
-constexpr int width = 5, height = 3, blocks_per_pixel = 12, block_size = 16;
+constexpr int merged_width = 5, merged_height = 3, blocks_per_pixel = 12, block_size = 16;
 
 std::vector<ChannelDefinition> every_rule() {
     std::vector<ChannelDefinition> channels{
@@ -37,8 +37,8 @@ std::vector<ChannelDefinition> every_rule() {
 /// Fills `table` with one block of one pixel: values over many orders of magnitude, equal depths among them.
 void fill_block(SampleTable& table, int pixel, int block) {
     Random random(static_cast<std::uint64_t>(pixel * 1000 + block));
-    std::vector<CameraRow> rows =
-        test::pixel_rows(pixel % width, pixel / width, static_cast<std::uint64_t>(block * block_size), block_size);
+    std::vector<CameraRow> rows = test::pixel_rows(pixel % merged_width, pixel / merged_width,
+                                                   static_cast<std::uint64_t>(block * block_size), block_size);
     for (CameraRow& row : rows) row.filter_weight = random.below(4) == 0 ? -1.2f : 1.2f;
     table.begin(rows);
     DisplayServices services(table);
@@ -67,20 +67,21 @@ std::vector<std::uint64_t> bits_of(const FrameBuffer& buffer) {
     }
     std::vector<std::uint64_t> bits;
     for (const double v : all) bits.push_back(std::bit_cast<std::uint64_t>(v));
-    for (int i = 0; i < width * height; ++i) bits.push_back(buffer.sample_count(i % width, i / width));
+    for (int i = 0; i < merged_width * merged_height; ++i)
+        bits.push_back(buffer.sample_count(i % merged_width, i / merged_width));
     return bits;
 }
 
 std::vector<std::pair<int, int>> all_blocks() {
     std::vector<std::pair<int, int>> blocks;
-    for (int pixel = 0; pixel < width * height; ++pixel)
+    for (int pixel = 0; pixel < merged_width * merged_height; ++pixel)
         for (int block = 0; block < blocks_per_pixel; ++block) blocks.emplace_back(pixel, block);
     return blocks;
 }
 
 FrameBuffer render_in_order() {
     const std::vector<ChannelDefinition> channels = every_rule();
-    FrameBuffer buffer({width, height}, channels);
+    FrameBuffer buffer({merged_width, merged_height}, channels);
     SampleTable table(channels, block_size, 0);
     for (const auto& [pixel, block] : all_blocks()) {
         fill_block(table, pixel, block);
@@ -102,7 +103,7 @@ TEST_CASE("blocks dealt to several buffers at random and merged in random order 
         std::vector<std::pair<int, int>> blocks = all_blocks();
         shuffle(blocks, random);
         std::vector<FrameBuffer> buffers;
-        for (int i = 0; i < 4; ++i) buffers.emplace_back(FrameBufferLayout{width, height}, channels);
+        for (int i = 0; i < 4; ++i) buffers.emplace_back(FrameBufferLayout{merged_width, merged_height}, channels);
         SampleTable table(channels, block_size, 0);
         for (const auto& [pixel, block] : blocks) {
             fill_block(table, pixel, block);
@@ -122,7 +123,7 @@ TEST_CASE("blocks dealt to several buffers at random and merged in random order 
 TEST_CASE("threads that share a buffer by pixel give the same bits", "[frame_buffer][law3]") {
     const std::vector<std::uint64_t> expected = bits_of(render_in_order());
     const std::vector<ChannelDefinition> channels = every_rule();
-    FrameBuffer buffer({width, height}, channels);
+    FrameBuffer buffer({merged_width, merged_height}, channels);
     std::vector<std::thread> threads;
     for (int t = 0; t < 4; ++t)
         threads.emplace_back([&, t] {
@@ -164,11 +165,11 @@ TEST_CASE("records of different images do not merge, and the error says why", "[
     std::vector<ChannelDefinition> channels = every_rule();
     FrameBuffer buffer = render_in_order();
     const std::vector<std::uint64_t> before = bits_of(buffer);
-    CHECK_FALSE(buffer.merge(FrameBuffer({width, height + 1}, channels)));
-    CHECK_FALSE(buffer.merge(FrameBuffer({width, height, 32}, channels)));
-    CHECK_FALSE(buffer.merge(FrameBuffer({width, height}, std::span(channels).first(3))));
+    CHECK_FALSE(buffer.merge(FrameBuffer({merged_width, merged_height + 1}, channels)));
+    CHECK_FALSE(buffer.merge(FrameBuffer({merged_width, merged_height, 32}, channels)));
+    CHECK_FALSE(buffer.merge(FrameBuffer({merged_width, merged_height}, std::span(channels).first(3))));
     channels[0].expression = "CDL";
-    const Status status = buffer.merge(FrameBuffer({width, height}, channels));
+    const Status status = buffer.merge(FrameBuffer({merged_width, merged_height}, channels));
     REQUIRE_FALSE(status);
     CHECK(status.error().message.find("'light'") != std::string::npos);
     CHECK(bits_of(buffer) == before);

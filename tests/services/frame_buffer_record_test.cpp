@@ -20,7 +20,7 @@ namespace {
 using test::plain_channel;
 using test::Random;
 
-std::vector<ChannelDefinition> every_rule() {
+std::vector<ChannelDefinition> every_recorded_rule() {
     std::vector<ChannelDefinition> channels{
         test::expression_channel("light", "CL"),
         plain_channel("statistics", ChannelType::rgb),
@@ -74,7 +74,7 @@ std::string record_of(const FrameBuffer& buffer) {
 }  // namespace
 
 TEST_CASE("a frame buffer's record is the frame buffer", "[framebuffer][record][law3]") {
-    const auto channels = every_rule();
+    const auto channels = every_recorded_rule();
     const FrameBuffer buffer = filled(channels, 0);
     REQUIRE(buffer.rejected_count(7) > 0);
     const std::string bytes = record_of(buffer);
@@ -94,7 +94,7 @@ TEST_CASE("a frame buffer's record is the frame buffer", "[framebuffer][record][
 }
 
 TEST_CASE("records of shards merge to the whole, in any order", "[framebuffer][record][law3]") {
-    const auto channels = every_rule();
+    const auto channels = every_recorded_rule();
     FrameBuffer whole = filled(channels, 0);
     REQUIRE(whole.merge(filled(channels, 1)).ok());
     auto even = FrameBuffer::from_record(record_of(filled(channels, 0)));
@@ -106,7 +106,7 @@ TEST_CASE("records of shards merge to the whole, in any order", "[framebuffer][r
 }
 
 TEST_CASE("a record does not depend on how many blocks of a pixel come in one batch", "[framebuffer][record][law3]") {
-    const auto channels = every_rule();
+    const auto channels = every_recorded_rule();
     constexpr int blocks = 70, rows = 16;  // more than one run has room for
     const auto filled_by = [&](int together) {
         FrameBuffer buffer({2, 1}, channels);
@@ -159,7 +159,7 @@ TEST_CASE("a record does not depend on how many blocks of a pixel come in one ba
 }
 
 TEST_CASE("a record that ends too early or is of another version is refused", "[framebuffer][record][law7]") {
-    const std::string bytes = record_of(filled(every_rule(), 0));
+    const std::string bytes = record_of(filled(every_recorded_rule(), 0));
     for (std::size_t size = 0; size < bytes.size(); size += 64) {
         CAPTURE(size);
         CHECK_FALSE(FrameBuffer::from_record(std::string_view(bytes).substr(0, size)).ok());

@@ -8,7 +8,7 @@ using namespace import_test;
 
 namespace {
 
-struct Case {
+struct ParameterCase {
     std::string text;     // the parameter in question stands at the start of line 2
     std::string message;  // of the error, or of the one warning
     std::string hint;
@@ -16,7 +16,7 @@ struct Case {
 
 const std::string triangle = "WorldBegin Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]\n";
 
-const Case unknown[] = {
+const ParameterCase unknown[] = {
     {"Accelerator \"bvh\"\n\"integer maxnodeprim\" 4 WorldBegin", "accelerator 'bvh' has no parameter 'maxnodeprim'",
      "'maxnodeprims'"},
     {"WorldBegin AreaLightSource \"diffuse\"\n\"bool twosides\" true",
@@ -56,7 +56,7 @@ const Case unknown[] = {
 };
 
 // Each of them where pbrt-v4 reads it and raylex does not; `hint` is a value with which nothing is lost.
-const Case ignored[] = {
+const ParameterCase ignored[] = {
     {"Camera \"perspective\"\n\"float shutterclose\" 0.5 WorldBegin",
      "parameter 'shutterclose' of camera 'perspective' is ignored", "1"},
     {"Film \"rgb\"\n\"string sensor\" \"canon_eos_100d\" WorldBegin",
@@ -78,7 +78,7 @@ const Case ignored[] = {
 }  // namespace
 
 TEST_CASE("a parameter that pbrt-v4 does not know is an error with its place and the near miss", "[law7][import]") {
-    for (const Case& each : unknown) {
+    for (const ParameterCase& each : unknown) {
         CAPTURE(each.text);
         const raylex::Error error = error_of(each.text);
         CHECK(error.file == "test.pbrt");
@@ -92,7 +92,7 @@ TEST_CASE("a parameter that pbrt-v4 does not know is an error with its place and
 
 TEST_CASE("a parameter that only pbrt-v4 reads is one warning, and none with a value that loses nothing",
           "[law7][import]") {
-    for (const Case& each : ignored) {
+    for (const ParameterCase& each : ignored) {
         CAPTURE(each.text);
         const auto scene = scene_of(each.text);
         REQUIRE(scene.warnings.size() == 1);

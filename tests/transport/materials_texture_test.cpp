@@ -14,7 +14,7 @@ using namespace raylex::test;
 
 namespace {
 
-TextureTable build(const SceneDescription& scene) {
+TextureTable build_textures(const SceneDescription& scene) {
     Result<TextureTable> table = TextureTable::build(scene);
     INFO((table ? std::string() : table.error().to_string()));
     REQUIRE(table.ok());
@@ -72,7 +72,7 @@ TEST_CASE("constants, scale and mix compute what they say, nested too") {
                       colour_texture("mix", "pink", {texture("tex1", "red"), texture("amount", "half")}),
                       colour_texture("scale", "dark", {texture("tex", "pink"), real("scale", 0.5)}),
                       real_texture("mix", "plain", {})};
-    TextureTable table = build(scene);
+    TextureTable table = build_textures(scene);
     CHECK(real_at(table, "quarter", 0, 0) == 0.25f);
     CHECK(real_at(table, "blend", 0, 0) == 1.5f);
     CHECK(real_at(table, "plain", 0, 0) == 0.5f);                     // pbrt's defaults: halfway from 0 to 1
@@ -89,7 +89,7 @@ TEST_CASE("the checkerboard has tex1 where both cells have one parity") {
         real_texture("checkerboard", "default", {}),
         real_texture("checkerboard", "solid", {parameter(ParameterType::integer, "dimension", {3})})};
     scene.textures[2].to_world = Transform::translate(1, 0, 0);
-    const TextureTable table = build(scene);
+    const TextureTable table = build_textures(scene);
     CHECK(real_at(table, "default", 0.5f, 0.5f) == 1);
     CHECK(real_at(table, "default", 1.5f, 0.5f) == 0);
     CHECK(real_at(table, "default", -0.5f, 0.5f) == 0);
@@ -117,7 +117,7 @@ TEST_CASE("images stand upright, interpolate between texel centres and wrap as t
                       image("inverted", {boolean("invert", true), string("wrap", "clamp")}),
                       image("scaled", {real("scale", 2), string("wrap", "clamp")}),
                       image("tiled", {real("uscale", 2), real("vdelta", 0.5), string("filter", "point")})};
-    TextureTable table = build(scene);
+    TextureTable table = build_textures(scene);
     const auto at = [&](const char* name, float u, float v) { return colour_at(table, scene, name, u, v); };
     // Texel centres: top row v = 0.75, left u = 0.25.
     CHECK(at("clamp", 0.25f, 0.75f) == Rgb(0.25f, 0, 0));
@@ -146,7 +146,7 @@ TEST_CASE("a float texture reads the mean of an image's colours") {
     const ImageFile file;
     SceneDescription scene;
     scene.textures = {real_texture("imagemap", "mean", {string("filename", file.name()), string("wrap", "clamp")})};
-    const TextureTable table = build(scene);
+    const TextureTable table = build_textures(scene);
     CHECK(real_at(table, "mean", 0.75f, 0.75f) == Approx(2.0 / 3));
     CHECK(real_at(table, "mean", 0.25f, 0.25f) == Approx(0.5 / 3));
 }
@@ -156,7 +156,7 @@ TEST_CASE("colour images are taken to the rendering space, unbounded ones are no
     SceneDescription scene;
     scene.textures = {colour_texture("imagemap", "image", {string("filename", file.name()), string("wrap", "clamp")})};
     scene.color.rendering_from_scene = {{{0.5, 0.5, 0}, {0, 1, 0}, {0, 0, 0.5}}};
-    TextureTable table = build(scene);
+    TextureTable table = build_textures(scene);
     CHECK(colour_at(table, scene, "image", 0.25f, 0.75f) == Rgb(0.125f, 0, 0));
     CHECK(colour_at(table, scene, "image", 0.25f, 0.25f) == Rgb(0, 0, 0.25f));
     CHECK(colour_at(table, scene, "image", 0.25f, 0.75f, SpectrumRole::unbounded) == Rgb(0.25f, 0, 0));
@@ -172,7 +172,7 @@ TEST_CASE("mappings place texture space on the surface") {
               {string("mapping", "planar"), parameter(ParameterType::vector3, "v1", {0, 0, 1}), real("udelta", 1)}),
         board("spherical", {string("mapping", "spherical")}), board("cylindrical", {string("mapping", "cylindrical")})};
     scene.textures[0].to_world = Transform::scale(2, 2, 2);
-    const TextureTable table = build(scene);
+    const TextureTable table = build_textures(scene);
     CHECK(real_at(table, "planar", 0, 0, {0, 1, 1}) == 0);            // s = 0.5 + 1, t = 0.5
     CHECK(real_at(table, "planar", 0, 0, {0, 3, 1}) == 1);            // t = 1.5
     CHECK(real_at(table, "spherical", 0, 0, {0.3f, 0.2f, -5}) == 1);  // both coordinates within [0, 1)
@@ -206,7 +206,7 @@ TEST_CASE("mistakes in textures are located and name what was expected") {
     e = only(real_texture("checkerboard", "x", {parameter(ParameterType::integer, "dimension", {4})}));
     CHECK(e.message.find("2 to 3") != std::string::npos);
     scene.textures = {real_texture("constant", "known", {})};
-    const Result<TextureId> missing = build(scene).named_real("leaf", {"scene.pbrt", 9, 1});
+    const Result<TextureId> missing = build_textures(scene).named_real("leaf", {"scene.pbrt", 9, 1});
     REQUIRE_FALSE(missing.ok());
     CHECK(missing.error().line == 9);
 }

@@ -2,9 +2,6 @@
 
 namespace raylex::transport {
 
-namespace {
-
-/// Mirrors both directions so that wo is above; false where no light is reflected or the surface is seen edge-on.
 bool to_upper_side(Vec3& wo, Vec3& wi) {
     if (wo.z < 0) {
         wo = -wo;
@@ -12,8 +9,6 @@ bool to_upper_side(Vec3& wo, Vec3& wi) {
     }
     return wo.z >= min_cosine && wi.z >= min_cosine;
 }
-
-}  // namespace
 
 Rgb ConductorClosure::value_and_pdf(Vec3 wo, Vec3 wi, float& pdf) const {
     pdf = 0;

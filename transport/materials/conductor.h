@@ -9,6 +9,9 @@
 
 namespace raylex::transport {
 
+/// Mirrors both directions so that wo is above; false where no light is reflected or the surface is seen edge-on.
+[[nodiscard]] bool to_upper_side(Vec3& wo, Vec3& wi);
+
 struct ConductorClosure {
     Ggx facets;
     Rgb eta, k;                        ///< complex index relative to the outside

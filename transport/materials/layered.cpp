@@ -184,15 +184,6 @@ class Evaluation {
     Rgb beta_, result_;
 };
 
-/// Mirrors both directions so that wo is above the surface; false unless both are on one side.
-bool to_upper_side(Vec3& wo, Vec3& wi) {
-    if (wo.z < 0) {
-        wo = -wo;
-        wi = -wi;
-    }
-    return wo.z >= min_cosine && wi.z >= min_cosine;
-}
-
 /// The refracted direction inside, from a direction above, through the unperturbed surface.
 Vec3 refract_down(const Vec3& w, float eta) {
     const float cos_t = safe_sqrt(1 - (1 - w.z * w.z) / (eta * eta));

@@ -11,9 +11,9 @@
 namespace raylex::experiments {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
 
-double mean_of(std::span<const double> values) {
+double plain_mean(std::span<const double> values) {
     double sum = 0;
     for (const double value : values) sum += value;
     return sum / static_cast<double>(values.size());
@@ -41,11 +41,11 @@ LogEstimate log_estimate(const std::vector<Factor>& factors, std::span<const std
         result.log_value += factor.power * std::log(mean);
         for (std::size_t k = 0; k < indices.size(); ++k) linear[k] += factor.power * factor.values[indices[k]] / mean;
     }
-    const double center = mean_of(linear);
+    const double center = plain_mean(linear);
     double squares = 0;
     for (const double value : linear) squares += (value - center) * (value - center);
     result.degrees = n - 1;
-    result.variance = n > 1 ? squares / (n - 1) / n : nan;
+    result.variance = n > 1 ? squares / (n - 1) / n : undefined;
     return result;
 }
 
@@ -94,7 +94,7 @@ std::array<double, 2> bootstrap_quantiles(std::span<const std::vector<Factor>> g
         const Combined star = combined(estimates);
         if (star.variance > 0) statistics.push_back((star.log_value - log_value) / std::sqrt(star.variance));
     }
-    if (statistics.size() < 20) return {nan, nan};
+    if (statistics.size() < 20) return {undefined, undefined};
     std::sort(statistics.begin(), statistics.end());
     const auto order_statistic = [&](double p) {
         const double at = p * static_cast<double>(statistics.size() + 1) - 1;
@@ -115,7 +115,7 @@ std::string degrees_text(double degrees) {
 }  // namespace
 
 Interval product_interval(std::span<const std::vector<Factor>> groups, const IntervalOptions& options) {
-    Interval result{nan, nan, nan, {}, {}};
+    Interval result{undefined, undefined, undefined, {}, {}};
     std::vector<LogEstimate> estimates;
     std::size_t fewest = std::numeric_limits<std::size_t>::max();
     for (const std::vector<Factor>& group : groups) {

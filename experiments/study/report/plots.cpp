@@ -22,7 +22,7 @@ std::string budget_label(const Curve& curve, const BudgetPoint& point) {
     return text;
 }
 
-Json number(double value) {
+Json plot_number(double value) {
     return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
@@ -51,10 +51,10 @@ Json series_of(const Study& study, const Curve& curve, Abscissa against = Abscis
                          [](const BudgetPoint& a, const BudgetPoint& b) { return a.samples < b.samples; });
     }
     for (const BudgetPoint& point : ordered)
-        points.push_back(Json{{"x", number(against == Abscissa::seconds ? point.seconds : point.samples)},
-                              {"y", number(point.relative.value * 100)},
-                              {"low", number(point.relative.low * 100)},
-                              {"high", number(point.relative.high * 100)},
+        points.push_back(Json{{"x", plot_number(against == Abscissa::seconds ? point.seconds : point.samples)},
+                              {"y", plot_number(point.relative.value * 100)},
+                              {"low", plot_number(point.relative.low * 100)},
+                              {"high", plot_number(point.relative.high * 100)},
                               {"weak", !point.relative.valid()},
                               {"label", budget_label(curve, point)}});
     return Json{{"name", curve.variant},

@@ -18,15 +18,6 @@ std::string number_cell(const std::string& text) {
     return "<td class=\"number\">" + text + "</td>";
 }
 
-std::string text_cell(const std::string& text) {
-    return "<td>" + escape_html(text) + "</td>";
-}
-
-std::string table(const std::string& head, const std::string& rows) {
-    return "<div class=\"wide\"><table>\n<thead><tr>" + head + "</tr></thead>\n<tbody>\n" + rows +
-           "</tbody></table></div>\n";
-}
-
 /// Where a split fails: the map of its worst cell, when the cell's files are still there.
 std::string residual_picture(const Study& study, const std::string& scene, const std::string& partition,
                              const std::string& cell_id) {

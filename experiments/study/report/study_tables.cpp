@@ -10,23 +10,23 @@
 #include "experiments/study/report/study_files.h"
 
 namespace raylex::experiments {
+std::string text_cell(const std::string& text) {
+    return "<td>" + escape_html(text) + "</td>";
+}
+
+std::string table(const std::string& head, const std::string& rows) {
+    return "<div class=\"wide\"><table>\n<thead><tr>" + head + "</tr></thead>\n<tbody>\n" + rows +
+           "</tbody></table></div>\n";
+}
+
 namespace {
 
 std::string cell(const std::string& html, const char* type = "number") {
     return "<td class=\"" + std::string(type) + "\">" + html + "</td>";
 }
 
-std::string text_cell(const std::string& text) {
-    return "<td>" + escape_html(text) + "</td>";
-}
-
 std::string formula_header(const std::string& name, const std::string& formula) {
     return "<th class=\"formula\">" + escape_html(name) + "<code>" + escape_html(formula) + "</code></th>";
-}
-
-std::string table(const std::string& head, const std::string& rows) {
-    return "<div class=\"wide\"><table>\n<thead><tr>" + head + "</tr></thead>\n<tbody>\n" + rows +
-           "</tbody></table></div>\n";
 }
 
 std::string row(const std::string& cells) {
