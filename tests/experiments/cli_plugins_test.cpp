@@ -166,11 +166,11 @@ TEST_CASE("a plugin may take the place of an in-tree object, but not of another 
     CHECK(contains(twice.err, "another plugin has registered the display driver 'halfway' already"));
 }
 
-TEST_CASE("the README's integrator is the file that is compiled and run", "[plugins][readme]") {
+TEST_CASE("the integrator of the docs is the file that is compiled and run", "[plugins][readme]") {
     const std::string root = source_dir();
     const std::string source = file_text(root + "/tests/outside/plugins/ambient_occlusion.cpp");
     REQUIRE(source.find("RAYLEX_PLUGIN(host)") != std::string::npos);
-    CHECK(file_text(root + "/README.md").find("```cpp\n" + source + "```\n") != std::string::npos);
+    CHECK(file_text(root + "/experiments/docs/extending.md").find("```cpp\n" + source + "```\n") != std::string::npos);
 }
 
 }  // namespace raylex::test
