@@ -24,7 +24,6 @@ inline constexpr std::size_t channel_file_bytes = 16'777'216;  ///< a file of ch
 inline constexpr std::size_t file_channels = 16'384;      ///< channels, macros and options of one file
 inline constexpr std::size_t file_nesting = 500;          ///< brackets and prims inside one another in such a file
 inline constexpr std::size_t channels = 65'000;            ///< compiled together
-inline constexpr std::size_t program_file_bytes = 67'108'864; ///< a compiled program as a file
 inline constexpr std::size_t group_variants = 1'024;      ///< slot sequences that one osl <...> stands for
 inline constexpr std::size_t glob_states = 20'000;        ///< joint automaton of the label globs of one slot
 inline constexpr std::size_t boolean_states = 50'000;     ///< automata below &, - and !, and those of proofs

@@ -1,16 +1,11 @@
 #include "lpe/vectors.h"
 
-#include <cerrno>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <optional>
-#include <system_error>
 #include <utility>
 
 #include "lpe/match.h"
 #include "lpe/program.h"
+#include "lpe/read_input.h"
 
 namespace raylex::lpe {
 
@@ -116,28 +111,11 @@ Result<VectorReport> run_vectors_text(std::string_view text, const std::string& 
 }
 
 Result<VectorReport> run_vectors(const std::string& path, Dialect dialect) {
-    std::error_code unknown;
-    if (std::filesystem::is_directory(path, unknown)) {  // opens like a file, and then throws when it is read
-        Error error;
-        error.message = "this is a folder; expected a file of rows EXPRESSION, EVENTS, EXPECTED";
-        error.file = path;
-        return error;
+    const auto text = read_input(path, NamedBy::command_line, "a file of rows EXPRESSION, EVENTS, EXPECTED");
+    if (!text) {
+        return text.error();
     }
-    std::ifstream file(path, std::ios::binary);
-    if (!file) {
-        Error error;
-        error.message = std::string("cannot read the vectors: ") + std::strerror(errno);
-        error.file = path;
-        return error;
-    }
-    const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-    if (file.bad()) {
-        Error error;
-        error.message = "cannot read the vectors: the file is not readable to its end";
-        error.file = path;
-        return error;
-    }
-    return run_vectors_text(text, path, dialect);
+    return run_vectors_text(*text, path, dialect);
 }
 
 }  // namespace raylex::lpe

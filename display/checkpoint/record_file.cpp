@@ -10,6 +10,7 @@
 
 #include "display/buffer/record_bytes.h"
 #include "display/services/hash64.h"
+#include "lpe/read_input.h"
 
 namespace raylex::display {
 namespace {
@@ -171,6 +172,7 @@ Status write_record_file(const std::string& path, const RecordFile& record, File
 }
 
 Result<RecordFile> read_record_file(const std::string& path) {
+    if (Status regular = check_regular_file(path, "a raylex record"); !regular) return regular.error();
     const std::unique_ptr<std::FILE, FileCloser> handle(std::fopen(path.c_str(), "rb"));
     if (!handle) return file_error(path, std::string("cannot read the file: ") + std::strerror(errno));
     Reading file(handle.get(), path);

@@ -16,6 +16,7 @@
 #include "display/output/primaries.h"
 #include "display/output/shipped_config.h"
 #include "display/services/parameters.h"
+#include "lpe/read_input.h"
 
 namespace ocio = OCIO_NAMESPACE;
 
@@ -208,8 +209,9 @@ Result<NamedConfig> read_config(const std::string& config_path) {
     const bool from_environment = config_path.empty() && !path.empty();
     NamedConfig read{nullptr, path.empty() ? "the config shipped with raylex" : path};
     std::error_code ignored;
-    if (!path.empty() && std::filesystem::is_directory(path, ignored))
-        return config_error(path, "cannot read the OpenColorIO config", "this is a directory; expected a config file");
+    if (!path.empty() && std::filesystem::exists(path, ignored))
+        if (Status regular = check_regular_file(path, "a config file"); !regular)
+            return config_error(path, "cannot read the OpenColorIO config", regular.error().message);
     const auto failed = [&](const std::exception& exception) {
         Error error = config_error(
             read.file,

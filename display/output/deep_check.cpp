@@ -13,6 +13,8 @@
 #include <ImfMultiPartInputFile.h>
 #include <ImfPartType.h>
 
+#include "display/output/exr_guard.h"
+
 
 namespace raylex::display {
 
@@ -159,6 +161,7 @@ void judge_pixel(const DeepRow& row, const Comparison& comparison, int x, int y,
 }  // namespace
 
 Result<DeepVerdict> check_deep(const std::string& path, const ExrImage& image) {
+    if (Status sound = check_exr_file(path); !sound) return sound.error();
     try {
         Imf::MultiPartInputFile file(path.c_str());
         int index = -1;

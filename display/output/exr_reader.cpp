@@ -1,13 +1,9 @@
 #include "display/output/exr_reader.h"
 
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <utility>
 
 #include <ImfChannelList.h>
@@ -20,6 +16,7 @@
 #include <ImfStringAttribute.h>
 #include <ImfThreading.h>
 
+#include "display/output/exr_guard.h"
 #include "display/output/exr_layers.h"
 #include "display/output/exr_loss.h"
 #include "display/output/primaries.h"
@@ -33,24 +30,6 @@ Error read_error(const std::string& path, const std::string& message) {
     error.file = path;
     error.message = message;
     return error;
-}
-
-// What can be told without the library: a folder, no such file, some other format.
-Status check_magic(const std::string& path) {
-    struct stat status {};
-    if (stat(path.c_str(), &status) != 0)
-        return read_error(path,
-                          std::string("cannot read the image: ") + std::strerror(errno) + "; expected an OpenEXR file");
-    if (S_ISDIR(status.st_mode)) return read_error(path, "this is a directory; expected an OpenEXR file");
-    std::ifstream stream(path, std::ios::binary);
-    if (!stream) return read_error(path, std::string("cannot read the image: ") + std::strerror(errno));
-    unsigned char magic[4] = {};
-    stream.read(reinterpret_cast<char*>(magic), 4);
-    if (stream.gcount() != 4 || magic[0] != 0x76 || magic[1] != 0x2f || magic[2] != 0x31 || magic[3] != 0x01)
-        return read_error(path, stream.gcount() == 0
-                                    ? "the file is empty; expected an OpenEXR file"
-                                    : "this is no OpenEXR file; expected one that begins with the bytes 76 2f 31 01");
-    return success();
 }
 
 struct Window {
@@ -218,7 +197,7 @@ std::string size_text(const ExrImage& image) {
 }  // namespace
 
 Result<ExrImage> read_exr(const std::string& path) {
-    if (Status magic = check_magic(path); !magic) return std::move(magic).error();
+    if (Status sound = check_exr_file(path); !sound) return std::move(sound).error();
     try {
         return read_file(path);
     } catch (const std::bad_alloc&) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -109,7 +110,12 @@ Result<double> ParameterSet::real_or(std::string_view name, double fallback) con
     if (parameter == nullptr) return fallback;
     const bool fits = parameter->type == ParameterType::real || parameter->type == ParameterType::integer;
     if (Status status = require_single(*parameter, location, ParameterType::real, fits); !status) return status.error();
-    return parameter->numbers.front();
+    const double value = parameter->numbers.front();
+    // What takes numbers keeps them as float, where this would be infinite without a word.
+    if (std::isfinite(value) && std::abs(value) > static_cast<double>(std::numeric_limits<float>::max()))
+        return error_at(parameter->location.line != 0 ? parameter->location : location,
+                        "parameter '" + parameter->name + "' is beyond the range of float; expected less than 3.4e38");
+    return value;
 }
 
 Result<std::int64_t> ParameterSet::integer_or(std::string_view name, std::int64_t fallback) const {

@@ -9,6 +9,7 @@
 #include "experiments/cli/commands.h"
 #include "experiments/cli/console.h"
 #include "experiments/cli/image_commands.h"
+#include "experiments/cli/input_options.h"
 #include "experiments/cli/tint.h"
 #include "experiments/job/provenance.h"
 
@@ -69,7 +70,8 @@ int run_command_line(int argc, const char* const* argv) {
     app.footer(
         "Exit codes: 0 done, and what was checked holds; 1 a check does not hold; 2 bad usage or input; 130 after "
         "Ctrl-C.\n"
-        "'raylex SUBCOMMAND --help' describes each subcommand.");
+        "'raylex SUBCOMMAND --help' describes each subcommand. RAYLEX_BUDGETS=NAME=VALUE,... in the environment does "
+        "what --budget does.");
     app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
         // The innermost subcommand that was named is the one whose help is of use.
         std::string command = "raylex";
@@ -91,6 +93,8 @@ int run_command_line(int argc, const char* const* argv) {
     add_plugins_command(app, context);
     add_ocio_command(app, context);
     add_color_option(app);
+    add_input_options(app);
+    if (Status ready = prepare_reading(); !ready) return report_error(ready.error());
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) { return finish_parse(app, error); } catch (const std::bad_alloc&) {

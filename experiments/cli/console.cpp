@@ -24,6 +24,15 @@ bool is_colored(int descriptor) {
            std::string_view(terminal) != "dumb";
 }
 
+/// Names come from files: a zero byte would cut the message, and others could steer the terminal.
+std::string printable(std::string text) {
+    for (char& c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        if ((byte < 0x20 && c != '\n' && c != '\t') || byte == 0x7f) c = '?';
+    }
+    return text;
+}
+
 }  // namespace
 
 void choose_color(ColorChoice choice) {
@@ -38,7 +47,7 @@ std::string tinted(const std::string& text, Tint tint, bool error_stream) {
 
 int report_error(const std::string& message) {
     std::fflush(stdout);
-    std::fprintf(stderr, "raylex: %s %s\n", tinted("error:", Tint::error, true).c_str(), message.c_str());
+    std::fprintf(stderr, "raylex: %s %s\n", tinted("error:", Tint::error, true).c_str(), printable(message).c_str());
     return exit_bad_input;
 }
 
@@ -47,11 +56,11 @@ int report_error(const Error& error) {
 }
 
 void print_warning(const std::string& message) {
-    std::fprintf(stderr, "raylex: %s %s\n", tinted("warning:", Tint::warning, true).c_str(), message.c_str());
+    std::fprintf(stderr, "raylex: %s %s\n", tinted("warning:", Tint::warning, true).c_str(), printable(message).c_str());
 }
 
 void print_note(const std::string& message) {
-    std::fprintf(stderr, "raylex: %s\n", message.c_str());
+    std::fprintf(stderr, "raylex: %s\n", printable(message).c_str());
 }
 
 void print_line(const std::string& text) {

@@ -1,11 +1,8 @@
 #include "experiments/job/channel_set.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <optional>
 #include <set>
@@ -15,26 +12,12 @@
 #include "experiments/job/channel_tables.h"
 #include "lpe/algebra/relations.h"
 #include "lpe/limits.h"
+#include "lpe/read_input.h"
 
 namespace raylex::experiments {
 namespace {
 
 namespace fs = std::filesystem;
-
-Result<std::string> read_text(const std::string& path) {
-    std::error_code failed;
-    if (fs::is_directory(path, failed))
-        return error_at({path, 0, 0}, "this is a directory; expected a file of channels");
-    std::ifstream file(path, std::ios::binary);
-    if (!file) return error_at({path, 0, 0}, "cannot read the file of channels: " + std::string(std::strerror(errno)));
-    std::string text(lpe::limits::channel_file_bytes + 1, '\0');
-    file.read(text.data(), static_cast<std::streamsize>(text.size()));
-    text.resize(static_cast<std::size_t>(file.gcount()));
-    if (text.size() > lpe::limits::channel_file_bytes)
-        return error_at({path, 0, 0}, "the file is larger than " + std::to_string(lpe::limits::channel_file_bytes) +
-                                          " bytes; expected a file of channels");
-    return text;
-}
 
 std::optional<lpe::ChannelFormat> format_named(const std::string& name) {
     if (name == "rib") return lpe::ChannelFormat::rib;
@@ -59,7 +42,7 @@ Status add_toml(const std::string& text, const std::string& path, ChannelSet& se
 }
 
 Status add_file(const std::string& path, const std::string& format, lpe::Dialect dialect, ChannelSet& set) {
-    auto text = read_text(path);
+    auto text = read_input(path, NamedBy::command_line, "a file of channels");
     if (!text) return text.error();
     if (format == "toml" || (format.empty() && path.ends_with(".toml"))) {
         set.of_renderman = false;

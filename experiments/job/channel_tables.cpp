@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "experiments/job/job_file.h"
+#include "experiments/job/toml_text.h"
 
 namespace raylex::experiments {
 namespace {
@@ -188,17 +189,12 @@ void read_channel_tables(TomlTable& root, Job& job) {
 
 Result<Job> parse_channel_tables(const std::string& text, const std::string& path) {
     TomlSource source(path, text);
-    toml::table table;
-    try {
-        table = toml::parse(std::string_view(text), std::string_view(path));
-    } catch (const toml::parse_error& error) {
-        source.fail(source.location(error.source()), "this is no valid TOML: " + std::string(error.description()));
-        return *source.error();
-    }
-    if (table.contains("scene")) return parse_job(text, path);
+    const auto table = parse_toml(text, path);
+    if (!table) return table.error();
+    if (table->contains("scene")) return parse_job(text, path);
     Job job;
     job.job_file = path;
-    TomlTable root(source, table, "a file of channels");
+    TomlTable root(source, *table, "a file of channels");
     read_channel_tables(root, job);
     root.close();
     if (source.error()) return *source.error();

@@ -1,19 +1,14 @@
 #include "experiments/job/job_file.h"
 
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <optional>
-#include <system_error>
 #include <utility>
 
 #include "experiments/job/channel_tables.h"
 #include "experiments/job/job_tables.h"
 #include "experiments/job/sampling_requests.h"
-#include "experiments/job/toml_table.h"
+#include "experiments/job/toml_text.h"
 #include "transport/plugins/plugin_loader.h"
 
 namespace raylex::experiments {
@@ -80,14 +75,9 @@ Result<Job> parse_job(const std::string& text, const std::string& path) {
     job.job_file = path;
     job.job_text = text;
     TomlSource source(path, text);
-    toml::table table;
-    try {
-        table = toml::parse(std::string_view(text), std::string_view(path));
-    } catch (const toml::parse_error& error) {
-        source.fail(source.location(error.source()), "this is no valid TOML: " + std::string(error.description()));
-        return *source.error();
-    }
-    TomlTable root(source, table, "the job");
+    const auto table = parse_toml(text, path);
+    if (!table) return table.error();
+    TomlTable root(source, *table, "the job");
     read_plugins(root, path, job);
     read_files(root, path, job);
     read_color_table(root, path, job);
@@ -107,12 +97,9 @@ Result<Job> parse_job(const std::string& text, const std::string& path) {
 }
 
 Result<Job> read_job(const std::string& path) {
-    std::error_code failed;
-    if (fs::is_directory(path, failed)) return error_at({path, 0, 0}, "this is a directory; expected a TOML job file");
-    std::ifstream file(path, std::ios::binary);
-    if (!file) return error_at({path, 0, 0}, "cannot read the job file: " + std::string(std::strerror(errno)));
-    const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-    auto job = parse_job(text, path);
+    const auto text = read_toml_file(path, NamedBy::command_line, "a TOML job");
+    if (!text) return text.error();
+    auto job = parse_job(*text, path);
     if (!job) return job;
     for (const PluginRequest& plugin : job->plugins)
         if (Status loaded = transport::load_plugin(plugin.file, plugin.location); !loaded) return loaded.error();

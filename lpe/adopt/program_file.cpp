@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <limits>
 #include <system_error>
 #include <utility>
@@ -14,6 +13,7 @@
 #include "lpe/failure.h"
 #include "lpe/language/pattern.h"
 #include "lpe/limits.h"
+#include "lpe/read_input.h"
 
 namespace raylex::lpe {
 
@@ -338,21 +338,11 @@ Status save(const Program& program, const std::string& path) {
 }
 
 Result<Program> load(const std::string& path) {
-    std::error_code code;
-    const std::uintmax_t size = std::filesystem::file_size(path, code);
-    if (code) {
-        return file_error(path, "the file cannot be read: " + code.message());
+    const auto bytes = read_input(path, NamedBy::file, "a compiled program", Budget::file_bytes);
+    if (!bytes) {
+        return bytes.error();
     }
-    if (size > limits::program_file_bytes) {
-        return file_error(path, "the file has " + std::to_string(size) + " bytes; compiled programs have at most " +
-                                    std::to_string(limits::program_file_bytes));
-    }
-    std::ifstream file(path, std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-    if (!file) {
-        return file_error(path, "the file cannot be read");
-    }
-    return program_from_bytes(bytes, path);
+    return program_from_bytes(*bytes, path);
 }
 
 }  // namespace raylex::lpe

@@ -60,6 +60,18 @@ void add_position(Positions& positions, const std::vector<GlobStep>& steps, std:
     }
 }
 
+/// Whatever can follow an earlier position can follow the last '*' that is reached, which takes anything in between: the
+/// earlier ones are left out, so that a glob of many '*' stays at few positions.
+void keep_from_last_star(Positions& positions, const std::vector<GlobStep>& steps) {
+    std::sort(positions.begin(), positions.end());
+    for (std::size_t i = positions.size(); i-- > 0;) {
+        if (positions[i] < steps.size() && steps[positions[i]].piece == Piece::many) {
+            positions.erase(positions.begin(), positions.begin() + static_cast<std::ptrdiff_t>(i));
+            return;
+        }
+    }
+}
+
 Positions advance(const std::vector<GlobStep>& steps, const Positions& positions, char byte) {
     Positions next;
     for (const std::size_t position : positions) {
@@ -76,13 +88,14 @@ Positions advance(const std::vector<GlobStep>& steps, const Positions& positions
             add_position(next, steps, position + 1);
         }
     }
-    std::sort(next.begin(), next.end());
+    keep_from_last_star(next, steps);
     return next;
 }
 
 Positions start_positions(const std::vector<GlobStep>& steps) {
     Positions positions;
     add_position(positions, steps, 0);
+    keep_from_last_star(positions, steps);
     return positions;
 }
 

@@ -1,7 +1,8 @@
-// Aborts, so that the fuzzer keeps the input, when one input has more than 256 MiB allocated at once: the bound that
-// lpe/limits.h promises for any input. Counted by the sanitizer's hooks from the start of the input, so that the fuzzer's
-// own corpus does not count.
+// Aborts, so that the fuzzer keeps the input, when one input has more allocated at once than its target allows. Counted
+// by the sanitizer's hooks from the start of the input, so that the fuzzer's own corpus does not count.
 #include <sanitizer/allocator_interface.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <cstdio>
@@ -12,7 +13,7 @@
 namespace fuzz {
 namespace {
 
-constexpr long long bound = 256LL << 20;
+std::atomic<long long> bound{0};
 std::atomic<long long> in_use{0};
 thread_local bool counting = false;
 
@@ -20,7 +21,7 @@ void on_malloc(const volatile void* /*memory*/, std::size_t size) {
     if (!counting) return;
     if ((in_use += static_cast<long long>(size)) > bound) {
         counting = false;
-        std::fprintf(stderr, "more than 256 MiB in use\n");
+        std::fprintf(stderr, "more than %lld bytes in use\n", bound.load());
         std::abort();
     }
 }
@@ -35,12 +36,20 @@ const int installed = __sanitizer_install_malloc_and_free_hooks(on_malloc, on_fr
 
 }  // namespace
 
-AllocationMeter::AllocationMeter() {
+AllocationMeter::AllocationMeter(long long most) {
     require(installed > 0, "the allocation hooks are installed");
     in_use = 0;
+    bound = most;
     counting = true;
 }
 
 AllocationMeter::~AllocationMeter() { counting = false; }
+
+MemoryFile::MemoryFile(const std::uint8_t* data, std::size_t size) : descriptor_(memfd_create("fuzzed", MFD_CLOEXEC)) {
+    require(descriptor_ >= 0, "a file in memory can be made");
+    require(write(descriptor_, data, size) == static_cast<ssize_t>(size), "a file in memory can be written");
+}
+
+MemoryFile::~MemoryFile() { close(descriptor_); }
 
 }  // namespace fuzz

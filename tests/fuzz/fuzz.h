@@ -32,13 +32,29 @@ class Bytes {
     std::size_t size_;
 };
 
-/// While it lives, allocations count against the bound of one input (allocation_meter.cpp).
+/// While it lives, allocations count against the bound of one input (allocation_meter.cpp): for expressions what
+/// lpe/limits.h promises, for readers of files more.
+inline constexpr long long expression_bytes = 256LL << 20, file_bytes = 512LL << 20;
+
 class AllocationMeter {
   public:
-    AllocationMeter();
+    explicit AllocationMeter(long long bound = expression_bytes);
     ~AllocationMeter();
     AllocationMeter(const AllocationMeter&) = delete;
     AllocationMeter& operator=(const AllocationMeter&) = delete;
+};
+
+/// The fuzzer's bytes under a path, for readers that want one.
+class MemoryFile {
+  public:
+    MemoryFile(const std::uint8_t* data, std::size_t size);
+    ~MemoryFile();
+    MemoryFile(const MemoryFile&) = delete;
+    MemoryFile& operator=(const MemoryFile&) = delete;
+    [[nodiscard]] std::string path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
+
+  private:
+    int descriptor_;
 };
 
 /// Ends the run with a message, and so keeps the input, unless `holds`.

@@ -228,7 +228,7 @@ TEST_CASE("a header that does not parse names its line", "[law7][import][ply]") 
         {header("format text 1.0\n"), 2, "unknown PLY format 'text'"},
         {header("format ascii 1.0\nelement vertex\n"), 3, "expected 'element <name> <count>'"},
         {header("format ascii 1.0\nelement vertex -1\n"), 3, "count of at least 0"},
-        {header("format ascii 1.0\nelement vertex 99999999999\n"), 3, "beyond 2147483647"},
+        {header("format ascii 1.0\nelement vertex 99999999999\n"), 3, "the budget mesh_rows is 536870912"},
         {header("format ascii 1.0\nproperty float x\n"), 3, "before any 'element'"},
         {header("format ascii 1.0\nelement vertex 1\nproperty half x\n"), 4, "unknown PLY type 'half'"},
         {header("format ascii 1.0\nelement face 1\nproperty list float int vertex_indices\n"), 4,
@@ -253,11 +253,11 @@ TEST_CASE("a count that the file cannot hold is refused before memory is asked f
         const std::string start = std::string("format ") + format + " 1.0\n";
         CHECK(contains(
             ply_error(header(start +
-                             "element vertex 2000000000\nproperty float x\nproperty float y\nproperty float z\n" +
+                             "element vertex 500000000\nproperty float x\nproperty float y\nproperty float z\n" +
                              face_lines) +
                       "0 0 0")
                 .message,
-            "claims 2000000000 rows"));
+            "claims 500000000 rows"));
     }
     // A list may not run past the end either.
     PlyWriter w(Order::little);

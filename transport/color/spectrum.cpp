@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
+#include <filesystem>
 #include <sstream>
 
+#include "lpe/read_input.h"
 #include "transport/color/color_space.h"
 #include "transport/color/spectral_data.h"
 
@@ -111,8 +112,9 @@ Result<SampledSpectrum> from_pairs(const std::vector<double>& numbers, const Sou
 
 /// A file of wavelength-value pairs; '#' starts a comment.
 Result<SampledSpectrum> read_spd(const std::string& path) {
-    std::ifstream file(path);
-    if (!file) return Error{"cannot read spectrum file", path, 0, 0, {}, {}};
+    Result<std::string> content = read_input(path, NamedBy::file, "a spectrum file");
+    if (!content) return content.error();
+    std::istringstream file(std::move(*content));
     std::vector<double> numbers;
     std::string line, word;
     for (int number = 1; std::getline(file, line); ++number) {
@@ -167,8 +169,8 @@ Result<Rgb> resolve_text(const Parameter& parameter, SpectrumRole role, const Co
     const std::string& name = parameter.strings.front();
     VisibleSpectrum named{};
     if (find_named_spectrum(name, named)) return project(named, role, context);
-    const bool file = std::ifstream(name).good();
-    if (!file)
+    std::error_code status;
+    if (!std::filesystem::exists(name, status))
         return error_at(parameter.location, "'" + name + "' is neither a named spectrum nor a readable file",
                         known_names_hint(name));
     Result<SampledSpectrum> samples = read_spd(name);

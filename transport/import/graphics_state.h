@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -25,7 +26,9 @@ struct GraphicsState {
     int area_light = -1;
     int inside_medium = -1, outside_medium = -1;  ///< indices into the scene's media
     ColorSpace color_space = ColorSpace::srgb;
-    std::map<std::string, std::vector<DefaultParameter>> defaults;  ///< by Attribute's target
+    /// By Attribute's target. Shared until written to: every block keeps the state around it, however much is in here.
+    std::shared_ptr<const std::map<std::string, std::vector<DefaultParameter>>> defaults =
+        std::make_shared<const std::map<std::string, std::vector<DefaultParameter>>>();
 };
 
 }  // namespace raylex::transport

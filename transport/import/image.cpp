@@ -63,7 +63,7 @@ Result<Image> read_image(const std::string& path, const std::string& encoding) {
         error.file = path;
         return error;
     }
-    const Result<std::string> content = read_file(path);
+    const Result<std::string> content = read_file(path, NamedBy::file, "an image");
     if (!content) return content.error();
     if (starts_with(*content, "\x76\x2f\x31\x01")) return read_exr_image(path);
     if (starts_with(*content, "PF") || starts_with(*content, "Pf")) return read_pfm(*content, path);

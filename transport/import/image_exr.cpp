@@ -5,6 +5,7 @@
 
 #include <exception>
 
+#include "display/output/exr_guard.h"
 #include "transport/import/image_readers.h"
 
 namespace raylex::transport {
@@ -64,6 +65,7 @@ Result<Image> read_channels(const std::string& path) {
 }  // namespace
 
 Result<Image> read_exr_image(const std::string& path) {
+    if (Status sound = display::check_exr_file(path); !sound) return sound.error();
     try {
         return read_channels(path);
     } catch (const std::exception& exception) {

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "display/services/parameters.h"
+#include "lpe/budgets.h"
 #include "transport/import/image_readers.h"
 
 namespace raylex::transport {
@@ -57,6 +58,10 @@ Result<Image> read_pfm(const std::string& content, const std::string& path) {
         return failure("PFM header has no size; expected a width and a height above 0");
     if (!parse_whole(header.word(), scale) || scale == 0 || !std::isfinite(scale))
         return failure("PFM header has no scale; expected a number other than 0, negative for little-endian data");
+    const std::string size = std::to_string(image.width) + " x " + std::to_string(image.height);
+    if (static_cast<std::uint64_t>(image.width) * static_cast<std::uint64_t>(image.height) >
+        budget(Budget::image_pixels))
+        return over_budget(Budget::image_pixels, "the image has " + size + " pixels", path);
     const std::uint64_t row = static_cast<std::uint64_t>(image.width) * static_cast<std::uint64_t>(image.channels);
     const std::uint64_t count = row * static_cast<std::uint64_t>(image.height);
     const std::uint64_t left = content.size() > header.data_begin() ? content.size() - header.data_begin() : 0;

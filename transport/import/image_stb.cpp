@@ -26,6 +26,7 @@
 #include <limits>
 #include <memory>
 
+#include "lpe/budgets.h"
 #include "transport/import/image_readers.h"
 
 namespace raylex::transport {
@@ -67,6 +68,51 @@ bool tga_is_whole(const std::string& content) {
     return at <= content.size();
 }
 
+/// Of an HDR file stb_image takes a run of no pixels for progress, and zeros behind the end for such runs: it would not
+/// come back. Scanlines of runs begin with 2 2 and their width; others are plain pixels from there on.
+bool hdr_is_whole(const std::string& content, int width, int height) {
+    const std::size_t blank = content.find("\n\n");
+    const std::size_t resolution = blank == std::string::npos ? blank : content.find('\n', blank + 2);
+    if (resolution == std::string::npos) return false;
+    std::size_t at = resolution + 1;
+    const auto byte = [&content](std::size_t i) {
+        return i < content.size() ? static_cast<int>(static_cast<unsigned char>(content[i])) : 0;
+    };
+    const auto plain = [&](int rows) {
+        const auto pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(rows);
+        return content.size() >= at && (content.size() - at) / 4 >= pixels;
+    };
+    if (width < 8 || width >= 32'768) return plain(height);
+    for (int row = 0; row < height; ++row) {
+        if (byte(at) != 2 || byte(at + 1) != 2 || (byte(at + 2) & 0x80) != 0) return row == 0 && plain(height);
+        at += 4;
+        for (int left = 4 * width; left > 0;) {
+            const int mark = byte(at), count = mark > 128 ? mark - 128 : mark;
+            if (count == 0 || count > (left - 1) % width + 1) return false;
+            at += mark > 128 ? 2 : 1 + static_cast<std::size_t>(count);
+            if (at > content.size()) return false;
+            left -= count;
+        }
+    }
+    return true;
+}
+
+/// The header's size against the budgets: a small file can unpack to gigabytes of one colour.
+Status check_size(const stbi_uc* bytes, int size, const std::string& path) {
+    int width = 0, height = 0, channels = 0;
+    if (stbi_info_from_memory(bytes, size, &width, &height, &channels) == 0) return success();  // the decoder says why
+    const std::uint64_t pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
+    const std::string shown = "the image has " + std::to_string(width) + " x " + std::to_string(height) + " pixels";
+    if (pixels > budget(Budget::image_pixels)) return over_budget(Budget::image_pixels, shown, path);
+    const bool wide = stbi_is_16_bit_from_memory(bytes, size) != 0;
+    const std::uint64_t sample = stbi_is_hdr_from_memory(bytes, size) != 0 ? 4 : wide ? 2 : 1;
+    const std::uint64_t unpacked = pixels * static_cast<std::uint64_t>(channels) * sample;
+    if (unpacked <= budget(Budget::unpack_floor) ||
+        unpacked / budget(Budget::unpack_ratio) <= static_cast<std::uint64_t>(size))
+        return success();
+    return over_budget(Budget::unpack_ratio, shown + " in " + std::to_string(size) + " bytes", path);
+}
+
 }  // namespace
 
 Result<Image> read_with_stb(const std::string& content, const std::string& path, const Encoding& encoding) {
@@ -86,6 +132,7 @@ Result<Image> read_with_stb(const std::string& content, const std::string& path,
     if (tga && !tga_is_whole(content)) return failure("TGA is truncated; expected as many pixels as its header says");
     const auto* bytes = reinterpret_cast<const stbi_uc*>(content.data());
     const int size = static_cast<int>(content.size());
+    if (Status fits = check_size(bytes, size, path); !fits) return fits.error();
     Image image;
     int &w = image.width, &h = image.height, &c = image.channels;
     const auto samples = [&] {
@@ -93,6 +140,8 @@ Result<Image> read_with_stb(const std::string& content, const std::string& path,
     };
 
     if (stbi_is_hdr_from_memory(bytes, size) != 0) {
+        if (stbi_info_from_memory(bytes, size, &w, &h, &c) != 0 && !hdr_is_whole(content, w, h))
+            return failure("HDR is truncated or damaged; expected runs that fill each line");
         const std::unique_ptr<float, StbFree> pixels(stbi_loadf_from_memory(bytes, size, &w, &h, &c, 0));
         if (!pixels) return failure(stbi_failure_reason());
         image.pixels.assign(pixels.get(), pixels.get() + samples());

@@ -2,10 +2,8 @@
 
 #include <zlib.h>
 
-#include <array>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
+#include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <system_error>
 
@@ -15,30 +13,26 @@ namespace fs = std::filesystem;
 
 namespace {
 
-struct FileCloser {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-};
-
 Error file_error(const std::string& path, std::string message) {
     return {std::move(message), path, 0, 0, {}, {}};
 }
 
-Result<std::string> read_bytes(const std::string& path) {
-    std::error_code status;
-    if (fs::is_directory(path, status)) return file_error(path, "is a folder; expected a file");
-    errno = 0;
-    const std::unique_ptr<std::FILE, FileCloser> file(std::fopen(path.c_str(), "rb"));
-    if (!file) return file_error(path, std::string("cannot open file: ") + std::strerror(errno));
-    std::string content;
-    if (const auto size = fs::file_size(path, status); !status) content.reserve(size + 1);
-    std::array<char, 1 << 16> block;
-    while (true) {
-        const std::size_t count = std::fread(block.data(), 1, block.size(), file.get());
-        content.append(block.data(), count);
-        if (count < block.size()) break;
-    }
-    if (std::ferror(file.get()) != 0) return file_error(path, std::string("cannot read file: ") + std::strerror(errno));
-    return content;
+/// What gzip's last four bytes say of the unpacked size, modulo 2^32; more streams than one, or a lie, say nothing.
+std::size_t claimed_size(const std::string& compressed) {
+    std::uint32_t size = 0;
+    for (std::size_t i = 0; i < 4; ++i)
+        size |= static_cast<std::uint32_t>(static_cast<unsigned char>(compressed[compressed.size() - 4 + i])) << 8 * i;
+    return size;
+}
+
+/// A gzip file of a few megabytes can unpack to gigabytes of one byte.
+Status check_unpacked(std::uint64_t unpacked, std::uint64_t compressed, const std::string& path) {
+    const std::string shown = "the file of " + std::to_string(compressed) + " bytes unpacks to more than ";
+    if (unpacked > budget(Budget::file_bytes))
+        return over_budget(Budget::file_bytes, shown + std::to_string(budget(Budget::file_bytes)) + " bytes", path);
+    const std::uint64_t ratio = budget(Budget::unpack_ratio);
+    if (unpacked <= budget(Budget::unpack_floor) || unpacked / ratio <= compressed) return success();
+    return over_budget(Budget::unpack_ratio, shown + std::to_string(ratio) + " times its size", path);
 }
 
 /// Inflates one gzip stream or several in a row (gzip allows concatenation).
@@ -48,13 +42,16 @@ Result<std::string> inflate_gzip(const std::string& path, const std::string& com
     if (inflateInit2(&stream, gzip_only) != Z_OK) return file_error(path, "cannot start decompression");
     const std::unique_ptr<z_stream, int (*)(z_stream*)> guard(&stream, inflateEnd);
 
+    const std::size_t claimed = claimed_size(compressed);
+    const bool plausible = check_unpacked(claimed, compressed.size(), path).ok();
     std::string content;
-    content.resize(std::max<std::size_t>(compressed.size() * 3, 1 << 12));
+    content.resize((plausible ? claimed : 1 << 20) + 1);  // one more: the end is seen without growing
     std::size_t used = 0, consumed = 0;
     while (true) {
         if (used == content.size()) content.resize(content.size() * 2);
-        // zlib counts in unsigned int: hand over at most 1 GiB at a time.
-        constexpr std::size_t most = std::size_t{1} << 30;
+        if (reading_stopped()) return reading_stopped_error(path);
+        if (Status fits = check_unpacked(used, compressed.size(), path); !fits) return fits.error();
+        constexpr std::size_t most = std::size_t{1} << 22;  // at a time, so that an interrupt is heard
         const std::size_t room = std::min(content.size() - used, most),
                           offered = std::min(compressed.size() - consumed, most);
         stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(compressed.data() + consumed));
@@ -81,11 +78,13 @@ Result<std::string> inflate_gzip(const std::string& path, const std::string& com
 
 }  // namespace
 
-Result<std::string> read_file(const std::string& path) {
-    Result<std::string> content = read_bytes(path);
-    const bool gzip = content && content->size() > 1 && (*content)[0] == '\x1f' && (*content)[1] == '\x8b';
+Result<std::string> read_file(const std::string& path, NamedBy by, const std::string& expected) {
+    Result<std::string> content = read_input(path, by, expected, Budget::file_bytes);
+    const bool gzip = content && content->size() > 4 && (*content)[0] == '\x1f' && (*content)[1] == '\x8b';
     if (!gzip) return content;
-    return inflate_gzip(path, *content);
+    Result<std::string> unpacked = inflate_gzip(path, *content);
+    if (unpacked) drop_byte_order_mark(*unpacked);
+    return unpacked;
 }
 
 Result<std::string> SearchPath::find(const std::string& name, const SourceLocation& where) const {

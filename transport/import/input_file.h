@@ -5,13 +5,14 @@
 #include <string>
 
 #include "display/services/parameters.h"
-#include "lpe/result.h"
+#include "lpe/read_input.h"
 
 namespace raylex::transport {
 
 /// The content of `path`, decompressed when it starts with gzip's magic number. Errors name the path and the system's
-/// reason; a gzip stream that ends early or fails its checksum is an Error.
-Result<std::string> read_file(const std::string& path);
+/// reason; a gzip stream that ends early, fails its checksum or unpacks to more than the budgets allow is an Error.
+Result<std::string> read_file(const std::string& path, NamedBy by = NamedBy::file,
+                              const std::string& expected = "a file");
 
 /// Where scene files look: pbrt searches the folder of the top-level scene; the folder of the file that holds the name
 /// comes second, so that a subfolder can also be moved as a whole.

@@ -1,8 +1,10 @@
 #include "transport/import/mesh_shapes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
+#include "transport/geometry/matrix34.h"
 #include "transport/import/ply.h"
 
 namespace raylex::transport {
@@ -34,7 +36,7 @@ Result<std::vector<Vec3>> triples(const ParameterSet& set, std::string_view name
     for (std::size_t i = 0; i < result.size(); ++i) {
         const double* n = numbers->data() + 3 * i;
         result[i] = {static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2])};
-        if (!is_finite(result[i]))
+        if (!is_finite(result[i]) && type != ParameterType::normal)
             return error_at(location_of(set, name), "vertex " + std::to_string(i) + " of '" + std::string(name) +
                                                         "' is beyond the range of float");
     }
@@ -92,6 +94,41 @@ Result<std::vector<Vec3>> normals_of(const ParameterSet& set, std::size_t vertic
         return error_at(location_of(set, "N"), "'N' has " + std::to_string(normals->size()) + " normals for " +
                                                    std::to_string(vertices) + " vertices; expected as many");
     return normals;
+}
+
+/// Public meshes hold normals that are not finite numbers, mostly at vertices whose faces have no area. Such a normal
+/// becomes the mean of the faces around the vertex by area, or any direction where there is none: no light falls there.
+std::size_t repair_normals(std::vector<Vec3>& normals, const std::vector<Vec3>& positions,
+                           const std::vector<std::uint32_t>& triangles, const std::vector<std::uint32_t>& quads) {
+    std::vector<std::uint8_t> broken(normals.size(), 0);
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < normals.size(); ++i)
+        if (!is_finite(normals[i])) broken[i] = 1, ++count;
+    if (count == 0) return 0;
+    std::vector<DVec3> sums(normals.size());
+    const auto add_faces = [&](const std::vector<std::uint32_t>& indices, std::size_t group) {
+        for (std::size_t i = 0; i + group <= indices.size(); i += group) {
+            const std::uint32_t* k = indices.data() + i;
+            if (!std::any_of(k, k + group, [&](std::uint32_t vertex) { return broken[vertex] != 0; })) continue;
+            const DVec3 a(positions[k[0]]), b(positions[k[1]]), c(positions[k[2]]);
+            const DVec3 normal = cross(b - a, c - a);
+            for (std::size_t corner = 0; corner < group; ++corner) sums[k[corner]] = sums[k[corner]] + normal;
+        }
+    };
+    add_faces(triangles, 3);
+    add_faces(quads, 4);
+    for (std::size_t i = 0; i < normals.size(); ++i) {
+        if (broken[i] == 0) continue;
+        const double length = std::sqrt(dot(sums[i], sums[i]));
+        normals[i] = length > 0 && std::isfinite(length) ? (sums[i] * (1 / length)).to_float() : Vec3{0, 0, 1};
+    }
+    return count;
+}
+
+void warn_repaired(std::size_t count, const SceneShape& shape, const std::string& what, std::vector<Error>& warnings) {
+    if (count > 0)
+        warnings.push_back(error_at(shape.location, std::to_string(count) + " of the normals of " + what +
+                                                        " are not finite numbers and were computed from the faces"));
 }
 
 /// Twice the area is exactly 0. In double the differences of float coordinates and their products are exact up to
@@ -156,8 +193,8 @@ Result<std::vector<SceneShape>> make_inline_mesh(ShapeKind kind, const Parameter
     if (!positions) return positions.error();
     if (positions->empty()) return error_at(set.location, "mesh has no vertices; expected \"point3 P\"");
     shape.positions = std::move(*positions);
-    Result<std::vector<std::uint32_t>> indices =
-        indices_of(set, shape.positions.size(), kind == ShapeKind::triangle_mesh ? 3 : 4);
+    const std::size_t group = kind == ShapeKind::triangle_mesh ? 3 : 4;
+    Result<std::vector<std::uint32_t>> indices = indices_of(set, shape.positions.size(), group);
     if (!indices) return indices.error();
     shape.indices = std::move(*indices);
     Result<std::vector<Vec2>> uvs = uvs_of(set, shape.positions.size());
@@ -166,6 +203,11 @@ Result<std::vector<SceneShape>> make_inline_mesh(ShapeKind kind, const Parameter
     Result<std::vector<Vec3>> normals = normals_of(set, shape.positions.size());
     if (!normals) return normals.error();
     shape.normals = std::move(*normals);
+    const bool patches = kind == ShapeKind::bilinear_mesh;
+    const std::vector<std::uint32_t> none;
+    const std::size_t repaired = repair_normals(shape.normals, shape.positions, patches ? none : shape.indices,
+                                                patches ? shape.indices : none);
+    warn_repaired(repaired, shape, "the mesh", warnings);
     if (Status status = transform_vertices(shape, context); !status) return status.error();
     warn_dropped(drop_degenerate(shape), shape, "the mesh", warnings);
     std::vector<SceneShape> shapes;
@@ -213,6 +255,8 @@ Result<std::vector<SceneShape>> make_ply_mesh(const ParameterSet& set, const Sha
     base.positions = std::move(mesh->positions);
     base.normals = std::move(mesh->normals);
     base.uvs = std::move(mesh->uvs);
+    const std::string shown = "'" + base.source_file + "'";
+    warn_repaired(repair_normals(base.normals, base.positions, mesh->triangles, mesh->quads), base, shown, warnings);
     if (Status status = transform_vertices(base, context); !status) {
         Error error = status.error();
         error.message += " ('" + base.source_file + "')";

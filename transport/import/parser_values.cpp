@@ -146,20 +146,38 @@ class ValueReader {
         double number = 0;
         // Meshes hold millions of numbers: the text of a message is put together only when one is wrong.
         if (!plain_number(token.text, number)) {
+            if (is_broken_normal(token.text)) {  // what reads normals repairs and counts them
+                parameter_.numbers.push_back(std::numeric_limits<double>::quiet_NaN());
+                return success();
+            }
             const Result<double> value = parse_number(tokenizer_, token, expected());
             if (!value) {
                 Error error = value.error();
-                const bool vertex = row_.group == 3 && parameter_.name == "P";
-                if (vertex) error.message += ", at vertex " + std::to_string(parameter_.numbers.size() / 3);
+                if (is_vertex()) error.message += ", at vertex " + std::to_string(parameter_.numbers.size() / 3);
                 return error;
             }
             number = *value;
+        }
+        // Everything downstream is float: what it cannot hold would be infinite there without a word.
+        if (std::abs(number) > static_cast<double>(std::numeric_limits<float>::max())) {
+            Error error = tokenizer_.error(token, "found " + describe(token) + ", beyond the range of float; expected " +
+                                                      expected());
+            if (is_vertex()) error.message += ", at vertex " + std::to_string(parameter_.numbers.size() / 3);
+            return error;
         }
         if (parameter_.type == ParameterType::integer &&
             (number != std::floor(number) || std::abs(number) > std::numeric_limits<std::int32_t>::max()))
             return tokenizer_.error(token, "found " + describe(token) + "; expected " + expected() + " of 32 bits");
         parameter_.numbers.push_back(number);
         return success();
+    }
+
+    [[nodiscard]] bool is_vertex() const { return row_.group == 3 && parameter_.name == "P"; }
+    [[nodiscard]] bool is_broken_normal(std::string_view text) const {
+        if (parameter_.type != ParameterType::normal || parameter_.name != "N") return false;
+        double value = 0;
+        const auto [stop, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+        return status == std::errc() && stop == text.data() + text.size() && !std::isfinite(value);
     }
 
     const Tokenizer& tokenizer_;

@@ -1,6 +1,8 @@
 #include "transport/import/pbrt_importer.h"
 
+#include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -18,12 +20,12 @@ namespace {
 /// One open scene file.
 struct Source {
     std::string path, identity;  // identity: the same for every way to write the path
-    std::string text;
+    std::shared_ptr<const std::string> text;
     Tokenizer tokenizer;
     bool imported = false;
 
-    Source(std::string file, std::string id, std::string content)
-        : path(std::move(file)), identity(std::move(id)), text(std::move(content)), tokenizer(text, path) {}
+    Source(std::string file, std::string id, std::shared_ptr<const std::string> content)
+        : path(std::move(file)), identity(std::move(id)), text(std::move(content)), tokenizer(*text, path) {}
     Source(const Source&) = delete;
     Source& operator=(const Source&) = delete;
 };
@@ -37,13 +39,14 @@ std::string identity_of(const std::string& path) {
 class Importer {
   public:
     Importer(const std::string& path, std::string text) : builder_(path), folder_(fs::path(path).parent_path()) {
-        push(path, std::move(text), false);
+        push(path, identity_of(path), std::make_shared<const std::string>(std::move(text)), false);
     }
 
     Result<SceneDescription> run() {
         SourceLocation end{sources_.front()->path, 1, 1};
         while (!sources_.empty()) {
             Source& source = *sources_.back();
+            if (reading_stopped()) return reading_stopped_error(source.path);
             Result<std::optional<Directive>> directive = parse_directive(source.tokenizer);
             if (!directive) return directive.error();
             Status status = success();
@@ -65,8 +68,9 @@ class Importer {
   private:
     [[nodiscard]] SearchPath search() const { return {folder_, fs::path(sources_.back()->path).parent_path()}; }
 
-    void push(const std::string& path, std::string text, bool imported) {
-        sources_.push_back(std::make_unique<Source>(path, identity_of(path), std::move(text)));
+    void push(const std::string& path, const std::string& identity, std::shared_ptr<const std::string> text,
+              bool imported) {
+        sources_.push_back(std::make_unique<Source>(path, identity, std::move(text)));
         sources_.back()->imported = imported;
     }
 
@@ -82,22 +86,46 @@ class Importer {
             if (source->identity == identity)
                 return error_at(where, "'" + directive.strings[0] + "' includes itself, by way of " +
                                            std::to_string(sources_.size()) + " open file(s)");
-        Result<std::string> text = read_file(*path);
+        auto text = text_of(*path, identity, where);
+        if (!text) return text.error();
+        push(*path, identity, std::move(*text), imported);
+        return success();
+    }
+
+    /// What a file holds; one that is included again is not read again. Files that include others several times each
+    /// grow like powers: counted by how often, how deep, and by the bytes that come again.
+    Result<std::shared_ptr<const std::string>> text_of(const std::string& path, const std::string& identity,
+                                                       const SourceLocation& where) {
+        const auto refuse = [&](Budget which, const std::string& what) {
+            return over_budget(which, what, where.file, where.line, where.column);
+        };
+        if (++opened_ > budget(Budget::include_files))
+            return refuse(Budget::include_files, "the scene includes too many files");
+        if (sources_.size() >= budget(Budget::include_depth))
+            return refuse(Budget::include_depth, "files include one another too deep");
+        if (const auto known = texts_.find(identity); known != texts_.end()) {
+            repeated_bytes_ += known->second->size();
+            if (repeated_bytes_ > budget(Budget::include_repeats))
+                return refuse(Budget::include_repeats, "the scene includes the same files again and again");
+            return known->second;
+        }
+        Result<std::string> text = read_file(path, NamedBy::file, "a scene file");
         if (!text) {
             Error error = text.error();
-            error.hint +=
-                "named at " + where.file + ":" + std::to_string(where.line) + ":" + std::to_string(where.column);
+            error.hint += (error.hint.empty() ? "" : "; ") + std::string("named at ") + where.file + ":" +
+                          std::to_string(where.line) + ":" + std::to_string(where.column);
             return error;
         }
-        push(*path, std::move(*text), imported);
-        return success();
+        auto shared = std::make_shared<const std::string>(std::move(*text));
+        texts_.emplace(identity, shared);
+        return shared;
     }
 
     Status pop() {
         const bool imported = sources_.back()->imported;
         Status status = imported ? builder_.end_import() : success();
         if (!status) return status;
-        closed_.push_back(std::move(sources_.back()));
+        closed_.try_emplace(sources_.back()->path, sources_.back()->text);  // for excerpts of errors found at the end
         sources_.pop_back();
         return success();
     }
@@ -111,22 +139,24 @@ class Importer {
     /// Errors of the builder know the place alone; the texts are kept here.
     [[nodiscard]] Error with_excerpt(Error error) const {
         if (error.line == 0 || !error.excerpt.empty()) return error;
-        for (const auto* list : {&sources_, &closed_})
-            for (const auto& source : *list)
-                if (source->path == error.file) error.excerpt = excerpt_of(source->text, error.line);
+        for (const auto& source : sources_)
+            if (source->path == error.file) error.excerpt = excerpt_of(*source->text, error.line);
+        if (const auto closed = closed_.find(error.file); closed != closed_.end())
+            error.excerpt = excerpt_of(*closed->second, error.line);
         return error;
     }
 
     SceneBuilder builder_;
     fs::path folder_;
     std::vector<std::unique_ptr<Source>> sources_;  ///< open, the innermost last
-    std::vector<std::unique_ptr<Source>> closed_;   ///< for excerpts of errors found at the end
+    std::map<std::string, std::shared_ptr<const std::string>> closed_, texts_;  ///< by path, by identity
+    std::uint64_t opened_ = 0, repeated_bytes_ = 0;
 };
 
 }  // namespace
 
 Result<SceneDescription> import_pbrt(const std::string& path) {
-    Result<std::string> text = read_file(path);
+    Result<std::string> text = read_file(path, NamedBy::file, "a pbrt-v4 scene");
     if (!text) return text.error();
     return Importer(path, std::move(*text)).run();
 }

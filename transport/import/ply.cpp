@@ -174,7 +174,8 @@ class MeshReader {
                 double value = 0;
                 if (Status status = read_property(element, element.properties[p], row, value); !status) return status;
                 if (slots[p] < 0) continue;
-                if (!std::isfinite(static_cast<float>(value)))
+                const bool normal = slots[p] >= 3 && slots[p] <= 5;
+                if (!std::isfinite(static_cast<float>(value)) && !normal)
                     return failure("vertex " + std::to_string(row) + " has a '" + element.properties[p].name +
                                    "' that is not a finite float; expected a number");
                 values[slots[p]] = value;
@@ -298,7 +299,7 @@ Result<PlyMesh> parse_ply(const std::string& content, const std::string& path) {
 }
 
 Result<PlyMesh> read_ply(const std::string& path) {
-    const Result<std::string> content = read_file(path);
+    const Result<std::string> content = read_file(path, NamedBy::file, "a PLY mesh");
     if (!content) return content.error();
     return parse_ply(*content, path);
 }

@@ -12,7 +12,7 @@ namespace raylex::transport {
 
 /// Indices are in range. pbrt keeps quadrilaterals as bilinear patches; larger polygons become fans of triangles.
 struct PlyMesh {
-    std::vector<Vec3> positions, normals;  ///< normals: one per position, or none
+    std::vector<Vec3> positions, normals;  ///< normals: one per position, or none; some may not be finite
     std::vector<Vec2> uvs;                 ///< one per position, or none
     std::vector<std::uint32_t> triangles;  ///< 3 per triangle
     std::vector<std::uint32_t> quads;      ///< 4 per quadrilateral, p00 p10 p01 p11
@@ -23,7 +23,7 @@ struct PlyMesh {
 /// texture_t) and the face element's list (vertex_indices or vertex_index); other elements and properties are skipped.
 /// Errors name the file, what was found and what was expected, with the line of an ASCII file or the byte offset (in
 /// the decompressed data) of a binary one: a header that does not parse, data that ends early, an index out of range, a
-/// vertex that is not finite.
+/// position or texture coordinate that is not finite.
 Result<PlyMesh> read_ply(const std::string& path);
 /// The same for the content of a file; `path` is for messages.
 Result<PlyMesh> parse_ply(const std::string& content, const std::string& path);

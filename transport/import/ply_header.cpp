@@ -3,6 +3,7 @@
 #include <charconv>
 
 #include "display/services/parameters.h"
+#include "lpe/budgets.h"
 #include "transport/import/tokenizer.h"
 
 namespace raylex::transport::ply {
@@ -106,10 +107,15 @@ class HeaderParser {
         std::uint64_t count = 0;
         const bool shaped = words_.size() == 3;
         const char* end = shaped ? words_[2].data() + words_[2].size() : nullptr;
-        if (!shaped || std::from_chars(words_[2].data(), end, count).ptr != end || words_[2].front() == '-')
+        const auto [stop, status] = shaped ? std::from_chars(words_[2].data(), end, count) : std::from_chars_result{};
+        if (!shaped || stop != end || status == std::errc::invalid_argument)
             return failure("expected 'element <name> <count>' with a count of at least 0");
-        // Indices are 32-bit, and so is everything downstream.
-        if (count > 0x7fffffffU) return failure("element count " + std::to_string(count) + " is beyond 2147483647");
+        if (status == std::errc::result_out_of_range || count > budget(Budget::mesh_rows)) {
+            Error error = over_budget(Budget::mesh_rows, "element count " + shown(words_[2]) + " is out of range", path_,
+                                      header_.lines);
+            error.excerpt = excerpt_of(line_, 1);
+            return error;
+        }
         header_.elements.push_back({std::string(words_[1]), count, {}});
         return success();
     }

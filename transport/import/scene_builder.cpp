@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "lpe/budgets.h"
 #include "transport/color/color_space.h"
 
 namespace raylex::transport {
@@ -141,6 +142,9 @@ Status SceneBuilder::require_block(const Directive& directive) const {
 }
 
 Status SceneBuilder::begin_block(Block block, const SourceLocation& where) {
+    if (stack_.size() >= budget(Budget::block_depth))
+        return over_budget(Budget::block_depth, "blocks inside one another too deep", where.file, where.line,
+                           where.column);
     stack_.push_back({block, state_, where, {}});
     return success();
 }
@@ -253,11 +257,13 @@ Status SceneBuilder::attribute(Directive& directive) {
         return error_at(
             directive.string_locations[0],
             "unknown target '" + target + "' of Attribute; expected shape, light, material, medium or texture");
-    std::vector<DefaultParameter>& defaults = state_.defaults[target];
+    auto changed = std::make_shared<std::map<std::string, std::vector<DefaultParameter>>>(*state_.defaults);
+    std::vector<DefaultParameter>& defaults = (*changed)[target];
     for (Parameter& parameter : directive.parameters.parameters) {
         std::erase_if(defaults, [&](const DefaultParameter& d) { return d.parameter.name == parameter.name; });
         defaults.push_back({std::move(parameter), state_.color_space});
     }
+    state_.defaults = std::move(changed);
     return success();
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -92,6 +93,8 @@ class SceneBuilder {
     std::vector<MaterialReference> material_references_;
     std::vector<InstanceReference> instance_references_;  // parallel to scene_.instances
     std::map<std::string, int> named_materials_;
+    std::map<std::string, std::size_t> named_textures_[2];  // float, spectrum
+    std::set<std::string> object_names_;
     std::map<std::string, int> named_media_;
     int active_object_ = -1;
     bool in_world_ = false;

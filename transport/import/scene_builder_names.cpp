@@ -78,9 +78,12 @@ Status SceneBuilder::resolve_instances() {
 }
 
 bool SceneBuilder::has_texture(const std::string& name, bool spectrum, bool any_kind, std::size_t before) const {
-    for (std::size_t i = 0; i < before; ++i)
-        if (scene_.textures[i].name == name && (any_kind || scene_.textures[i].spectrum == spectrum)) return true;
-    return false;
+    const auto among = [&](bool kind) {
+        const auto& names = named_textures_[kind ? 1 : 0];
+        const auto found = names.find(name);
+        return found != names.end() && found->second < before;
+    };
+    return among(spectrum) || (any_kind && among(!spectrum));
 }
 
 Error SceneBuilder::no_such_texture(const std::string& name, const SourceLocation& where, const char* kind) const {

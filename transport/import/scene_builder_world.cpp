@@ -89,8 +89,8 @@ Result<SceneEntity> SceneBuilder::make_entity(Directive& directive, std::string 
     entity.parameters = std::move(directive.parameters);
     const std::size_t own = entity.parameters.parameters.size();
     convert_colors(entity.parameters, scene_.color.scene_space, state_.color_space, light);
-    const auto found = state_.defaults.find(attribute_target(kind));
-    if (found != state_.defaults.end()) {
+    const auto found = state_.defaults->find(attribute_target(kind));
+    if (found != state_.defaults->end()) {
         for (const DefaultParameter& fallback : found->second) {
             if (std::any_of(entity.parameters.parameters.begin(), entity.parameters.parameters.end(),
                             [&](const Parameter& p) { return p.name == fallback.parameter.name; }))
@@ -180,11 +180,13 @@ Status SceneBuilder::texture(Directive& directive, const SearchPath& search) {
     if (value != "float" && value != "spectrum")
         return error_at(directive.string_locations[1],
                         "texture '" + name + "' has value type '" + value + "'; expected \"float\" or \"spectrum\"");
-    for (const SceneTexture& earlier : scene_.textures)
-        if (earlier.name == name && earlier.spectrum == (value == "spectrum"))
-            return error_at(directive.string_locations[0],
-                            value + " texture '" + name + "' is defined twice; the first is at " +
-                                earlier.location.file + ":" + std::to_string(earlier.location.line));
+    auto& names = named_textures_[value == "spectrum" ? 1 : 0];
+    if (const auto found = names.find(name); found != names.end()) {
+        const SourceLocation& earlier = scene_.textures[found->second].location;
+        return error_at(directive.string_locations[0], value + " texture '" + name +
+                                                           "' is defined twice; the first is at " + earlier.file + ":" +
+                                                           std::to_string(earlier.line));
+    }
     const Result<Transform> transform = still_transform(directive.location);
     if (!transform) return transform.error();
     Result<SceneEntity> entity = make_entity(directive, directive.strings[2], EntityKind::texture, search);
@@ -194,6 +196,7 @@ Status SceneBuilder::texture(Directive& directive, const SearchPath& search) {
     texture.name = name;
     texture.spectrum = value == "spectrum";
     texture.to_world = *transform;
+    names.emplace(name, scene_.textures.size());
     scene_.textures.push_back(std::move(texture));
     return success();
 }
@@ -226,7 +229,7 @@ Status SceneBuilder::shape(Directive& directive, const SearchPath& search) {
     const std::size_t own = directive.parameters.parameters.size();
     // Shapes resolve their own files: a plymesh keeps the name as written for label rules.
     ParameterSet set = std::move(directive.parameters);
-    if (const auto found = state_.defaults.find("shape"); found != state_.defaults.end())
+    if (const auto found = state_.defaults->find("shape"); found != state_.defaults->end())
         for (const DefaultParameter& fallback : found->second)
             if (std::none_of(set.parameters.begin(), set.parameters.end(),
                              [&](const Parameter& p) { return p.name == fallback.parameter.name; }))
@@ -255,9 +258,8 @@ Status SceneBuilder::object_begin(const Directive& directive) {
     const std::string& name = directive.strings[0];
     if (active_object_ >= 0)
         return error_at(directive.location, "ObjectBegin inside ObjectBegin; expected ObjectEnd first");
-    for (const SceneObject& object : scene_.objects)
-        if (object.name == name)
-            return error_at(directive.string_locations[0], "object '" + name + "' is defined twice");
+    if (!object_names_.insert(name).second)
+        return error_at(directive.string_locations[0], "object '" + name + "' is defined twice");
     if (Status status = begin_block(Block::object, directive.location); !status) return status;
     active_object_ = static_cast<int>(scene_.objects.size());
     scene_.objects.push_back({name, {}});

@@ -51,6 +51,13 @@ Light make_quadric(const ShapeGeometry& shape) {
     return light;
 }
 
+/// Each parameter fits, their product does not: nothing of the image would be a number.
+Error beyond_float(const SceneEntity& light) {
+    return error_at(light.location, "the emission of this " + light.type +
+                                        " light, its colour times 'scale', is beyond the range of float; expected less "
+                                        "than 3.4e38");
+}
+
 /// World area of a light's primitive, for its power.
 double world_area(const ShapeGeometry& shape, const Light& light) {
     if (light.kind != LightKind::quadric) return light.area;
@@ -74,6 +81,7 @@ Status LightTable::add_area_lights(const SceneDescription& scene, EmbreeScene& g
         if (!entry) return entry.error();
         auto emission = (*entry)->factory(area, context);
         if (!emission) return emission.error();
+        if (!is_finite(emission->radiance)) return beyond_float(area);
         emissions.push_back(*emission);
     }
     for (const SceneObject& object : scene.objects)
@@ -128,6 +136,8 @@ void LightTable::finish(const EmbreeScene& geometry) {
                     : 1.0f;
             light.power = luminance(light.emission) * mean * 4 * pi * pi * radius * radius;
         }
+        // Powers only weigh the choice of a light: one beyond float is as good as the largest.
+        if (light.power > std::numeric_limits<float>::max()) light.power = std::numeric_limits<float>::max();
         if (!(light.power > 0) && !light.emission.is_black())
             light.power = light.emission.max();  // colours of negative luminance
         if (light.is_area() && !(light.area > 0)) light.power = 0;
@@ -171,6 +181,7 @@ Result<LightTable> LightTable::build(const SceneDescription& scene, EmbreeScene&
                                                      ", " + std::to_string(at.z) + "); expected no coordinate beyond 1e18",
                                 "another unit of length brings it into range");
         }
+        if (!is_finite(light->emission)) return beyond_float(source);
         light->group = table.group_index(source.group);
         table.lights_.push_back(*light);
     }

@@ -1,4 +1,8 @@
 // mix: one of two materials at every hit, chosen by a hash, so that no closure ever holds both.
+#include <algorithm>
+#include <vector>
+
+#include "lpe/budgets.h"
 #include "transport/materials/material_inputs.h"
 
 namespace raylex::transport {
@@ -10,7 +14,22 @@ using Built = Result<std::unique_ptr<Material>>;
 class MixMaterial final : public Material {
   public:
     MixMaterial(const Material& first, const Material& second, const RealInput& amount, std::uint32_t salt)
-        : first_(first), second_(second), amount_(amount), salt_(salt) {}
+        : first_(first),
+          second_(second),
+          amount_(amount),
+          salt_(salt),
+          depth_(1 + std::max(depth_of(first), depth_of(second))) {
+        // Once and each once: mixes of mixes that share their parts would list them as often as there are ways down.
+        first.append_lobes(lobes_);
+        second.append_lobes(lobes_);
+        std::sort(lobes_.begin(), lobes_.end());
+        lobes_.erase(std::unique(lobes_.begin(), lobes_.end()), lobes_.end());
+    }
+    /// Mixes inside one another, this one included; 0 for other materials. Shading goes down by recursion.
+    static std::uint64_t depth_of(const Material& material) {
+        const auto* mix = dynamic_cast<const MixMaterial*>(&material);
+        return mix != nullptr ? mix->depth_ : 0;
+    }
 
     void shade(const TextureTable& textures, HitIndices hits, std::span<const SurfacePoint> points,
                std::span<Bsdf> closures) const override {
@@ -21,8 +40,7 @@ class MixMaterial final : public Material {
         }
     }
     void append_lobes(std::vector<LobeId>& lobes) const override {
-        first_.append_lobes(lobes);
-        second_.append_lobes(lobes);
+        lobes.insert(lobes.end(), lobes_.begin(), lobes_.end());
     }
 
   private:
@@ -34,6 +52,8 @@ class MixMaterial final : public Material {
     const Material& second_;
     RealInput amount_;
     std::uint32_t salt_;
+    std::uint64_t depth_;
+    std::vector<LobeId> lobes_;
 };
 
 Built make_mix(const SceneEntity& entity, const MaterialContext& context) {
@@ -48,6 +68,9 @@ Built make_mix(const SceneEntity& entity, const MaterialContext& context) {
     const Result<const Material*> second = context.materials.find(names->strings[1], reader.where(*names));
     if (!second) return second.error();
     if (reader.error()) return *reader.error();
+    if (std::max(MixMaterial::depth_of(**first), MixMaterial::depth_of(**second)) >= budget(Budget::material_depth))
+        return over_budget(Budget::material_depth, "mix materials inside one another too deep", entity.location.file,
+                           entity.location.line, entity.location.column);
     return std::unique_ptr<Material>(std::make_unique<MixMaterial>(**first, **second, amount, context.salt));
 }
 

@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 
+#include "lpe/budgets.h"
 #include "transport/materials/image_sampler.h"
 #include "transport/materials/parameter_reader.h"
 #include "transport/materials/pattern.h"
@@ -58,6 +59,18 @@ struct Node {
     std::int32_t stage = 0;             ///< image: its stage; pattern: which
 };
 
+/// What one look-up costs at most, its inputs included: textures that use one twice each grow like powers of two.
+struct LookupCost {
+    double work = 1;  ///< textures looked up; a double does not overflow
+    std::uint64_t depth = 1;
+
+    LookupCost& operator+=(const LookupCost& input) {
+        work += input.work;
+        depth = std::max(depth, input.depth + 1);
+        return *this;
+    }
+};
+
 bool odd(float x) {
     const float half = std::floor(x) * 0.5f;
     return half != std::floor(half);
@@ -67,13 +80,16 @@ bool odd(float x) {
 
 struct TextureTable::Storage final : TextureLookup {
     std::vector<Node> nodes;
+    std::vector<LookupCost> costs;          // parallel to nodes
     std::vector<std::unique_ptr<Pattern>> patterns;
+    std::vector<LookupCost> pattern_costs;  // parallel to patterns
     std::vector<TextureMapping> mappings;
     std::vector<ImageStage> stages;
     std::deque<Image> images;                                   // addresses stay
     std::map<std::pair<std::string, std::string>, const Image*> image_by_file;   // (path, encoding)
 
     std::vector<SceneTexture> sources;                          // as the scene has them
+    std::map<std::string, std::vector<std::size_t>, std::less<>> sources_by_name;   // ascending
     std::map<std::pair<std::size_t, SpectrumRole>, TextureId> compiled;
     ColorContext color;
     std::string scene_file;
@@ -93,11 +109,14 @@ struct TextureTable::Storage final : TextureLookup {
 
     TextureId add(const Node& node) {
         nodes.push_back(node);
+        costs.push_back(cost_of(node));
         return static_cast<TextureId>(nodes.size() - 1);
     }
     [[nodiscard]] Rgb rgb(TextureId id, const TexturePoint& at) const override { return evaluate<Rgb>(id, at); }
     [[nodiscard]] float real(TextureId id, const TexturePoint& at) const override { return evaluate<float>(id, at); }
     [[nodiscard]] const Node& node(TextureId id) const { return nodes[static_cast<std::size_t>(id)]; }
+    [[nodiscard]] LookupCost cost_of(const Node& node) const;
+    [[nodiscard]] Status check_cost(const Node& node, const SceneTexture& source) const;
 
     /// T is Rgb or float. Graphs are trees of a few nodes without cycles: textures see only those before them.
     template <class T>
@@ -138,6 +157,43 @@ struct TextureTable::Storage final : TextureLookup {
         return T{};
     }
 };
+
+LookupCost TextureTable::Storage::cost_of(const Node& node) const {
+    const auto at = [this](TextureId id) -> const LookupCost& { return costs[static_cast<std::size_t>(id)]; };
+    LookupCost cost;
+    switch (node.kind) {
+        case Node::Kind::constant:
+        case Node::Kind::image:
+            break;
+        case Node::Kind::scale:
+            (cost += at(node.a)) += at(node.amount);
+            break;
+        case Node::Kind::mix:
+            ((cost += at(node.a)) += at(node.b)) += at(node.amount);
+            break;
+        case Node::Kind::checkerboard:
+        case Node::Kind::solid_checkerboard:  // one of the two
+            cost.work += std::max(at(node.a).work, at(node.b).work);
+            cost.depth += std::max(at(node.a).depth, at(node.b).depth);
+            break;
+        case Node::Kind::pattern:
+            return pattern_costs[static_cast<std::size_t>(node.stage)];
+    }
+    return cost;
+}
+
+Status TextureTable::Storage::check_cost(const Node& node, const SceneTexture& source) const {
+    const LookupCost cost = cost_of(node);
+    const SourceLocation& where = source.location;
+    const auto refuse = [&](Budget which, const std::string& what) {
+        return over_budget(which, "texture '" + source.name + "' " + what, where.file, where.line, where.column);
+    };
+    if (cost.depth > budget(Budget::texture_depth))
+        return refuse(Budget::texture_depth, "uses textures inside one another too deep");
+    if (cost.work > static_cast<double>(budget(Budget::texture_work)))
+        return refuse(Budget::texture_work, "looks up too many textures for one value");
+    return success();
+}
 
 /// Colours by what the file's colour space says; grey stays grey.
 void convert_colors(Image& image, const FileColorConversion& convert) {
@@ -221,14 +277,18 @@ Result<Node> TextureTable::Storage::compile_image(const SceneTexture& source, Sp
 
 Result<Node> TextureTable::Storage::compile_pattern(const SceneTexture& source, const PatternFactory& factory,
                                                     SpectrumRole role, std::size_t visible) {
+    LookupCost cost;
     PatternReader reader(source, [&](std::string_view name, const Rgb& fallback, bool spectrum) {
-        return spectrum ? rgb_input(source.parameters, name, fallback, role, visible)
-                        : real_input(source.parameters, name, fallback.r, visible);
+        auto input = spectrum ? rgb_input(source.parameters, name, fallback, role, visible)
+                              : real_input(source.parameters, name, fallback.r, visible);
+        if (input) cost += costs[static_cast<std::size_t>(*input)];
+        return input;
     });
     Result<std::unique_ptr<Pattern>> made = factory(reader);
     if (!made) return std::move(made).error();
     if (reader.error()) return *reader.error();
     patterns.push_back(*std::move(made));
+    pattern_costs.push_back(cost);
     Node node;
     node.kind = Node::Kind::pattern;
     node.stage = static_cast<std::int32_t>(patterns.size() - 1);
@@ -284,6 +344,7 @@ Result<TextureId> TextureTable::Storage::compile(std::size_t index, SpectrumRole
     Result<Node> result = compile_node(source, role, index);
     if (!result) return std::move(result).error();
     Node node = *result;
+    if (Status fits = check_cost(node, source); !fits) return fits.error();
     const auto fixed = [this](TextureId id) { return this->node(id).kind == Node::Kind::constant; };
     const bool foldable = (node.kind == Node::Kind::scale && fixed(node.a) && fixed(node.amount)) ||
                           (node.kind == Node::Kind::mix && fixed(node.a) && fixed(node.b) && fixed(node.amount));
@@ -292,6 +353,7 @@ Result<TextureId> TextureTable::Storage::compile(std::size_t index, SpectrumRole
         Node constant;
         constant.value = evaluate<Rgb>(id, {});
         nodes.back() = constant;
+        costs.back() = {};
     }
     compiled[{index, role}] = id;
     return id;
@@ -303,15 +365,16 @@ Result<TextureId> TextureTable::Storage::reference(const Parameter& parameter, c
     if (parameter.strings.size() != 1)
         return error_at(where, "texture parameter '" + parameter.name + "' must name one " + kind + " texture");
     const std::string& name = parameter.strings.front();
-    std::vector<std::string> known;
     bool other_kind = false, later = false;
-    for (std::size_t i = sources.size(); i-- > 0;) {
-        if (sources[i].spectrum == spectrum) known.push_back(sources[i].name);
-        if (sources[i].name != name) continue;
-        if (sources[i].spectrum != spectrum) other_kind = true;
-        else if (i >= visible) later = true;
-        else return compile(i, role);
-    }
+    if (const auto called = sources_by_name.find(name); called != sources_by_name.end())
+        for (auto i = called->second.rbegin(); i != called->second.rend(); ++i) {
+            if (sources[*i].spectrum != spectrum) other_kind = true;
+            else if (*i >= visible) later = true;
+            else return compile(*i, role);
+        }
+    std::vector<std::string> known;
+    for (const SceneTexture& source : sources)
+        if (source.spectrum == spectrum) known.push_back(source.name);
     std::string hint;
     if (later) hint = "a texture of that name is defined further down: textures may only use earlier ones";
     else if (other_kind) hint = std::string("there is a ") + (spectrum ? "float" : "colour") + " texture of that name";
@@ -359,6 +422,7 @@ Result<TextureTable> TextureTable::build(const SceneDescription& scene) {
     s.sources = scene.textures;
     s.color = scene.color;
     s.scene_file = scene.file;
+    for (std::size_t i = 0; i < s.sources.size(); ++i) s.sources_by_name[s.sources[i].name].push_back(i);
     // Compiled once here whether used or not, so that a mistake in any texture is reported.
     for (std::size_t i = 0; i < s.sources.size(); ++i)
         if (Result<TextureId> id = s.compile(i, SpectrumRole::albedo); !id) return std::move(id).error();

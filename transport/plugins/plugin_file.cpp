@@ -3,15 +3,12 @@
 #include <elf.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <optional>
 #include <span>
-#include <system_error>
 #include <type_traits>
+
+#include "lpe/read_input.h"
 
 namespace raylex::transport {
 namespace {
@@ -66,13 +63,10 @@ std::string text_of(const std::array<char, Size>& field) {
 }  // namespace
 
 Result<PluginStamp> read_plugin_stamp(const std::string& file, const SourceLocation& where) {
-    std::error_code failed;
-    if (std::filesystem::is_directory(file, failed))
-        return error_at(where, "plugin '" + file + "' is a directory; expected a shared library");
-    std::ifstream stream(file, std::ios::binary);
-    if (!stream) return error_at(where, "cannot read plugin '" + file + "': " + std::strerror(errno));
-    const std::string content{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-    const std::span<const char> bytes(content);
+    const auto content = read_input(file, NamedBy::file, "a shared library", Budget::file_bytes);
+    if (!content)
+        return error_at(where, "cannot read plugin '" + file + "': " + content.error().message, content.error().hint);
+    const std::span<const char> bytes(*content);
     const auto header = record_at<Elf64_Ehdr>(bytes, 0);
     if (!header || std::memcmp(header->e_ident, ELFMAG, SELFMAG) != 0 || header->e_ident[EI_CLASS] != ELFCLASS64 ||
         header->e_ident[EI_DATA] != ELFDATA2LSB || header->e_type != ET_DYN)

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <sstream>
 
@@ -13,6 +11,7 @@
 #include "experiments/job/job_tables.h"
 #include "experiments/job/parameter_check.h"
 #include "experiments/job/sampling_requests.h"
+#include "experiments/job/toml_text.h"
 #include "experiments/study/plan/config_sections.h"
 #include "experiments/study/run/external.h"
 #include "transport/plugins/plugin_loader.h"
@@ -258,12 +257,9 @@ Job ExperimentConfig::job(std::size_t scene, const Variant& variant) const {
 }
 
 Result<ExperimentConfig> read_experiment_config(const std::string& path, const std::vector<std::string>& overrides) {
-    std::error_code failed;
-    if (fs::is_directory(path, failed))
-        return error_at({path, 0, 0}, "this is a directory; expected a TOML config of an experiment");
-    std::ifstream file(path, std::ios::binary);
-    if (!file) return error_at({path, 0, 0}, "cannot read the config of the experiment");
-    const ConfigText text(path, {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()}, overrides);
+    auto content = read_toml_file(path, NamedBy::command_line, "a TOML config of an experiment");
+    if (!content) return content.error();
+    const ConfigText text(path, *std::move(content), overrides);
     return ConfigReader(text).run();
 }
 

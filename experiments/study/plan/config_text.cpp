@@ -3,6 +3,8 @@
 #include <string_view>
 #include <utility>
 
+#include "experiments/job/toml_text.h"
+
 namespace raylex::experiments {
 namespace {
 
@@ -78,14 +80,9 @@ ConfigText::ConfigText(std::string file, std::string text, std::vector<std::stri
     : file_(std::move(file)), text_(std::move(text)), overrides_(std::move(overrides)) {}
 
 Result<toml::table> ConfigText::parse() const {
-    toml::table root;
-    try {
-        root = toml::parse(std::string_view(text_), std::string_view(file_));
-    } catch (const toml::parse_error& error) {
-        TomlSource where = source();
-        where.fail(where.location(error.source()), "this is no valid TOML: " + std::string(error.description()));
-        return *where.error();
-    }
+    auto parsed = parse_toml(text_, file_);
+    if (!parsed) return parsed.error();
+    toml::table root = *std::move(parsed);
     for (const std::string& each : overrides_)
         if (Status applied = apply(each, root); !applied) return applied.error();
     return root;
@@ -104,6 +101,7 @@ Status ConfigText::apply(const std::string& override, toml::table& root) const {
     if (equals == std::string::npos || equals == 0 || equals + 1 == override.size())
         return error_at(where,
                         "this sets nothing; expected KEY=VALUE, such as replicates=2 or method.path.max_depth=4");
+    if (Status shallow = check_toml_depth(override, origin); !shallow) return shallow;
     const std::vector<std::string> path = split_key(std::string_view(override).substr(0, equals));
     const std::string value = override.substr(equals + 1);
     for (const std::string& each : path)

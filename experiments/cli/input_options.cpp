@@ -1,0 +1,81 @@
+#include "experiments/cli/input_options.h"
+
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <CLI/Validators.hpp>
+
+#include "experiments/cli/interrupt.h"
+#include "lpe/read_input.h"
+
+namespace raylex::experiments {
+
+namespace {
+
+constexpr const char* variable = "RAYLEX_BUDGETS";
+constexpr const char* file_options[] = {"--output", "--stats",    "--deep",  "--ocio",    "--to",
+                                        "--plugin", "--channels", "--scene", "--preview", "--driver"};
+
+/// The environment hands what was raised to the processes that this one starts: a study's cells.
+std::string raise_budgets(const std::vector<std::string>& assignments) {
+    const char* earlier = std::getenv(variable);
+    std::string all = earlier != nullptr ? earlier : "";
+    for (const std::string& each : assignments) {
+        if (Status set = set_budget(each); !set) return set.error().message;
+        all += (all.empty() ? "" : ",") + each;
+    }
+    ::setenv(variable, all.c_str(), 1);
+    return {};
+}
+
+std::string budget_help() {
+    std::string text =
+        "raises (or lowers) what reading a file may take; K, M and G stand for powers of 1024. Budgets and their "
+        "values:";
+    for (const BudgetRow& row : budget_table())
+        text += std::string(" ") + row.name + " " + std::to_string(row.fallback);
+    return text;
+}
+
+void add_to(CLI::App& command) {
+    for (CLI::App* each : command.get_subcommands([](CLI::App*) { return true; })) add_to(*each);
+    for (const char* name : file_options)
+        if (CLI::Option* option = command.get_option_no_throw(name))
+            option->check([](const std::string& value) {
+                return value.empty() ? std::string("the name is empty; expected that of a file") : std::string();
+            });
+    if (!command.get_subcommands([](CLI::App*) { return true; }).empty()) return;
+    command
+        .add_option_function<std::vector<std::string>>(
+            "--budget",
+            [](const std::vector<std::string>& assignments) {
+                if (const std::string wrong = raise_budgets(assignments); !wrong.empty())
+                    throw CLI::ValidationError("--budget", wrong);
+            },
+            budget_help())
+        ->option_text("NAME=VALUE")
+        ->allow_extra_args(false)
+        ->trigger_on_parse();
+}
+
+}  // namespace
+
+Status prepare_reading() {
+    stop_reading_when(&interrupt_flag());
+    const char* assignments = std::getenv(variable);
+    if (assignments == nullptr) return success();
+    Status set = set_budgets(assignments);
+    if (set) return set;
+    Error error = set.error();
+    error.file = std::string("the environment variable ") + variable;
+    return error;
+}
+
+void add_input_options(CLI::App& app) {
+    add_to(app);
+}
+
+}  // namespace raylex::experiments

@@ -1,0 +1,97 @@
+// Law 7 for images from outside: what a header claims is held against the file before memory is asked for.
+#include <catch2/catch.hpp>
+
+#include <sys/stat.h>
+
+#include <cstring>
+
+#include "display/output/exr_guard.h"
+#include "tests/display/files.h"
+#include "tests/support/budget_guard.h"
+
+using namespace raylex;
+using namespace raylex::test;
+
+namespace {
+
+bool contains(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
+
+std::string refusal(const std::string& path) {
+    const auto image = display::read_exr(path);
+    return image ? "" : image.error().to_string();
+}
+
+std::vector<ForeignChannel> rgb(std::size_t pixels) {
+    std::vector<ForeignChannel> channels;
+    for (const char* name : {"R", "G", "B"}) channels.push_back({name, Imf::FLOAT, std::vector<float>(pixels, 1.0f)});
+    return channels;
+}
+
+/// The file's bytes with both windows made `width` by `height`.
+std::string resized(std::string bytes, std::int32_t width, std::int32_t height, bool display_window = true) {
+    for (const char* window : {"dataWindow", "displayWindow"}) {
+        if (!display_window && std::string(window) == "displayWindow") continue;
+        const std::size_t at = bytes.find(window) + std::strlen(window) + 1 + std::strlen("box2i") + 1 + 4;
+        const std::int32_t box[4] = {0, 0, width - 1, height - 1};
+        std::memcpy(bytes.data() + at, box, sizeof box);
+    }
+    return bytes;
+}
+
+}  // namespace
+
+TEST_CASE("an EXR header that asks for more than its bytes can mean is refused", "[law7][budget]") {
+    const Folder folder;
+    const std::string path = folder.path("a.exr");
+    write_foreign(path, rgb(12), box(4, 3), box(4, 3));
+    const std::string sound = read_bytes(path);
+    CHECK(refusal(path).empty());
+    // 16 M x 32 pixels in less than a kilobyte, the data window alone and both.
+    for (const bool both : {false, true}) {
+        write_bytes(path, resized(sound, 1 << 24, 32, both));
+        CHECK(contains(refusal(path), "the budget image_pixels is 268435456"));
+        const BudgetGuard more("image_pixels=4G");
+        CHECK(contains(refusal(path), "the budget exr_ratio is 1032"));
+    }
+    write_bytes(path, resized(sound, 20'000, 10'000));
+    CHECK(contains(refusal(path), "exr_ratio"));
+    write_bytes(path, resized(sound, 0x7fffffff, 0x7fffffff));
+    CHECK(contains(refusal(path), "image_pixels"));
+}
+
+TEST_CASE("uncompressed pixels are held against the size of the file", "[law7][budget]") {
+    const Folder folder;
+    const std::string path = folder.path("a.exr");
+    write_foreign(path, rgb(12), box(4, 3), box(4, 3));
+    std::string bytes = read_bytes(path);
+    const std::size_t compression = bytes.find("compression");
+    bytes[bytes.find(std::string("compression\0compression\0", 24), compression) + 28] = 0;  // none
+    write_bytes(path, resized(bytes, 4'000, 3'000));
+    CHECK(contains(refusal(path), "the file is truncated: its header asks for 144000000 bytes of uncompressed pixels"));
+}
+
+TEST_CASE("an attribute that ends behind the file is refused before it is read", "[law7][budget]") {
+    const Folder folder;
+    const std::string path = folder.path("a.exr");
+    write_foreign(path, rgb(12), box(4, 3), box(4, 3));
+    std::string bytes = read_bytes(path);
+    const std::size_t size = bytes.find(std::string("channels\0chlist\0", 16)) + 16;
+    const std::int32_t huge = 0x7fffffff;
+    std::memcpy(bytes.data() + size, &huge, 4);
+    write_bytes(path, bytes);
+    CHECK(contains(refusal(path), "its header claims 2147483647 bytes for 'channels'"));
+    for (std::size_t cut = 0; cut < size; cut += 7) {
+        write_bytes(path, bytes.substr(0, cut));
+        CHECK_FALSE(refusal(path).empty());
+    }
+}
+
+TEST_CASE("an image is a regular file", "[law7][budget]") {
+    const Folder folder;
+    REQUIRE(mkfifo(folder.path("pipe").c_str(), 0600) == 0);
+    CHECK(contains(refusal(folder.path("pipe")), "this is a pipe; expected an OpenEXR file"));
+    CHECK(contains(refusal("/dev/zero"), "this is a device"));
+    CHECK(contains(refusal(folder.path()), "this is a directory"));
+}

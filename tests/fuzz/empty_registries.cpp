@@ -1,0 +1,26 @@
+// The importer asks the registries which parameters a type has. The fuzz target of scenes stands alone, without the
+// materials, lights and integrators that would fill them.
+#include "transport/integrators/integrator.h"
+#include "transport/lights/light_table.h"
+#include "transport/materials/material.h"
+#include "transport/materials/pattern.h"
+#include "transport/media/medium.h"
+#include "transport/samplers/sampler.h"
+
+namespace raylex::transport {
+
+template <class Factory>
+Registry<Factory>& empty_registry(const char* kind) {
+    static Registry<Factory> registry(kind);
+    return registry;
+}
+
+Registry<MaterialFactory>& material_registry() { return empty_registry<MaterialFactory>("material"); }
+Registry<PatternFactory>& pattern_registry() { return empty_registry<PatternFactory>("texture"); }
+Registry<LightFactory>& light_registry() { return empty_registry<LightFactory>("light source"); }
+Registry<AreaLightFactory>& area_light_registry() { return empty_registry<AreaLightFactory>("area light source"); }
+Registry<MediumFactory>& medium_registry() { return empty_registry<MediumFactory>("medium"); }
+Registry<SamplerFactory>& sampler_registry() { return empty_registry<SamplerFactory>("sampler"); }
+Registry<IntegratorFactory>& integrator_registry() { return empty_registry<IntegratorFactory>("integrator"); }
+
+}  // namespace raylex::transport
