@@ -11,7 +11,6 @@
 #include "display/output/atomic_file.h"
 #include "experiments/job/channel_tables.h"
 #include "lpe/algebra/relations.h"
-#include "lpe/limits.h"
 #include "lpe/read_input.h"
 
 namespace raylex::experiments {
