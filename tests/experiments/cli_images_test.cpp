@@ -161,7 +161,7 @@ TEST_CASE("names that a preview does not know are answered with the nearest ones
     check_refused(folder, "preview a.exr --view 'ACES 1.1 - HDR Video (1000 nits & P3 lim)'",
                   {"display 'ST2084-P3-D65 - Display' has such a view"});
     check_refused(folder, "preview a.exr -o a.jpg", {"'a.jpg' has no name ending in .png"});
-    check_refused(folder, "preview a.exr -o ''", {"no name ending in .png"});
+    check_refused(folder, "preview a.exr -o ''", {"the name is empty"});
     check_refused(folder, "preview a.exr --ocio absent.ocio", {"absent.ocio"});
     check_refused(folder, "preview absent.exr", {"absent.exr"});
     check_refused(folder, "preview a.exr --exposure 1000", {"--exposure"});
@@ -275,7 +275,7 @@ TEST_CASE("compare prints every metric at once, as JSON too, and leaves error im
     check_refused(folder, "compare a.exr b.exr --metric all -o x.png", {"of one metric"});
     check_refused(folder, "compare a.exr b.exr --metric mean-ratio -o x.png", {"no single pixel has"});
     check_refused(folder, "compare a.exr b.exr -o x.jpg", {"ending in .exr or .png"});
-    check_refused(folder, "compare a.exr b.exr -o ''", {"ending in .exr or .png"});
+    check_refused(folder, "compare a.exr b.exr -o ''", {"the name is empty"});
     check_refused(folder, "compare a.exr b.exr -o b.exr", {"one of the images that are compared"});
     check_refused(folder, "compare a.exr b.exr -o absent/x.png", {"absent/x.png"});
 }

@@ -87,7 +87,7 @@ TEST_CASE("a job's plugin that is not there is an error with file, line and colu
     const Outcome outcome = run_raylex(folder, "render job.toml -o out.exr");
     CHECK(outcome.code == 2);
     CHECK(contains(outcome.err, "job.toml:3:4: cannot read plugin"));
-    CHECK(contains(outcome.err, "missing.so': No such file"));
+    CHECK(contains(outcome.err, "missing.so': cannot read this file: No such file"));
     CHECK_FALSE(folder.has("out.exr"));
 }
 

@@ -18,7 +18,7 @@ TEST_CASE("every ready experiment can be planned") {
     const Folder folder;
     int count = 0;
     for (const auto& entry : std::filesystem::directory_iterator(studies)) {
-        if (entry.is_directory()) continue;  // pictures
+        if (entry.path().extension() != ".toml") continue;  // pictures, the page about them
         CAPTURE(entry.path().string());
         const Outcome plan = run_raylex(folder, "experiment plan '" + entry.path().string() + "' --no-calibration");
         INFO(plan.err);

@@ -178,7 +178,8 @@ TEST_CASE("a study's page works in a browser", "[study][report]") {
     // What --dump-dom waits for is the page's clock, and pictures are decoded on a thread beside it: a page that is dumped too
     // early is asked again.
     Outcome page;
-    for (int attempt = 0; attempt < 10 && page.out.find("data-read=\"yes\"") == std::string::npos; ++attempt)
+    const auto shows = [&page](const char* mark) { return page.out.find(mark) != std::string::npos; };
+    for (int attempt = 0; attempt < 10 && !(shows("data-painted=\"") && shows("data-read=\"yes\"")); ++attempt)
         page = in_browser(folder, "study/report.html");
     CAPTURE(page.err);
     REQUIRE(page.code == 0);

@@ -67,11 +67,12 @@ inline transport::SceneEntity counted(const std::string& integrator) {
     transport::SceneEntity entity;
     entity.type = "counted " + integrator;
     transport::integrator_registry().add(
-        {entity.type, "for this test", {},
-         [integrator](const transport::SceneEntity&,
+        {entity.type, "for this test", {{"maxdepth", raylex::ParameterType::integer, "5", "as the counted one"}},
+         [integrator](const transport::SceneEntity& scene,
                       std::optional<std::int64_t> max_depth) -> raylex::Result<std::unique_ptr<transport::Integrator>> {
              transport::SceneEntity inner;
              inner.type = integrator;
+             inner.parameters = scene.parameters;  // what the scene's file says, its depth for one
              auto chosen = transport::choose_integrator(inner, max_depth);
              if (!chosen) return chosen.error();
              return std::unique_ptr<transport::Integrator>(

@@ -17,7 +17,11 @@ void LightTracer::integrate(const CameraBatch& batch, IntegratorThread& state, T
     thread.camera->counters.path_lengths.assign(1, 0);
     if (!can_emit_ || services.left) return;
     emit(batch, thread);
-    while (thread.next_count > 0 && !services.leaving()) {
+    // Splats that were handed on cannot be taken back, and a batch that is left with such leaves no checkpoint. So a batch
+    // is finished unless its paths go on for long: this many scatterings take milliseconds.
+    constexpr int soon = 64;
+    for (int scatterings = 0; thread.next_count > 0; ++scatterings) {
+        if (scatterings >= soon && services.leaving()) break;
         trace(batch, thread);
         if (thread.count == 0) continue;
         context_.scene.materials->shade(*context_.scene.textures, {thread.points.data(), thread.count},
