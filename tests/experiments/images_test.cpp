@@ -6,7 +6,7 @@
 #include "display/buffer/frame_buffer.h"
 #include "display/output/exr_writer.h"
 #include "display/services/sample_table.h"
-#include "support.h"
+#include "browser.h"
 #include "support/skip.h"
 
 using namespace raylex::test;
@@ -167,21 +167,14 @@ TEST_CASE("the page holds every layer, expression and verdict, and fetches nothi
 
 TEST_CASE("the page of an image works in a browser") {
     const Folder folder;
-    if (run_shell(folder, "command -v chromium").code != 0) RAYLEX_SKIP("needs the package chromium");
+    if (!has_browser(folder)) RAYLEX_SKIP("needs the package chromium");
     write_image(folder.path("good.exr"), 0, halves);
     REQUIRE(run_raylex(folder, "report good.exr -o page.html").code == 0);
-    // Pictures are decoded on a thread beside the page's clock: a page that is dumped too early is asked again.
-    Outcome page;
-    for (int attempt = 0; attempt < 10 && page.out.find("data-painted=") == std::string::npos; ++attempt)
-        page = run_shell(folder, "timeout 60 chromium --headless --no-sandbox --disable-gpu --user-data-dir='" +
-                                     folder.path("browser") +
-                                     "' --enable-logging=stderr --window-size=1400,900 --virtual-time-budget=15000 "
-                                     "--dump-dom 'file://" +
-                                     folder.path("page.html") + "'");
+    // Decoded, and shown through the view.
+    const Outcome page = in_browser(folder, "page.html", "1400,900", {"[data-painted=\"0 0 0\"]"});
     CAPTURE(page.err);
-    REQUIRE(page.code == 0);
     CHECK(page.err.find("Uncaught") == std::string::npos);
-    CHECK(page.out.find("data-painted=\"0 0 0\"") != std::string::npos);  // decoded, and shown through the view
+    REQUIRE_FALSE(page.out.empty());
     CHECK(page.out.find("<span class=\"share\">25 %</span>") != std::string::npos);
     CHECK(page.out.find("<span class=\"share\">75 %</span>") != std::string::npos);
 }
