@@ -1,4 +1,4 @@
-# raylex_unity(<out> <part> <source>...): the sources to compile in place of these. Those of one folder are compiled
+# raylex_unity(<out> <source>...): the sources to compile in place of these. Those of one folder are compiled
 # together, at most RAYLEX_UNITY_BATCH in one go, which takes about half the time: headers are parsed, and templates that
 # several sources use are compiled, once. CMake's own UNITY_BUILD writes absolute paths: no two clones would share a
 # compiler cache.
@@ -6,11 +6,7 @@
 # Sources that are compiled together see each other's anonymous namespaces: equal names there are an error of the
 # compiler. raylex_compile_alone() keeps a source by itself: one that holds the code of a library, say. Generated ones
 # stay so, too.
-function(raylex_unity out part)
-  if(NOT part IN_LIST RAYLEX_UNITY_PARTS)
-    set(${out} ${ARGN} PARENT_SCOPE)
-    return()
-  endif()
+function(raylex_unity out)
   set(result "")
   set(folders "")
   foreach(source ${ARGN})

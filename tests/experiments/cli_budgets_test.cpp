@@ -3,6 +3,7 @@
 
 #include "tests/experiments/support.h"
 
+using raylex::test::contains;
 using raylex::test::Folder;
 using raylex::test::Outcome;
 using raylex::test::run_raylex;
@@ -10,10 +11,6 @@ using raylex::test::run_shell;
 using raylex::test::small_scene;
 
 namespace {
-
-bool contains(const std::string& text, const std::string& part) {
-    return text.find(part) != std::string::npos;
-}
 
 void refuses(const Folder& folder, const std::string& arguments, const std::string& message) {
     const Outcome outcome = run_shell(folder, "timeout 10 \"$RAYLEX\" " + arguments);

@@ -9,10 +9,6 @@ using raylex::display::read_exr;
 
 namespace {
 
-struct SceneFolder : Folder {
-    SceneFolder() { write("room.pbrt", small_scene()); }
-};
-
 std::string refusal(const Folder& folder, const std::string& arguments) {
     const Outcome outcome = run_raylex(folder, arguments + " -o refused.exr");
     CAPTURE(arguments, outcome.out);

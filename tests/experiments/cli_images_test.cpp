@@ -33,19 +33,6 @@ std::vector<float> ramp(float first, float step) {
     return values;
 }
 
-void check_refused(const Folder& folder, const std::string& arguments, const std::vector<std::string>& words) {
-    CAPTURE(arguments);
-    const std::vector<std::string> before = folder.names();
-    const Outcome outcome = run_raylex(folder, arguments);
-    CAPTURE(outcome.err);
-    CHECK(outcome.code == 2);
-    for (const std::string& word : words) {
-        CAPTURE(word);
-        CHECK(outcome.err.find(word) != std::string::npos);
-    }
-    CHECK(folder.names() == before);
-}
-
 /// The picture that preview makes of a layer, without the program.
 raylex::experiments::Picture picture(const Folder& folder, const std::string& file, const std::string& layer,
                                      const std::string& view = {}) {

@@ -9,11 +9,6 @@ namespace raylex::test {
 namespace {
 
 /// Shown by Catch when it fails: the text itself is no part of the expression.
-bool contains(const std::string& text, const std::string& part) {
-    UNSCOPED_INFO(text);
-    return text.find(part) != std::string::npos;
-}
-
 }  // namespace
 
 TEST_CASE("a channel feeds several layers, by flag and by job alike", "[cli][layers]") {

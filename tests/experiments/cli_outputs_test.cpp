@@ -14,23 +14,6 @@ using raylex::display::read_exr;
 
 namespace {
 
-struct SceneFolder : Folder {
-    SceneFolder() { write("room.pbrt", small_scene()); }
-};
-
-void check_refused(const Folder& folder, const std::string& arguments, const std::vector<std::string>& words) {
-    CAPTURE(arguments);
-    const std::vector<std::string> before = folder.names();
-    const Outcome outcome = run_raylex(folder, arguments);
-    CAPTURE(outcome.err);
-    CHECK(outcome.code == 2);
-    for (const std::string& word : words) {
-        CAPTURE(word);
-        CHECK(outcome.err.find(word) != std::string::npos);
-    }
-    CHECK(folder.names() == before);
-}
-
 std::size_t occurrences(const std::string& text, const std::string& word) {
     std::size_t count = 0;
     for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) ++count;

@@ -12,11 +12,6 @@ namespace raylex::test {
 namespace {
 
 /// Shown by Catch when it fails: the text itself is no part of the expression.
-bool contains(const std::string& text, const std::string& part) {
-    UNSCOPED_INFO(text);
-    return text.find(part) != std::string::npos;
-}
-
 using transport::PluginStamp;
 
 std::string plugin_path(const std::string& name) {

@@ -9,10 +9,6 @@ using raylex::display::read_exr;
 
 namespace {
 
-struct SceneFolder : Folder {
-    SceneFolder() { write("room.pbrt", small_scene()); }
-};
-
 std::vector<float> plane(const raylex::display::ExrImage& image, const std::string& layer, const std::string& name) {
     CAPTURE(layer);
     REQUIRE(image.layer(layer) != nullptr);

@@ -11,19 +11,6 @@ using raylex::display::read_exr;
 namespace {
 
 /// Refused with exit 2 and a message that holds every one of `words`; nothing but the inputs is left in the folder.
-void check_refused(const Folder& folder, const std::string& arguments, const std::vector<std::string>& words) {
-    CAPTURE(arguments);
-    const std::vector<std::string> before = folder.names();
-    Outcome outcome = run_raylex(folder, arguments);
-    CAPTURE(outcome.err);
-    CHECK(outcome.code == 2);
-    for (const std::string& word : words) {
-        CAPTURE(word);
-        CHECK(outcome.err.find(word) != std::string::npos);
-    }
-    CHECK(folder.names() == before);
-}
-
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
     const std::size_t at = text.find(from);
     REQUIRE(at != std::string::npos);

@@ -15,7 +15,7 @@
 
 using namespace raylex::experiments;
 namespace display = raylex::display;
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 
 namespace {
 

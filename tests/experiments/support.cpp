@@ -1,4 +1,7 @@
 #include "support.h"
+
+#include <catch2/catch.hpp>
+
 #include "tests/support/paths.h"
 
 #include <sys/wait.h>
@@ -31,6 +34,24 @@ Outcome run_shell(const Folder& folder, const std::string& line) {
 
 Outcome run_raylex(const Folder& folder, const std::string& arguments) {
     return run_shell(folder, "exec \"$RAYLEX\" " + arguments);
+}
+
+void check_refused(const Folder& folder, const std::string& arguments, const std::vector<std::string>& words) {
+    CAPTURE(arguments);
+    const std::vector<std::string> before = folder.names();
+    const Outcome outcome = run_raylex(folder, arguments);
+    CAPTURE(outcome.err);
+    CHECK(outcome.code == 2);
+    for (const std::string& word : words) {
+        CAPTURE(word);
+        CHECK(outcome.err.find(word) != std::string::npos);
+    }
+    CHECK(folder.names() == before);
+}
+
+bool contains(const std::string& text, const std::string& part) {
+    UNSCOPED_INFO(text);
+    return text.find(part) != std::string::npos;
 }
 
 std::string small_scene() {

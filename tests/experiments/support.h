@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "tests/support/folder.h"
 
@@ -16,8 +17,17 @@ struct Outcome {
 Outcome run_shell(const Folder& folder, const std::string& line);
 /// Runs the program with `arguments` as bash reads them.
 Outcome run_raylex(const Folder& folder, const std::string& arguments);
+/// Checks that the program ends with 2, names all of `words`, and leaves the folder as it was.
+void check_refused(const Folder& folder, const std::string& arguments, const std::vector<std::string>& words);
+/// Whether `part` is in `text`, which is shown when the check around it fails.
+bool contains(const std::string& text, const std::string& part);
 
 /// A plane under a point light and an area light, 16x16 pixels, 4 samples.
 std::string small_scene();
+
+/// A folder with that scene as room.pbrt.
+struct SceneFolder : Folder {
+    SceneFolder() { write("room.pbrt", small_scene()); }
+};
 
 }  // namespace raylex::test

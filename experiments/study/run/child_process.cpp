@@ -21,7 +21,6 @@
 namespace raylex::experiments {
 namespace {
 
-constexpr std::size_t most_last_words = 2000;
 constexpr int poll_milliseconds = 50;
 
 enum class Frame : char { told = 't', answer = 'a', request = 'r' };

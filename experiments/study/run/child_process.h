@@ -11,6 +11,9 @@
 
 namespace raylex::experiments {
 
+/// Bytes kept of the end of what a process writes, to say how it ended.
+inline constexpr std::size_t most_last_words = 2000;
+
 /// Tells the asking process something while a request is being worked on.
 using Tell = std::function<void(const std::string&)>;
 /// Answers one request.

@@ -16,11 +16,10 @@
 #include <thread>
 
 #include "display/services/parameters.h"
+#include "experiments/study/run/child_process.h"
 
 namespace raylex::experiments {
 namespace {
-
-constexpr std::size_t most_last_words = 2000;
 
 double seconds_of(const timeval& time) {
     return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
