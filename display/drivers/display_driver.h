@@ -75,6 +75,7 @@ class DisplayDriver {
 struct DriverContext {
     const ColorManager* color = nullptr;
     std::string display, view;  ///< the job's; empty = the config's defaults
+    double exposure = 0;        ///< stops, the job's
 };
 
 using DisplayDriverFactory =

@@ -4,6 +4,7 @@
 #include <thread>
 
 #include <ImfChannelList.h>
+#include <ImfFloatAttribute.h>
 #include <ImfPartType.h>
 #include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
@@ -55,6 +56,10 @@ Imf::Compression compression_of(ExrCompression compression) {
             return Imf::ZIP_COMPRESSION;
         case ExrCompression::piz:
             return Imf::PIZ_COMPRESSION;
+        case ExrCompression::dwaa:
+            return Imf::DWAA_COMPRESSION;
+        case ExrCompression::dwab:
+            return Imf::DWAB_COMPRESSION;
     }
     return Imf::ZIP_COMPRESSION;
 }
@@ -76,7 +81,14 @@ Imf::Header base_header(const std::string& name, int width, int height, const Im
 Imf::Header make_header(const PlannedPart& part, const FrameBufferLayout& layout, const ImageDescription& description) {
     Imf::Header header = base_header(part.name, layout.width, layout.height, description);
     header.setType(Imf::SCANLINEIMAGE);
+    if (const auto& window = description.data_window)
+        header.dataWindow() = {{window->x0, window->y0}, {window->x1 - 1, window->y1 - 1}};
     header.compression() = compression_of(part.storage.compression);
+    // The library goes by the first, readers by the second.
+    if (is_lossy(part.storage.compression)) {
+        header.dwaCompressionLevel() = part.storage.level;
+        header.insert("dwaCompressionLevel", Imf::FloatAttribute(part.storage.level));
+    }
     for (const std::string& plane : part.planes)
         header.channels().insert(plane, Imf::Channel(pixel_type(part.storage.type)));
     for (const auto& [name, value] : part.attributes) header.insert(name, Imf::StringAttribute(value));

@@ -1,5 +1,7 @@
 #include "display/output/exr_storage.h"
 
+#include <charconv>
+#include <optional>
 #include <sstream>
 #include <utility>
 #include <vector>
@@ -11,12 +13,19 @@ namespace raylex::display {
 namespace {
 
 constexpr std::array<const char*, channel_kind_count> kind_names{"light", "color", "normal", "position", "value", "id"};
-constexpr std::array<std::pair<const char*, ExrCompression>, 5> compressions{
-    {{"none", ExrCompression::none},
-     {"rle", ExrCompression::rle},
-     {"zips", ExrCompression::zips},
-     {"zip", ExrCompression::zip},
-     {"piz", ExrCompression::piz}}};
+constexpr std::array<std::pair<const char*, ExrCompression>, 7> compressions{{{"none", ExrCompression::none},
+                                                                              {"rle", ExrCompression::rle},
+                                                                              {"zips", ExrCompression::zips},
+                                                                              {"zip", ExrCompression::zip},
+                                                                              {"piz", ExrCompression::piz},
+                                                                              {"dwaa", ExrCompression::dwaa},
+                                                                              {"dwab", ExrCompression::dwab}}};
+constexpr const char* expected_words = "half or float, and one of none, rle, zips, zip, piz, dwaa, dwab";
+constexpr double largest_level = 100000;
+
+bool may_be_lossy(ChannelKind kind) {
+    return kind == ChannelKind::light || kind == ChannelKind::color;
+}
 
 bool may_be_half(ChannelKind kind) {
     return kind == ChannelKind::light || kind == ChannelKind::color || kind == ChannelKind::normal;
@@ -39,48 +48,75 @@ std::string near_hint(const std::string& word, const std::vector<std::string>& k
     return near.empty() ? std::string() : "did you mean '" + near + "'?";
 }
 
+/// "half", "float", "uint"; nothing when the word is none of them.
+std::optional<StoredType> type_named(const std::string& word) {
+    for (const StoredType type : {StoredType::half_float, StoredType::single_float, StoredType::unsigned_int})
+        if (word == type_name(type)) return type;
+    return std::nullopt;
+}
+
+Status set_type(ExrStorage& row, ChannelKind kind, bool all, StoredType type, const SourceLocation& where) {
+    const bool integer = kind == ChannelKind::id;
+    const bool fits =
+        type == StoredType::half_float ? may_be_half(kind) : integer == (type == StoredType::unsigned_int);
+    if (fits) row.type = type;
+    if (fits || all) return success();
+    return error_at(where, std::string("channels of kind ") + kind_name(kind) + " cannot be stored as " +
+                               type_name(type) + "; expected " +
+                               (integer             ? "uint"
+                                : may_be_half(kind) ? "float or half"
+                                                    : "float"));
+}
+
+/// "zip", or "dwaa:LEVEL".
+Status set_compression(ExrStorage& row, ChannelKind kind, bool all, const std::string& word,
+                       const SourceLocation& where) {
+    const std::size_t colon = word.find(':');
+    const std::string name = word.substr(0, colon);
+    std::vector<std::string> known{"half", "float", "uint"};
+    for (const auto& [spelling, compression] : compressions) {
+        known.emplace_back(spelling);
+        if (name != spelling) continue;
+        float level = ExrStorage().level;
+        if (colon != std::string::npos) {
+            const char* end = word.data() + word.size();
+            const auto [stop, failed] = std::from_chars(word.data() + colon + 1, end, level);
+            if (!is_lossy(compression) || failed != std::errc() || stop != end ||
+                !(level >= 0 && level <= largest_level))
+                return error_at(
+                    where, "'" + word + "' has no level that there is; expected dwaa:LEVEL or dwab:LEVEL from 0 to " +
+                               "100000, such as dwaa:45");
+        }
+        if (is_lossy(compression) && !may_be_lossy(kind)) {
+            if (all) return success();
+            return error_at(where, "compression '" + name + "' loses bits, which channels of kind " + kind_name(kind) +
+                                       " must not; expected none, rle, zips, zip or piz");
+        }
+        row.compression = compression;
+        row.level = level;
+        return success();
+    }
+    for (const char* lossy : {"pxr24", "b44", "b44a"})
+        if (name == lossy)
+            return error_at(where,
+                            "compression '" + name +
+                                "' loses bits, so that splits would not sum; expected none, rle, zips, zip or piz, or "
+                                "dwaa or dwab, whose loss verify knows");
+    return error_at(where, "'" + word + "' says nothing about storage; expected " + expected_words,
+                    near_hint(name, known));
+}
+
 Status override_row(ExrStorage& row, ChannelKind kind, bool all, const std::string& text, const SourceLocation& where) {
-    const std::string name = kind_name(kind);
     std::istringstream words(text);
     bool any = false;
     for (std::string word; words >> word; any = true) {
-        if (word == "half" || word == "float" || word == "uint") {
-            const StoredType type = word == "half"    ? StoredType::half_float
-                                    : word == "float" ? StoredType::single_float
-                                                      : StoredType::unsigned_int;
-            const bool integer = kind == ChannelKind::id;
-            const bool fits = type == StoredType::half_float ? may_be_half(kind)
-                                                             : integer == (type == StoredType::unsigned_int);
-            if (fits) row.type = type;
-            else if (!all)
-                return error_at(where, "channels of kind " + name + " cannot be stored as " + word + "; expected " +
-                                           (integer ? "uint" : may_be_half(kind) ? "float or half" : "float"));
-            continue;
-        }
-        bool found = false;
-        std::vector<std::string> known{"half", "float", "uint"};
-        for (const auto& [spelling, compression] : compressions) {
-            known.emplace_back(spelling);
-            if (word != spelling) continue;
-            row.compression = compression;
-            found = true;
-        }
-        if (found) continue;
-        for (const char* lossy : {"pxr24", "b44", "b44a", "dwaa", "dwab"})
-            if (word == lossy)
-                return error_at(where, "compression '" + word +
-                                           "' loses bits, so that splits would not sum; expected none, rle, zips, zip "
-                                           "or piz");
-        return error_at(where,
-                        "'" + word +
-                            "' says nothing about storage; expected half or float, and one of none, rle, zips, "
-                            "zip, piz",
-                        near_hint(word, known));
+        const std::optional<StoredType> type = type_named(word);
+        Status set = type ? set_type(row, kind, all, *type, where) : set_compression(row, kind, all, word, where);
+        if (!set) return set;
     }
-    if (!any)
-        return error_at(where, "nothing is said about the storage of " + name +
-                                   "; expected half or float, and one of none, rle, zips, zip, piz");
-    return success();
+    if (any) return success();
+    return error_at(
+        where, std::string("nothing is said about the storage of ") + kind_name(kind) + "; expected " + expected_words);
 }
 
 }  // namespace
@@ -119,7 +155,10 @@ std::string storage_text(const ExrStorage& storage) {
     std::string text = type_name(storage.type);
     for (const auto& [spelling, compression] : compressions)
         if (compression == storage.compression) text += std::string(" ") + spelling;
-    return text;
+    if (!is_lossy(storage.compression)) return text;
+    std::ostringstream level;
+    level << ':' << storage.level;
+    return text + level.str();
 }
 
 Status override_exr_storage(ExrStorageTable& table, const std::string& kind, const std::string& text,

@@ -23,15 +23,22 @@ namespace raylex::display {
 ///
 /// Light is float because Law 1 is about the bits in the file: with half layers a split holds to 2^-10 only. Zip packs
 /// 16 lines at a time, zips one (quicker for readers that want single lines), piz suits noisy half, rle is quick and
-/// large. pxr24, b44, b44a, dwaa and dwab lose bits of float data and are refused.
+/// large. dwaa (32 lines at a time) and dwab (256) lose what is hardly seen, the more the higher the level behind a
+/// colon: for light and color alone, whose splits then hold within what the compression does (`raylex verify`), in
+/// parts of their own. pxr24, b44 and b44a lose bits of float data too and are refused.
 enum class ChannelKind : std::uint8_t { light, color, normal, position, value, id };
 inline constexpr std::size_t channel_kind_count = 6;
 
-enum class ExrCompression : std::uint8_t { none, rle, zips, zip, piz };
+enum class ExrCompression : std::uint8_t { none, rle, zips, zip, piz, dwaa, dwab };
+
+[[nodiscard]] inline bool is_lossy(ExrCompression compression) {
+    return compression == ExrCompression::dwaa || compression == ExrCompression::dwab;
+}
 
 struct ExrStorage {
     StoredType type = StoredType::single_float;
     ExrCompression compression = ExrCompression::zip;
+    float level = 45;  ///< of dwaa and dwab; 45 is OpenEXR's own, and "visually lossless"
     bool operator==(const ExrStorage&) const = default;
 };
 
@@ -40,12 +47,12 @@ using ExrStorageTable = std::array<ExrStorage, channel_kind_count>;
 [[nodiscard]] ExrStorageTable default_exr_storage();
 [[nodiscard]] ChannelKind kind_of(const ChannelDefinition& channel);
 [[nodiscard]] const char* kind_name(ChannelKind kind);
-/// "float zip", as it stands in a header or a job.
+/// "float zip", "half dwaa:45", as it stands in a header or a job.
 [[nodiscard]] std::string storage_text(const ExrStorage& storage);
 
 /// "half piz", "zips" or "half", words in any order, changes one row of the table; `kind` is a row's name or "all"
-/// (which changes the type only where the kind allows it). Errors at `where`: an unknown kind or word (with near
-/// misses), a lossy compression, half or float where the kind does not allow it.
+/// (which changes the type and a lossy compression only where the kind allows it). Errors at `where`: an unknown kind
+/// or word (with near misses); a type or a lossy compression that the kind does not allow.
 Status override_exr_storage(ExrStorageTable& table, const std::string& kind, const std::string& text,
                             const SourceLocation& where);
 

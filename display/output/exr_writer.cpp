@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <exception>
 #include <future>
+#include <span>
 #include <stdexcept>
 #include <string_view>
 #include <thread>
@@ -49,13 +50,16 @@ class WrittenSplits {
         for (std::size_t c = 0; c < 3; ++c) layer.planes[c] = pixels.judged[pixels.judged.size() == 3 ? c : 0];
         layer.types.fill(part.storage.type);
         for (Split& split : splits_) {
-            if (name_of(part) == whole_of(split)) split.sum.add_whole(layer);
-            if (contains(split, name_of(part))) split.sum.add(layer);
+            const bool whole = name_of(part) == whole_of(split), member = contains(split, name_of(part));
+            if (whole) split.sum.add_whole(layer);
+            if (member) split.sum.add(layer);
+            if ((whole || member) && is_lossy(part.storage.compression)) split.lossy = storage_text(part.storage);
         }
     }
     [[nodiscard]] std::vector<SplitVerdict> verdicts() const {
         std::vector<SplitVerdict> all;
         for (const Split& split : splits_) {
+            if (!split.lossy.empty()) continue;  // what is in the file is not what was added up here
             SplitVerdict verdict = split.sum.verdict(false);
             verdict.partition = split.partition.name;
             verdict.of = whole_of(split);
@@ -69,7 +73,10 @@ class WrittenSplits {
         for (const Split& split : splits_) {
             const std::size_t position = header.find(verdict_placeholder(split.index));
             if (position == std::string::npos) continue;
-            std::string text = verdict_attribute(split.sum.verdict(false), split.partition.layers.size());
+            std::string text =
+                split.lossy.empty()
+                    ? verdict_attribute(split.sum.verdict(false), split.partition.layers.size())
+                    : "not judged while writing: " + split.lossy + " loses bits; raylex verify judges the file";
             text.resize(verdict_length, ' ');
             if (!file.seek(position) || !file.write(text.data(), text.size()))
                 throw std::runtime_error("writing failed");
@@ -81,6 +88,7 @@ class WrittenSplits {
         std::size_t index;
         PartitionDeclaration partition;
         SplitSum sum;
+        std::string lossy{};  ///< how a layer of it is stored that is not in the file as it is here
     };
     [[nodiscard]] std::string name_of(const PlannedPart& part) const {
         return part.channel == beauty_ ? "beauty"
@@ -109,16 +117,35 @@ void note_repairs(const PixelImage& frame_buffer, std::vector<PlannedPart>& part
     }
 }
 
-void write_part(Imf::MultiPartOutputFile& file, int index, const PlannedPart& part, PartPixels& pixels,
-                const FrameBufferLayout& layout) {
+/// Adds a part's planes to what the library reads from. They hold the whole image, whatever the data window is.
+void add_slices(const PlannedPart& part, PartPixels& pixels, const FrameBufferLayout& layout,
+                Imf::FrameBuffer& buffer) {
     const std::size_t size = part.storage.type == StoredType::half_float ? 2 : 4;
-    Imf::FrameBuffer buffer;
     for (std::size_t p = 0; p < part.planes.size(); ++p)
         buffer.insert(part.planes[p], Imf::Slice(pixel_type(part.storage.type), pixels.planes[p].data(), size,
                                                  size * static_cast<std::size_t>(layout.width)));
+}
+
+void write_part(Imf::MultiPartOutputFile& file, int index, const Imf::FrameBuffer& buffer) {
     Imf::OutputPart output(file, index);
     output.setFrameBuffer(buffer);
-    output.writePixels(layout.height);
+    const Imath::Box2i& window = output.header().dataWindow();
+    output.writePixels(window.max.y - window.min.y + 1);
+}
+
+/// One header for each part, or one with the channels of all.
+std::vector<Imf::Header> headers_of(const std::vector<PlannedPart>& parts, const FrameBufferLayout& layout,
+                                    const ImageDescription& description) {
+    std::vector<Imf::Header> headers;
+    for (const PlannedPart& part : parts) headers.push_back(make_header(part, layout, description));
+    if (!description.single_part) return headers;
+    Imf::Header& first = headers.front();
+    first.compression() = compression_of(description.storage[static_cast<std::size_t>(ChannelKind::light)].compression);
+    for (const Imf::Header& other : std::span(headers).subspan(1))
+        for (auto i = other.channels().begin(); i != other.channels().end(); ++i)
+            first.channels().insert(i.name(), i.channel());
+    headers.resize(1, first);
+    return headers;
 }
 
 /// Lines that are packed sooner than a thread is woken for one of them.
@@ -134,8 +161,7 @@ void write_parts(AtomicFile& file, const PixelImage& frame_buffer, ChannelId bea
                  const std::vector<PlannedPart>& parts, const ImageDescription& description,
                  std::vector<SplitVerdict>* verdicts) {
     const FrameBufferLayout& layout = frame_buffer.layout();
-    std::vector<Imf::Header> headers;
-    for (const PlannedPart& part : parts) headers.push_back(make_header(part, layout, description));
+    const std::vector<Imf::Header> headers = headers_of(parts, layout, description);
     const bool quick = is_quick(parts, layout.width);
     if (!quick) start_encoder_threads();
     const auto when = quick ? std::launch::deferred : std::launch::async;
@@ -151,11 +177,21 @@ void write_parts(AtomicFile& file, const PixelImage& frame_buffer, ChannelId bea
             return pixels;
         };
         std::future<PartPixels> next = std::async(when, prepare, 0);
+        std::vector<PartPixels> all;  // of a single part, whose lines hold every channel
+        Imf::FrameBuffer together;
         for (std::size_t i = 0; i < parts.size(); ++i) {
             PartPixels pixels = next.get();
             if (i + 1 < parts.size()) next = std::async(when, prepare, i + 1);
-            write_part(output, static_cast<int>(i), parts[i], pixels, layout);
+            if (description.single_part) {
+                all.push_back(std::move(pixels));
+                add_slices(parts[i], all.back(), layout, together);
+                continue;
+            }
+            Imf::FrameBuffer buffer;
+            add_slices(parts[i], pixels, layout, buffer);
+            write_part(output, static_cast<int>(i), buffer);
         }
+        if (description.single_part) write_part(output, 0, together);
     }  // the library writes its table of chunks now
     splits.write_verdicts(file, stream);
     if (verdicts != nullptr) *verdicts = splits.verdicts();

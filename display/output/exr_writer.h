@@ -7,6 +7,7 @@
 
 #include <array>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -28,6 +29,11 @@ struct ImageDescription {
     Chromaticities chromaticities;
     std::vector<DataPart> data_parts;  ///< written after the channels' parts
     ExrStorageTable storage = default_exr_storage();
+    /// One part with the channels of all, packed as light is, which must lose no bits then: for readers that know no
+    /// parts.
+    bool single_part = false;
+    /// The pixels that the file has, where it does not have all of the image: its data window in the display window.
+    std::optional<PixelRegion> data_window;
     /// Row-major, points are columns; left out of the file when all zero. Camera space is OpenEXR's: left-handed, x
     /// right, y up, z forward. Screen space, after division by w, has the image's edges at x = -1 and 1 and y = -1
     /// (bottom) and 1.
@@ -41,16 +47,17 @@ struct ImageDescription {
 /// Integers are UINT, negative numbers as two's complement. Written to a temporary name beside `path`, synced and
 /// renamed; on failure an earlier file at `path` is untouched.
 ///
-/// Header, beside OpenEXR's own chromaticities, worldToCamera and worldToNDC: `colorInteropID` (part by part; "data" for
-/// what is no colour); `lpe/NAME` the expression and `lpeDialect/NAME`, `rule/NAME` how samples became pixels,
-/// `space/NAME`, `statistics/NAME` ("mse of beauty"), `storage/NAME` ("float zip"), each in the channel's own part and all of them in part 0;
-/// `partition/NAME` in part 0 as "beauty = first + second", and `verdict/NAME`, what split_check says of the very bits
-/// in the file: "holds; ..." or "does not hold; ..."; "raylex/incomplete".
+/// Header, beside OpenEXR's own chromaticities, worldToCamera and worldToNDC: `colorInteropID` (part by part; "data"
+/// for what is no colour); `lpe/NAME` the expression and `lpeDialect/NAME`, `rule/NAME` how samples became pixels,
+/// `space/NAME`, `statistics/NAME` ("mse of beauty"), `storage/NAME` ("float zip"), each in the channel's own part and
+/// all of them in part 0; `partition/NAME` in part 0 as "beauty = first + second", and `verdict/NAME`, what split_check
+/// says of the very bits in the file: "holds; ..." or "does not hold; ..." ("not judged ..." where a lossy compression
+/// changes them); "raylex/incomplete".
 ///
 /// Values beyond the range of the stored type become its largest number, NaN becomes 0 (Law 6; the frame buffer holds
 /// neither for light), and `repaired/NAME` says how many; infinity stays in a channel whose miss value it is (z, VLen).
 /// A partition of layers that are not there is not declared; `raylex/refusedPartition` says why. `verdicts` gets what
-/// check_declared_splits would say of the file, maps of residuals excepted.
+/// check_declared_splits would say of the file, maps of residuals and splits of lossy layers excepted.
 Status write_exr(const std::string& path, const PixelImage& frame_buffer, ChannelId beauty,
                  const ImageDescription& description, std::vector<SplitVerdict>* verdicts = nullptr);
 

@@ -57,8 +57,8 @@ void LiveErrors::begin(const transport::RenderPlan& plan) {
     for (std::size_t i = 0; i < plan.channels.size(); ++i)
         if (static_cast<display::ChannelId>(i) != plan.beauty) add(i);
     measured_.resize(channels_.size());
-    regions_ = chosen_tiles({0, 0, plan.width, plan.height});
-    pixels_ = static_cast<std::uint64_t>(plan.width) * static_cast<std::uint64_t>(plan.height);
+    regions_ = chosen_tiles(plan.crop);
+    pixels_ = static_cast<std::uint64_t>(plan.crop.width()) * static_cast<std::uint64_t>(plan.crop.height());
 }
 
 ChannelError LiveErrors::measure(const transport::LiveImage& image, std::size_t channel, std::uint64_t samples,

@@ -60,30 +60,15 @@ Status apply_deep(const OutputOptions& options, DeepRequest& deep) {
     return success();
 }
 
-/// The first plain preview replaces the job's; with an exposure all of them are drivers, which can be told one.
+/// The first plain preview replaces the job's.
 void apply_previews(const OutputOptions& options, Job& job) {
     bool first = true;
-    std::vector<display::DriverRequest> requests;
     for (const std::string& text : options.previews) {
         display::DriverRequest request = preview_request(text, {"--preview", 0, 0});
         const bool plain = request.parameters.parameters.size() == 1;
         if (plain && first) job.preview = text;
-        else requests.push_back(std::move(request));
+        else job.outputs.drivers.push_back(std::move(request));
         first = first && !plain;
-    }
-    if (options.exposure && !job.preview.empty()) {
-        requests.insert(requests.begin(), preview_request(job.preview, {"--preview", 0, 0}));
-        job.preview.clear();
-    }
-    for (display::DriverRequest& request : requests) {
-        if (options.exposure) {
-            Parameter& exposure = request.parameters.parameters.emplace_back();
-            exposure.name = "exposure";
-            exposure.type = ParameterType::real;
-            exposure.numbers = {*options.exposure};
-            exposure.location = {"--exposure", 0, 0};
-        }
-        job.outputs.drivers.push_back(std::move(request));
     }
 }
 
@@ -115,10 +100,13 @@ void add_output_options(CLI::App& command, OutputOptions& options) {
                                 "changes pixels before they are shown or written, in the order given: " +
                                     registry_summary(display::display_filter_registry()) + "; may be repeated"),
              "NAME:KEY=VALUE,...");
-    repeated(command.add_option("--exr", options.storage,
-                                "how a kind of channel (light, color, normal, position, value, id or all) is stored: "
-                                "half or float, and none, rle, zips, zip or piz; may be repeated"),
-             "KIND='TYPE COMPRESSION'");
+    repeated(
+        command.add_option("--exr", options.storage,
+                           "how a kind of channel (light, color, normal, position, value, id or all) is stored: "
+                           "half or float, and none, rle, zips, zip or piz, for light and color also dwaa:LEVEL or "
+                           "dwab:LEVEL, which lose bits; or 'single': all channels in one part, instead of one "
+                           "part each (multi); may be repeated"),
+        "KIND='TYPE COMPRESSION'|single");
     command.add_option("--deep", options.deep, "also writes a deep image: Z, ZBack, A and the beauty")
         ->option_text("OUT.exr");
     command
@@ -151,6 +139,7 @@ Status apply_output_options(const OutputOptions& options, Job& job) {
         job.view.clear();
     }
     if (!options.view.empty()) job.view = options.view;
+    if (options.exposure) job.exposure = *options.exposure;
     if (options.texture_rules) job.texture_rules = true;
     if (Status filters = apply_filters(options, job); !filters) return filters;
     for (const std::string& text : options.viewers) {
@@ -165,9 +154,10 @@ Status apply_output_options(const OutputOptions& options, Job& job) {
     }
     for (const std::string& text : options.storage) {
         const std::size_t equals = text.find('=');
-        if (equals == std::string::npos)
-            return error_at({"--exr", 0, 0},
-                            "'" + text + "' says no kind of channel; expected such as light='half piz'");
+        if (equals == std::string::npos) {
+            if (Status parts = set_exr_parts(job.outputs, text, {"--exr", 0, 0}); !parts) return parts;
+            continue;
+        }
         Status status = display::override_exr_storage(job.outputs.storage, text.substr(0, equals),
                                                       text.substr(equals + 1), {"--exr", 0, 0});
         if (!status) return status;

@@ -23,7 +23,7 @@ namespace {
 
 struct RenderOptions {
     std::string input, output, statistics, resolution, integrator, sampler, filter, partition;
-    std::string ocio, rendering_space, isa, until_error, time, checkpoint, replay, filter_mode;
+    std::string crop, ocio, rendering_space, isa, until_error, time, checkpoint, replay, filter_mode;
     std::optional<std::uint64_t> spp, seed;
     std::optional<int> threads;
     std::optional<std::int64_t> max_depth;
@@ -196,6 +196,11 @@ Result<Job> assemble(const CLI::App& command, const RenderOptions& options) {
         if (!size) return size.error();
         job.settings.resolution = *size;
     }
+    if (!options.crop.empty()) {
+        auto crop = parse_crop(options.crop, flag("--crop"));
+        if (!crop) return crop.error();
+        job.settings.crop = *crop;
+    }
     override_entity(options.integrator, "--integrator", job.settings.integrator);
     override_entity(options.sampler, "--sampler", job.settings.sampler);
     override_entity(options.filter, "--filter", job.settings.filter);
@@ -273,6 +278,12 @@ void add_options(CLI::App& command, RenderOptions& options) {
         ->check(CLI::Range(0, 4096));
     command.add_option("--resolution", options.resolution, "image size in pixels; default: as the scene says")
         ->option_text("WxH");
+    command
+        .add_option(
+            "--crop", options.crop,
+            "renders these pixels alone, to the bits that they have in the whole image: the file's data window in its "
+            "display window")
+        ->option_text("X0,Y0,X1,Y1");
     command.add_option("--integrator", options.integrator, "path, lighttracer, pssmlt or a plugin's; default: as the scene says")
         ->option_text("NAME");
     command.add_option("--max-depth", options.max_depth, "at most N scattering events on a path")

@@ -55,7 +55,8 @@ std::vector<std::string> requested_files(const Job& job) {
 Status RenderOutputs::make(const Job& job, const ColorSetup& color) {
     job_ = &job;
     register_png_driver();
-    const display::DriverContext context{color.manager ? &*color.manager : nullptr, job.display, job.view};
+    const display::DriverContext context{color.manager ? &*color.manager : nullptr, job.display, job.view,
+                                         job.exposure};
     std::vector<display::DriverRequest> requests{main_image(job)};
     if (!job.preview.empty()) requests.push_back(preview_request(job.preview, {"--preview", 0, 0}));
     requests.insert(requests.end(), job.outputs.drivers.begin(), job.outputs.drivers.end());

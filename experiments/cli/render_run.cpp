@@ -68,6 +68,7 @@ class RenderRun {
             return report_error("the output '" + job_.output +
                                 "' has no name ending in .exr; expected an OpenEXR file name");
         if (Status recovery = check_recovery(job_); !recovery) return report_error(recovery.error());
+        if (Status fits = check_exr_requests(job_.outputs); !fits) return report_error(fits.error());
         if (job_.resume)
             for (const std::string& path : {job_.output, checkpoint_file(job_)}) display::remove_abandoned(path);
         std::vector<std::string> taken{job_.scene_file, job_.job_file};

@@ -29,6 +29,25 @@ Result<std::array<int, 2>> parse_resolution(const std::string& text, const Sourc
     return size;
 }
 
+Result<display::PixelRegion> parse_crop(const std::string& text, const SourceLocation& where) {
+    std::array<int, 4> corners{};
+    const char* at = text.data();
+    const char* const end = at + text.size();
+    bool good = true;
+    for (std::size_t i = 0; i < corners.size() && good; ++i) {
+        const auto [next, failed] = std::from_chars(at, end, corners[i]);
+        const bool last = i + 1 == corners.size();
+        good = failed == std::errc() && corners[i] >= 0 && (last ? next == end : next != end && *next == ',');
+        at = next + (last ? 0 : 1);
+    }
+    if (good && corners[0] < corners[2] && corners[1] < corners[3])
+        return display::PixelRegion{corners[0], corners[1], corners[2], corners[3]};
+    return error_at(where,
+                    "'" + text +
+                        "' is no part of an image; expected X0,Y0,X1,Y1 in pixels with X0 < X1 and Y0 < Y1, such as "
+                        "0,0,320,240");
+}
+
 Status add_cryptomatte(const std::string& name, const SourceLocation& where, transport::RenderSettings& settings) {
     auto kind = geoaovs::parse_matte_kind(name, {});
     if (!kind) return error_at(where, kind.error().message, kind.error().hint);

@@ -50,6 +50,7 @@ struct Job {
     std::string job_file, job_text;  ///< the TOML this came from; empty for a bare scene
     std::string output, preview, statistics;
     std::string ocio_config, rendering_space, display, view;
+    double exposure = 0;                 ///< stops by which previews show light brighter
     double checkpoint_seconds = 0;       ///< between checkpoints; 0 = none
     bool resume = false;                 ///< go on from the checkpoint beside the output
     bool texture_rules = false;          ///< colours of image textures by the colour config's file rules, not pbrt's
@@ -72,6 +73,9 @@ Result<lpe::Dialect> parse_dialect(const std::string& name, const SourceLocation
 
 /// "WxH" with both between 1 and 65536.
 Result<std::array<int, 2>> parse_resolution(const std::string& text, const SourceLocation& where);
+
+/// "X0,Y0,X1,Y1", whole numbers from 0 on with X0 < X1 and Y0 < Y1.
+Result<display::PixelRegion> parse_crop(const std::string& text, const SourceLocation& where);
 
 /// Adds a kind of cryptomatte by name; an unknown one, or one that is there already, is an Error at `where`.
 Status add_cryptomatte(const std::string& name, const SourceLocation& where, transport::RenderSettings& settings);

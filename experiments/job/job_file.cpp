@@ -37,6 +37,23 @@ void read_files(TomlTable& root, const std::string& job_path, Job& job) {
     }
 }
 
+/// crop = [x0, y0, x1, y1]
+void read_crop(TomlTable& render, Job& job) {
+    const toml::node* node = render.take("crop");
+    if (node == nullptr) return;
+    std::string text;
+    if (const toml::array* list = node->as_array())
+        for (const toml::node& each : *list)
+            text += (text.empty() ? "" : ",") + std::to_string(each.value_exact<std::int64_t>().value_or(-1));
+    auto crop = parse_crop(text, render.location_of("crop"));
+    if (crop) job.settings.crop = *crop;
+    else
+        render.source().fail(
+            render.location_of("crop"),
+            "'crop' in [render] is no part of an image; expected [x0, y0, x1, y1] in pixels with x0 < x1 "
+            "and y0 < y1");
+}
+
 void read_render(TomlTable& root, Job& job) {
     const toml::table* table = root.take_table("render");
     if (table == nullptr) return;
@@ -47,6 +64,7 @@ void read_render(TomlTable& root, Job& job) {
         job.settings.seed = static_cast<std::uint64_t>(number);
     if (render.read("threads", number, 0, 4096)) job.settings.threads = static_cast<int>(number);
     read_resolution(render, job);
+    read_crop(render, job);
     read_memory_limit(render, job.outputs);
     read_time(render, job);
     read_checkpoint(render, job);

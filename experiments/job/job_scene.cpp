@@ -66,6 +66,8 @@ display::ImageDescription image_description(const Job& job, const JobScene& scen
     description.world_to_screen = output.world_to_screen;
     description.complete = output.complete;
     description.storage = job.outputs.storage;
+    description.single_part = job.outputs.single_part;
+    description.data_window = job.settings.crop;
     return description;
 }
 

@@ -1,11 +1,13 @@
 #include "experiments/job/job_tables.h"
 
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
 #include <utility>
 
 #include "experiments/job/output_requests.h"
+#include "experiments/report/preview.h"
 
 namespace raylex::experiments {
 namespace {
@@ -78,6 +80,13 @@ void read_color_table(TomlTable& root, const std::string& job_path, Job& job) {
     color.read("rendering_space", job.rendering_space);
     color.read("display", job.display);
     color.read("view", job.view);
+    if (const toml::node* node = color.take("exposure")) {
+        const auto stops = node->value<double>();
+        if (stops && std::abs(*stops) <= largest_exposure) job.exposure = *stops;
+        else
+            root.source().fail(color.location_of("exposure"),
+                               "'exposure' in [color] is no number of stops; expected -60 to 60");
+    }
     color.read("texture_rules", job.texture_rules);
     color.close();
 }

@@ -32,6 +32,11 @@ void read_storage(TomlTable& root, OutputRequests& outputs) {
         Status status = override_exr_storage(outputs.storage, kind, text, exr.content_location_of(kind));
         if (!status) root.source().fail(status.error());
     }
+    std::string parts;
+    if (exr.read("parts", parts)) {
+        Status status = set_exr_parts(outputs, parts, exr.content_location_of("parts"));
+        if (!status) root.source().fail(status.error());
+    }
     exr.close();
 }
 
@@ -76,6 +81,27 @@ void read_drivers(TomlTable& root, const std::string& job_path, OutputRequests& 
 }
 
 }  // namespace
+
+Status set_exr_parts(OutputRequests& outputs, const std::string& word, const SourceLocation& where) {
+    outputs.single_part = word == "single";
+    if (word == "single" || word == "multi") return success();
+    const std::string near = nearest_name(word, {"single", "multi"});
+    return error_at(where,
+                    "'" + word +
+                        "' says neither how many parts the file has nor how a kind of channel is stored; expected "
+                        "single, multi, or such as light='half piz'",
+                    near.empty() ? std::string() : "did you mean '" + near + "'?");
+}
+
+Status check_exr_requests(const OutputRequests& outputs) {
+    for (const display::ExrStorage& each : outputs.storage)
+        if (outputs.single_part && is_lossy(each.compression))
+            return error_at(
+                {}, "a single part has one compression for all its channels, and '" + storage_text(each) +
+                        "' would take bits of depths, ids and mattes too; expected none, rle, zips, zip or piz in a "
+                        "single part, or a part for each channel");
+    return success();
+}
 
 void read_viewer(TomlTable& output, OutputRequests& outputs) {
     std::string address;

@@ -26,11 +26,18 @@ struct DeepRequest {
 
 struct OutputRequests {
     display::ExrStorageTable storage = display::default_exr_storage();
+    bool single_part = false;  ///< of the main image and other OpenEXR files: one part with all channels
     std::vector<display::DriverRequest> drivers;  ///< beside the main image and its preview, in the order given
     std::vector<ObjectRequest> filters;           ///< display filters in the order in which they see the image
     DeepRequest deep;
     std::uint64_t memory_limit = 0;               ///< bytes; 0 = none
 };
+
+/// "single" or "multi": how many parts an OpenEXR file has. Errors at `where`.
+Status set_exr_parts(OutputRequests& outputs, const std::string& word, const SourceLocation& where);
+
+/// What is asked for together and cannot be had together.
+Status check_exr_requests(const OutputRequests& outputs);
 
 /// "NAME.png" or "LAYER=NAME.png" as a request for the driver "png".
 display::DriverRequest preview_request(const std::string& text, const SourceLocation& where);

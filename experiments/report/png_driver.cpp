@@ -63,7 +63,7 @@ Result<std::unique_ptr<display::DisplayDriver>> make_png(const ParameterSet& set
     auto display = set.string_or("display", "");
     // The job's view belongs to the job's display.
     auto view = set.string_or("view", display.ok() && !display->empty() ? std::string() : context.view);
-    auto exposure = set.real_or("exposure", 0);
+    auto exposure = set.real_or("exposure", context.exposure);
     auto size = set.integer_or("size", 0);
     for (const Result<std::string>* each : {&file, &layer, &display, &view})
         if (!*each) return each->error();
@@ -95,7 +95,7 @@ void register_png_driver() {
           {"layer", ParameterType::string, "beauty", "which layer"},
           {"display", ParameterType::string, "the job's", "display of the colour config"},
           {"view", ParameterType::string, "the job's", "view of that display"},
-          {"exposure", ParameterType::real, "0", "stops, for light"},
+          {"exposure", ParameterType::real, "the job's", "stops, for light"},
           {"size", ParameterType::integer, "0", "longest side in pixels; 0 = as rendered"}},
          make_png});
 }

@@ -211,8 +211,19 @@ TEST_CASE("storage that would lose what a channel is for is refused", "[display]
     CHECK(message("value", "half").find("expected float") != std::string::npos);
     CHECK(message("id", "float").find("expected uint") != std::string::npos);
     CHECK(message("light", "uint").find("expected float or half") != std::string::npos);
-    for (const char* lossy : {"dwaa", "dwab", "b44", "b44a", "pxr24"})
+    for (const char* lossy : {"b44", "b44a", "pxr24"})
         CHECK(message("light", lossy).find("loses bits") != std::string::npos);
+    for (const char* kind : {"normal", "position", "value", "id"})
+        for (const char* lossy : {"dwaa", "dwab:10"}) CHECK(message(kind, lossy).find("must not") != std::string::npos);
+    for (const char* level : {"dwaa:", "dwaa:-1", "dwaa:x", "dwaa:1e9", "zip:3", "dwab:nan"})
+        CHECK(message("light", level).find("has no level that there is") != std::string::npos);
+    ExrStorageTable table = default_exr_storage();
+    REQUIRE(override_exr_storage(table, "all", "dwaa:60", {}).ok());
+    REQUIRE(override_exr_storage(table, "light", "half dwab", {}).ok());
+    CHECK(storage_text(table[static_cast<std::size_t>(ChannelKind::light)]) == "half dwab:45");
+    CHECK(storage_text(table[static_cast<std::size_t>(ChannelKind::color)]) == "float dwaa:60");
+    CHECK(storage_text(table[static_cast<std::size_t>(ChannelKind::value)]) == "float zip");
+    CHECK(storage_text(table[static_cast<std::size_t>(ChannelKind::id)]) == "uint zips");
     CHECK(message("light", "pizz").find("did you mean 'piz'") != std::string::npos);
     CHECK(message("lights", "piz").find("did you mean 'light'") != std::string::npos);
     CHECK(message("light", "").find("nothing is said") != std::string::npos);

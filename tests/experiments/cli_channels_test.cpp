@@ -22,12 +22,6 @@ bool holds(const std::string& text, const std::string& word) {
     return text.find(word) != std::string::npos;
 }
 
-std::vector<float> plane(raylex::display::ExrImage& image, const std::string& layer, const std::string& name) {
-    REQUIRE(image.layer(layer) != nullptr);
-    REQUIRE(image.layer(layer)->plane(name) != nullptr);
-    return image.layer(layer)->plane(name)->values;
-}
-
 }  // namespace
 
 TEST_CASE("statistics become layers that belong together and leave the beauty alone", "[statistics][law2]") {

@@ -13,10 +13,7 @@ namespace {
 std::vector<float> plane(const Folder& folder, const std::string& file, const std::string& layer, const std::string& name) {
     auto image = read_exr(folder.path(file));
     REQUIRE(image);
-    CAPTURE(file, layer, name);
-    REQUIRE(image->layer(layer) != nullptr);
-    REQUIRE(image->layer(layer)->plane(name) != nullptr);
-    return image->layer(layer)->plane(name)->values;
+    return raylex::test::plane(*image, layer, name);
 }
 
 /// A render of `arguments` that must not be.

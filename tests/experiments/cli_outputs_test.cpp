@@ -36,7 +36,9 @@ TEST_CASE("storage is chosen by flag and job, and headers hold the verdicts") {
     CHECK(image->attributes["verdict/shipped"].starts_with("holds; "));
     CHECK(run_raylex(folder, "verify a.exr").code == 0);
 
-    check_refused(folder, "render room.pbrt -o b.exr --exr light=dwaa", {"--exr", "loses bits"});
+    check_refused(folder, "render room.pbrt -o b.exr --exr light=pxr24", {"--exr", "loses bits"});
+    check_refused(folder, "render room.pbrt -o b.exr --exr single --exr light=dwaa",
+                  {"a single part has one compression"});
     check_refused(folder, "render room.pbrt -o b.exr --exr depth=zip", {"unknown kind", "light"});
     folder.write("bad.toml", "[scene]\nfile = \"room.pbrt\"\n[exr]\nid = \"half\"\n");
     check_refused(folder, "render bad.toml -o b.exr", {"bad.toml:4", "expected uint"});

@@ -7,17 +7,6 @@
 using namespace raylex::test;
 using raylex::display::read_exr;
 
-namespace {
-
-std::vector<float> plane(const raylex::display::ExrImage& image, const std::string& layer, const std::string& name) {
-    CAPTURE(layer);
-    REQUIRE(image.layer(layer) != nullptr);
-    REQUIRE(image.layer(layer)->plane(name) != nullptr);
-    return image.layer(layer)->plane(name)->values;
-}
-
-}  // namespace
-
 TEST_CASE("channels of RIB, rendermn.ini, USD and TOML files are rendered as if --lpe gave them") {
     const SceneFolder folder;
     folder.write("show.rib",

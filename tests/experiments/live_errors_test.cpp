@@ -61,6 +61,7 @@ LiveErrors errors_of(const std::vector<display::ChannelDefinition>& channels, co
     transport::RenderPlan plan;
     plan.width = 64;
     plan.height = 32;
+    plan.crop = {0, 0, 64, 32};
     plan.channels = channels;
     plan.beauty = 0;
     LiveErrors errors;
@@ -138,6 +139,7 @@ TEST_CASE("every channel that keeps statistics gets its turn on the live line, t
     transport::RenderPlan plan;
     plan.width = 64;
     plan.height = 32;
+    plan.crop = {0, 0, 64, 32};
     plan.channels = channels;
     plan.beauty = 0;
     LiveErrors errors;

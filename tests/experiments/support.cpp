@@ -54,6 +54,13 @@ bool contains(const std::string& text, const std::string& part) {
     return text.find(part) != std::string::npos;
 }
 
+std::vector<float> plane(const display::ExrImage& image, const std::string& layer, const std::string& name) {
+    CAPTURE(layer, name);
+    REQUIRE(image.layer(layer) != nullptr);
+    REQUIRE(image.layer(layer)->plane(name) != nullptr);
+    return image.layer(layer)->plane(name)->values;
+}
+
 std::string small_scene() {
     return R"(Film "rgb" "integer xresolution" 16 "integer yresolution" 16
 Sampler "independent" "integer pixelsamples" 4

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "display/output/exr_reader.h"
 #include "tests/support/folder.h"
 
 namespace raylex::test {
@@ -21,6 +22,9 @@ Outcome run_raylex(const Folder& folder, const std::string& arguments);
 void check_refused(const Folder& folder, const std::string& arguments, const std::vector<std::string>& words);
 /// Whether `part` is in `text`, which is shown when the check around it fails.
 bool contains(const std::string& text, const std::string& part);
+
+/// The values of a plane that must be there.
+std::vector<float> plane(const display::ExrImage& image, const std::string& layer, const std::string& name);
 
 /// A plane under a point light and an area light, 16x16 pixels, 4 samples.
 std::string small_scene();

@@ -111,6 +111,9 @@ RecordIdentity render_identity(const RenderJob& job, const RenderSettings& setti
         identity.emplace_back(std::move(name), std::move(value));
     };
     add("resolution", std::to_string(job.film.width) + "x" + std::to_string(job.film.height));
+    if (settings.crop)
+        add("crop", std::to_string(job.region.x0) + "," + std::to_string(job.region.y0) + "," +
+                        std::to_string(job.region.x1) + "," + std::to_string(job.region.y1));
     add("seed", std::to_string(job.seed));
     add("samples per pixel", std::to_string(job.samples_per_pixel));
     add("sampler", job.sampler == SamplerKind::sobol ? "sobol" : "independent");

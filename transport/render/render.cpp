@@ -122,6 +122,35 @@ Status resolve_limit(const RenderSettings& settings, RenderJob& job) {
     return success();
 }
 
+/// Which pixels get samples. What looks at other pixels than its own is refused with a crop, by name: the bits would
+/// differ from those of the whole image.
+Status resolve_crop(const RenderSettings& settings, const ChosenIntegrator& chosen, RenderJob& job) {
+    const int width = job.film.width, height = job.film.height;
+    job.region = {-job.padding_x, -job.padding_y, width + job.padding_x, height + job.padding_y};
+    if (!settings.crop) return success();
+    const display::PixelRegion& crop = *settings.crop;
+    if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > width || crop.y1 > height || crop.x0 >= crop.x1 || crop.y0 >= crop.y1)
+        return error_at({}, "the crop " + std::to_string(crop.x0) + "," + std::to_string(crop.y0) + "," +
+                                std::to_string(crop.x1) + "," + std::to_string(crop.y1) +
+                                " is no part of an image of " + std::to_string(width) + " x " + std::to_string(height) +
+                                " pixels; expected X0,Y0,X1,Y1 with X0 < X1 and Y0 < Y1 inside it");
+    const std::string with = "a crop of a render ";
+    if (job.splat)
+        return error_at({}, with + "in filter mode splat, where pixels share samples; expected filter mode importance");
+    if (job.raster)
+        return error_at({}, with + "by integrator '" + chosen.name + "', whose light paths land anywhere on the image",
+                        "leave out the crop, or choose another integrator, such as path");
+    if (chosen.integrator->synchronous())
+        return error_at({}, with + "by integrator '" + chosen.name + "', which learns from all pixels",
+                        "leave out the crop, or choose another integrator, such as path");
+    if (settings.adaptive || (settings.limit && settings.limit->error > 0))
+        return error_at(settings.adaptive ? settings.adaptive->location : SourceLocation{},
+                        with + "that goes on until an error: which samples a pixel gets depends on the whole image",
+                        "expected a number of samples, or a time");
+    job.region = crop;
+    return success();
+}
+
 /// Channels that the integrator cannot fill are refused before a ray is traced.
 Status check_traits(const ChosenIntegrator& chosen, const SceneView& scene, const RenderJob& job) {
     const IntegratorTraits traits = chosen.integrator->traits();
@@ -334,6 +363,7 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
     if (Status s = check_raster(settings, *chosen, filter.location, job); !s) return s.error();
     if (Status s = resolve_adaptive(settings, *chosen, job); !s) return s.error();
     if (Status s = resolve_limit(settings, job); !s) return s.error();
+    if (Status s = resolve_crop(settings, *chosen, job); !s) return s.error();
     auto lpe = display::LpeSetup::build(job.channels, job.beauty);
     if (!lpe) return lpe.error();
     job.lpe = std::make_unique<display::LpeSetup>(*std::move(lpe));
@@ -380,6 +410,7 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
                         .samples_per_pixel = job.samples_per_pixel,
                         .channels = job.channels,
                         .beauty = job.beauty,
+                        .crop = settings.crop.value_or(display::PixelRegion{0, 0, film->width, film->height}),
                         .filter = job.filter.get(),
                         .splat = job.splat,
                         .raster = job.raster,

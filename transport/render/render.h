@@ -33,6 +33,7 @@ struct RenderPlan {
     std::uint64_t samples_per_pixel = 0;
     std::span<const display::ChannelDefinition> channels;   ///< as RenderOutput::frame_buffer will have them
     display::ChannelId beauty = display::invalid_channel;
+    display::PixelRegion crop;  ///< what is rendered; all of the image without a crop
     const display::PixelFilter* filter = nullptr;
     bool splat = false;
     bool raster = false;                                    ///< the integrator's light lands anywhere on the image
@@ -77,6 +78,8 @@ struct RenderSettings {
     std::vector<SceneEntity> sample_filters;        ///< applied in this order to raw samples, before pixel filtering
     std::string isa;                                ///< sse2, sse4.2, avx, avx2 or avx512 for Embree; "" = the widest here
     bool splat = false;                             ///< samples are shared by pixels instead of drawn as the pixel filter says
+    /// Renders these pixels alone, to the bits that they have in the whole image; the others get no samples.
+    std::optional<display::PixelRegion> crop;
     std::optional<SampleChoice> only;               ///< renders this sample and no other, as the whole image would have it
     bool beauty = true;                             ///< false: only what the channels below accept is simulated
     bool picked_lobes = false;                      ///< label by one drawn lobe instead of exact shares

@@ -48,8 +48,7 @@ void RenderLoop::render_task(RenderWorker& worker, std::uint64_t task) {
     const std::uint64_t tile = job_.adaptive ? open_tiles_[task] : task % tiles_;
     const int x0 = static_cast<int>(tile % tiles_x_) * tile_size - job_.padding_x,
               y0 = static_cast<int>(tile / tiles_x_) * tile_size - job_.padding_y;
-    const int x1 = std::min(x0 + tile_size, job_.film.width + job_.padding_x),
-              y1 = std::min(y0 + tile_size, job_.film.height + job_.padding_y);
+    const int x1 = std::min(x0 + tile_size, job_.region.x1), y1 = std::min(y0 + tile_size, job_.region.y1);
     TileLocks::Group adding = locks_.group(tile % tiles_x_, tile / tiles_x_, tiles_x_, job_.splat);
     if (starting_) {
         worker.start_up(x0, y0, static_cast<std::uint32_t>(tile), adding);
@@ -243,8 +242,8 @@ Status RenderLoop::run(const std::function<void(const RenderProgress&)>& progres
         return success();
     }
     // Splatting takes samples from around the image too.
-    const std::uint64_t pixels = static_cast<std::uint64_t>(job_.film.width + 2 * job_.padding_x) *
-                                 static_cast<std::uint64_t>(job_.film.height + 2 * job_.padding_y);
+    const std::uint64_t pixels =
+        static_cast<std::uint64_t>(job_.region.width()) * static_cast<std::uint64_t>(job_.region.height());
     const auto report = [&] {
         if (!progress) return;
         const std::uint64_t done = samples_done_.load(std::memory_order_relaxed);

@@ -41,6 +41,7 @@ struct RenderJob {
     double seconds_before_loop = 0;       ///< that count for the limit
     int threads = 1;
     std::optional<SampleChoice> only;
+    display::PixelRegion region;  ///< the pixels that get samples; with padding around it when nothing is cropped
     bool splat = false;
     bool raster = false;                ///< the integrator splats at raster positions of its own
     int padding_x = 0, padding_y = 0;   ///< pixels around the image whose samples reach into it

@@ -82,7 +82,8 @@ void RenderWorker::render_tile(int x0, int y0, int x1, int y1, std::uint64_t fir
     for (int m = 0; m < RenderLoop::tile_size * RenderLoop::tile_size; ++m) {
         int dx, dy;
         morton_pixel(m, dx, dy);
-        if (x0 + dx < x1 && y0 + dy < y1) add_pixel(x0 + dx, y0 + dy, first, count, block++, adding);
+        const int x = x0 + dx, y = y0 + dy;
+        if (x < x1 && y < y1 && x >= job_.region.x0 && y >= job_.region.y0) add_pixel(x, y, first, count, block++, adding);
     }
     flush(adding);
 }
