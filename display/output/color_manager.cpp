@@ -25,17 +25,12 @@ namespace raylex::display {
 namespace {
 
 // Brighter than any view distinguishes; the ACES views turn values near the end of float range into black.
-constexpr float brightest = 1e6f;
+constexpr float largest_value = 1e6f;
 
 std::string list(const std::vector<std::string>& names) {
     std::string text;
     for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
     return text.empty() ? "(none)" : text;
-}
-
-std::string lower_case(std::string text) {
-    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return text;
 }
 
 bool holds(const std::vector<std::string>& names, const std::string& name) {
@@ -429,7 +424,7 @@ Result<std::vector<unsigned char>> ColorManager::to_display(std::span<const floa
                     std::array<double, 3> colour{};
                     for (std::size_t c = 0; c < 3; ++c) {
                         const float value = rgb[(begin + i) * 3 + c];
-                        colour[c] = std::isfinite(value) ? std::clamp(value, -brightest, brightest) : 0.0f;
+                        colour[c] = std::isfinite(value) ? std::clamp(value, -largest_value, largest_value) : 0.0f;
                     }
                     colour = transform_colour(matrix, colour);
                     for (std::size_t c = 0; c < 3; ++c) linear[i * 3 + c] = static_cast<float>(colour[c]);

@@ -14,7 +14,7 @@ namespace {
 constexpr double absolute_floor = 0.01;
 constexpr double relative_floor = 0.1;  // of m, before it is squared
 
-constexpr std::array<ErrorMetricInfo, error_metric_count> table{{
+constexpr std::array<ErrorMetricInfo, error_metric_count> error_metric_table{{
     {ErrorMetric::relmse, "relmse", "mean((a-b)^2 / (b^2 + 0.01))"},
     {ErrorMetric::mse, "mse", "mean((a-b)^2)"},
     {ErrorMetric::mae, "mae", "mean(|a-b|)"},
@@ -55,17 +55,17 @@ double scaled_floor(std::span<const double> reference) {
 }  // namespace
 
 std::span<const ErrorMetricInfo, error_metric_count> error_metrics() {
-    return table;
+    return error_metric_table;
 }
 
 const char* formula(ErrorMetric metric) {
-    return table[static_cast<std::size_t>(metric)].formula;
+    return error_metric_table[static_cast<std::size_t>(metric)].formula;
 }
 
 const ErrorMetricInfo* find_error_metric(std::string_view name) {
     const auto found =
-        std::find_if(table.begin(), table.end(), [name](const ErrorMetricInfo& each) { return name == each.name; });
-    return found != table.end() ? &*found : nullptr;
+        std::find_if(error_metric_table.begin(), error_metric_table.end(), [name](const ErrorMetricInfo& each) { return name == each.name; });
+    return found != error_metric_table.end() ? &*found : nullptr;
 }
 
 std::vector<double> relative_squares(std::span<const double> image, std::span<const double> reference) {

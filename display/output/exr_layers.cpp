@@ -4,22 +4,18 @@
 #include <cctype>
 #include <utility>
 
+#include "display/services/parameters.h"
+
 namespace raylex::display {
 
 namespace {
-
-std::string lower(std::string_view text) {
-    std::string result(text);
-    for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return result;
-}
 
 // 0..3 for R G B A in any spelling in use, 4 and up for what else belongs to a colour, -1 for no colour.
 int colour_rank(std::string_view plane) {
     static const std::vector<std::pair<std::string, int>> ranks{
         {"r", 0},     {"g", 1}, {"b", 2},  {"a", 3},  {"red", 0}, {"green", 1}, {"blue", 2},
         {"alpha", 3}, {"y", 4}, {"ry", 5}, {"by", 6}, {"ar", 7},  {"ag", 8},    {"ab", 9}};
-    const std::string name = lower(plane);
+    const std::string name = lower_case(plane);
     for (const auto& [spelling, rank] : ranks)
         if (spelling == name) return rank;
     return -1;
@@ -31,7 +27,7 @@ std::array<const ImagePlane*, 3> find_three(const std::vector<ImagePlane>& plane
     std::array<const ImagePlane*, 3> found{};
     for (std::size_t i = 0; i < 3; ++i)
         for (const ImagePlane& plane : planes)
-            if (found[i] == nullptr && lower(plane.name) == names[i]) found[i] = &plane;
+            if (found[i] == nullptr && lower_case(plane.name) == names[i]) found[i] = &plane;
     return found;
 }
 
@@ -69,7 +65,7 @@ void add_plane(std::vector<ImageLayer>& layers, const std::string& name, const s
 }
 
 bool is_main_name(const std::string& part) {
-    const std::string name = lower(part);
+    const std::string name = lower_case(part);
     return name.empty() || name == "rgba" || name == "rgb" || name == "main" || name == "image";
 }
 
@@ -77,7 +73,7 @@ bool is_main_name(const std::string& part) {
 void add_nameless(std::vector<ImageLayer>& layers, const std::string& part, bool main, std::vector<ImagePlane> planes) {
     const bool positions = all_found(find_three(planes, {"x", "y", "z"}));
     const auto belongs = [positions](const ImagePlane& plane) {
-        const std::string name = lower(plane.name);
+        const std::string name = lower_case(plane.name);
         return colour_rank(name) >= 0 || (positions && (name == "x" || name == "z"));
     };
     const bool nothing_belongs = std::none_of(planes.begin(), planes.end(), belongs);
@@ -131,7 +127,7 @@ const ImagePlane* ImageLayer::plane(std::string_view plane_name) const {
     for (const ImagePlane& each : planes)
         if (each.name == plane_name) return &each;
     for (const ImagePlane& each : planes)
-        if (lower(each.name) == lower(plane_name)) return &each;
+        if (lower_case(each.name) == lower_case(plane_name)) return &each;
     return nullptr;
 }
 
@@ -160,7 +156,7 @@ const ImageLayer* ExrImage::layer(std::string_view name) const {
     // The nameless image goes by the names that renderers give it in their user interfaces, and by its part's.
     for (const ImageLayer& each : layers)
         if (each.name.empty() &&
-            (name == "beauty" || is_main_name(std::string(name)) || lower(each.part) == lower(name)))
+            (name == "beauty" || is_main_name(std::string(name)) || lower_case(each.part) == lower_case(name)))
             return &each;
     if (!name.empty()) return nullptr;
     for (const ImageLayer& each : layers)

@@ -12,7 +12,7 @@ namespace raylex::display {
 
 namespace {
 
-constexpr std::array<ImageMetricInfo, image_metric_count> table{{
+constexpr std::array<ImageMetricInfo, image_metric_count> image_metric_table{{
     {ImageMetric::ssim, "ssim",
      "mean((2 ma mb + C1) (2 sab + C2) / ((ma^2 + mb^2 + C1) (sa^2 + sb^2 + C2))), Wang et al. 2004:\n"
      "means m, deviations s in Gaussian windows (11 x 11, 1.5) of the sRGB-encoded luminance, clamped to 0..1;\n"
@@ -82,7 +82,7 @@ ImageErrors measure_ssim(const LinearImage& image, const LinearImage& reference)
 }  // namespace
 
 std::span<const ImageMetricInfo, image_metric_count> image_metrics() {
-    return table;
+    return image_metric_table;
 }
 
 ImageErrors measure_image(ImageMetric metric, const LinearImage& image, const LinearImage& reference) {

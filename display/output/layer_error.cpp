@@ -14,14 +14,14 @@ namespace raylex::display {
 namespace {
 
 using Kind = SumStep::Kind;
-using Planes = std::array<const ImagePlane*, 3>;
+using LayerPlanes = std::array<const ImagePlane*, 3>;
 constexpr std::size_t block = 512;  // pixels at a time: the stack of a sum of fifty layers stays in the cache
 
 // A layer's three components, or why it cannot take part in a sum of light.
-Result<Planes> summable(const ExrImage& image, const ImageLayer& layer) {
+Result<LayerPlanes> summable(const ExrImage& image, const ImageLayer& layer) {
     Error error;
     error.file = image.path;
-    const Planes planes = layer.triple();
+    const LayerPlanes planes = layer.triple();
     if (planes[0] == nullptr) {
         std::vector<std::string> names;
         for (const ImagePlane& plane : layer.planes) names.push_back(plane.name);
@@ -89,7 +89,7 @@ void round(Values& a, double unit, std::size_t count) {
 // The arithmetic of one sum over a whole image.
 class SumOverImage {
   public:
-    SumOverImage(const LayerSum& sum, const SumRules& rules, std::vector<Planes> planes)
+    SumOverImage(const LayerSum& sum, const SumRules& rules, std::vector<LayerPlanes> planes)
         : sum_(sum), rules_(rules), planes_(std::move(planes)), stack_(static_cast<std::size_t>(sum.depth)) {}
 
     /// Component c of pixels [first, first + count).
@@ -149,14 +149,14 @@ class SumOverImage {
   private:
     const LayerSum& sum_;
     const SumRules& rules_;
-    std::vector<Planes> planes_;  // of the layer steps, in their order
+    std::vector<LayerPlanes> planes_;  // of the layer steps, in their order
     std::vector<Values> stack_;
 };
 
 // "float, 2^-23; half, 2^-10; 8 operations in float, 2^-24 each"
-std::string bound_reason(const std::vector<Planes>& all, const LayerSum& sum, const SumRules& rules) {
+std::string bound_reason(const std::vector<LayerPlanes>& all, const LayerSum& sum, const SumRules& rules) {
     bool half = false, single = false, pxr24 = false;
-    for (const Planes& planes : all)
+    for (const LayerPlanes& planes : all)
         for (const ImagePlane* plane : planes) {
             const double unit = precision_of(*plane).unit;
             (unit == 0x1p-10 ? half : unit == 0x1p-15 ? pxr24 : single) = true;
@@ -176,10 +176,10 @@ std::string bound_reason(const std::vector<Planes>& all, const LayerSum& sum, co
 }
 
 // What is allowed beyond rounding, and what would have to be.
-void note_allowances(SplitVerdict& verdict, const std::vector<Planes>& all, const Allowance& allowance) {
+void note_allowances(SplitVerdict& verdict, const std::vector<LayerPlanes>& all, const Allowance& allowance) {
     std::set<float> levels;
     bool b44 = false;
-    for (const Planes& planes : all)
+    for (const LayerPlanes& planes : all)
         for (const ImagePlane* plane : planes) {
             if (plane->loss == PlaneLoss::dwa) levels.insert(plane->dwa_level);
             b44 = b44 || plane->loss == PlaneLoss::b44;
@@ -194,7 +194,7 @@ void note_allowances(SplitVerdict& verdict, const std::vector<Planes>& all, cons
 }
 
 // The first layer that is not finite at the verdict's pixel.
-std::string culprit(const SplitVerdict& verdict, const ExrImage& image, const std::vector<Planes>& all,
+std::string culprit(const SplitVerdict& verdict, const ExrImage& image, const std::vector<LayerPlanes>& all,
                     const std::vector<std::string>& names) {
     const auto pixel = static_cast<std::size_t>(verdict.non_finite_y) * static_cast<std::size_t>(image.width) +
                        static_cast<std::size_t>(verdict.non_finite_x);
@@ -208,13 +208,13 @@ std::string culprit(const SplitVerdict& verdict, const ExrImage& image, const st
 
 Result<SplitVerdict> judge_sum(const ExrImage& image, const ImageLayer& of, const LayerSum& sum,
                                const SumRules& rules) {
-    Result<Planes> whole = summable(image, of);
+    Result<LayerPlanes> whole = summable(image, of);
     if (!whole) return std::move(whole).error();
-    std::vector<Planes> planes;
+    std::vector<LayerPlanes> planes;
     std::vector<std::string> names;
     for (const SumStep& step : sum.steps) {
         if (step.kind != Kind::layer) continue;
-        Result<Planes> found = summable(image, *step.layer);
+        Result<LayerPlanes> found = summable(image, *step.layer);
         if (!found) return std::move(found).error();
         planes.push_back(*found);
         names.push_back(name_of(*step.layer));

@@ -10,12 +10,6 @@ namespace raylex::display {
 
 namespace {
 
-std::string lower(std::string_view text) {
-    std::string result(text);
-    for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return result;
-}
-
 // "ViewLayer." of "ViewLayer.Combined"; empty without a dot.
 std::string_view prefix_of(std::string_view name) {
     return name.substr(0, name.rfind('.') + 1);
@@ -44,14 +38,14 @@ std::vector<const ImageLayer*> called(const ExrImage& image, std::string_view na
 std::string near_miss(const ExrImage& image, std::string_view name) {
     const std::vector<std::string> known = spoken_names(image);
     for (const std::string& each : known)
-        if (lower(each) == lower(name)) return "did you mean '" + each + "'?";
+        if (lower_case(each) == lower_case(name)) return "did you mean '" + each + "'?";
     if (const std::string near = nearest_name(name, known); !near.empty()) return "did you mean '" + near + "'?";
     if (name.empty() || name == "beauty")
         if (const std::string likely = likely_beauty(image); !likely.empty()) return "did you mean '" + likely + "'?";
     std::vector<std::string> alike;
     for (const ImageLayer& layer : image.layers)
-        if (name.size() >= 3 && (lower(layer.name).find(lower(name)) != std::string::npos ||
-                                 (layer.name.size() >= 3 && lower(name).find(lower(layer.name)) != std::string::npos)))
+        if (name.size() >= 3 && (lower_case(layer.name).find(lower_case(name)) != std::string::npos ||
+                                 (layer.name.size() >= 3 && lower_case(name).find(lower_case(layer.name)) != std::string::npos)))
             alike.push_back(layer.name);
     return alike.empty() ? std::string() : "names like it: " + list_names(alike);
 }
@@ -82,7 +76,7 @@ std::vector<std::string> spoken_names(const ExrImage& image) {
 std::string likely_beauty(const ExrImage& image) {
     for (const char* habit : {"beauty", "combined", "rgba", "rgb", "ci", "c", "image", "main"})
         for (const ImageLayer& layer : image.layers)
-            if (lower(layer.name).substr(prefix_of(layer.name).size()) == habit) return layer.name;
+            if (lower_case(layer.name).substr(prefix_of(layer.name).size()) == habit) return layer.name;
     return {};
 }
 

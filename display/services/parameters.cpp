@@ -162,6 +162,13 @@ std::vector<const Parameter*> ParameterSet::unused() const {
 
 // A likely slip costs at most a third of the word's letters, and always at least one is allowed, but never all of them.
 // Ties go to the candidate listed first.
+std::string lower_case(std::string_view text) {
+    std::string result(text);
+    for (char& c : result)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return result;
+}
+
 std::string nearest_name(std::string_view word, const std::vector<std::string>& candidates) {
     std::string best;
     std::size_t best_distance = std::max<std::size_t>(1, word.size() / 3) + 1;

@@ -60,6 +60,9 @@ struct ParameterDescription {
     std::string help;      ///< one line: meaning, unit, range
 };
 
+/// The text with A to Z in lower case; other bytes stay.
+std::string lower_case(std::string_view text);
+
 /// The candidate nearest to `word` by edit distance, or empty when none is close enough to be a likely slip.
 std::string nearest_name(std::string_view word, const std::vector<std::string>& candidates);
 

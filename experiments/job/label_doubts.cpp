@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "display/services/parameters.h"
 #include "experiments/job/named_labels.h"
 #include "lpe/language/glob.h"
 
@@ -19,12 +20,6 @@ struct Use {
     bool glob = false;
     std::vector<std::string> channels;
 };
-
-std::string lower_case(std::string text) {
-    std::transform(text.begin(), text.end(), text.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return text;
-}
 
 std::string without_digits(std::string text) {
     std::erase_if(text, [](unsigned char c) { return std::isdigit(c) != 0; });

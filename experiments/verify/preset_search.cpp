@@ -15,8 +15,7 @@ namespace {
 
 // Letters and digits in lower case, without the application's "VRay" or "vrayRE_" in front.
 std::string plain_name(std::string_view name) {
-    std::string lower(name);
-    for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    std::string lower = lower_case(name);
     for (const std::string_view ahead : {"vrayre_", "vray"})
         if (lower.starts_with(ahead) && lower.size() > ahead.size()) {
             lower.erase(0, ahead.size());

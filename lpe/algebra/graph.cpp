@@ -14,7 +14,7 @@ namespace raylex::lpe {
 
 namespace {
 
-constexpr std::size_t most_channels = 32;  // one bit each in the outputs
+constexpr std::size_t most_outputs = 32;  // one bit each in the outputs
 
 /// One automaton whose outputs tell which channels accept, a bit each.
 Dfa together(const Languages& languages, std::size_t channels) {
@@ -83,9 +83,9 @@ std::vector<GraphEdge> edges_from(std::uint32_t state, const Dfa& dfa, const Eve
 }
 
 Graph build(std::span<const ChannelSource> channels, const Words& words) {
-    if (channels.size() > most_channels) {
+    if (channels.size() > most_outputs) {
         fail("a drawing of " + std::to_string(channels.size()) + " channels cannot be read; expected at most " +
-             std::to_string(most_channels));
+             std::to_string(most_outputs));
     }
     Words cut = words_for(channels, words);
     cut.alphabet.reset();  // a column of labels for every object of a scene would say nothing

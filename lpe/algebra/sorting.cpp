@@ -12,7 +12,7 @@ namespace raylex::lpe {
 namespace {
 
 constexpr std::size_t most_tries = 2'000;    // differences of automata, about half a second
-constexpr std::size_t most_channels = 200;   // of one partition and to choose from: each is a level of the search
+constexpr std::size_t most_sorted = 200;   // of one partition and to choose from: each is a level of the search
 
 class Sorter {
   public:
@@ -60,7 +60,7 @@ class Sorter {
         for (const std::size_t next : accepting(channels_, channels_.size(), *word)) {
             const bool apart = std::all_of(chosen.begin(), chosen.end(),
                                            [&](std::size_t channel) { return disjoint(channel, next); });
-            if (!open[next] || !apart || chosen.size() > most_channels || ++tries_ > most_tries) {
+            if (!open[next] || !apart || chosen.size() > most_sorted || ++tries_ > most_tries) {
                 continue;
             }
             chosen.push_back(next);

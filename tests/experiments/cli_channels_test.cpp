@@ -17,11 +17,6 @@ std::string refusal(const Folder& folder, const std::string& arguments) {
     return outcome.err;
 }
 
-bool holds(const std::string& text, const std::string& word) {
-    CAPTURE(text, word);
-    return text.find(word) != std::string::npos;
-}
-
 }  // namespace
 
 TEST_CASE("statistics become layers that belong together and leave the beauty alone", "[statistics][law2]") {
@@ -58,14 +53,14 @@ TEST_CASE("statistics become layers that belong together and leave the beauty al
     }
     CHECK(light > 0);
     CHECK(plane(*a, "Nn_mse", "X") == plane(*b, "Nn_mse", "X"));
-    CHECK(holds(refusal(folder, "render room.pbrt --statistics beauty=vairance"), "did you mean 'variance'"));
-    CHECK(holds(refusal(folder, "render room.pbrt --statistics beaut=mse"), "did you mean 'beauty'"));
-    CHECK(holds(refusal(folder, "render room.pbrt --aov z --statistics z=mse"), "has the rule 'zmin' and no statistics"));
-    CHECK(holds(refusal(folder, "render room.pbrt --statistics mse"), "expected such as beauty=variance,mse"));
-    CHECK(holds(refusal(folder, "render room.pbrt --deep d.exr --statistics beauty=mse --deep-channels beauty_mse"),
+    CHECK(contains(refusal(folder, "render room.pbrt --statistics beauty=vairance"), "did you mean 'variance'"));
+    CHECK(contains(refusal(folder, "render room.pbrt --statistics beaut=mse"), "did you mean 'beauty'"));
+    CHECK(contains(refusal(folder, "render room.pbrt --aov z --statistics z=mse"), "has the rule 'zmin' and no statistics"));
+    CHECK(contains(refusal(folder, "render room.pbrt --statistics mse"), "expected such as beauty=variance,mse"));
+    CHECK(contains(refusal(folder, "render room.pbrt --deep d.exr --statistics beauty=mse --deep-channels beauty_mse"),
                 "cannot be deep"));
     folder.write("bad.toml", "[scene]\nfile = \"room.pbrt\"\n[channels.statistics]\nbeauty = [\"mse\", \"evn\"]\n");
-    CHECK(holds(refusal(folder, "render bad.toml"), "bad.toml:4:19"));
+    CHECK(contains(refusal(folder, "render bad.toml"), "bad.toml:4:19"));
 }
 
 TEST_CASE("a channel may have another rule, and then stands in no partition", "[statistics]") {
@@ -95,9 +90,9 @@ TEST_CASE("a channel may have another rule, and then stands in no partition", "[
     }
     REQUIRE(a->partitions.size() == 1);
     CHECK(a->partitions[0].layers == std::vector<std::string>{"all", "rest"});
-    CHECK(holds(refusal(folder, "render room.pbrt --rule beauty=max"), "made by the pixel filter alone"));
-    CHECK(holds(refusal(folder, "render room.pbrt --aov id --rule id=average"), "integers"));
-    CHECK(holds(refusal(folder, "render room.pbrt --lpe direct=CDL --rule rest=max"), "cannot be part of partition 'auto'"));
-    CHECK(holds(refusal(folder, "render room.pbrt --partition shipped --rule directDiffuse=zmin"),
+    CHECK(contains(refusal(folder, "render room.pbrt --rule beauty=max"), "made by the pixel filter alone"));
+    CHECK(contains(refusal(folder, "render room.pbrt --aov id --rule id=average"), "integers"));
+    CHECK(contains(refusal(folder, "render room.pbrt --lpe direct=CDL --rule rest=max"), "cannot be part of partition 'auto'"));
+    CHECK(contains(refusal(folder, "render room.pbrt --partition shipped --rule directDiffuse=zmin"),
                 "cannot be part of partition 'shipped'"));
 }

@@ -21,10 +21,6 @@ std::string cycles_image() {
     return source_dir() + "/tests/experiments/data/cycles.exr";
 }
 
-bool has(const std::string& text, const std::string& part) {
-    return text.find(part) != std::string::npos;
-}
-
 display::ExrImage read(const std::string& path) {
     auto image = display::read_exr(path);
     if (!image) FAIL(image.error().to_string());
@@ -94,16 +90,16 @@ TEST_CASE("an image of Cycles gets the right verdict by preset, in one command",
     const Outcome outcome = run_raylex(folder, "verify '" + cycles_image() + "' --preset cycles");
     CAPTURE(outcome.out, outcome.err);
     REQUIRE(outcome.code == 0);
-    CHECK(has(outcome.out, "Cycles (Blender) passes of ViewLayer: 11 layers against ViewLayer.Combined: holds"));
-    CHECK(has(outcome.out, "Cycles (Blender) light groups of ViewLayer: 3 layers against ViewLayer.Combined: holds"));
-    CHECK(has(outcome.out,
+    CHECK(contains(outcome.out, "Cycles (Blender) passes of ViewLayer: 11 layers against ViewLayer.Combined: holds"));
+    CHECK(contains(outcome.out, "Cycles (Blender) light groups of ViewLayer: 3 layers against ViewLayer.Combined: holds"));
+    CHECK(contains(outcome.out,
               "(DiffDir + DiffInd) * DiffCol, (GlossDir + GlossInd) * GlossCol, (TransDir + TransInd) * "
               "TransCol, Emit, Env"));
-    CHECK(has(outcome.out, "relative 3.81e-06, for adding up 64 samples in float, 2^-24 each"));
+    CHECK(contains(outcome.out, "relative 3.81e-06, for adding up 64 samples in float, 2^-24 each"));
     // Who says nothing is told of the preset.
     const Outcome nothing = run_raylex(folder, "verify '" + cycles_image() + "'");
     CHECK(nothing.code == 2);
-    CHECK(has(nothing.err, "cycles.exr --preset cycles"));
+    CHECK(contains(nothing.err, "cycles.exr --preset cycles"));
 }
 
 TEST_CASE("sums are written as arithmetic, with short names, and judged by --tolerance", "[verify]") {
@@ -116,32 +112,32 @@ TEST_CASE("sums are written as arithmetic, with short names, and judged by --tol
     Outcome outcome = run_raylex(folder, "verify a.exr --tolerance 0,4e-6" + sum);
     CAPTURE(outcome.out, outcome.err);
     CHECK(outcome.code == 0);
-    CHECK(has(outcome.out, "11 layers against ViewLayer.Combined: holds"));
+    CHECK(contains(outcome.out, "11 layers against ViewLayer.Combined: holds"));
     CHECK(run_raylex(folder, "verify a.exr --of Combined --sum 'Combined_*' --tolerance 1e-4,0").code == 0);
     outcome =
         run_raylex(folder, "verify a.exr --of Combined --tolerance 0,4e-6 --sum '(DiffDir+DiffInd)*DiffCol, Emit'");
     CHECK(outcome.code == 1);
-    CHECK(has(outcome.out, "DOES NOT HOLD"));
-    CHECK(has(outcome.out, "the sum is never above, so that light is missing from the layers"));
+    CHECK(contains(outcome.out, "DOES NOT HOLD"));
+    CHECK(contains(outcome.out, "the sum is never above, so that light is missing from the layers"));
     CHECK(folder.has("a.sum.residual.png"));
     outcome = run_raylex(folder, "verify a.exr --of Combined --sum '(DiffDir+DiffInd)*DifCol'");
     CHECK(outcome.code == 2);
-    CHECK(has(outcome.err, "--sum: column 19: the image has no layer 'DifCol'"));
-    CHECK(has(outcome.err, "did you mean 'DiffCol'?"));
+    CHECK(contains(outcome.err, "--sum: column 19: the image has no layer 'DifCol'"));
+    CHECK(contains(outcome.err, "did you mean 'DiffCol'?"));
     for (const char* wrong : {"1e-6", "1e-6,", ",1e-6", "-1,0", "0,nan", "0,0,0", "a,b", "''"}) {
         CAPTURE(wrong);
         outcome = run_raylex(folder, "verify a.exr --preset cycles --tolerance " + std::string(wrong));
         CHECK(outcome.code == 2);
-        CHECK(has(outcome.err, "--tolerance: column "));
+        CHECK(contains(outcome.err, "--tolerance: column "));
     }
     CHECK(run_raylex(folder, "verify a.exr --preset cycles --sum Emit").code == 2);
     CHECK(run_raylex(folder, "verify a.exr --of Combined --sum ''").code == 2);
     outcome = run_raylex(folder, "verify a.exr --preset cycle");
     CHECK(outcome.code == 2);
-    CHECK(has(outcome.err, "did you mean 'cycles'?"));
+    CHECK(contains(outcome.err, "did you mean 'cycles'?"));
     outcome = run_raylex(folder, "verify a.exr --preset arnold");
     CHECK(outcome.code == 2);
-    CHECK(has(outcome.err, "no layers named as Arnold names them"));
+    CHECK(contains(outcome.err, "no layers named as Arnold names them"));
 }
 
 TEST_CASE("an image of Cycles holds however it is stored, and not with a pass that is wrong", "[verify]") {
@@ -193,11 +189,11 @@ TEST_CASE("presets find view layers, files per layer, a noisy image and groups t
     Outcome outcome = run_raylex(folder, "verify two.exr --preset cycles");
     CAPTURE(outcome.out, outcome.err);
     CHECK(outcome.code == 1);
-    CHECK(has(outcome.out, "passes of Back Layer: 11 layers against Back Layer.Combined: holds"));
-    CHECK(has(outcome.out, "light groups of Back Layer: 2 layers against Back Layer.Combined: DOES NOT HOLD"));
-    CHECK(has(outcome.out, "every lamp, emitter and the world"));
-    CHECK(has(outcome.out, "relative 4e-05, for Cycles' adding up of samples in float, measured at 4096 samples"));
-    CHECK(has(outcome.out, "light groups of ViewLayer: 3 layers against ViewLayer.Combined: holds"));
+    CHECK(contains(outcome.out, "passes of Back Layer: 11 layers against Back Layer.Combined: holds"));
+    CHECK(contains(outcome.out, "light groups of Back Layer: 2 layers against Back Layer.Combined: DOES NOT HOLD"));
+    CHECK(contains(outcome.out, "every lamp, emitter and the world"));
+    CHECK(contains(outcome.out, "relative 4e-05, for Cycles' adding up of samples in float, measured at 4096 samples"));
+    CHECK(contains(outcome.out, "light groups of ViewLayer: 3 layers against ViewLayer.Combined: holds"));
     CHECK(folder.has("two.light-groups-of-Back-Layer.residual.png"));
 
     // What the denoiser made of Combined is not judged where the image before is kept.
@@ -209,7 +205,7 @@ TEST_CASE("presets find view layers, files per layer, a noisy image and groups t
     write(folder.path("denoised.exr"), image);
     outcome = run_raylex(folder, "verify denoised.exr --preset cycles");
     CHECK(outcome.code == 0);
-    CHECK(has(outcome.out, "against ViewLayer.Noisy Image: holds"));
+    CHECK(contains(outcome.out, "against ViewLayer.Noisy Image: holds"));
     CHECK(run_raylex(folder, "verify denoised.exr --preset cycles --of Combined").code == 1);
 
     // A transparent film: the background is in its pass and in its light group, and not in the image.
@@ -230,8 +226,8 @@ TEST_CASE("presets find view layers, files per layer, a noisy image and groups t
     outcome = run_raylex(folder, "verify film.exr --preset cycles");
     CAPTURE(outcome.out, outcome.err);
     CHECK(outcome.code == 0);
-    CHECK(has(outcome.out, "the film is transparent"));
-    CHECK(has(outcome.out, "Combined_sky, -Env"));
+    CHECK(contains(outcome.out, "the film is transparent"));
+    CHECK(contains(outcome.out, "Combined_sky, -Env"));
 
     // One file per layer.
     std::string files;
@@ -245,7 +241,7 @@ TEST_CASE("presets find view layers, files per layer, a noisy image and groups t
     outcome = run_raylex(folder, "verify" + files + " --preset cycles");
     CAPTURE(outcome.out, outcome.err);
     CHECK(outcome.code == 0);
-    CHECK(has(outcome.out, "passes: 11 layers against shot_Combined: holds"));
+    CHECK(contains(outcome.out, "passes: 11 layers against shot_Combined: holds"));
 
     // A pass that is missing is named; its factor alone is no light.
     image = original;
@@ -255,7 +251,7 @@ TEST_CASE("presets find view layers, files per layer, a noisy image and groups t
     write(folder.path("less.exr"), image);
     outcome = run_raylex(folder, "verify less.exr --preset cycles");
     CHECK(outcome.code == 1);
-    CHECK(has(outcome.out, "not in the file, so not in the sum: DiffInd, SubsurfaceDir"));
+    CHECK(contains(outcome.out, "not in the file, so not in the sum: DiffInd, SubsurfaceDir"));
 }
 
 TEST_CASE("presets know the names of RenderMan, Arnold and V-Ray, on synthetic files", "[verify]") {
@@ -310,7 +306,7 @@ TEST_CASE("presets know the names of RenderMan, Arnold and V-Ray, on synthetic f
                                         "", raw);
     CHECK(code(image, "vray") == 0);
     write(folder.path("x.exr"), image);
-    CHECK(has(run_raylex(folder, "verify x.exr --preset vray").out,
+    CHECK(contains(run_raylex(folder, "verify x.exr --preset vray").out,
               "V-Ray raw elements: 6 layers against beauty: holds"));
 }
 
@@ -332,13 +328,13 @@ TEST_CASE("what cannot be judged is said: integers, missing channels, values tha
     CHECK(run_raylex(folder, "verify x.exr --sum a,b").code == 0);
     Outcome outcome = run_raylex(folder, "verify x.exr --sum a,nan");
     CHECK(outcome.code == 1);
-    CHECK(has(outcome.out, "1 pixel holds values that are not finite, the first (2, 1) in nan"));
+    CHECK(contains(outcome.out, "1 pixel holds values that are not finite, the first (2, 1) in nan"));
     outcome = run_raylex(folder, "verify x.exr --sum a,ids");
     CHECK(outcome.code == 2);
-    CHECK(has(outcome.err, "layer 'ids' holds unsigned integers"));
+    CHECK(contains(outcome.err, "layer 'ids' holds unsigned integers"));
     outcome = run_raylex(folder, "verify x.exr --sum a,two");
     CHECK(outcome.code == 2);
-    CHECK(has(outcome.err, "layer 'two' has the channels R, G; expected R G B"));
+    CHECK(contains(outcome.err, "layer 'two' has the channels R, G; expected R G B"));
     // Layers that were cut to where they have light, each with a data window of its own.
     const Imath::Box2i display = box(4, 3);
     const auto planes = [](float value, std::size_t count) {
@@ -362,5 +358,5 @@ TEST_CASE("Blender renders the test's image anew, and verify judges it the same"
                                                    "anew.exr --preset cycles");
     CAPTURE(rendered.out, rendered.err);
     CHECK(rendered.code == 0);
-    CHECK(has(rendered.out, "passes of ViewLayer: 11 layers against ViewLayer.Combined: holds"));
+    CHECK(contains(rendered.out, "passes of ViewLayer: 11 layers against ViewLayer.Combined: holds"));
 }

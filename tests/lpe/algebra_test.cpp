@@ -9,17 +9,12 @@
 #include "lpe/algebra/paths.h"
 #include "lpe/algebra/relations.h"
 #include "lpe/match.h"
+#include "sources.h"
 
 using namespace raylex::lpe;
+using lpe_test::source;
 
 namespace {
-
-ChannelSource source(const std::string& text) {
-    ChannelSource channel;
-    channel.expression = text.starts_with("osl:") ? text.substr(4) : text;
-    channel.dialect = text.starts_with("osl:") ? Dialect::osl : Dialect::renderman;
-    return channel;
-}
 
 std::vector<ChannelSource> sources(const std::vector<std::string>& texts) {
     std::vector<ChannelSource> channels;

@@ -7,35 +7,14 @@
 #include "lpe/algebra/check.h"
 #include "lpe/match.h"
 #include "lpe/shipped.h"
+#include "sources.h"
 
 using namespace raylex::lpe;
+using lpe_test::channel_of;
+using lpe_test::channels_of;
+using lpe_test::shipped;
 
 namespace {
-
-std::vector<ChannelSource> channels_of(const std::vector<std::pair<std::string, std::string>>& list,
-                                       Dialect dialect = Dialect::renderman) {
-    std::vector<ChannelSource> channels;
-    for (const auto& [name, expression] : list) {
-        ChannelSource channel;
-        channel.name = name;
-        channel.expression = expression;
-        channel.dialect = dialect;
-        channels.push_back(channel);
-    }
-    return channels;
-}
-
-ChannelSource channel_of(const std::string& expression, Dialect dialect = Dialect::renderman) {
-    return channels_of({{"channel", expression}}, dialect).front();
-}
-
-std::vector<ChannelSource> shipped(Dialect dialect) {
-    std::vector<std::pair<std::string, std::string>> list;
-    for (const NamedExpression& entry : shipped_partition(dialect)) {
-        list.emplace_back(entry.name, entry.expression);
-    }
-    return channels_of(list, dialect);
-}
 
 /// RenderMan's documented basic set, which knows no volumes.
 std::vector<ChannelSource> renderman_basic_set() {

@@ -11,23 +11,13 @@
 #include "lpe/algebra/sorting.h"
 #include "lpe/language/extensions.h"
 #include "lpe/match.h"
+#include "sources.h"
 
 using namespace raylex;
 using namespace raylex::lpe;
+using lpe_test::channels_of;
 
 namespace {
-
-std::vector<ChannelSource> channels_of(const std::vector<std::pair<std::string, std::string>>& list,
-                                       Dialect dialect = Dialect::renderman) {
-    std::vector<ChannelSource> channels;
-    for (const auto& [name, expression] : list) {
-        ChannelSource& channel = channels.emplace_back();
-        channel.name = name;
-        channel.expression = expression;
-        channel.dialect = dialect;
-    }
-    return channels;
-}
 
 Words surfaces() {
     Words words;

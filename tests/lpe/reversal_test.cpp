@@ -9,19 +9,12 @@
 #include "lpe/reversal.h"
 #include "lpe/shipped.h"
 #include "oracle.h"
+#include "sources.h"
 
 using namespace raylex::lpe;
+using lpe_test::shipped;
 
 namespace {
-
-std::vector<ChannelSource> shipped(Dialect dialect) {
-    std::vector<ChannelSource> channels;
-    for (const NamedExpression& entry : shipped_partition(dialect)) {
-        channels.push_back(
-            {.name = std::string(entry.name), .expression = std::string(entry.expression), .dialect = dialect});
-    }
-    return channels;
-}
 
 void add(std::vector<ChannelSource>& channels, Dialect dialect, const std::string& before, const std::string& after,
          int count) {

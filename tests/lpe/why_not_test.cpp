@@ -8,17 +8,12 @@
 #include "lpe/algebra/why_not.h"
 #include "lpe/match.h"
 #include "oracle.h"
+#include "sources.h"
 
 using namespace raylex::lpe;
+using lpe_test::source;
 
 namespace {
-
-ChannelSource source(const std::string& text) {
-    ChannelSource channel;
-    channel.expression = text.starts_with("osl:") ? text.substr(4) : text;
-    channel.dialect = text.starts_with("osl:") ? Dialect::osl : Dialect::renderman;
-    return channel;
-}
 
 struct Case {
     std::string expression, path;

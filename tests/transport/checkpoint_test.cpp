@@ -21,12 +21,6 @@ std::string everything(const transport::RenderOutput& output) {
     return bytes;
 }
 
-display::ChannelDefinition aov(const std::string& name) {
-    display::ChannelDefinition channel;
-    channel.name = name;
-    return channel;
-}
-
 transport::RenderSettings room_settings() {
     transport::RenderSettings settings;
     settings.integrator = counted("path");

@@ -17,6 +17,13 @@ using raylex::ParameterType;
 namespace display = raylex::display;
 namespace transport = raylex::transport;
 
+/// A channel of a name that raylex has.
+inline display::ChannelDefinition aov(const std::string& name) {
+    display::ChannelDefinition channel;
+    channel.name = name;
+    return channel;
+}
+
 inline transport::SceneDescription scene_of(const std::string& text) {
     auto scene = transport::import_pbrt_text(text, "test.pbrt");
     INFO((scene ? std::string() : scene.error().to_string()));

@@ -22,12 +22,6 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-4 -4 0 4 -4 0 
 )";
 }
 
-display::ChannelDefinition aov(const std::string& name) {
-    display::ChannelDefinition channel;
-    channel.name = name;
-    return channel;
-}
-
 const std::string teed = R"(
 Texture "board" "spectrum" "checkerboard" "float uscale" 8 "float vscale" 8 "rgb tex1" [.8 .4 .2] "rgb tex2" [.1 .2 .3]
 Texture "paint" "spectrum" "tee" "texture input" "board" "string channel" "paint"
