@@ -6,8 +6,6 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "display/output/atomic_file.h"
 #include "display/output/comparison.h"
 #include "display/output/exr_reader.h"
@@ -15,6 +13,7 @@
 #include "experiments/cli/command_line.h"
 #include "experiments/cli/commands.h"
 #include "experiments/cli/console.h"
+#include "experiments/job/json.h"
 
 namespace raylex::experiments {
 namespace {
@@ -51,13 +50,13 @@ struct Measured {
     Result<double> value;
 };
 
-nlohmann::json json_of(const CompareOptions& options, const std::vector<Measured>& measured) {
-    nlohmann::json json{{"image", options.image}, {"reference", options.reference}, {"layer", options.layer}};
-    json["channel"] = options.channel.empty() ? nlohmann::json() : nlohmann::json(options.channel);
-    nlohmann::json metrics = nlohmann::json::object(), reasons = nlohmann::json::object();
+Json json_of(const CompareOptions& options, const std::vector<Measured>& measured) {
+    Json json{{"image", options.image}, {"reference", options.reference}, {"layer", options.layer}};
+    json["channel"] = options.channel.empty() ? Json() : Json(options.channel);
+    Json metrics = Json::object(), reasons = Json::object();
     for (const Measured& each : measured) {
         const bool number = each.value && std::isfinite(*each.value);
-        metrics[each.name] = number ? nlohmann::json(*each.value) : nlohmann::json();
+        metrics[each.name] = number ? Json(*each.value) : Json();
         if (!number) reasons[each.name] = each.value ? number_text(*each.value) : each.value.error().message;
     }
     json["metrics"] = std::move(metrics);
@@ -148,7 +147,7 @@ int run_compare(const CompareOptions& options) {
     if (options.writes)
         if (Status written = write_errors(options, metrics->front(), *pair); !written)
             return report_error(written.error());
-    if (options.json) print_line(json_of(options, measured).dump(2));
+    if (options.json) print_line(json_text(json_of(options, measured), 2));
     else if (all) print_table(measured);
     else print_line(number_text(*measured.front().value, 9));
     return exit_holds;

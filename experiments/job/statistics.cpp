@@ -3,14 +3,12 @@
 #include <sys/resource.h>
 #include <chrono>
 #include <ctime>
-#include <nlohmann/json.hpp>
 
+#include "experiments/job/json.h"
 #include "experiments/job/provenance.h"
 
 namespace raylex::experiments {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 double wall_now() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -160,7 +158,7 @@ std::string statistics_json(const RunRecord& record) {
     json["warnings"] = record.warnings;
     json["provenance"] = record.attributes;
     // Paths and scene text may hold bytes that are no UTF-8: replaced, not thrown over.
-    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    return json_text(json, 2) + "\n";
 }
 
 }  // namespace raylex::experiments

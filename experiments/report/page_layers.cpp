@@ -4,11 +4,11 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <utility>
 
+#include "experiments/job/json.h"
 #include "experiments/report/html.h"
 #include "experiments/report/pixel_data.h"
 #include "experiments/report/preview.h"
@@ -18,8 +18,6 @@ namespace {
 
 using display::ExrImage;
 using display::ImageLayer;
-using Json = nlohmann::ordered_json;
-
 std::string shown_name(const ImageLayer& layer) {
     return layer.name.empty() ? "beauty" : layer.name;
 }
@@ -298,7 +296,7 @@ Result<std::string> PageLayers::html(const ExrImage& image) {
                 " without light in this image</summary>\n" + folded + "</details>\n";
     return "<div class=\"screen\">\n" + tools(names) + "<aside class=\"list\">\n" + list + "</aside>\n</div>\n" +
            "<script type=\"application/json\" class=\"data\">" +
-           script_json(data.dump(-1, ' ', false, Json::error_handler_t::replace)) + "</script>\n" + scripts;
+           script_json(json_text(data)) + "</script>\n" + scripts;
 }
 
 std::string PageLayers::view_scripts() const {

@@ -3,17 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <nlohmann/json.hpp>
 
+#include "experiments/job/json.h"
 #include "experiments/report/html.h"
 
 namespace raylex::experiments {
 namespace {
 
-using RecordJson = nlohmann::json;
-
-double number_at(const RecordJson& json, const char* pointer) {
-    const RecordJson::json_pointer path(pointer);
+double number_at(const Json& json, const char* pointer) {
+    const Json::json_pointer path(pointer);
     return json.contains(path) && json.at(path).is_number() ? json.at(path).get<double>() : 0.0;
 }
 
@@ -35,7 +33,7 @@ std::string row(const std::string& name, const std::string& value) {
     return "<tr><td>" + name + "</td><td class=\"number\">" + value + "</td></tr>\n";
 }
 
-std::string phases(const RecordJson& json) {
+std::string phases(const Json& json) {
     std::string table =
         "<div class=\"wide\"><table>\n<tr><th>Phase</th><th>Wall seconds</th><th>CPU seconds</th></tr>\n";
     for (const std::string phase : {"load", "plan", "build", "render", "write"}) {
@@ -48,11 +46,11 @@ std::string phases(const RecordJson& json) {
 }
 
 /// Path lengths as shares with bars; one colour, so that length alone carries the number.
-std::string path_lengths(const RecordJson& json) {
+std::string path_lengths(const Json& json) {
     const auto found = json.find("path_length_histogram");
     if (found == json.end() || !found->is_array()) return {};
     double total = 0;
-    for (const RecordJson& each : *found) total += each.is_number() ? each.get<double>() : 0;
+    for (const Json& each : *found) total += each.is_number() ? each.get<double>() : 0;
     if (!(total > 0)) return {};
     std::string table = "<div class=\"wide\"><table>\n<tr><th>Scattering events</th><th>Paths</th><th></th></tr>\n";
     for (std::size_t i = 0; i < found->size(); ++i) {
@@ -66,9 +64,14 @@ std::string path_lengths(const RecordJson& json) {
 
 }  // namespace
 
-std::string statistics_table(const std::string& json_text) {
-    const RecordJson json = RecordJson::parse(json_text, nullptr, false);
-    if (json.is_discarded() || !json.is_object() || !json.contains("phases")) return {};
+std::string statistics_table(const std::string& record) {
+    Json json;
+    try {
+        json = parse_json(record);
+    } catch (const Json::exception&) {
+        return {};
+    }
+    if (!json.is_object() || !json.contains("phases")) return {};
     std::string text = "<div class=\"tables\">\n" + phases(json) + "<div class=\"wide\"><table>\n";
     text += row("Camera samples", counted(number_at(json, "/samples/camera")));
     text += row("Samples per CPU second", counted(number_at(json, "/samples/per_cpu_second")));
@@ -82,7 +85,7 @@ std::string statistics_table(const std::string& json_text) {
     const auto warnings = json.find("warnings");
     if (warnings != json.end() && warnings->is_array() && !warnings->empty()) {
         text += "<p>Warnings:</p>\n<ul>\n";
-        for (const RecordJson& each : *warnings)
+        for (const Json& each : *warnings)
             if (each.is_string()) text += "<li>" + escape_html(each.get<std::string>()) + "</li>\n";
         text += "</ul>\n";
     }

@@ -6,6 +6,6 @@
 namespace raylex::experiments {
 
 /// From the text of a --stats file; empty when it is none.
-std::string statistics_table(const std::string& json_text);
+std::string statistics_table(const std::string& record);
 
 }  // namespace raylex::experiments

@@ -9,11 +9,11 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "display/services/hash64.h"
 #include "display/services/parameters.h"
+#include "experiments/job/json.h"
 
 namespace raylex::experiments {
 namespace {
@@ -89,12 +89,12 @@ std::string damage_of_reference(const std::string& directory) {
     std::ifstream file(path, std::ios::binary);
     if (!file) return path + ": this file is gone";
     try {
-        const auto json = nlohmann::json::parse(file);
+        const auto json = parse_json(file);
         std::vector<FileRecord> files;
-        for (const auto& each : json.value("files", nlohmann::json::array()))
+        for (const auto& each : json.value("files", Json::array()))
             files.push_back({each.at("name"), each.at("bytes"), each.at("hash")});
         return damage_of(directory, files);
-    } catch (const nlohmann::json::exception& error) {
+    } catch (const Json::exception& error) {
         return path + ": this is damaged: " + error.what();
     }
 }

@@ -7,18 +7,16 @@
 #include <fstream>
 #include <iterator>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "display/output/atomic_file.h"
 #include "display/services/parameters.h"
+#include "experiments/job/json.h"
 
 namespace raylex::experiments {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 constexpr std::array budget_kinds{"samples", "seconds", "error"};
 
 Json values_json(const NamedValues& values) {
@@ -243,7 +241,7 @@ Experiment experiment_of(const Json& json, const std::string& directory) {
 
 std::string text_of(const Json& json) {
     // Paths and messages may hold bytes that are no UTF-8: replaced, not thrown over.
-    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    return json_text(json, 2) + "\n";
 }
 
 /// `read` may throw: whatever is wrong with the content.
@@ -252,7 +250,7 @@ auto read_json(const std::string& path, const char* what, Read read) -> Result<d
     std::ifstream file(path, std::ios::binary);
     if (!file) return error_at({path, 0, 0}, std::string("cannot read this file; expected ") + what);
     try {
-        return read(Json::parse(file));
+        return read(parse_json(file));
     } catch (const Json::exception& error) {
         return error_at({path, 0, 0}, std::string("this is not ") + what + ", or it is damaged: " + error.what());
     }
@@ -325,7 +323,7 @@ std::string cell_text(const Cell& cell) {
 
 Result<Cell> cell_of_text(const std::string& text, const std::string& where) {
     try {
-        return cell_of(Json::parse(text));
+        return cell_of(parse_json(text));
     } catch (const Json::exception& error) {
         return error_at({where, 0, 0}, std::string("this is not a cell: ") + error.what());
     }

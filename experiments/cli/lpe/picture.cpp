@@ -3,15 +3,12 @@
 #include <algorithm>
 #include <map>
 
-#include <nlohmann/json.hpp>
-
 #include "experiments/cli/console.h"
+#include "experiments/job/json.h"
 #include "lpe/match.h"
 
 namespace raylex::experiments {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr std::size_t matrix_most = 16;  // channels of a matrix; more are folded
 constexpr std::size_t names_most = 8;    // of a list in one line
@@ -262,7 +259,7 @@ std::string pictures_as_json(const std::vector<CheckPicture>& pictures) {
         one["warnings"] = picture.warnings;
         list.push_back(std::move(one));
     }
-    return list.dump(2, ' ', false, Json::error_handler_t::replace);
+    return json_text(list, 2);
 }
 
 }  // namespace raylex::experiments

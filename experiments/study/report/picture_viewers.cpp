@@ -1,15 +1,13 @@
 #include "experiments/study/report/picture_viewers.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <utility>
 
+#include "experiments/job/json.h"
 #include "experiments/report/html.h"
 
 namespace raylex::experiments {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::string button(const std::string& attributes, const std::string& name) {
     return "<button type=\"button\" aria-pressed=\"false\" " + attributes + ">" + escape_html(name) + "</button>";

@@ -1,9 +1,9 @@
 // The viewers of a study's images: their HTML and the data that bench.js reads.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 
+#include "experiments/job/json.h"
 #include "experiments/study/report/pictures.h"
 
 namespace raylex::experiments {
@@ -11,6 +11,6 @@ namespace raylex::experiments {
 /// One viewer per scene, and what was left out.
 std::string image_viewers(const Pictures& pictures);
 /// The study's regions stand as insets in the viewers.
-nlohmann::ordered_json picture_index(const Study& study, const Pictures& pictures);
+Json picture_index(const Study& study, const Pictures& pictures);
 
 }  // namespace raylex::experiments

@@ -1,15 +1,13 @@
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "experiments/cli/console.h"
+#include "experiments/job/json.h"
 #include "experiments/study/analysis/pareto.h"
 #include "experiments/study/report/study_files.h"
 
 namespace raylex::experiments {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::string budget_label(const Curve& curve, const BudgetPoint& point) {
     std::string text = spoken_budget(curve.budget_kind, point.budget);
@@ -64,7 +62,7 @@ Json series_of(const Study& study, const Curve& curve, Abscissa against = Abscis
 }
 
 std::string dumped(const Json& json) {
-    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+    return json_text(json);
 }
 
 Plot error_plot(const Study& study, std::size_t scene, const std::string& channel, const std::string& region,

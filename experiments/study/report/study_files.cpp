@@ -5,14 +5,12 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <nlohmann/json.hpp>
 
 #include "experiments/cli/console.h"
+#include "experiments/job/json.h"
 
 namespace raylex::experiments {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::string quoted(const std::string& text) {
     if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
@@ -55,7 +53,7 @@ class Lines {
   public:
     void add(const Json& json) {
         // Names come from users: what is no UTF-8 is replaced, not thrown at them.
-        text_ += json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+        text_ += json_text(json) + "\n";
     }
     [[nodiscard]] std::string take() { return std::move(text_); }
 

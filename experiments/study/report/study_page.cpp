@@ -1,9 +1,9 @@
 #include "experiments/study/report/study_page.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "experiments/cli/console.h"
+#include "experiments/job/json.h"
 #include "experiments/report/html.h"
 #include "experiments/study/report/assets.h"
 #include "experiments/study/report/picture_viewers.h"
@@ -11,8 +11,6 @@
 
 namespace raylex::experiments {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::string counted(std::size_t count, const std::string& one, const std::string& many) {
     return std::to_string(count) + " " + (count == 1 ? one : many);
@@ -177,7 +175,7 @@ std::string study_page(const Study& study, const std::vector<Plot>& plots, const
                                    std::pair("omissions", "omissions"), std::pair("provenance", "provenance")})
         contents += "<a href=\"#" + std::string(id) + "\">" + name + "</a>";
     Json data{{"plots", Json::object()}, {"pictures", picture_index(study, pictures)}};
-    for (const Plot& plot : plots) data["plots"][plot.id] = Json::parse(plot.json);
+    for (const Plot& plot : plots) data["plots"][plot.id] = parse_json(plot.json);
 
     std::string page =
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
@@ -192,7 +190,7 @@ std::string study_page(const Study& study, const std::vector<Plot>& plots, const
         provenance_table(study) + "</section>\n";
     page.reserve(page.size() + d3.size() + pictures.bytes + pictures.encoded.size() * 80 + 1'000'000);
     page += "<script type=\"application/json\" id=\"study\">" +
-            script_json(data.dump(-1, ' ', false, Json::error_handler_t::replace)) + "</script>\n";
+            script_json(json_text(data)) + "</script>\n";
     for (std::size_t id = 0; id < pictures.encoded.size(); ++id)
         page += "<script type=\"text/plain\" id=\"picture-" + std::to_string(id) + "\">" + pictures.encoded[id] +
                 "</script>\n";

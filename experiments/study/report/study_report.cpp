@@ -3,11 +3,11 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
-#include <nlohmann/json.hpp>
 
 #include "display/output/atomic_file.h"
 #include "experiments/cli/command_line.h"
 #include "experiments/cli/console.h"
+#include "experiments/job/json.h"
 #include "experiments/study/file_records.h"
 #include "experiments/study/report/assets.h"
 #include "experiments/study/report/paper.h"
@@ -22,9 +22,9 @@ Status write_plots(const std::string& directory, const std::vector<Plot>& plots,
     Result<PlotDrawer> drawer = PlotDrawer::create(d3);
     if (!drawer) return std::move(drawer).error();
     for (const Plot& plot : plots) {
-        nlohmann::ordered_json spec = nlohmann::ordered_json::parse(plot.json);
+        Json spec = parse_json(plot.json);
         spec["standalone"] = true;
-        Result<std::string> svg = drawer->draw(spec.dump());
+        Result<std::string> svg = drawer->draw(json_text(spec));
         if (!svg) return std::move(svg).error();
         Status written = display::write_text_file(directory + "/" + plot.file, *svg);
         if (!written) return written;

@@ -1,19 +1,17 @@
 #include "experiments/study/run/cell_parts.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "display/checkpoint/record_file.h"
 #include "display/services/parameters.h"
+#include "experiments/job/json.h"
 #include "experiments/study/run/cell_files.h"
 #include "transport/integrators/integrator.h"
 #include "transport/render/render_loop.h"
 
 namespace raylex::experiments {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr auto block = static_cast<std::uint64_t>(transport::RenderLoop::block_size);
 
@@ -44,7 +42,7 @@ std::string image_text(const display::ImageDescription& description, display::Ch
                      {vector_json(c.red), vector_json(c.green), vector_json(c.blue), vector_json(c.white)}},
                     {"world_to_camera", description.world_to_camera},
                     {"world_to_screen", description.world_to_screen}};
-    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+    return json_text(json);
 }
 
 /// What image_text() was made from. Throws where the text is something else.
@@ -219,7 +217,7 @@ Result<std::vector<PartitionVerdict>> write_merged_files(const std::string& dire
         const display::RecordSection* image = record->find("image");
         if (image == nullptr) return error_at({path, 0, 0}, "this record is not of a part of a cell");
         try {
-            const Json json = Json::parse(image->content);
+            const Json json = parse_json(image->content);
             if (!sum) description = image_of(json, beauty);
             camera_samples += std::stoull(json.at("attributes").at("raylex/camera_samples").get<std::string>());
         } catch (const std::exception& error) {

@@ -3,10 +3,10 @@
 #include <csignal>
 #include <exception>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "display/services/parameters.h"
+#include "experiments/job/json.h"
 #include "experiments/study/results_file.h"
 #include "experiments/study/run/messages.h"
 #include "transport/render/clock.h"

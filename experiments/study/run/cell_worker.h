@@ -4,11 +4,11 @@
 
 #include <atomic>
 #include <functional>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "experiments/job/json.h"
 #include "experiments/study/run/cell_runner.h"
 #include "experiments/study/run/child_process.h"
 #include "experiments/study/run/worker_service.h"
@@ -54,7 +54,7 @@ class CellWorker {
     [[nodiscard]] double seconds() const { return seconds_; }
 
   private:
-    Result<nlohmann::json> ask(const nlohmann::json& request, double timeout, double seconds_to_stop,
+    Result<Json> ask(const Json& request, double timeout, double seconds_to_stop,
                                const std::function<void(const WorkProgress&)>& progress);
     Status finish_last();
     [[nodiscard]] bool stopped() const { return stop_ != nullptr && stop_->load(); }

@@ -1,15 +1,15 @@
 // Values of an experiment as messages between the processes that run it.
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 
+#include "experiments/job/json.h"
 #include "experiments/study/results.h"
 #include "lpe/result.h"
 
 namespace raylex::experiments {
 
-using Message = nlohmann::json;
+using Message = Json;
 
 /// Bytes that hold every number and text as it is, be it UTF-8 or not.
 std::string packed(const Message& message);

@@ -2,12 +2,12 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "display/output/atomic_file.h"
 #include "display/services/hash64.h"
 #include "experiments/cli/console.h"
+#include "experiments/job/json.h"
 #include "experiments/job/provenance.h"
 #include "experiments/study/file_records.h"
 #include "experiments/study/run/cell_files.h"
@@ -19,8 +19,6 @@ namespace raylex::experiments {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 /// What a reference is of, as text: two that agree in it are the same image, whatever program made them.
 std::string reference_identity(const ExperimentConfig& config, const StudyScene& scene, const ChannelPlan& channels,
                                const Variant& variant, std::uint64_t seed) {
@@ -35,7 +33,7 @@ std::string reference_identity(const ExperimentConfig& config, const StudyScene&
 }
 
 Status write_reference_file(const std::string& path, const Json& json) {
-    return display::write_text_file(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n",
+    return display::write_text_file(path, json_text(json, 2) + "\n",
                                     display::FileSync::later);
 }
 
@@ -55,7 +53,7 @@ Result<bool> take_known(const std::string& directory, SceneInfo& info) {
     std::ifstream file(path, std::ios::binary);
     if (!file) return false;
     try {
-        const Json json = Json::parse(file);
+        const Json json = parse_json(file);
         info.reference = directory;
         info.reference_relative_error = json.at("relative_error");
         info.reference_method = json.at("method");
