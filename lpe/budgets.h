@@ -30,6 +30,7 @@ enum class Budget : std::uint8_t {
     material_depth,
     toml_bytes,
     toml_depth,
+    record_bytes,
 };
 
 struct BudgetRow {

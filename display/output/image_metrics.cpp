@@ -85,6 +85,10 @@ std::span<const ImageMetricInfo, image_metric_count> image_metrics() {
     return image_metric_table;
 }
 
+const ImageMetricInfo& info_of(ImageMetric metric) {
+    return image_metric_table[static_cast<std::size_t>(metric)];
+}
+
 ImageErrors measure_image(ImageMetric metric, const LinearImage& image, const LinearImage& reference) {
     switch (metric) {
         case ImageMetric::ssim:

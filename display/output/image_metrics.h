@@ -36,6 +36,7 @@ struct ImageMetricInfo {
 };
 /// All of them, in the order of the enumeration.
 std::span<const ImageMetricInfo, image_metric_count> image_metrics();
+const ImageMetricInfo& info_of(ImageMetric metric);
 
 inline constexpr double flip_pixels_per_degree = 67.0206;  ///< 0.7 m x 3840 pixels / 0.7 m x pi / 180
 

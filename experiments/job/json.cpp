@@ -1,12 +1,23 @@
 #include "experiments/job/json.h"
 
+#include "display/services/parameters.h"
+#include "lpe/read_input.h"
+
 template class nlohmann::basic_json<nlohmann::ordered_map>;
 
 namespace raylex::experiments {
 
-Json parse_json(std::istream& text) { return Json::parse(text); }
-
 Json parse_json(std::string_view text) { return Json::parse(text); }
+
+Result<Json> read_json_file(const std::string& path, const std::string& what) {
+    const Result<std::string> text = read_input(path, NamedBy::file, what, Budget::record_bytes);
+    if (!text) return text.error();
+    try {
+        return parse_json(*text);
+    } catch (const Json::exception& error) {
+        return error_at({path, 0, 0}, "this is not " + what + ", or it is damaged: " + error.what());
+    }
+}
 
 std::string json_text(const Json& json, int indent) { return json.dump(indent, ' ', false, Json::error_handler_t::replace); }
 

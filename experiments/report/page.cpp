@@ -4,8 +4,6 @@
 #include <array>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <utility>
 
 #include "display/output/exr_reader.h"
@@ -13,6 +11,7 @@
 #include "experiments/report/html.h"
 #include "experiments/report/page_layers.h"
 #include "experiments/report/statistics_table.h"
+#include "lpe/read_input.h"
 
 namespace raylex::experiments {
 namespace {
@@ -130,10 +129,8 @@ class Page {
 
     void add_statistics(const std::string& path) {
         const std::filesystem::path file = std::filesystem::path(path).replace_extension(".json");
-        std::ifstream stream(file, std::ios::binary);
-        if (!stream) return;
-        const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-        const std::string table = statistics_table(text);
+        const Result<std::string> text = read_input(file.string(), NamedBy::file, "a statistics file", Budget::record_bytes);
+        const std::string table = text ? statistics_table(*text) : std::string();
         if (table.empty()) return;
         body_ += "<details><summary>What it cost</summary>\n" + table + "</details>\n";
     }

@@ -86,12 +86,12 @@ std::string damage_of(const Cell& cell) {
 
 std::string damage_of_reference(const std::string& directory) {
     const std::string path = directory + "/reference.json";
-    std::ifstream file(path, std::ios::binary);
-    if (!file) return path + ": this file is gone";
+    if (std::error_code failed; !fs::exists(path, failed)) return path + ": this file is gone";
+    const Result<Json> json = read_json_file(path, "a reference.json");
+    if (!json) return json.error().to_string();
     try {
-        const auto json = parse_json(file);
         std::vector<FileRecord> files;
-        for (const auto& each : json.value("files", Json::array()))
+        for (const auto& each : json->value("files", Json::array()))
             files.push_back({each.at("name"), each.at("bytes"), each.at("hash")});
         return damage_of(directory, files);
     } catch (const Json::exception& error) {

@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <optional>
 #include <string_view>
 
 #include "display/services/parameters.h"
 #include "experiments/study/results.h"
+#include "lpe/read_input.h"
 
 namespace raylex::experiments {
 namespace {
@@ -114,9 +113,9 @@ const NumberType* number_type(std::string_view description) {
 }  // namespace
 
 Result<PixelArray> read_npy(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    if (!file) return error_at({path, 0, 0}, "cannot read this file; expected a .npy array");
-    const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    const Result<std::string> content = read_input(path, NamedBy::file, "a .npy array", Budget::file_bytes);
+    if (!content) return content.error();
+    const std::string& bytes = *content;
     const auto byte = [&](std::size_t at) { return static_cast<std::size_t>(static_cast<unsigned char>(bytes[at])); };
     if (bytes.size() < magic.size() + 6 || !bytes.starts_with(magic))
         return npy_error(path, "it does not begin as one");

@@ -247,10 +247,10 @@ std::string text_of(const Json& json) {
 /// `read` may throw: whatever is wrong with the content.
 template <class Read>
 auto read_json(const std::string& path, const char* what, Read read) -> Result<decltype(read(Json()))> {
-    std::ifstream file(path, std::ios::binary);
-    if (!file) return error_at({path, 0, 0}, std::string("cannot read this file; expected ") + what);
+    const Result<Json> json = read_json_file(path, what);
+    if (!json) return json.error();
     try {
-        return read(parse_json(file));
+        return read(*json);
     } catch (const Json::exception& error) {
         return error_at({path, 0, 0}, std::string("this is not ") + what + ", or it is damaged: " + error.what());
     }

@@ -367,6 +367,7 @@ Result<Study> study_of(const Experiment& experiment, const StudyReportOptions& o
     }
     Status measured = Measurer(experiment, study).measure();
     if (!measured) return std::move(measured).error();
+    measure_as_seen(study);
     judge_curves(study);
     return study;
 }

@@ -1,10 +1,13 @@
 // An experiment measured and judged: what every table and plot of its report shows.
 #pragma once
 
+#include <array>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "display/output/image_metrics.h"
 #include "experiments/study/analysis/bias.h"
 #include "experiments/study/analysis/convergence.h"
 #include "experiments/study/analysis/intervals.h"
@@ -22,12 +25,18 @@ struct MethodVariant {
     bool unbiased = true;
 };
 
+/// Metrics of whole images that a study measures. hdr_flip is left to `raylex compare`: it costs a flip for each exposure.
+inline constexpr std::array<display::ImageMetric, 2> seen_metrics{display::ImageMetric::ssim, display::ImageMetric::flip};
+
 /// One channel of one cell on one region.
 struct CellErrors {
     const Cell* cell = nullptr;
     std::string variant, channel, region;  ///< region "": the whole image
     display::ErrorMeasures measures;
     double relmse_excess = 0, mse_excess = 0;  ///< what the reference's noise adds in expectation; 0 where not known
+    /// By seen_metrics; NaN but for the beauty on the whole image, and where a cell or reference keeps no image.
+    std::array<double, seen_metrics.size()> seen{std::numeric_limits<double>::quiet_NaN(),
+                                                 std::numeric_limits<double>::quiet_NaN()};
 };
 
 /// All replicates of one budget on a curve.
@@ -107,5 +116,7 @@ Result<Study> study_of(const Experiment& experiment, const StudyReportOptions& o
 
 /// The second half: curves and verdicts from what was measured.
 void judge_curves(Study& study);
+/// Sets CellErrors::seen, on all cores.
+void measure_as_seen(Study& study);
 
 }  // namespace raylex::experiments

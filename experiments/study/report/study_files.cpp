@@ -179,6 +179,8 @@ std::string columns_csv() {
     };
     for (const Column& each : run_columns) add(each.name, each.unit, each.meaning);
     for (const display::ErrorMetricInfo& each : display::error_metrics()) add(column_name(each.name), "", each.formula);
+    for (const display::ImageMetric each : seen_metrics)
+        add(column_name(display::info_of(each).name), "", std::string("of the beauty: ") + display::info_of(each).formula);
     for (const Column& each : closing_columns) add(each.name, each.unit, each.meaning);
     return text;
 }
@@ -187,6 +189,7 @@ std::string results_csv(const Study& study) {
     std::string text;
     for (const Column& each : run_columns) text += (text.empty() ? "" : ",") + std::string(each.name);
     for (const display::ErrorMetricInfo& each : display::error_metrics()) text += "," + column_name(each.name);
+    for (const display::ImageMetric each : seen_metrics) text += "," + column_name(display::info_of(each).name);
     for (const Column& each : closing_columns) text += "," + std::string(each.name);
     text += "\r\n";
     for (const CellErrors& row : study.cells) {
@@ -199,6 +202,7 @@ std::string results_csv(const Study& study) {
                 std::to_string(cell.invalid_samples) + "," + std::to_string(cell.peak_memory_bytes) + "," +
                 quoted(row.channel) + "," + quoted(row.region);
         for (const double value : row.measures.values) text += "," + csv_number(value);
+        for (const double value : row.seen) text += "," + csv_number(value);
         text += "," + csv_number(row.measures.trimmed_share) + "," + csv_number(row.mse_excess) + "," +
                 csv_number(row.relmse_excess) + "\r\n";
     }
@@ -209,6 +213,7 @@ std::string results_jsonl(const Study& study) {
     Lines lines;
     Json formulas{{"kind", "formulas"}};
     for (const display::ErrorMetricInfo& each : display::error_metrics()) formulas[each.name] = each.formula;
+    for (const display::ImageMetric each : seen_metrics) formulas[display::info_of(each).name] = display::info_of(each).formula;
     lines.add(formulas);
     for (const Cell& cell : study.experiment->cells) {
         Json json{{"kind", "run"},
@@ -233,6 +238,8 @@ std::string results_jsonl(const Study& study) {
                   {"variant", row.variant}, {"channel", row.channel}, {"region", row.region}};
         for (const display::ErrorMetricInfo& each : display::error_metrics())
             json[each.name] = number(row.measures[each.metric]);
+        for (std::size_t i = 0; i < seen_metrics.size(); ++i)
+            if (!std::isnan(row.seen[i])) json[display::info_of(seen_metrics[i]).name] = number(row.seen[i]);
         json["trimmed_share"] = number(row.measures.trimmed_share);
         lines.add(json);
     }

@@ -136,6 +136,8 @@ std::string errors_table(const Study& study, const std::string& scene, const std
                        formula_header("relative error", "sqrt(relmse-mean), the reference's noise subtracted");
     for (const display::ErrorMetricInfo& each : display::error_metrics())
         head += formula_header(each.name, each.formula);
+    for (const display::ImageMetric each : seen_metrics)
+        head += formula_header(display::info_of(each).name, display::info_of(each).formula);
     head += formula_header("trimmed away", "share of the sum in relmse-mean") +
             formula_header("of that the reference's", "mean(Var(b) / (b^2 + (0.1 m)^2))");
     std::string rows;
@@ -144,13 +146,14 @@ std::string errors_table(const Study& study, const std::string& scene, const std
         const BudgetPoint& point = curve.points.back();
         std::string cells = text_cell(curve.variant) + cell(spoken_budget(curve.budget_kind, point.budget)) +
                             cell(figure(point.seconds)) + cell(interval_cell(point.relative, notes, 100, " %"));
-        std::array<double, display::error_metric_count> sums{};
+        std::array<double, display::error_metric_count + seen_metrics.size()> sums{};
         double trimmed = 0, count = 0;
         for (const CellErrors& each : study.cells) {
             if (each.cell->scene != scene || each.variant != curve.variant || each.channel != channel ||
                 each.region != region || each.cell->budget != point.budget)
                 continue;
-            for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += each.measures.values[i];
+            for (std::size_t i = 0; i < display::error_metric_count; ++i) sums[i] += each.measures.values[i];
+            for (std::size_t i = 0; i < seen_metrics.size(); ++i) sums[display::error_metric_count + i] += each.seen[i];
             trimmed += each.measures.trimmed_share;
             count += 1;
         }

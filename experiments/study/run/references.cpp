@@ -50,21 +50,26 @@ Result<Json> files_json(const std::string& partial) {
 /// What an earlier run left; false when there is nothing.
 Result<bool> take_known(const std::string& directory, SceneInfo& info) {
     const std::string path = directory + "/reference.json";
-    std::ifstream file(path, std::ios::binary);
-    if (!file) return false;
+    if (std::error_code failed; !fs::exists(path, failed)) return false;
+    const char* const remedy = "remove its folder to have the reference made again";
+    const Result<Json> read = read_json_file(path, "a reference.json");
+    if (!read) {
+        Error error = read.error();
+        error.hint = remedy;
+        return error;
+    }
     try {
-        const Json json = parse_json(file);
+        const Json& json = *read;
         info.reference = directory;
         info.reference_relative_error = json.at("relative_error");
         info.reference_method = json.at("method");
         info.reference_samples = json.at("samples_per_pixel");
     } catch (const Json::exception& error) {
         return error_at({path, 0, 0}, std::string("this is no reference.json, or it is damaged: ") + error.what(),
-                        "remove its folder to have the reference made again");
+                        remedy);
     }
     if (const std::string damage = damage_of_reference(directory); !damage.empty())
-        return error_at({directory, 0, 0}, "this reference is damaged: " + damage,
-                        "remove its folder to have the reference made again");
+        return error_at({directory, 0, 0}, "this reference is damaged: " + damage, remedy);
     return true;
 }
 
