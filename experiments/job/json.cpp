@@ -3,8 +3,6 @@
 #include "display/services/parameters.h"
 #include "lpe/read_input.h"
 
-template class nlohmann::basic_json<nlohmann::ordered_map>;
-
 namespace raylex::experiments {
 
 Json parse_json(std::string_view text) { return Json::parse(text); }

@@ -7,8 +7,6 @@
 
 #include "lpe/result.h"
 
-extern template class nlohmann::basic_json<nlohmann::ordered_map>;
-
 namespace raylex::experiments {
 
 /// Objects keep the order in which their members were set.
