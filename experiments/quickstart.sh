@@ -19,10 +19,10 @@ esac
 out=${1:-$root/build/quickstart}
 
 # CPU seconds and megabytes, measured on a machine with two cores and a cold compiler cache.
-build_core_seconds=750
+build_core_seconds=330
 render_core_seconds=230
-study_core_seconds=50
-needed_megabytes=600
+study_core_seconds=110
+needed_megabytes=2200
 
 say() { printf '%s\n' "$*"; }
 stop() { printf 'quickstart.sh: %s\n' "$*" >&2; exit 2; }
