@@ -12,6 +12,7 @@
 #include "experiments/cli/input_options.h"
 #include "experiments/cli/tint.h"
 #include "experiments/job/provenance.h"
+#include "lpe/read_input.h"
 
 namespace raylex::experiments {
 namespace {
@@ -101,6 +102,8 @@ int run_command_line(int argc, const char* const* argv) {
         return report_error("out of memory; a smaller --resolution or fewer channels need less");
     } catch (const std::exception& error) { return report_error(std::string("unexpected failure: ") + error.what()); }
     if (std::fflush(stdout) != 0) return report_error("cannot write to standard output");
+    // What was being read when somebody interrupted is no bad input.
+    if (context.exit_code == exit_bad_input && reading_stopped()) return exit_interrupted;
     return context.exit_code;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -399,7 +400,8 @@ class Run {
         if (time.render > 0)
             progress_.line("  " + duration_text(time.render) + " of rendering, " + duration_text(time.warm_up) +
                            " of warm-up, " + duration_text(time.references) + " for references; runner overhead " + duration_text(time.overhead()) + ": " +
-                           number_text(time.overhead_percent(), time.overhead_percent() < 100 ? 2 : 6) +
+                           (time.overhead_percent() < 100 ? number_text(time.overhead_percent(), 2)
+                                                             : std::to_string(std::lround(time.overhead_percent()))) +
                            " % of render time");
         if (outcome.parts > 0)
             progress_.line("  'raylex experiment merge' makes cells of their parts, once all are there");
