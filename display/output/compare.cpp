@@ -1,6 +1,7 @@
 // The metrics of `raylex compare`.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "display/output/comparison.h"
@@ -50,19 +51,19 @@ std::vector<double> interleaved(const ImageLayer& layer, const Matrix3* conversi
     return values;
 }
 
-LinearImage in_rec709(int width, int height, const std::vector<double>& values, bool color,
-                      const Chromaticities& from) {
-    LinearImage image{width, height, values};
-    if (!color || equivalent(from, rec709_primaries())) return image;
+}  // namespace
+
+LinearImage in_rec709(int width, int height, std::vector<double> rgb, const Chromaticities& from) {
+    LinearImage image{width, height, std::move(rgb)};
+    if (equivalent(from, rec709_primaries())) return image;
     const Matrix3 matrix = rgb_to_rgb(from, rec709_primaries());
-    for (std::size_t i = 0; i < values.size(); i += 3) {
-        const std::array<double, 3> rgb = transform_colour(matrix, {values[i], values[i + 1], values[i + 2]});
-        std::copy(rgb.begin(), rgb.end(), image.rgb.begin() + static_cast<std::ptrdiff_t>(i));
+    for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
+        const std::array<double, 3> pixel =
+            transform_colour(matrix, {image.rgb[i], image.rgb[i + 1], image.rgb[i + 2]});
+        std::copy(pixel.begin(), pixel.end(), image.rgb.begin() + static_cast<std::ptrdiff_t>(i));
     }
     return image;
 }
-
-}  // namespace
 
 std::vector<AnyMetric> all_metrics() {
     std::vector<AnyMetric> all;
@@ -166,8 +167,9 @@ Result<ImageErrors> LayerPair::look(const AnyMetric& metric, char component) con
         return compare_error(image_path_, metric.name + " is of colours, and layer '" + layer_ +
                                               "' has none; expected a layer of R G B, or of a single channel");
     if (auto why = not_finite(metric.name, {image_, reference_, 3}, false)) return std::move(*why);
-    return measure_image(*metric.of_image, in_rec709(width_, height_, image_, color_, primaries_),
-                         in_rec709(width_, height_, reference_, color_, primaries_));
+    const Chromaticities from = color_ ? primaries_ : rec709_primaries();
+    return measure_image(*metric.of_image, in_rec709(width_, height_, image_, from),
+                         in_rec709(width_, height_, reference_, from));
 }
 
 Result<ImageErrors> LayerPair::errors(const AnyMetric& metric, char component) const {

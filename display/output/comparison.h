@@ -24,6 +24,9 @@ struct AnyMetric {
 std::vector<AnyMetric> all_metrics();
 std::optional<AnyMetric> find_metric(std::string_view name);
 
+/// [3 * width * height] R G B of these primaries, as metrics of whole images take them.
+LinearImage in_rec709(int width, int height, std::vector<double> rgb, const Chromaticities& from);
+
 /// The layer in the reference's primaries; `component` is as display::compare has it.
 class LayerPair {
   public:

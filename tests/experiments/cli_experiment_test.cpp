@@ -5,12 +5,16 @@
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <regex>
+#include <sstream>
 
 #include "display/output/exr_reader.h"
 #include "experiments/study/results.h"
 #include "support.h"
+#include "support/skip.h"
 
 using namespace raylex::experiments;
+using raylex::test::contains;
 using raylex::test::Folder;
 using raylex::test::Outcome;
 using raylex::test::run_raylex;
@@ -177,6 +181,34 @@ TEST_CASE("an experiment leaves every cell's image and sums, and refuses to begi
     folder.write("room.pbrt", changed);
     CHECK(succeed(folder, "experiment resume c.toml -o out", 2).err.find("its files have changed") !=
           std::string::npos);
+}
+
+TEST_CASE("a study measures what people see on the beauty, as raylex compare does") {
+    const Folder folder;
+    prepare(folder, config.substr(0, config.find("[[method]]\nname = \"shallow\"")) +
+                        "[budget]\nsamples = [4]\n[[channel]]\nname = \"direct\"\nlpe = \"CDL\"\n");
+    folder.write("c.toml", std::regex_replace(folder.read("c.toml"), std::regex("file = \"room.pbrt\""),
+                                              "file = \"room.pbrt\"\nreference = \"truth.exr\""));
+    succeed(folder, "render room.pbrt -o truth.exr --lpe direct=CDL --spp 64");
+    succeed(folder, "experiment run c.toml -o out");
+    if (run_raylex(folder, "experiment report c.toml -o out").code != 0) RAYLEX_SKIP("needs the package libjs-d3");
+    std::istringstream lines(folder.read("out/results.jsonl"));
+    std::size_t seen = 0;
+    for (std::string line; std::getline(lines, line);) {
+        if (!contains(line, "\"kind\":\"cell\"")) continue;
+        const bool beauty = contains(line, "\"channel\":\"beauty\"");
+        CHECK(contains(line, "\"ssim\":") == beauty);
+        if (!beauty) continue;
+        for (const std::string metric : {"ssim", "flip"}) {
+            const std::string cell = line.substr(line.find("\"room."), line.find("\",", line.find("\"room.")) - line.find("\"room."));
+            const Outcome compared = succeed(folder, "compare out/cells/" + cell.substr(1) + "/image.exr truth.exr --metric " + metric);
+            const double value = std::stod(line.substr(line.find("\"" + metric + "\":") + metric.size() + 3));
+            // The study has doubles, the image the floats nearest to them; roots in FLIP enlarge what that rounds off.
+            CHECK(value == Approx(std::stod(compared.out)).epsilon(1e-5));
+            ++seen;
+        }
+    }
+    CHECK(seen == 4);
 }
 
 TEST_CASE("shards merge to the unsharded run bit for bit, in any order; what overlaps is refused [law3]") {

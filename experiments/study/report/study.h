@@ -34,7 +34,7 @@ struct CellErrors {
     std::string variant, channel, region;  ///< region "": the whole image
     display::ErrorMeasures measures;
     double relmse_excess = 0, mse_excess = 0;  ///< what the reference's noise adds in expectation; 0 where not known
-    /// By seen_metrics; NaN but for the beauty on the whole image, and where a cell or reference keeps no image.
+    /// By seen_metrics; NaN but for the beauty on the whole image, and where a value is not finite.
     std::array<double, seen_metrics.size()> seen{std::numeric_limits<double>::quiet_NaN(),
                                                  std::numeric_limits<double>::quiet_NaN()};
 };

@@ -179,8 +179,11 @@ std::string columns_csv() {
     };
     for (const Column& each : run_columns) add(each.name, each.unit, each.meaning);
     for (const display::ErrorMetricInfo& each : display::error_metrics()) add(column_name(each.name), "", each.formula);
-    for (const display::ImageMetric each : seen_metrics)
-        add(column_name(display::info_of(each).name), "", std::string("of the beauty: ") + display::info_of(each).formula);
+    for (const display::ImageMetric each : seen_metrics) {
+        std::string meaning = std::string("of the beauty: ") + display::info_of(each).formula;
+        std::replace(meaning.begin(), meaning.end(), '\n', ' ');  // a line for a column
+        add(column_name(display::info_of(each).name), "", meaning);
+    }
     for (const Column& each : closing_columns) add(each.name, each.unit, each.meaning);
     return text;
 }
