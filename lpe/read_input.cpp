@@ -70,8 +70,9 @@ bool wait_readable(int descriptor) {
     return false;
 }
 
+/// `stoppable`: whether stop_reading_when() is heeded.
 Result<std::string> read_all(int descriptor, const std::string& path, std::size_t expected_size, Budget most,
-                             const std::string& expected) {
+                             const std::string& expected, bool stoppable) {
     const std::uint64_t bound = budget(most);
     constexpr std::size_t block = 1 << 20;
     std::string content;
@@ -79,7 +80,7 @@ Result<std::string> read_all(int descriptor, const std::string& path, std::size_
     std::size_t used = 0;
     while (true) {
         if (used == content.size()) content.resize(2 * content.size());
-        if (!wait_readable(descriptor)) return reading_stopped_error(path);
+        if (stoppable && !wait_readable(descriptor)) return reading_stopped_error(path);
         const ssize_t got = ::read(descriptor, content.data() + used, std::min(block, content.size() - used));
         if (got < 0) {
             if (errno == EINTR || errno == EAGAIN) continue;
@@ -108,7 +109,10 @@ void drop_byte_order_mark(std::string& text) {
     if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
 }
 
-Result<std::string> read_input(const std::string& path, NamedBy by, const std::string& expected, Budget most) {
+namespace {
+
+Result<std::string> read_file(const std::string& path, NamedBy by, const std::string& expected, Budget most,
+                              bool stoppable) {
     if (Status name = check_name(path, expected); !name) return name.error();
     struct stat status {};
     if (::stat(path.c_str(), &status) != 0) return system_failure(path, expected);
@@ -120,9 +124,20 @@ Result<std::string> read_input(const std::string& path, NamedBy by, const std::s
     const bool regular = S_ISREG(status.st_mode);
     const auto size = regular ? static_cast<std::uint64_t>(status.st_size) : 0;
     if (size > budget(most)) return over_budget(most, "the file has " + std::to_string(size) + " bytes", path);
-    auto content = read_all(file.number(), path, size, regular ? most : Budget::pipe_bytes, expected);
+    auto content = read_all(file.number(), path, size, regular ? most : Budget::pipe_bytes, expected,
+                            stoppable);
     if (content) drop_byte_order_mark(*content);
     return content;
+}
+
+}  // namespace
+
+Result<std::string> read_input(const std::string& path, NamedBy by, const std::string& expected, Budget most) {
+    return read_file(path, by, expected, most, true);
+}
+
+Result<std::string> read_record(const std::string& path, const std::string& expected, Budget most) {
+    return read_file(path, NamedBy::file, expected, most, false);
 }
 
 Status check_regular_file(const std::string& path, const std::string& expected) {

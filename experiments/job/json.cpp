@@ -8,7 +8,7 @@ namespace raylex::experiments {
 Json parse_json(std::string_view text) { return Json::parse(text); }
 
 Result<Json> read_json_file(const std::string& path, const std::string& what) {
-    const Result<std::string> text = read_input(path, NamedBy::file, what, Budget::record_bytes);
+    const Result<std::string> text = read_record(path, what);
     if (!text) return text.error();
     try {
         return parse_json(*text);

@@ -129,7 +129,7 @@ class Page {
 
     void add_statistics(const std::string& path) {
         const std::filesystem::path file = std::filesystem::path(path).replace_extension(".json");
-        const Result<std::string> text = read_input(file.string(), NamedBy::file, "a statistics file", Budget::record_bytes);
+        const Result<std::string> text = read_record(file.string(), "a statistics file");
         const std::string table = text ? statistics_table(*text) : std::string();
         if (table.empty()) return;
         body_ += "<details><summary>What it cost</summary>\n" + table + "</details>\n";

@@ -113,7 +113,7 @@ const NumberType* number_type(std::string_view description) {
 }  // namespace
 
 Result<PixelArray> read_npy(const std::string& path) {
-    const Result<std::string> content = read_input(path, NamedBy::file, "a .npy array", Budget::file_bytes);
+    const Result<std::string> content = read_record(path, "a .npy array", Budget::file_bytes);
     if (!content) return content.error();
     const std::string& bytes = *content;
     const auto byte = [&](std::size_t at) { return static_cast<std::size_t>(static_cast<unsigned char>(bytes[at])); };

@@ -2,8 +2,8 @@
 #include <catch2/catch.hpp>
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
+#include "experiments/job/json.h"
 #include "experiments/study/results.h"
 #include "support.h"
 
@@ -12,7 +12,8 @@ using raylex::test::Folder;
 using raylex::test::Outcome;
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
+using raylex::experiments::Json;
+using raylex::experiments::parse_json;
 
 namespace {
 
@@ -44,7 +45,7 @@ std::string bits_of(const Folder& folder, const std::string& cell) {
 }
 
 void edit(const Folder& folder, const std::string& file, const std::function<void(Json&)>& change) {
-    Json json = Json::parse(folder.read(file));
+    Json json = parse_json(folder.read(file));
     change(json);
     folder.write(file, json.dump());
 }
@@ -114,7 +115,7 @@ error = true
             for (const char* name : {".p1of3", ".p2of3", ".p3of3"}) {
                 const std::string file = std::string(part) + "/cells/" + one.id + name + "/cell.json";
                 if (!folder.has(file)) continue;
-                const Json json = Json::parse(folder.read(file));
+                const Json json = parse_json(folder.read(file));
                 cpu += json.at("cpu_seconds").get<double>();
                 wall += json.at("wall_seconds").get<double>();
             }
@@ -165,7 +166,7 @@ TEST_CASE("parts that are no whole are refused by name, before anything is writt
     refused(all, "rendered by another program (revision elsewhere)");
     folder.write("part2/experiment.json", record);
     fs::create_directories(folder.path("part2/failed"));
-    Json failed = Json::parse(good);
+    Json failed = parse_json(good);
     failed["state"] = "failed";
     failed["reason"] = "out of memory";
     folder.write("part2/failed/" + cell + ".p2of3.json", failed.dump());

@@ -1,8 +1,7 @@
 // raylex lpe check and explain on files of channels as RenderMan users write them.
 #include <catch2/catch.hpp>
 
-#include <nlohmann/json.hpp>
-
+#include "experiments/job/json.h"
 #include "tests/experiments/support.h"
 
 using namespace raylex::test;
@@ -82,7 +81,7 @@ TEST_CASE("lpe check shows every overlap and every hole before the verdict") {
     CHECK(contains(outcome.out, "seen directly"));
     CHECK(contains(outcome.out, "first a specular reflection"));
     CHECK(outcome.out.substr(outcome.out.rfind('\n', outcome.out.size() - 2) + 1) == "C,- L,-\n");
-    const auto json = nlohmann::json::parse(run_raylex(folder, "lpe check show.rib --json").out);
+    const auto json = raylex::experiments::parse_json(run_raylex(folder, "lpe check show.rib --json").out);
     CHECK(json[0]["verdict"] == "missed");
     CHECK(json[0]["overlaps"].size() == 3);
     CHECK(json[0]["volume"] == false);

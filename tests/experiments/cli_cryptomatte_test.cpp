@@ -2,9 +2,9 @@
 #include <bit>
 
 #include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
 
 #include "display/output/exr_reader.h"
+#include "experiments/job/json.h"
 #include "geoaovs/cryptomatte.h"
 #include "geoaovs/geoaovs.h"
 #include "support.h"
@@ -32,7 +32,7 @@ TEST_CASE("cryptomattes are written with their manifests, and the report shows t
     CHECK(image->attributes["cryptomatte/3ae39a5/name"] == "CryptoObject");
     CHECK(image->attributes["cryptomatte/be359d6/hash"] == "MurmurHash3_32");
     CHECK(image->attributes["cryptomatte/be359d6/conversion"] == "uint32_to_float32");
-    const auto manifest = nlohmann::json::parse(image->attributes["cryptomatte/be359d6/manifest"]);
+    const auto manifest = raylex::experiments::parse_json(image->attributes["cryptomatte/be359d6/manifest"]);
     REQUIRE(manifest.size() == 1);
     CHECK(std::stoul(manifest["ground"].get<std::string>(), nullptr, 16) == matte_id("ground"));
     const auto* ids = image->layer("CryptoMaterial00")->plane("R");
@@ -42,7 +42,7 @@ TEST_CASE("cryptomattes are written with their manifests, and the report shows t
         CHECK(coverage->values[i] == Approx(alpha->values[i]).margin(1e-4));
         if (coverage->values[i] > 0) CHECK(std::bit_cast<std::uint32_t>(ids->values[i]) == matte_id("ground"));
     }
-    const auto json = nlohmann::json::parse(folder.read("s.json"));
+    const auto json = raylex::experiments::parse_json(folder.read("s.json"));
     REQUIRE(json["cryptomatte"].size() == 2);
     CHECK(json["cryptomatte"][0]["names"] == 2);
     CHECK(json["cryptomatte"][0]["remainder"]["pixels"] == 0);

@@ -4,11 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <nlohmann/json.hpp>
-#include <regex>
 #include <sstream>
 
 #include "display/output/exr_reader.h"
+#include "experiments/job/json.h"
 #include "experiments/study/results.h"
 #include "support.h"
 #include "support/skip.h"
@@ -187,8 +186,9 @@ TEST_CASE("a study measures what people see on the beauty, as raylex compare doe
     const Folder folder;
     prepare(folder, config.substr(0, config.find("[[method]]\nname = \"shallow\"")) +
                         "[budget]\nsamples = [4]\n[[channel]]\nname = \"direct\"\nlpe = \"CDL\"\n");
-    folder.write("c.toml", std::regex_replace(folder.read("c.toml"), std::regex("file = \"room.pbrt\""),
-                                              "file = \"room.pbrt\"\nreference = \"truth.exr\""));
+    std::string text = folder.read("c.toml");
+    text.insert(text.find("[[method]]"), "reference = \"truth.exr\"\n");
+    folder.write("c.toml", text);
     succeed(folder, "render room.pbrt -o truth.exr --lpe direct=CDL --spp 64");
     succeed(folder, "experiment run c.toml -o out");
     if (run_raylex(folder, "experiment report c.toml -o out").code != 0) RAYLEX_SKIP("needs the package libjs-d3");
@@ -239,7 +239,7 @@ TEST_CASE("shards merge to the unsharded run bit for bit, in any order; what ove
           std::string::npos);
     // A seed that two cells share makes them one.
     auto edit = [&](const std::string& file, const std::string& list) {
-        auto json = nlohmann::ordered_json::parse(folder.read(file));
+        auto json = raylex::experiments::parse_json(folder.read(file));
         if (list.empty()) json["seed"] = 7;
         else
             for (auto& each : json[list]) each["seed"] = 7;

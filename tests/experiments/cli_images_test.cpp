@@ -7,13 +7,12 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
-#include <nlohmann/json.hpp>
-#include <regex>
 
 #include "../display/files.h"
 #include "display/output/color_manager.h"
 #include "display/output/color_names.h"
 #include "display/output/exr_reader.h"
+#include "experiments/job/json.h"
 #include "experiments/report/preview.h"
 #include "support.h"
 #include "support/paths.h"
@@ -188,12 +187,10 @@ TEST_CASE("displays and views that the documentation names are in the shipped co
     const auto check = [&](const std::string& file) {
         const std::string text = read_bytes(file);
         // --view NAME and --view 'NAME' in commands, view = "NAME" in jobs; NAME itself is what help texts write.
-        const std::regex option(
-            "--(display|view)[ =]+('([^']*)'|\"([^\"]*)\"|([^\\s'\"`\\]]+))|\\b(display|view) = \"([^\"]*)\"");
-        for (std::sregex_iterator at(text.begin(), text.end(), option), end; at != end; ++at) {
-            const std::smatch& match = *at;
-            const std::string kind = match[1].str() + match[6].str(),
-                              name = match[3].str() + match[4].str() + match[5].str() + match[7].str();
+        const std::string option =
+            "--(display|view)[ =]+('([^']*)'|\"([^\"]*)\"|([^\\s'\"`\\]]+))|\\b(display|view) = \"([^\"]*)\"";
+        for (const std::vector<std::string>& match : all_matches(text, option)) {
+            const std::string kind = match[1] + match[6], name = match[3] + match[4] + match[5] + match[7];
             if (name == "NAME" || name.starts_with("-") || name.find_first_of(",;|)") != std::string::npos) continue;
             CAPTURE(file, kind, name);
             if (kind == "display") {
@@ -230,7 +227,7 @@ TEST_CASE("compare prints every metric at once, as JSON too, and leaves error im
     REQUIRE(all.code == 0);
     for (const char* name : {"relmse ", "mse ", "mean-ratio ", "ssim ", "flip ", "hdr-flip "})
         CHECK(all.out.find(name) != std::string::npos);
-    const auto json = nlohmann::json::parse(run_raylex(folder, "compare a.exr b.exr --metric all --json").out);
+    const auto json = raylex::experiments::parse_json(run_raylex(folder, "compare a.exr b.exr --metric all --json").out);
     CHECK(json["metrics"].size() == 12);
     CHECK(json["metrics"]["mae"].get<double>() == Approx(0.5 / 24).epsilon(1e-6));
     CHECK(json["metrics"]["flip"].get<double>() > 0.01);
@@ -239,7 +236,7 @@ TEST_CASE("compare prints every metric at once, as JSON too, and leaves error im
     CHECK(std::stod(run_raylex(folder, "compare a.exr b.exr --metric hdr-flip").out) ==
           Approx(json["metrics"]["hdr-flip"].get<double>()));
     const auto one =
-        nlohmann::json::parse(run_raylex(folder, "compare a.exr b.exr --channel R --json --metric all").out);
+        raylex::experiments::parse_json(run_raylex(folder, "compare a.exr b.exr --channel R --json --metric all").out);
     CHECK(one["metrics"]["flip"].is_null());
     CHECK(one["without_value"]["flip"].get<std::string>().find("--channel") != std::string::npos);
 

@@ -2,11 +2,11 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "../display/tev_receiver.h"
 #include "display/output/deep_file.h"
 #include "display/output/exr_reader.h"
+#include "experiments/job/json.h"
 #include "support.h"
 
 using namespace raylex::test;
@@ -52,7 +52,7 @@ TEST_CASE("memory is told before rendering and limited by name") {
     CHECK(outcome.out.find("memory: ") == 0);
     CHECK(outcome.out.find(" for 4 layers, of at most 1.0 GiB") != std::string::npos);
     CHECK(outcome.out.find("12.0 KiB each: direct, rest") != std::string::npos);  // 16 x 16 x 48 bytes
-    const auto json = nlohmann::json::parse(folder.read("s.json"));
+    const auto json = raylex::experiments::parse_json(folder.read("s.json"));
     CHECK(json["memory"]["layers"]["direct"] == 16 * 16 * 48);
     CHECK(json["memory"]["limit_bytes"] == 1 << 30);
     std::uint64_t sum = 0;

@@ -9,13 +9,13 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <random>
 #include <set>
 
 #include "display/output/atomic_file.h"
 #include "display/output/exr_reader.h"
 #include "experiments/cli/command_line.h"
+#include "experiments/job/json.h"
 #include "support.h"
 #include "tests/support/paths.h"
 
@@ -46,7 +46,7 @@ std::string bits_of(const std::string& path) {
 
 /// The statistics that add up over sessions.
 std::string sums_of(const Folder& folder, const std::string& name) {
-    auto json = nlohmann::json::parse(folder.read(name));
+    auto json = raylex::experiments::parse_json(folder.read(name));
     json["samples"].erase("per_cpu_second");
     json["samples"].erase("resumed");
     std::string sums;
@@ -205,7 +205,7 @@ neighbourhood = 2
     REQUIRE(image);
     CHECK(image->attributes["raylex/adaptive"] ==
           "error 0.20000000000000001 of beauty*1 direct*0.5, 32 to 1000 samples, floor 0.20000000000000001, neighbourhood 2");
-    const auto json = nlohmann::json::parse(folder.read("s.json"));
+    const auto json = raylex::experiments::parse_json(folder.read("s.json"));
     CHECK(json["adaptive"]["error"].get<double>() > 0);
     CHECK(json["checkpoints"]["stall_seconds"].get<double>() >= 0);
     double samples = 0;

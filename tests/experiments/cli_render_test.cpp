@@ -1,8 +1,8 @@
 // raylex render end to end: what it writes, what it refuses, and that nothing is lost.
 #include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
 
 #include "display/output/exr_reader.h"
+#include "experiments/job/json.h"
 #include "support.h"
 
 using namespace raylex::test;
@@ -50,7 +50,7 @@ TEST_CASE("a render writes a verified file, a preview and statistics") {
     CHECK(folder.read("p.png").substr(1, 3) == "PNG");
     CHECK(run_raylex(folder, "verify room.exr").code == 0);
 
-    const auto json = nlohmann::json::parse(folder.read("s.json"));
+    const auto json = raylex::experiments::parse_json(folder.read("s.json"));
     for (const char* phase : {"load", "plan", "build", "render", "write"}) {
         CAPTURE(phase);
         CHECK(json["phases"][phase]["wall_seconds"].get<double>() >= 0);
@@ -289,7 +289,7 @@ TEST_CASE("Ctrl-C writes what is there, marked incomplete, and ends with 130 [la
         REQUIRE(image);
         CHECK(image->attributes.contains("raylex/incomplete"));
         CHECK(run_raylex(folder, "verify out.exr").code == 0);
-        CHECK(nlohmann::json::parse(folder.read("s.json"))["complete"] == false);
+        CHECK(raylex::experiments::parse_json(folder.read("s.json"))["complete"] == false);
     }
 }
 

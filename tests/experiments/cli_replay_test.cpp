@@ -1,8 +1,8 @@
 // Law 6 from the command line: what is refused is told with the command that shows it again.
 #include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
 
 #include "display/output/exr_reader.h"
+#include "experiments/job/json.h"
 #include "support.h"
 
 using namespace raylex::test;
@@ -25,7 +25,7 @@ TEST_CASE("refused samples come with the command that replays them", "[law6]") {
     REQUIRE(outcome.code == 0);
     CHECK(outcome.err.find("The first: pixel (") != std::string::npos);
     CHECK(outcome.err.find("seed 7") != std::string::npos);
-    const auto json = nlohmann::json::parse(folder.read("s.json"));
+    const auto json = raylex::experiments::parse_json(folder.read("s.json"));
     const auto& invalid = json["invalid_samples"];
     CHECK(invalid["count"].get<int>() > 0);
     CHECK(invalid["by_channel"]["beauty"] == invalid["count"]);

@@ -6,16 +6,17 @@
 
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "experiments/job/json.h"
 #include "experiments/report/page_layers.h"
 #include "experiments/report/pixel_data.h"
 
 using namespace raylex::experiments;
 namespace display = raylex::display;
-using Json = nlohmann::ordered_json;
+using raylex::experiments::Json;
+using raylex::experiments::parse_json;
 
 namespace {
 
@@ -86,7 +87,7 @@ display::ExrImage image_of_layers() {
 }
 
 Json data_of(const std::string& html) {
-    return Json::parse(between(html, "<script type=\"application/json\" class=\"data\">", "</script>"));
+    return parse_json(between(html, "<script type=\"application/json\" class=\"data\">", "</script>"));
 }
 
 std::string pixels_of(const std::string& html, const Json& layer) {

@@ -2,9 +2,9 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "experiments/job/json.h"
 #include "experiments/study/analysis/convergence.h"
 #include "experiments/study/run/external.h"
 #include "support.h"
@@ -160,7 +160,7 @@ lpe = "C<RS>.*L"
     std::istringstream lines(folder.read("out/results.jsonl"));
     int judged = 0, left_out = 0;
     for (std::string line; std::getline(lines, line);) {
-        const auto json = nlohmann::json::parse(line);
+        const auto json = raylex::experiments::parse_json(line);
         if (json.at("kind") != "bias" || json.at("variant") != "light") continue;
         const bool omitted = json.at("omitted") == "C<.S>.*";
         CHECK(omitted == (json.at("channel") != "direct"));

@@ -4,10 +4,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <nlohmann/json.hpp>
-#include <regex>
 #include <sstream>
 
+#include "experiments/job/json.h"
 #include "experiments/report/html.h"
 #include "experiments/study/report/assets.h"
 #include "experiments/study/report/paper.h"
@@ -21,7 +20,8 @@
 
 using namespace raylex::test;
 using namespace raylex::experiments;
-using Json = nlohmann::json;
+using raylex::experiments::Json;
+using raylex::experiments::parse_json;
 
 namespace {
 
@@ -29,7 +29,7 @@ std::vector<Json> lines_of(const std::string& text, const std::string& kind) {
     std::vector<Json> lines;
     std::istringstream stream(text);
     for (std::string line; std::getline(stream, line);) {
-        Json json = Json::parse(line);
+        Json json = parse_json(line);
         if (json.at("kind") == kind) lines.push_back(std::move(json));
     }
     return lines;
@@ -74,7 +74,7 @@ TEST_CASE("a study's report says what is true of it", "[study][report]") {
             named = true;
             CHECK(line["channel"] == "bounce2");
             // Camera, two scatterings, light: four events.
-            CHECK(std::regex_match(line["path"].get<std::string>(), std::regex("C\\S* \\S+ \\S+ [LO]\\S*")));
+            CHECK(raylex::test::matches(line["path"].get<std::string>(), "C\\S* \\S+ \\S+ [LO]\\S*"));
         }
     CHECK(named);
 
@@ -128,7 +128,7 @@ TEST_CASE("a study's report says what is true of it", "[study][report]") {
     CHECK(std::count(csv.begin(), csv.end(), '\n') == 1 + 4 * 5 * 3 * 3 - 1);
     // The header is names that any program takes; a file beside it says what they mean, each once and in order.
     const std::string header = csv.substr(0, csv.find("\r\n")), columns = folder.read("study/results.columns.csv");
-    CHECK(std::regex_match(header, std::regex("[a-z][a-z0-9_]*(,[a-z][a-z0-9_]*)*")));
+    CHECK(raylex::test::matches(header, "[a-z][a-z0-9_]*(,[a-z][a-z0-9_]*)*"));
     CHECK(columns.find("relmse_mean,,\"mean((a-b)^2 / (b^2 + (0.1 m)^2)), m = mean(|b|)\"") != std::string::npos);
     std::string described;
     std::istringstream meanings(columns);
@@ -149,7 +149,7 @@ TEST_CASE("a study's report says what is true of it", "[study][report]") {
     CHECK(tex.ends_with("\\bottomrule\n\\end{tabular}\n"));
 
     const std::string page = folder.read("study/report.html");
-    CHECK_FALSE(std::regex_search(page, std::regex("e\\+[0-9]+ %")));
+    CHECK(raylex::test::count_matches(page, "e\\+[0-9]+ %") == 0);
     CHECK(page.find("<td class=\"number\">5</td><td class=\"number\">128 samples</td>") != std::string::npos);  // bias
     CHECK(page.find("killed by the &lt;system&gt;") != std::string::npos);
     CHECK(page.find("ramp.path.999.r0") != std::string::npos);
@@ -171,8 +171,7 @@ TEST_CASE("a study's page works in a browser", "[study][report]") {
     CAPTURE(page.err);
     CHECK(page.err.find("Uncaught") == std::string::npos);
     REQUIRE_FALSE(page.out.empty());
-    const std::regex share("100\\.0 %");                              // the beauty's share of itself, in A and in B
-    CHECK(std::distance(std::sregex_iterator(page.out.begin(), page.out.end(), share), {}) >= 2);
+    CHECK(raylex::test::count_matches(page.out, "100\\.0 %") >= 2);  // the beauty's share of itself, in A and in B
     // The plot in the page is the one in the file but for the colour of text and paper.
     const std::string file = folder.read("study/plots/ramp.beauty.svg");
     const std::string line = file.substr(file.find("<path d=\"M", file.find("class=\"series\"")), 60);

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <regex>
 
 namespace raylex::test {
 namespace {
@@ -52,6 +53,20 @@ void check_refused(const Folder& folder, const std::string& arguments, const std
 bool contains(const std::string& text, const std::string& part) {
     UNSCOPED_INFO(text);
     return text.find(part) != std::string::npos;
+}
+
+bool matches(const std::string& text, const std::string& pattern) { return std::regex_match(text, std::regex(pattern)); }
+
+std::vector<std::vector<std::string>> all_matches(const std::string& text, const std::string& pattern) {
+    const std::regex wanted(pattern);
+    std::vector<std::vector<std::string>> found;
+    for (std::sregex_iterator at(text.begin(), text.end(), wanted), end; at != end; ++at)
+        found.emplace_back(at->begin(), at->end());
+    return found;
+}
+
+std::size_t count_matches(const std::string& text, const std::string& pattern) {
+    return all_matches(text, pattern).size();
 }
 
 std::vector<float> plane(const display::ExrImage& image, const std::string& layer, const std::string& name) {

@@ -100,7 +100,14 @@ TEST_CASE("waiting for a pipe that nobody writes to ends with an interrupt", "[l
     });
     CHECK(contains(refusal(pipe, NamedBy::command_line), "interrupted"));
     later.join();
+    // What a stopped program needs to end in order is read all the same; pipes are no records.
+    const std::string record = folder.write("record.json", "{}");
+    CHECK(contains(refusal(record, NamedBy::file), "interrupted"));
+    const auto read = read_record(record, "a record");
     stop_reading_when(nullptr);
+    REQUIRE(read);
+    CHECK(*read == "{}");
+    CHECK_FALSE(read_record(pipe, "a record"));
 }
 
 TEST_CASE("a file of vectors may begin with a byte order mark and must end", "[law7][budget]") {
