@@ -1,12 +1,15 @@
 #include "display/output/exr_guard.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <string_view>
 #include <vector>
+
+#include <ImfThreading.h>
 
 #include "lpe/read_input.h"
 
@@ -30,13 +33,26 @@ struct Box {
 /// What one part asks for.
 struct PartHeader {
     Box data, display;
-    bool deep = false, packed = true;
+    bool deep = false;
+    unsigned char compression = 3;  ///< as the file numbers them; 0 is none
     double pixel_bytes = 0, channels = 0;  ///< bytes of a pixel as the file stores it
 };
 
 Error failure(const std::string& path, const std::string& message) {
     return {message, path, 0, 0, {}, {}};
 }
+
+/// Bytes of what has always as many, whatever the header claims: the library reads so many and takes what follows for the
+/// next attribute. Source: "OpenEXR File Layout", openexr.com, predefined attribute types.
+struct FixedSize {
+    std::string_view type;
+    std::uint32_t bytes;
+};
+constexpr FixedSize fixed_sizes[] = {
+    {"box2i", 16}, {"box2f", 16},   {"chromaticities", 32}, {"compression", 1}, {"deepImageState", 1}, {"double", 8},
+    {"envmap", 1}, {"float", 4},    {"int", 4},             {"keycode", 28},    {"lineOrder", 1},      {"m33f", 36},
+    {"m33d", 72},  {"m44f", 64},    {"m44d", 128},          {"rational", 8},    {"tiledesc", 9},       {"timecode", 8},
+    {"v2i", 8},    {"v2f", 8},      {"v2d", 16},            {"v3i", 12},        {"v3f", 12},           {"v3d", 24}};
 
 class HeaderReader {
   public:
@@ -86,7 +102,12 @@ class HeaderReader {
             if (size > left_)
                 return damaged("claims " + std::to_string(size) + " bytes for '" + name + "', " +
                                std::to_string(left_) + " are left");
-            const bool wanted_here = type == "box2i" || type == "chlist" || type == "compression" || name == "type";
+            for (const FixedSize& each : fixed_sizes)
+                if (type == each.type && size != each.bytes)
+                    return damaged("claims " + std::to_string(size) + " bytes for '" + name + "' of type " + type +
+                                   ", which has " + std::to_string(each.bytes));
+            const bool wanted_here = type == "preview" || type == "box2i" || type == "chlist" ||
+                                     type == "compression" || name == "type";
             if (!wanted_here) {
                 stream_.seekg(size, std::ios::cur);
                 left_ -= size;
@@ -94,30 +115,37 @@ class HeaderReader {
             }
             value.resize(size);
             if (!take(value.data(), size)) return damaged("has no end");
-            attribute(name, type, value, part);
+            if (Status good = attribute(name, type, value, part); !good) return good;
         }
     }
 
-    void attribute(const std::string& name, const std::string& type, const std::string& value, PartHeader& part) const {
+    Status attribute(const std::string& name, const std::string& type, const std::string& value, PartHeader& part) const {
         if (type == "box2i" && value.size() == sizeof(Box)) {
             Box* box = name == "dataWindow" ? &part.data : name == "displayWindow" ? &part.display : nullptr;
             if (box != nullptr) std::memcpy(box, value.data(), sizeof(Box));
         } else if (type == "compression" && value.size() == 1) {
-            part.packed = value[0] != 0;
+            part.compression = static_cast<unsigned char>(value[0]);
         } else if (type == "chlist") {
-            channels(value, part);
+            if (!channels(value, part)) return damaged("has a list of channels that does not end where it says");
+        } else if (type == "preview") {
+            std::uint32_t size[2] = {};
+            if (value.size() >= sizeof size) std::memcpy(size, value.data(), sizeof size);
+            if (static_cast<double>(value.size()) != 8 + 4.0 * size[0] * size[1])
+                return damaged("has a preview of another size than it says");
         } else if (name == "type") {
             part.deep = value.starts_with("deep");
         }
         part.deep = part.deep || deep_;
+        return success();
     }
 
-    /// A list of name, pixel type, four bytes, x and y sampling.
-    static void channels(std::string_view list, PartHeader& part) {
+    /// A list of name, pixel type, four bytes, x and y sampling; false unless its empty name is its last byte, since the
+    /// library looks for that name and not for the end.
+    static bool channels(std::string_view list, PartHeader& part) {
         while (!list.empty() && list.front() != '\0') {
             const std::size_t end = list.find('\0');
             constexpr std::size_t fields = 16;
-            if (end == std::string_view::npos || list.size() - end - 1 < fields) return;
+            if (end == std::string_view::npos || list.size() - end - 1 < fields) return false;
             std::int32_t field[4];
             std::memcpy(field, list.data() + end + 1, fields);
             const double samples =
@@ -126,6 +154,7 @@ class HeaderReader {
             part.channels += 1;
             list.remove_prefix(end + 1 + fields);
         }
+        return list.size() == 1;
     }
 
     Error damaged(const std::string& what) const {
@@ -138,6 +167,14 @@ class HeaderReader {
     std::uint64_t left_;
     bool deep_ = false;
 };
+
+/// What the library unpacks with, however few lines there are: two buffers of a chunk for each that threads work on.
+double chunk_buffers(const PartHeader& part) {
+    constexpr std::array<double, 10> lines{1, 1, 1, 16, 32, 16, 32, 32, 32, 256};  // by compression, "OpenEXR File Layout"
+    const double width = static_cast<double>(part.data.max_x) - part.data.min_x + 1;
+    const double chunk = (part.compression < lines.size() ? lines[part.compression] : 1) * width * part.pixel_bytes;
+    return 2 * chunk * std::max(1, 2 * Imf::globalThreadCount());
+}
 
 /// Memory goes by what the header says, which may be anything: held against the file's size and the budgets.
 Status check_pixels(const std::vector<PartHeader>& parts, std::uint64_t file_bytes, const std::string& path) {
@@ -152,10 +189,10 @@ Status check_pixels(const std::vector<PartHeader>& parts, std::uint64_t file_byt
                                "the header asks for " + std::to_string(static_cast<std::uint64_t>(pixels)) + " pixels",
                                path);
         if (part.deep) continue;  // read a row at a time
-        if (!part.packed) plain += part.data.pixels() * part.pixel_bytes;
+        if (part.compression == 0) plain += part.data.pixels() * part.pixel_bytes;
         const double all = part.data.pixels() + (part.data == part.display ? 0 : part.display.pixels());
         stored += part.pixel_bytes * all;
-        memory += 4 * part.channels * all;
+        memory += 4 * part.channels * all + chunk_buffers(part);
     }
     const auto bytes = static_cast<double>(file_bytes);
     if (plain > bytes)

@@ -92,7 +92,7 @@ std::string damage_of_reference(const std::string& directory) {
     try {
         std::vector<FileRecord> files;
         for (const auto& each : json->value("files", Json::array()))
-            files.push_back({each.at("name"), each.at("bytes"), each.at("hash")});
+            files.push_back({each.at("name"), whole(each.at("bytes")), each.at("hash")});
         return damage_of(directory, files);
     } catch (const Json::exception& error) {
         return path + ": this is damaged: " + error.what();

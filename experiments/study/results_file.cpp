@@ -25,6 +25,10 @@ Json values_json(const NamedValues& values) {
     return json;
 }
 
+std::array<int, 4> crop_of(const Json& json) {
+    return {whole(json.at(0)), whole(json.at(1)), whole(json.at(2)), whole(json.at(3))};
+}
+
 NamedValues values_of(const Json& json) {
     NamedValues values;
     for (const auto& [name, value] : json.items()) values.emplace_back(name, value.get<std::string>());
@@ -57,8 +61,8 @@ Cell planned_of(const Json& json) {
     for (std::size_t i = 0; i < budget_kinds.size(); ++i)
         if (kind == budget_kinds[i]) cell.budget_kind = static_cast<BudgetKind>(i);
     cell.budget = json.at("budget");
-    cell.replicate = json.at("replicate");
-    cell.seed = json.at("seed");
+    cell.replicate = whole(json.at("replicate"));
+    cell.seed = whole(json.at("seed"));
     return cell;
 }
 
@@ -106,27 +110,27 @@ Cell cell_of(const Json& json) {
     Cell cell = planned_of(json);
     cell.failed = json.at("state") == "failed";
     if (cell.failed) cell.failure = json.at("reason");
-    cell.samples_per_pixel = json.at("samples_per_pixel");
+    cell.samples_per_pixel = whole(json.at("samples_per_pixel"));
     cell.wall_seconds = json.at("wall_seconds");
     cell.cpu_seconds = json.at("cpu_seconds");
     for (const Json& each : json.at("phases"))
         cell.phases.push_back({each.at("name"), each.at("wall_seconds"), each.at("cpu_seconds")});
-    cell.rays = json.at("rays");
-    cell.invalid_samples = json.at("invalid_samples");
-    cell.peak_memory_bytes = json.at("peak_memory_bytes");
+    cell.rays = whole(json.at("rays"));
+    cell.invalid_samples = whole(json.at("invalid_samples"));
+    cell.peak_memory_bytes = whole(json.at("peak_memory_bytes"));
     for (const Json& each : json.at("splits"))
         cell.splits.push_back({each.at("partition"), each.at("holds"), number_of(each.at("worst_relative_error"))});
     cell.part_of = json.value("part_of", std::string());
-    cell.first_sample = json.value("first_sample", std::uint64_t{0});
-    cell.end_sample = json.value("end_sample", std::uint64_t{0});
-    cell.parts = json.value("parts", 0U);
+    cell.first_sample = whole(json.value("first_sample", Json(0)));
+    cell.end_sample = whole(json.value("end_sample", Json(0)));
+    cell.parts = whole(json.value("parts", Json(0)));
     cell.isa = json.at("isa");
-    cell.threads = json.at("threads");
+    cell.threads = whole(json.at("threads"));
     cell.warnings = json.at("warnings").get<std::vector<std::string>>();
     for (const Json& each : json.value("omits", Json::array()))
         cell.omits.push_back({each.at("expression"), each.at("dialect")});
     for (const Json& each : json.value("files", Json::array()))
-        cell.files.push_back({each.at("name"), each.at("bytes"), each.at("hash")});
+        cell.files.push_back({each.at("name"), whole(each.at("bytes")), each.at("hash")});
     return cell;
 }
 
@@ -154,8 +158,8 @@ SceneInfo scene_of(const Json& json, const std::string& directory) {
     scene.name = json.at("name");
     scene.file = json.at("file");
     scene.hash = json.at("hash");
-    scene.width = json.at("width");
-    scene.height = json.at("height");
+    scene.width = whole(json.at("width"));
+    scene.height = whole(json.at("height"));
     for (const Json& each : json.at("channels"))
         scene.channels.push_back({each.at("name"), each.at("expression"), each.at("dialect"), each.at("beauty")});
     scene.reference = json.at("reference");
@@ -163,7 +167,7 @@ SceneInfo scene_of(const Json& json, const std::string& directory) {
         scene.reference = (fs::path(directory) / scene.reference).string();
     scene.reference_relative_error = json.at("reference_relative_error");
     scene.reference_method = json.at("reference_method");
-    scene.reference_samples = json.at("reference_samples");
+    scene.reference_samples = whole(json.at("reference_samples"));
     scene.reference_failure = json.value("reference_failure", std::string());
     return scene;
 }
@@ -228,7 +232,7 @@ Experiment experiment_of(const Json& json, const std::string& directory) {
                                       values_of(each.at("settings"))});
     for (const Json& each : json.at("regions"))
         experiment.regions.push_back(
-            {each.at("name"), each.at("scene"), each.at("crop").get<std::array<int, 4>>(), each.at("mask_file")});
+            {each.at("name"), each.at("scene"), crop_of(each.at("crop")), each.at("mask_file")});
     for (const Json& each : json.at("partitions"))
         experiment.partitions.push_back(
             {each.at("name"), each.at("of"), each.at("channels").get<std::vector<std::string>>()});

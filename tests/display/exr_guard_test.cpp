@@ -95,3 +95,34 @@ TEST_CASE("an image is a regular file", "[law7][budget]") {
     CHECK(contains(refusal("/dev/zero"), "this is a device"));
     CHECK(contains(refusal(folder.path()), "this is a directory"));
 }
+
+TEST_CASE("an attribute that does not end where it says is refused: the library would read on elsewhere", "[law7][budget]") {
+    const Folder folder;
+    const std::string path = folder.path("a.exr");
+    write_foreign(path, rgb(12), box(4, 3), box(4, 3));
+    const std::string sound = read_bytes(path);
+    // What follows the header's first attribute is moved by as many bytes as it is made longer.
+    const auto with_size = [&](const std::string& name_and_type, std::uint32_t size, const std::string& more) {
+        std::string bytes = sound;
+        const std::size_t at = bytes.find(name_and_type) + name_and_type.size();
+        std::uint32_t old = 0;
+        std::memcpy(&old, bytes.data() + at, sizeof old);
+        std::memcpy(bytes.data() + at, &size, sizeof size);
+        bytes.insert(at + 4 + old, more);
+        return bytes;
+    };
+    const std::string chlist("channels\0chlist\0", 16), order("lineOrder\0lineOrder\0", 20);
+    REQUIRE(sound.find(chlist) != std::string::npos);
+    write_bytes(path, with_size(chlist, 3 * 18 + 1 + 8, std::string(8, '\0')));
+    CHECK(contains(refusal(path), "a list of channels that does not end where it says"));
+    write_bytes(path, with_size(order, 5, "abcd"));
+    CHECK(contains(refusal(path), "claims 5 bytes for 'lineOrder' of type lineOrder, which has 1"));
+    // 4 x 2^20 pixels of a preview in 16 bytes.
+    std::string preview("preview\0preview\0\x10\0\0\0\0\0\x10\0\x04\0\0\0\0\0\0\0\0\0\0\0", 36);
+    std::string bytes = sound;
+    bytes.insert(8, preview);
+    write_bytes(path, bytes);
+    CHECK(contains(refusal(path), "a preview of another size than it says"));
+    write_bytes(path, sound);
+    CHECK(refusal(path).empty());
+}

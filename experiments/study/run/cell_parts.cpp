@@ -48,7 +48,7 @@ std::string image_text(const display::ImageDescription& description, display::Ch
 /// What image_text() was made from. Throws where the text is something else.
 display::ImageDescription image_of(const Json& json, display::ChannelId& beauty) {
     display::ImageDescription description;
-    beauty = json.at("beauty");
+    beauty = whole(json.at("beauty"));
     description.attributes = json.at("attributes").get<std::map<std::string, std::string>>();
     for (const Json& each : json.at("partitions"))
         description.partitions.push_back(

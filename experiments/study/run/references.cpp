@@ -63,7 +63,7 @@ Result<bool> take_known(const std::string& directory, SceneInfo& info) {
         info.reference = directory;
         info.reference_relative_error = json.at("relative_error");
         info.reference_method = json.at("method");
-        info.reference_samples = json.at("samples_per_pixel");
+        info.reference_samples = whole(json.at("samples_per_pixel"));
     } catch (const Json::exception& error) {
         return error_at({path, 0, 0}, std::string("this is no reference.json, or it is damaged: ") + error.what(),
                         remedy);
