@@ -24,9 +24,10 @@ void stop_reading_when(const std::atomic<bool>* flag);
 Result<std::string> read_input(const std::string& path, NamedBy by, const std::string& expected,
                                Budget most = Budget::text_bytes);
 
-/// The same for a regular file that raylex keeps for itself, such as a study's records: a program that was stopped still
-/// needs those to end in order, so that nothing stops it.
-Result<std::string> read_record(const std::string& path, const std::string& expected, Budget most = Budget::record_bytes);
+/// The same for a regular file that raylex keeps for itself, such as a study's records: a program that was stopped
+/// still needs those to end in order, so that nothing stops it.
+Result<std::string> read_record(const std::string& path, const std::string& expected,
+                                Budget most = Budget::record_bytes);
 
 /// The same questions without reading, for files that a library opens by itself: only a regular file passes.
 Status check_regular_file(const std::string& path, const std::string& expected);

@@ -63,8 +63,8 @@ const char* formula(ErrorMetric metric) {
 }
 
 const ErrorMetricInfo* find_error_metric(std::string_view name) {
-    const auto found =
-        std::find_if(error_metric_table.begin(), error_metric_table.end(), [name](const ErrorMetricInfo& each) { return name == each.name; });
+    const auto found = std::find_if(error_metric_table.begin(), error_metric_table.end(),
+                                    [name](const ErrorMetricInfo& each) { return name == each.name; });
     return found != error_metric_table.end() ? &*found : nullptr;
 }
 

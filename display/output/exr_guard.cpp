@@ -42,8 +42,8 @@ Error failure(const std::string& path, const std::string& message) {
     return {message, path, 0, 0, {}, {}};
 }
 
-/// Bytes of what has always as many, whatever the header claims: the library reads so many and takes what follows for the
-/// next attribute. Source: "OpenEXR File Layout", openexr.com, predefined attribute types.
+/// Bytes of what has always as many, whatever the header claims: the library reads so many and takes what follows for
+/// the next attribute. Source: "OpenEXR File Layout", openexr.com, predefined attribute types.
 struct FixedSize {
     std::string_view type;
     std::uint32_t bytes;
@@ -119,7 +119,8 @@ class HeaderReader {
         }
     }
 
-    Status attribute(const std::string& name, const std::string& type, const std::string& value, PartHeader& part) const {
+    Status attribute(const std::string& name, const std::string& type, const std::string& value,
+                     PartHeader& part) const {
         if (type == "box2i" && value.size() == sizeof(Box)) {
             Box* box = name == "dataWindow" ? &part.data : name == "displayWindow" ? &part.display : nullptr;
             if (box != nullptr) std::memcpy(box, value.data(), sizeof(Box));
@@ -139,8 +140,8 @@ class HeaderReader {
         return success();
     }
 
-    /// A list of name, pixel type, four bytes, x and y sampling; false unless its empty name is its last byte, since the
-    /// library looks for that name and not for the end.
+    /// A list of name, pixel type, four bytes, x and y sampling; false unless its empty name is its last byte, since
+    /// the library looks for that name and not for the end.
     static bool channels(std::string_view list, PartHeader& part) {
         while (!list.empty() && list.front() != '\0') {
             const std::size_t end = list.find('\0');
@@ -170,7 +171,8 @@ class HeaderReader {
 
 /// What the library unpacks with, however few lines there are: two buffers of a chunk for each that threads work on.
 double chunk_buffers(const PartHeader& part) {
-    constexpr std::array<double, 10> lines{1, 1, 1, 16, 32, 16, 32, 32, 32, 256};  // by compression, "OpenEXR File Layout"
+    constexpr std::array<double, 10> lines{1,  1,  1,  16, 32,
+                                           16, 32, 32, 32, 256};  // by compression, "OpenEXR File Layout"
     const double width = static_cast<double>(part.data.max_x) - part.data.min_x + 1;
     const double chunk = (part.compression < lines.size() ? lines[part.compression] : 1) * width * part.pixel_bytes;
     return 2 * chunk * std::max(1, 2 * Imf::globalThreadCount());

@@ -44,8 +44,9 @@ std::string near_miss(const ExrImage& image, std::string_view name) {
         if (const std::string likely = likely_beauty(image); !likely.empty()) return "did you mean '" + likely + "'?";
     std::vector<std::string> alike;
     for (const ImageLayer& layer : image.layers)
-        if (name.size() >= 3 && (lower_case(layer.name).find(lower_case(name)) != std::string::npos ||
-                                 (layer.name.size() >= 3 && lower_case(name).find(lower_case(layer.name)) != std::string::npos)))
+        if (name.size() >= 3 &&
+            (lower_case(layer.name).find(lower_case(name)) != std::string::npos ||
+             (layer.name.size() >= 3 && lower_case(name).find(lower_case(layer.name)) != std::string::npos)))
             alike.push_back(layer.name);
     return alike.empty() ? std::string() : "names like it: " + list_names(alike);
 }

@@ -21,6 +21,8 @@ void Whole::fail() const {
     throw Json::type_error::create(302, "expected a whole number that fits, found " + json_text(json_), &json_);
 }
 
-std::string json_text(const Json& json, int indent) { return json.dump(indent, ' ', false, Json::error_handler_t::replace); }
+std::string json_text(const Json& json, int indent) {
+    return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
 
 }  // namespace raylex::experiments

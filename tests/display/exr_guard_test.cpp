@@ -96,7 +96,8 @@ TEST_CASE("an image is a regular file", "[law7][budget]") {
     CHECK(contains(refusal(folder.path()), "this is a directory"));
 }
 
-TEST_CASE("an attribute that does not end where it says is refused: the library would read on elsewhere", "[law7][budget]") {
+TEST_CASE("an attribute that does not end where it says is refused: the library would read on elsewhere",
+          "[law7][budget]") {
     const Folder folder;
     const std::string path = folder.path("a.exr");
     write_foreign(path, rgb(12), box(4, 3), box(4, 3));

@@ -24,10 +24,13 @@ Outcome in_browser(const Folder& folder, const std::string& page, const std::str
         "}, 50);\n"
         "</script>\n";
     Outcome outcome = run_shell(
-        folder, "chromium --headless --no-sandbox --disable-gpu --user-data-dir=\"$PWD/browser\" --enable-logging=stderr"
-                " --window-size=" + size + " --remote-debugging-port=0 \"file://$PWD/watched.html\" 2>said &\n"
-                "for _ in $(seq 600); do grep -q 'document>>>' said && break; sleep 0.1; done\n"
-                "kill $!; wait $!\ncat said >&2\nexit 0");
+        folder,
+        "chromium --headless --no-sandbox --disable-gpu --user-data-dir=\"$PWD/browser\" --enable-logging=stderr"
+        " --window-size=" +
+            size +
+            " --remote-debugging-port=0 \"file://$PWD/watched.html\" 2>said &\n"
+            "for _ in $(seq 600); do grep -q 'document>>>' said && break; sleep 0.1; done\n"
+            "kill $!; wait $!\ncat said >&2\nexit 0");
     const std::size_t begin = outcome.err.find("<<<document "), end = outcome.err.find(" document>>>");
     if (begin != std::string::npos && end != std::string::npos) outcome.out = outcome.err.substr(begin, end - begin);
     return outcome;

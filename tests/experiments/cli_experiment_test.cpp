@@ -200,8 +200,10 @@ TEST_CASE("a study measures what people see on the beauty, as raylex compare doe
         CHECK(contains(line, "\"ssim\":") == beauty);
         if (!beauty) continue;
         for (const std::string metric : {"ssim", "flip"}) {
-            const std::string cell = line.substr(line.find("\"room."), line.find("\",", line.find("\"room.")) - line.find("\"room."));
-            const Outcome compared = succeed(folder, "compare out/cells/" + cell.substr(1) + "/image.exr truth.exr --metric " + metric);
+            const std::string cell =
+                line.substr(line.find("\"room."), line.find("\",", line.find("\"room.")) - line.find("\"room."));
+            const Outcome compared =
+                succeed(folder, "compare out/cells/" + cell.substr(1) + "/image.exr truth.exr --metric " + metric);
             const double value = std::stod(line.substr(line.find("\"" + metric + "\":") + metric.size() + 3));
             // The study has doubles, the image the floats nearest to them; roots in FLIP enlarge what that rounds off.
             CHECK(value == Approx(std::stod(compared.out)).epsilon(1e-5));

@@ -111,8 +111,10 @@ TEST_CASE("display filters change what is written and shown, not deep images or 
     REQUIRE(image->partitions.size() == 1);
     const std::vector<float> blue = plane(folder, "b.exr", "direct", "B"), plain = plane(folder, "plain.exr", "direct", "B");
     for (std::size_t i = 0; i < plain.size(); ++i) CHECK(blue[i] == 2 * plain[i]);
-    check_render_refused(folder, "render room.pbrt --display-filter bakground", {"--display-filter", "did you mean 'background'"});
-    check_render_refused(folder, "render room.pbrt --lpe direct=CDL --no-beauty --display-filter background", {"expected a beauty"});
+    check_render_refused(folder, "render room.pbrt --display-filter bakground",
+                         {"--display-filter", "did you mean 'background'"});
+    check_render_refused(folder, "render room.pbrt --lpe direct=CDL --no-beauty --display-filter background",
+                         {"expected a beauty"});
 }
 
 TEST_CASE("a holdout's shadow goes into alpha and a layer", "[filters]") {
@@ -160,8 +162,10 @@ TEST_CASE("filter mode splat by flag and job; what it cannot do is named", "[spl
     CHECK(image->attributes["raylex/filter_mode"] == "splat");
     CHECK(image->attributes["verdict/auto"].starts_with("holds; "));
     CHECK(run_raylex(folder, "verify job.exr").code == 0);
-    check_render_refused(folder, "render room.pbrt --filter-mode splat --statistics beauty=mse", {"--statistics", "filter mode splat"});
-    check_render_refused(folder, "render room.pbrt --filter-mode splat --deep d.exr", {"--deep", "filter mode importance"});
+    check_render_refused(folder, "render room.pbrt --filter-mode splat --statistics beauty=mse",
+                         {"--statistics", "filter mode splat"});
+    check_render_refused(folder, "render room.pbrt --filter-mode splat --deep d.exr",
+                         {"--deep", "filter mode importance"});
     check_render_refused(folder, "render room.pbrt --filter-mode splat --cryptomatte object", {"cryptomatte"});
     check_render_refused(folder, "render room.pbrt --filter-mode spalt", {"--filter-mode"});
     folder.write("bad.toml", "[scene]\nfile = \"room.pbrt\"\n[render]\nfilter_mode = \"spalt\"\n");

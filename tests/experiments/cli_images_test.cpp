@@ -227,7 +227,8 @@ TEST_CASE("compare prints every metric at once, as JSON too, and leaves error im
     REQUIRE(all.code == 0);
     for (const char* name : {"relmse ", "mse ", "mean-ratio ", "ssim ", "flip ", "hdr-flip "})
         CHECK(all.out.find(name) != std::string::npos);
-    const auto json = raylex::experiments::parse_json(run_raylex(folder, "compare a.exr b.exr --metric all --json").out);
+    const auto json =
+        raylex::experiments::parse_json(run_raylex(folder, "compare a.exr b.exr --metric all --json").out);
     CHECK(json["metrics"].size() == 12);
     CHECK(json["metrics"]["mae"].get<double>() == Approx(0.5 / 24).epsilon(1e-6));
     CHECK(json["metrics"]["flip"].get<double>() > 0.01);

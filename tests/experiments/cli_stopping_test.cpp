@@ -113,7 +113,8 @@ TEST_CASE("what waits for a pipe is interrupted, and says so by its exit code", 
     for (const char* command : {"render room.pbrt --channels <(sleep 20) -o x.exr",
                                 "lpe check --channels <(sleep 20)", "lpe vectors <(sleep 20)"}) {
         CAPTURE(command);
-        const Outcome outcome = run_shell(folder, std::string("timeout --preserve-status -s INT 0.5 \"$RAYLEX\" ") + command);
+        const Outcome outcome =
+            run_shell(folder, std::string("timeout --preserve-status -s INT 0.5 \"$RAYLEX\" ") + command);
         CAPTURE(outcome.err);
         CHECK(outcome.code == 130);
         CHECK_FALSE(folder.has("x.exr"));

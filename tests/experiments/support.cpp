@@ -55,7 +55,9 @@ bool contains(const std::string& text, const std::string& part) {
     return text.find(part) != std::string::npos;
 }
 
-bool matches(const std::string& text, const std::string& pattern) { return std::regex_match(text, std::regex(pattern)); }
+bool matches(const std::string& text, const std::string& pattern) {
+    return std::regex_match(text, std::regex(pattern));
+}
 
 std::vector<std::vector<std::string>> all_matches(const std::string& text, const std::string& pattern) {
     const std::regex wanted(pattern);

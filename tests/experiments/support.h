@@ -22,8 +22,8 @@ Outcome run_raylex(const Folder& folder, const std::string& arguments);
 void check_refused(const Folder& folder, const std::string& arguments, const std::vector<std::string>& words);
 /// Whether `part` is in `text`, which is shown when the check around it fails.
 bool contains(const std::string& text, const std::string& part);
-/// Regular expressions (ECMAScript), compiled here alone: the whole text matches; how often a part of it does; what matches
-/// in turn, each with its groups behind it.
+/// Regular expressions (ECMAScript), compiled here alone: the whole text matches; how often a part of it does; what
+/// matches in turn, each with its groups behind it.
 bool matches(const std::string& text, const std::string& pattern);
 std::size_t count_matches(const std::string& text, const std::string& pattern);
 std::vector<std::vector<std::string>> all_matches(const std::string& text, const std::string& pattern);

@@ -91,7 +91,8 @@ TEST_CASE("an image of Cycles gets the right verdict by preset, in one command",
     CAPTURE(outcome.out, outcome.err);
     REQUIRE(outcome.code == 0);
     CHECK(contains(outcome.out, "Cycles (Blender) passes of ViewLayer: 11 layers against ViewLayer.Combined: holds"));
-    CHECK(contains(outcome.out, "Cycles (Blender) light groups of ViewLayer: 3 layers against ViewLayer.Combined: holds"));
+    CHECK(contains(outcome.out,
+                   "Cycles (Blender) light groups of ViewLayer: 3 layers against ViewLayer.Combined: holds"));
     CHECK(contains(outcome.out,
               "(DiffDir + DiffInd) * DiffCol, (GlossDir + GlossInd) * GlossCol, (TransDir + TransInd) * "
               "TransCol, Emit, Env"));

@@ -83,7 +83,8 @@ void RenderWorker::render_tile(int x0, int y0, int x1, int y1, std::uint64_t fir
         int dx, dy;
         morton_pixel(m, dx, dy);
         const int x = x0 + dx, y = y0 + dy;
-        if (x < x1 && y < y1 && x >= job_.region.x0 && y >= job_.region.y0) add_pixel(x, y, first, count, block++, adding);
+        if (x < x1 && y < y1 && x >= job_.region.x0 && y >= job_.region.y0)
+            add_pixel(x, y, first, count, block++, adding);
     }
     flush(adding);
 }

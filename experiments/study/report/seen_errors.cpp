@@ -31,7 +31,8 @@ bool all_finite(const PixelArray& array) {
 void measure_row(CellErrors& row, const PixelArray& truth, const display::Chromaticities& primaries) {
     Result<PixelArray> mean = read_mean(row.cell->directory, row.channel);
     if (!mean || mean->values.size() != truth.values.size() || !all_finite(*mean)) return;
-    const display::LinearImage image = seen_image(*std::move(mean), primaries), reference = seen_image(truth, primaries);
+    const display::LinearImage image = seen_image(*std::move(mean), primaries),
+                               reference = seen_image(truth, primaries);
     for (std::size_t i = 0; i < seen_metrics.size(); ++i)
         row.seen[i] = display::measure_image(seen_metrics[i], image, reference).value;
 }

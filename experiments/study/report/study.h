@@ -25,8 +25,10 @@ struct MethodVariant {
     bool unbiased = true;
 };
 
-/// Metrics of whole images that a study measures. hdr_flip is left to `raylex compare`: it costs a flip for each exposure.
-inline constexpr std::array<display::ImageMetric, 2> seen_metrics{display::ImageMetric::ssim, display::ImageMetric::flip};
+/// Metrics of whole images that a study measures. hdr_flip is left to `raylex compare`: it costs a flip for each
+/// exposure.
+inline constexpr std::array<display::ImageMetric, 2> seen_metrics{display::ImageMetric::ssim,
+                                                                  display::ImageMetric::flip};
 
 /// One channel of one cell on one region.
 struct CellErrors {

@@ -216,7 +216,8 @@ std::string results_jsonl(const Study& study) {
     Lines lines;
     Json formulas{{"kind", "formulas"}};
     for (const display::ErrorMetricInfo& each : display::error_metrics()) formulas[each.name] = each.formula;
-    for (const display::ImageMetric each : seen_metrics) formulas[display::info_of(each).name] = display::info_of(each).formula;
+    for (const display::ImageMetric each : seen_metrics)
+        formulas[display::info_of(each).name] = display::info_of(each).formula;
     lines.add(formulas);
     for (const Cell& cell : study.experiment->cells) {
         Json json{{"kind", "run"},
