@@ -234,6 +234,12 @@ TEST_CASE("an image of more pixels than its bytes can mean is refused before it 
     CHECK(contains(message_of(read_image(folder.write("a.png", png))), "the budget image_pixels is 268435456"));
     const BudgetGuard guard("image_pixels=1G");
     CHECK(contains(message_of(read_image(folder.write("a.png", png))), "the budget unpack_ratio is 100"));
+    const std::string small = "IHDR" + be(8) + be(8) + std::string("\x08\0\0\0\0", 5);
+    const auto small_checksum = static_cast<unsigned>(
+        crc32(0, reinterpret_cast<const Bytef*>(small.data()), static_cast<uInt>(small.size())));
+    const std::string chunk = std::string("\x89PNG\r\n\x1a\n", 8) + be(13) + small + be(small_checksum) +
+                              be(0x3fffffff) + "IDAT" + std::string(1'000, '\0');
+    CHECK(contains(message_of(read_image(folder.write("b.png", chunk))), "chunks that end within the file"));
     const std::string hdr = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 20000 +X 20000\n\2\2";
     CHECK(contains(message_of(read_image(folder.write("a.hdr", hdr))), "unpack_ratio"));
     CHECK(contains(message_of(read_image(folder.write("a.pfm", "PF\n50000 50000\n-1\nabcd"))),

@@ -97,6 +97,20 @@ bool hdr_is_whole(const std::string& content, int width, int height) {
     return true;
 }
 
+/// Of a PNG stb_image takes as much memory for a chunk of pixels as the chunk claims, up to a gigabyte, before it reads.
+bool png_is_whole(const std::string& content) {
+    constexpr std::size_t around = 12;  // length, type and checksum
+    std::size_t at = 8;
+    while (content.size() >= at + around) {
+        std::size_t length = 0;
+        for (std::size_t i = 0; i < 4; ++i) length = length << 8 | static_cast<unsigned char>(content[at + i]);
+        if (length > content.size() - at - around) return false;
+        if (content.compare(at + 4, 4, "IEND") == 0) return true;
+        at += around + length;
+    }
+    return false;
+}
+
 /// The header's size against the budgets: a small file can unpack to gigabytes of one colour.
 Status check_size(const stbi_uc* bytes, int size, const std::string& path) {
     int width = 0, height = 0, channels = 0;
@@ -133,6 +147,8 @@ Result<Image> read_with_stb(const std::string& content, const std::string& path,
     const auto* bytes = reinterpret_cast<const stbi_uc*>(content.data());
     const int size = static_cast<int>(content.size());
     if (Status fits = check_size(bytes, size, path); !fits) return fits.error();
+    if (content.compare(0, 4, "\x89PNG") == 0 && !png_is_whole(content))
+        return failure("PNG is truncated or damaged; expected chunks that end within the file");
     Image image;
     int &w = image.width, &h = image.height, &c = image.channels;
     const auto samples = [&] {
