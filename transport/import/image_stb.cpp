@@ -97,6 +97,33 @@ bool hdr_is_whole(const std::string& content, int width, int height) {
     return true;
 }
 
+/// stb_image keeps 256 codes of a Huffman table and writes as many as a JPEG claims, up to 4080. Segments before the first
+/// scan are passed over by their length, as they may hold anything; from there on any mark of a table is one.
+bool jpeg_tables_fit(const std::string& content) {
+    const auto byte = [&content](std::size_t i) {
+        return i < content.size() ? static_cast<std::size_t>(static_cast<unsigned char>(content[i])) : 0;
+    };
+    constexpr std::size_t tables = 0xc4, scan = 0xda;
+    bool scanned = false;
+    for (std::size_t at = 2; at + 3 < content.size();) {
+        if (byte(at) != 0xff || byte(at + 1) == 0xff) {
+            ++at;
+            continue;
+        }
+        const std::size_t marker = byte(at + 1), length = byte(at + 2) << 8 | byte(at + 3);
+        if (marker == tables)
+            for (std::size_t table = at + 4; table + 17 <= at + 2 + length;) {
+                std::size_t codes = 0;
+                for (std::size_t i = 1; i <= 16; ++i) codes += byte(table + i);
+                if (codes > 256) return false;
+                table += 17 + codes;
+            }
+        scanned = scanned || marker == scan;
+        at += scanned || marker < 0xc0 || (marker >= 0xd0 && marker <= 0xd9) ? 2 : 2 + std::max<std::size_t>(length, 2);
+    }
+    return true;
+}
+
 /// Of a PNG stb_image takes as much memory for a chunk of pixels as the chunk claims, up to a gigabyte, before it reads.
 bool png_is_whole(const std::string& content) {
     constexpr std::size_t around = 12;  // length, type and checksum
@@ -141,6 +168,8 @@ Result<Image> read_with_stb(const std::string& content, const std::string& path,
     if (content.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) return failure("larger than 2 GiB");
     if (content.compare(0, 2, "\xff\xd8") == 0 && !jpeg_is_whole(content))
         return failure("JPEG is truncated; expected an end-of-image marker");
+    if (content.compare(0, 2, "\xff\xd8") == 0 && !jpeg_tables_fit(content))
+        return failure("JPEG is damaged; expected at most 256 codes in a Huffman table");
     const bool tga = content.compare(0, 4, "\x89PNG") != 0 && content.compare(0, 2, "\xff\xd8") != 0 &&
                      content.compare(0, 2, "#?") != 0;
     if (tga && !tga_is_whole(content)) return failure("TGA is truncated; expected as many pixels as its header says");
