@@ -243,6 +243,10 @@ TEST_CASE("an image of more pixels than its bytes can mean is refused before it 
     const std::string table = std::string("\xff\xd8\xff\xff\xc4\x02\x13\x00", 8) + std::string(16, '\x20');
     CHECK(contains(message_of(read_image(folder.write("c.jpg", table + std::string(512, '\0') + "\xff\xda\xff\xd9"))),
                    "at most 256 codes in a Huffman table"));
+    // The same where the segment says that it ends within the table.
+    const std::string cut = std::string("\xff\xd8\xff\xc4\x00\x05\x00", 7) + std::string(16, '\x20');
+    CHECK(contains(message_of(read_image(folder.write("d.jpg", cut + std::string(512, '\0') + "\xff\xda\xff\xd9"))),
+                   "at most 256 codes in a Huffman table"));
     const std::string hdr = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 20000 +X 20000\n\2\2";
     CHECK(contains(message_of(read_image(folder.write("a.hdr", hdr))), "unpack_ratio"));
     CHECK(contains(message_of(read_image(folder.write("a.pfm", "PF\n50000 50000\n-1\nabcd"))),

@@ -97,8 +97,8 @@ bool hdr_is_whole(const std::string& content, int width, int height) {
     return true;
 }
 
-/// stb_image keeps 256 codes of a Huffman table and writes as many as a JPEG claims, up to 4080. Segments before the first
-/// scan are passed over by their length, as they may hold anything; from there on any mark of a table is one.
+/// stb_image keeps 256 codes of a Huffman table and writes as many as a JPEG claims, up to 4080. Segments before the
+/// first scan are passed over by their length, as they may hold anything; from there on any mark of a table is one.
 bool jpeg_tables_fit(const std::string& content) {
     const auto byte = [&content](std::size_t i) {
         return i < content.size() ? static_cast<std::size_t>(static_cast<unsigned char>(content[i])) : 0;
@@ -112,7 +112,8 @@ bool jpeg_tables_fit(const std::string& content) {
         }
         const std::size_t marker = byte(at + 1), length = byte(at + 2) << 8 | byte(at + 3);
         if (marker == tables)
-            for (std::size_t table = at + 4; table + 17 <= at + 2 + length;) {
+            // A table that begins within the segment is read to its end, wherever the segment ends.
+            for (std::size_t table = at + 4; table < at + 2 + length;) {
                 std::size_t codes = 0;
                 for (std::size_t i = 1; i <= 16; ++i) codes += byte(table + i);
                 if (codes > 256) return false;
