@@ -125,7 +125,8 @@ bool jpeg_tables_fit(const std::string& content) {
     return true;
 }
 
-/// Of a PNG stb_image takes as much memory for a chunk of pixels as the chunk claims, up to a gigabyte, before it reads.
+/// Of a PNG stb_image takes as much memory for a chunk of pixels as the chunk claims, up to a gigabyte, before it
+/// reads.
 bool png_is_whole(const std::string& content) {
     constexpr std::size_t around = 12;  // length, type and checksum
     std::size_t at = 8;
