@@ -239,14 +239,7 @@ TEST_CASE("an image of more pixels than its bytes can mean is refused before it 
         crc32(0, reinterpret_cast<const Bytef*>(small.data()), static_cast<uInt>(small.size())));
     const std::string chunk = std::string("\x89PNG\r\n\x1a\n", 8) + be(13) + small + be(small_checksum) +
                               be(0x3fffffff) + "IDAT" + std::string(1'000, '\0');
-    CHECK(contains(message_of(read_image(folder.write("b.png", chunk))), "chunks that end within the file"));
-    const std::string table = std::string("\xff\xd8\xff\xff\xc4\x02\x13\x00", 8) + std::string(16, '\x20');
-    CHECK(contains(message_of(read_image(folder.write("c.jpg", table + std::string(512, '\0') + "\xff\xda\xff\xd9"))),
-                   "at most 256 codes in a Huffman table"));
-    // The same where the segment says that it ends within the table.
-    const std::string cut = std::string("\xff\xd8\xff\xc4\x00\x05\x00", 7) + std::string(16, '\x20');
-    CHECK(contains(message_of(read_image(folder.write("d.jpg", cut + std::string(512, '\0') + "\xff\xda\xff\xd9"))),
-                   "at most 256 codes in a Huffman table"));
+    CHECK(contains(message_of(read_image(folder.write("b.png", chunk))), "the file ends within a chunk"));
     const std::string hdr = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 20000 +X 20000\n\2\2";
     CHECK(contains(message_of(read_image(folder.write("a.hdr", hdr))), "unpack_ratio"));
     CHECK(contains(message_of(read_image(folder.write("a.pfm", "PF\n50000 50000\n-1\nabcd"))),

@@ -6,9 +6,9 @@
 #include <bit>
 #include <cstring>
 
+#include "tests/support/paths.h"
 #include "tests/transport/import_support.h"
 #include "transport/import/image.h"
-#include "tests/support/paths.h"
 
 using namespace import_test;
 using raylex::transport::Image;
@@ -39,17 +39,24 @@ std::string png_chunk(const std::string& type, const std::string& content) {
     return chunk;
 }
 
-/// `rows`: filter byte 0 and big-endian samples per row. color: 0 grey, 2 RGB, 4 grey with alpha, 6 RGBA.
-std::string png(std::uint32_t width, std::uint32_t height, int depth, int color, const std::string& rows) {
-    std::string packed(compressBound(static_cast<uLong>(rows.size())), '\0');
+std::string deflated(const std::string& bytes) {
+    std::string packed(compressBound(static_cast<uLong>(bytes.size())), '\0');
     auto size = static_cast<uLongf>(packed.size());
-    REQUIRE(compress(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(rows.data()),
-                     static_cast<uLong>(rows.size())) == Z_OK);
+    REQUIRE(compress(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
+                     static_cast<uLong>(bytes.size())) == Z_OK);
     packed.resize(size);
+    return packed;
+}
+
+/// `rows`: filter byte 0 and big-endian samples per row. color: 0 grey, 2 RGB, 3 palette, 4 grey with alpha, 6 RGBA.
+/// `chunks` stand before the pixels.
+std::string png(std::uint32_t width, std::uint32_t height, int depth, int color, const std::string& rows,
+                const std::string& chunks = {}, int interlacing = 0) {
     std::string header = big_endian(width);
     header += big_endian(height);
-    header += {static_cast<char>(depth), static_cast<char>(color), 0, 0, 0};
-    return "\x89PNG\r\n\x1a\n" + png_chunk("IHDR", header) + png_chunk("IDAT", packed) + png_chunk("IEND", "");
+    header += {static_cast<char>(depth), static_cast<char>(color), 0, 0, static_cast<char>(interlacing)};
+    return "\x89PNG\r\n\x1a\n" + png_chunk("IHDR", header) + chunks + png_chunk("IDAT", deflated(rows)) +
+           png_chunk("IEND", "");
 }
 
 std::string float_bytes(std::initializer_list<float> values, std::endian order) {
@@ -64,8 +71,7 @@ std::string float_bytes(std::initializer_list<float> values, std::endian order) 
 }
 
 /// Every proper prefix of `content` must be refused with the file's name, from `least` bytes up.
-void check_truncation(const Folder& folder, const std::string& name, const std::string& content,
-                      std::size_t step = 1) {
+void check_truncation(const Folder& folder, const std::string& name, const std::string& content, std::size_t step = 1) {
     for (std::size_t size = 0; size < content.size(); size += step) {
         const auto image = read_image(folder.write(name, content.substr(0, size)));
         INFO(name << " cut to " << size << " of " << content.size());
@@ -143,6 +149,53 @@ TEST_CASE("JPEG is read top-down", "[image]") {
     CHECK(image.at(8, 1, 2) < 0.1f);
     CHECK(image.at(8, 14, 0) < 0.1f);
     CHECK(image.at(8, 14, 2) > 0.9f);
+}
+
+TEST_CASE("JPEG may be progressive, grey or in four inks", "[image]") {
+    // 3 / 255: what quantisation at a quality of 95 leaves of one colour (steps of 1 to 3 for the mean of a block).
+    const float step = 3 / 255.0f;
+    CHECK(read(data_folder + "progressive.jpg").at(4, 4, 0) > 0.9f);
+    const Image grey = read(data_folder + "grey.jpg", "linear");
+    CHECK(grey.channels == 1);
+    CHECK(grey.at(8, 8, 0) == Approx(128 / 255.0).margin(step));
+    const Image inks = read(data_folder + "inks.jpg", "linear");
+    REQUIRE(inks.channels == 3);
+    const float above[] = {1, 0, 0}, below[] = {0, 64 / 255.0f, 128 / 255.0f};
+    for (int c = 0; c < 3; ++c) {
+        CHECK(inks.at(4, 4, c) == Approx(above[c]).margin(step));
+        CHECK(inks.at(4, 12, c) == Approx(below[c]).margin(step));
+    }
+}
+
+TEST_CASE("a JPEG that is cut short or damaged is an error with the decoder's reason", "[law7][image]") {
+    const Folder folder;
+    const std::string whole = raylex::test::read_bytes(data_folder + "halves.jpg");
+    check_truncation(folder, "t.jpg", whole);
+    // Found by fuzzing: Huffman tables of more codes than any decoder keeps.
+    const std::string tables = std::string("\xff\xd8\xff\xff\xc4\x02\x13\x00", 8) + std::string(16, '\x20') +
+                               std::string(512, '\0') + "\xff\xda\xff\xd9";
+    const auto image = read_image(folder.write("d.jpg", tables));
+    REQUIRE_FALSE(image);
+    CHECK(contains(image.error().message, "JPEG: "));
+}
+
+TEST_CASE("a PNG may be interlaced, have a palette, bits for samples and a transparent colour", "[image]") {
+    const Folder folder;
+    using namespace std::string_literals;
+    // Adam7 of 2 x 2: pass 1 is the pixel (0, 0), pass 6 is (1, 0), pass 7 is the second row.
+    const Image adam7 = read(folder.write("i.png", png(2, 2, 8, 0, "\0\x10\0\x20\0\x30\x40"s, {}, 1)), "linear");
+    CHECK(adam7.pixels == std::vector<float>{16 / 255.0f, 32 / 255.0f, 48 / 255.0f, 64 / 255.0f});
+    const std::string palette = png_chunk("PLTE", "\xff\0\0\0\xff\0"s), half = png_chunk("tRNS", "\x80"s);
+    const Image indexed = read(folder.write("p.png", png(2, 1, 1, 3, "\0\x40"s, palette)), "linear");
+    CHECK(indexed.pixels == std::vector<float>{1, 0, 0, 0, 1, 0});
+    const Image transparent = read(folder.write("t.png", png(2, 1, 1, 3, "\0\x40"s, palette + half)), "linear");
+    CHECK(transparent.pixels == std::vector<float>{1, 0, 0, 128 / 255.0f, 0, 1, 0, 1});
+    const Image bits = read(folder.write("b.png", png(4, 1, 2, 0, "\0\x1b"s)), "linear");
+    CHECK(bits.pixels == std::vector<float>{0, 85 / 255.0f, 170 / 255.0f, 1});
+    // The scene says how values are encoded, not the file.
+    const std::string gamma = png_chunk("gAMA", big_endian(100'000));
+    const Image marked = read(folder.write("g.png", png(1, 1, 8, 0, "\0\x80"s, gamma)), "linear");
+    CHECK(marked.at(0, 0, 0) == 128 / 255.0f);
 }
 
 TEST_CASE("OpenEXR gives RGB, RGBA in its data window, luminance or a lone channel", "[image]") {

@@ -67,9 +67,10 @@ Result<Image> read_image(const std::string& path, const std::string& encoding) {
     if (!content) return content.error();
     if (starts_with(*content, "\x76\x2f\x31\x01")) return read_exr_image(path);
     if (starts_with(*content, "PF") || starts_with(*content, "Pf")) return read_pfm(*content, path);
-    const bool known = starts_with(*content, "\x89PNG") || starts_with(*content, "\xff\xd8") ||
-                       starts_with(*content, "#?") || lower_extension(path) == ".tga";
-    if (!known) return Error{"unknown image format; expected PNG, JPEG, TGA, HDR, OpenEXR or PFM", path, 0, 0, {}, {}};
+    if (starts_with(*content, "\x89PNG")) return read_png(*content, path, *decoding);
+    if (starts_with(*content, "\xff\xd8")) return read_jpeg(*content, path, *decoding);
+    if (!starts_with(*content, "#?") && lower_extension(path) != ".tga")
+        return Error{"unknown image format; expected PNG, JPEG, TGA, HDR, OpenEXR or PFM", path, 0, 0, {}, {}};
     return read_with_stb(*content, path, *decoding);
 }
 
