@@ -59,7 +59,7 @@ FrameBuffer filled_for_drivers() {
     return buffer;
 }
 
-DriverImage image_of(const std::vector<ChannelDefinition>& list) {
+DriverImage driver_image_of(const std::vector<ChannelDefinition>& list) {
     DriverImage image;
     image.title = "out.exr";
     image.width = driver_width;
@@ -106,7 +106,7 @@ TEST_CASE("a viewer receives every layer, while rendering and in the end", "[dis
     TevReceiver viewer;
     DriverSet drivers;
     drivers.add(driver("tev:host=127.0.0.1,port=" + std::to_string(viewer.port())));
-    REQUIRE(drivers.open(image_of(list)).ok());
+    REQUIRE(drivers.open(driver_image_of(list)).ok());
     drivers.update(1000, 0.5, source_of(buffer));  // a long render: time enough for everything
     CHECK(eventually([&] { return viewer.images()["out.exr"].updates > 0; }));
     REQUIRE(drivers.close({buffer, 0, {}}).ok());
@@ -140,7 +140,7 @@ TEST_CASE("a live view takes its share of the time and no more", "[display][tev]
     TevReceiver viewer;
     DriverSet drivers;
     drivers.add(driver("tev:host=127.0.0.1,port=" + std::to_string(viewer.port())));
-    REQUIRE(drivers.open(image_of(list)).ok());
+    REQUIRE(drivers.open(driver_image_of(list)).ok());
     int resolved = 0;
     PixelSource counting = source_of(buffer);
     counting.resolve = [&](ChannelId id, const PixelRegion& region) {
@@ -169,7 +169,7 @@ TEST_CASE("a viewer that is not there costs a render nothing but one warning", "
     std::vector<std::string> warnings;
     // Refused at once by the loopback. The bound leaves room for a machine that is busy with other things.
     CHECK(seconds_of([&] {
-              REQUIRE(drivers.open(image_of(list)).ok());
+              REQUIRE(drivers.open(driver_image_of(list)).ok());
               CHECK(eventually([&] {
                   for (const std::string& each : drivers.take_warnings()) warnings.push_back(each);
                   return !warnings.empty();
@@ -190,7 +190,7 @@ TEST_CASE("a viewer that leaves, and one that does not read, end in one warning"
     TevReceiver viewer(leaves ? TevReceiver::Manner::leaves : TevReceiver::Manner::never_reads);
     DriverSet drivers;
     drivers.add(driver("tev:host=127.0.0.1,port=" + std::to_string(viewer.port())));
-    REQUIRE(drivers.open(image_of(list)).ok());
+    REQUIRE(drivers.open(driver_image_of(list)).ok());
     std::vector<std::string> warnings;
     const auto take = [&] {
         for (const std::string& each : drivers.take_warnings()) warnings.push_back(each);
@@ -223,7 +223,7 @@ TEST_CASE("several drivers get the same image, each in its own form", "[display]
     DriverSet drivers;
     drivers.add(driver("exr:file='" + folder.path("a,b.exr") + "'"));
     drivers.add(driver("exr:file=" + folder.path("c.exr")));
-    REQUIRE(drivers.open(image_of(list)).ok());
+    REQUIRE(drivers.open(driver_image_of(list)).ok());
     CHECK(folder.names().size() == 0);
     REQUIRE(drivers.close({buffer, 0, {}}).ok());
     CHECK(drivers.files() == std::vector<std::string>{folder.path("a,b.exr"), folder.path("c.exr")});
@@ -239,7 +239,7 @@ TEST_CASE("drivers refuse before the render what they could not do after it", "[
     const auto opened = [&](const std::string& text) {
         DriverSet drivers;
         drivers.add(driver(text));
-        const auto status = drivers.open(image_of(list));
+        const auto status = drivers.open(driver_image_of(list));
         return status.ok() ? std::string() : status.error().message;
     };
     CHECK(opened("exr:file=/nowhere/at/all.exr").find("No such file or directory") != std::string::npos);
@@ -302,7 +302,7 @@ TEST_CASE("a registered driver comes in by the same door", "[display][drivers]")
     const auto list = driver_channels();
     DriverSet drivers;
     drivers.add(driver("counter:step=0.5"));
-    REQUIRE(drivers.open(image_of(list)).ok());
+    REQUIRE(drivers.open(driver_image_of(list)).ok());
     drivers.update(0, 0.75, source_of(buffer));
     CHECK(made->last == 0.75);
     CHECK(made->pixels == 0);

@@ -36,7 +36,7 @@ struct ReferenceScene {
 // Published with the references (data README): mean luminance, RMSE of luminance. The red wall (0.63 0.065 0.05) of
 // bitterli-cornell-box under its yellow light (17 12 4) is 9.3 % brighter than pbrt's, evenly over the whole wall; its
 // neutral walls agree within 1 %.
-const ReferenceScene scenes[] = {
+const ReferenceScene reference_scenes[] = {
     {"point-plane", true, true, 0.22134, 0.00009},
     {"furnace-sphere", true, true, 0.71992, 0.0007},
     {"furnace-box", true, true, 1.99587, 0.058},
@@ -117,7 +117,7 @@ double normal_quantile(double p) {
 }  // namespace
 
 TEST_CASE("Shipped scenes have the mean luminance of pbrt-v4's references", "[reference][statistical]") {
-    for (const ReferenceScene& each : scenes) {
+    for (const ReferenceScene& each : reference_scenes) {
         if (!each.shipped || each.mean_luminance == 0) continue;
         const auto scene = load(fs::path(raylex::test::source_dir()) / "experiments" / "scenes" / each.name / "scene.pbrt");
         transport::RenderSettings settings;
@@ -140,7 +140,7 @@ TEST_CASE("Shipped scenes have the mean luminance of pbrt-v4's references", "[re
 TEST_CASE("Every reference scene agrees with its pbrt-v4 image in mean and in blocks", "[.full][reference]") {
     if (!fs::exists(reference_folder())) RAYLEX_SKIP("no reference images; set RAYLEX_REFERENCES to their folder");
     constexpr int replicates = 8;
-    for (const ReferenceScene& each : scenes) {
+    for (const ReferenceScene& each : reference_scenes) {
         const fs::path folder = reference_folder() / each.name;
         const auto scene = load(folder / "scene.pbrt");
         auto reference_file = display::read_exr((folder / "reference.exr").string());

@@ -9,13 +9,13 @@ using namespace raylex::lpe;
 
 namespace {
 
-struct Case {
+struct RefusedCase {
     const char* expression;
     int column;
     const char* part;  // of the message or the hint
 };
 
-void refuses(const Case& wrong, Dialect dialect) {
+void refuses(const RefusedCase& wrong, Dialect dialect) {
     ChannelSource source;
     source.expression = wrong.expression;
     source.dialect = dialect;
@@ -31,7 +31,7 @@ void refuses(const Case& wrong, Dialect dialect) {
 }  // namespace
 
 TEST_CASE("renderman errors point at the byte that is wrong", "[errors][law7]") {
-    const Case cases[] = {
+    const RefusedCase cases[] = {
         {"", 1, "empty"},
         {"   ", 4, "empty"},
         {"lpe:", 5, "empty"},
@@ -77,13 +77,13 @@ TEST_CASE("renderman errors point at the byte that is wrong", "[errors][law7]") 
         {"C<RD\xE2\x80\x98" "floor\xE2\x80\x99>L", 5, "did you mean '''?"},
         {"C\xFF", 2, "the byte 0xFF"},
     };
-    for (const Case& wrong : cases) {
+    for (const RefusedCase& wrong : cases) {
         refuses(wrong, Dialect::renderman);
     }
 }
 
 TEST_CASE("osl errors point at the byte that is wrong", "[errors][law7]") {
-    const Case cases[] = {
+    const RefusedCase cases[] = {
         {"", 1, "empty"},          {"C D", 2, "blanks"},          {"C()L", 3, "empty"},
         {"C|", 3, "on its right"}, {"|C", 1, "on its left"},      {"C||D", 3, "on its left"},
         {"C[^]L", 4, "empty"},     {"C[^.]L", 4, "inside [^...]"}, {"C<R<D>>", 4, "do not nest"},
@@ -91,7 +91,7 @@ TEST_CASE("osl errors point at the byte that is wrong", "[errors][law7]") {
         {"CD{a}", 4, "{n}"},       {"CD2L", 3, "renderman"},      {"lpe:CDL", 1, "expected an event"},
         {"C'D", 2, "not closed"},  {"CD{2000}", 4, "above 1000"},
     };
-    for (const Case& wrong : cases) {
+    for (const RefusedCase& wrong : cases) {
         refuses(wrong, Dialect::osl);
     }
 }

@@ -14,7 +14,7 @@ using namespace raylex::lpe;
 
 namespace {
 
-std::vector<ChannelSource> sources(const std::vector<std::string>& expressions, Dialect dialect = Dialect::renderman) {
+std::vector<ChannelSource> numbered(const std::vector<std::string>& expressions, Dialect dialect = Dialect::renderman) {
     std::vector<ChannelSource> result;
     for (const std::string& expression : expressions) {
         ChannelSource source;
@@ -27,12 +27,12 @@ std::vector<ChannelSource> sources(const std::vector<std::string>& expressions, 
 }
 
 std::string rest_of(const std::vector<std::string>& expressions) {
-    const auto text = rest_expression(sources(expressions));
+    const auto text = rest_expression(numbered(expressions));
     return !text ? "error: " + text.error().message : text->value_or("none");
 }
 
 std::string plain(const std::string& expression) {
-    const auto text = plain_expression(sources({expression}).front());
+    const auto text = plain_expression(numbered({expression}).front());
     return !text ? "error: " + text.error().message : text->value_or("none");
 }
 
@@ -63,7 +63,7 @@ TEST_CASE("nothing is written where nothing is left, or nothing short is", "[res
     // Whether the 12th event from the end is D takes 2^12 states.
     CHECK(rest_of({"C.*D.{11}[LO]"}) == "none");
     CHECK(rest_of({"C<RD"}).find("error") == 0);
-    const auto overlap = rest_expression(sources({"CD.*", "C<RD>.*"}));
+    const auto overlap = rest_expression(numbered({"CD.*", "C<RD>.*"}));
     REQUIRE(overlap);
     CHECK_FALSE(overlap->has_value());  // no rest completes channels that share paths
 }
@@ -71,7 +71,7 @@ TEST_CASE("nothing is written where nothing is left, or nothing short is", "[res
 TEST_CASE("the rest of a split of something smaller stays inside it", "[rest]") {
     ChannelSource beauty;
     beauty.expression = "C<RD>.*";
-    const auto text = rest_expression(sources({"C<RD>[LO]"}), beauty);
+    const auto text = rest_expression(numbered({"C<RD>[LO]"}), beauty);
     REQUIRE(text);
     REQUIRE(text->has_value());
     CHECK(**text == "C<RD>.+[LO]");
@@ -82,7 +82,7 @@ TEST_CASE("words of a scene make rests shorter", "[rest]") {
     words.volume = false;
     words.emission = false;
     words.background = false;
-    const auto text = rest_expression(sources({"C[DS]+L"}), std::nullopt, words);
+    const auto text = rest_expression(numbered({"C[DS]+L"}), std::nullopt, words);
     REQUIRE(text);
     REQUIRE(text->has_value());
     CHECK((*text == "CL" || *text == "C[LO]"));
@@ -103,13 +103,13 @@ TEST_CASE("whatever is printed was proved: random sets of channels", "[rest]") {
         }
         expression += pick(ends);
         INFO(expression);
-        auto channels = sources({expression});
+        auto channels = numbered({expression});
         const auto text = rest_expression(channels);
         REQUIRE(text);
         if (*text) {
             ++printed;
             CHECK((*text)->size() <= longest_printed_expression);
-            channels.push_back(sources({**text}).front());
+            channels.push_back(numbered({**text}).front());
             channels.back().name = "rest";
             const auto proof = check_partition(channels);
             REQUIRE(proof);
@@ -118,7 +118,7 @@ TEST_CASE("whatever is printed was proved: random sets of channels", "[rest]") {
         const auto same = plain_expression(channels.front());
         REQUIRE(same);
         if (*same) {
-            const auto difference = find_difference(channels.front(), sources({**same}).front());
+            const auto difference = find_difference(channels.front(), numbered({**same}).front());
             REQUIRE(difference);
             CHECK_FALSE(difference->has_value());
         }

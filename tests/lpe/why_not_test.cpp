@@ -15,7 +15,7 @@ using lpe_test::source;
 
 namespace {
 
-struct Case {
+struct WhyNotCase {
     std::string expression, path;
     std::size_t live;
     std::string wanted;
@@ -34,7 +34,7 @@ std::vector<std::string> pieces_of(const WhyNot& why) {
 }  // namespace
 
 TEST_CASE("the longest live prefix and the pieces that could have followed are named") {
-    const std::vector<Case> cases{
+    const std::vector<WhyNotCase> cases{
         {"CDSL", "C,- R,D,floor L,-,key", 2, "one specular scattering", {"3:S"}},
         {"CDL", "R,D L,-", 0, "the camera", {"1:C"}},
         {"CDL", "C,- R,D L,- L,-", 3, "", {}},
@@ -50,7 +50,7 @@ TEST_CASE("the longest live prefix and the pieces that could have followed are n
         {"osl:CL", "C,- B,-", 1, "a light", {"2:L"}},
         {"osl:C<RD'floor'>L", "C,- R,D L,-", 1, "one diffuse reflection off 'floor'", {"2:<RD'floor'>"}},
     };
-    for (const Case& entry : cases) {
+    for (const WhyNotCase& entry : cases) {
         CAPTURE(entry.expression, entry.path);
         const auto path = parse_placed_events(entry.path);
         REQUIRE(path);

@@ -70,7 +70,7 @@ TEST_CASE("channels outside the metric leave an adaptive beauty alone", "[render
     auto scene = scene_of(room);
     transport::RenderSettings settings = adaptive_settings(0.15);
     const auto alone = render_of(scene, settings);
-    settings.channels = {lpe("direct", "CDL"), lpe("glossy", "C<.G>.*"), sample_count()};
+    settings.channels = {lpe_channel("direct", "CDL"), lpe_channel("glossy", "C<.G>.*"), sample_count()};
     const auto asked = render_of(scene, settings);
     CHECK((alone.frame_buffer.resolve(alone.beauty) == asked.frame_buffer.resolve(asked.beauty)));
     CHECK(alone.statistics.camera_samples == asked.statistics.camera_samples);
@@ -83,7 +83,7 @@ TEST_CASE("channels outside the metric leave an adaptive beauty alone", "[render
 TEST_CASE("any number of threads takes the same decisions", "[render][adaptive][law3]") {
     auto scene = scene_of(room);
     transport::RenderSettings settings = adaptive_settings(0.15);
-    settings.channels = {lpe("direct", "CDL")};
+    settings.channels = {lpe_channel("direct", "CDL")};
     std::string one, three;
     render_of(scene, settings).frame_buffer.append_record(one);
     settings.threads = 3;
@@ -113,7 +113,7 @@ TEST_CASE("metrics that cannot be are refused before rendering", "[render][adapt
     auto scene = scene_of(room);
     transport::RenderSettings settings = adaptive_settings(0.1);
     settings.adaptive->channels = {{"directt", 1, {}}};
-    settings.channels = {lpe("direct", "CDL")};
+    settings.channels = {lpe_channel("direct", "CDL")};
     auto output = transport::render(scene, settings);
     REQUIRE_FALSE(output.ok());
     CHECK(output.error().hint == "did you mean 'direct'?");

@@ -27,7 +27,7 @@ transport::RenderSettings room_settings() {
     settings.samples_per_pixel = 200;  // the last block is not whole
     settings.threads = 2;
     settings.channels = {
-        lpe("direct", "CDL"), lpe("glossy", "C<.G>.*"), aov("Nn"), aov("id"), aov("sampleCount"), aov("z")};
+        lpe_channel("direct", "CDL"), lpe_channel("glossy", "C<.G>.*"), aov("Nn"), aov("id"), aov("sampleCount"), aov("z")};
     settings.cryptomatte = {raylex::geoaovs::MatteKind::object, raylex::geoaovs::MatteKind::material};
     return settings;
 }

@@ -15,9 +15,9 @@ using namespace raylex::transport;
 namespace {
 
 /// Reproducible uniform numbers.
-class Random {
+class RandomPoints {
   public:
-    explicit Random(std::uint64_t seed) : state_(seed) {}
+    explicit RandomPoints(std::uint64_t seed) : state_(seed) {}
     float operator()() { return unit_float(mix_bits(state_ += 0x9e3779b97f4a7c15ull)); }
     float signed_unit() { return 2 * (*this)() - 1; }
     Vec3 direction() { return sample_uniform_sphere({(*this)(), (*this)()}); }
@@ -35,7 +35,7 @@ SceneDescription empty_scene() {
     return scene;
 }
 
-EmbreeScene build(const SceneDescription& scene) {
+EmbreeScene build_geometry(const SceneDescription& scene) {
     TextureTable textures;
     auto built = EmbreeScene::build(scene, textures, {});
     INFO((built ? std::string() : built.error().to_string()));
@@ -76,7 +76,7 @@ SceneShape quad(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 TEST_CASE("no ray that leaves a triangle finds it again, at any scale and place", "[geometry]") {
     // Rows 1 and 7 of the hard cases. 5 scales x 2 places x 20,000 rays; directions within 1e-6 of the plane are left
     // out: there the direction's own rounding decides on which side it goes.
-    Random random(1);
+    RandomPoints random(1);
     for (const float scale : {1e-6f, 1e-3f, 1.0f, 1e3f, 1e6f})
         for (const float away : {0.0f, 100.0f}) {
             SceneDescription scene = empty_scene();
@@ -89,7 +89,7 @@ TEST_CASE("no ray that leaves a triangle finds it again, at any scale and place"
                 for (std::uint32_t k = 0; k < 3; ++k) shape.indices.push_back(3 * i + k);
             }
             scene.shapes.push_back(shape);
-            const EmbreeScene built = build(scene);
+            const EmbreeScene built = build_geometry(scene);
             int again = 0, tested = 0;
             while (tested < 20000) {
                 Ray ray;
@@ -112,10 +112,10 @@ TEST_CASE("no ray that leaves a triangle finds it again, at any scale and place"
 }
 
 TEST_CASE("rays that leave axis-aligned planes through zero do not find them again", "[geometry]") {
-    Random random(2);
+    RandomPoints random(2);
     SceneDescription scene = empty_scene();
     scene.shapes.push_back(quad({-1, 0, 1}, {1, 0, 1}, {1, 0, -1}, {-1, 0, -1}));
-    const EmbreeScene built = build(scene);
+    const EmbreeScene built = build_geometry(scene);
     int again = 0;
     for (int i = 0; i < 20000; ++i) {
         Ray ray;
@@ -132,7 +132,7 @@ TEST_CASE("rays that leave axis-aligned planes through zero do not find them aga
 }
 
 TEST_CASE("rays that leave a quadric or patch outwards do not find it again, instanced or not", "[geometry]") {
-    Random random(3);
+    RandomPoints random(3);
     for (const float scale : {1e-6f, 1e-3f, 1.0f, 1e3f, 1e6f})
         for (const bool instanced : {false, true}) {
             const Transform place = Transform::translate(3 * scale, -scale, 2 * scale) *
@@ -155,7 +155,7 @@ TEST_CASE("rays that leave a quadric or patch outwards do not find it again, ins
                 } else {
                     scene.shapes.push_back(shape);
                 }
-                const EmbreeScene built = build(scene);
+                const EmbreeScene built = build_geometry(scene);
                 const Vec3 center = place.point({0, 0, 0});
                 int again = 0, tested = 0;
                 for (int i = 0; i < 20000; ++i) {
@@ -183,7 +183,7 @@ TEST_CASE("rays that leave a quadric or patch outwards do not find it again, ins
 
 TEST_CASE("every shadow ray between two facing emitters is free", "[geometry]") {
     // Row 3 of the hard cases: 10^6 rays over all scales, 0 blocked.
-    Random random(4);
+    RandomPoints random(4);
     std::size_t blocked_count = 0;
     for (const float scale : {1e-6f, 1e-3f, 1.0f, 1e3f, 1e6f}) {
         SceneDescription scene = empty_scene();
@@ -193,7 +193,7 @@ TEST_CASE("every shadow ray between two facing emitters is free", "[geometry]") 
         scene.shapes.push_back(quad(corner(-1, 0, -1), corner(1, 0, -1), corner(1, 0, 1), corner(-1, 0, 1)));
         scene.shapes.push_back(
             quad(corner(-1, 0.7f, -1), corner(1, 0.7f, -1), corner(1, 0.7f, 1), corner(-1, 0.7f, 1)));
-        const EmbreeScene built = build(scene);
+        const EmbreeScene built = build_geometry(scene);
         const auto point_on = [&](std::uint32_t shape) {
             Hit hit;
             hit.shape = shape;
@@ -225,7 +225,7 @@ TEST_CASE("every shadow ray between two facing emitters is free", "[geometry]") 
 
 TEST_CASE("a distant sphere is hit exactly when the line passes it", "[geometry]") {
     // Row 47: up to 1e7 radii away. The oracle is the distance of the line, built so that it is known to 1e-9.
-    Random random(5);
+    RandomPoints random(5);
     const Quadric sphere(quadric(ShapeKind::sphere, Transform()));
     int wrong = 0;
     for (const double distance : {2.0, 1e2, 1e4, 1e7})
@@ -251,8 +251,8 @@ TEST_CASE("no ray escapes from a closed box through its edges and corners", "[ge
     box.indices = {0, 1, 3, 0, 3, 2, 4, 6, 7, 4, 7, 5, 0, 4, 5, 0, 5, 1,
                    2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3};
     scene.shapes.push_back(box);
-    const EmbreeScene built = build(scene);
-    Random random(6);
+    const EmbreeScene built = build_geometry(scene);
+    RandomPoints random(6);
     int misses = 0;
     for (int i = 0; i < 200000; ++i) {
         const Vec3 a = box.positions[static_cast<std::size_t>(random() * 8)],
@@ -284,7 +284,7 @@ TEST_CASE("surface parameterisation and orientation are pbrt's", "[geometry]") {
     patch.material = 0;
     patch.flip_normal = true;
     scene.shapes.push_back(patch);
-    const EmbreeScene built = build(scene);
+    const EmbreeScene built = build_geometry(scene);
     const auto at = [&](const Vec3& origin, const Vec3& direction) {
         Ray ray;
         ray.origin = origin;
@@ -333,7 +333,7 @@ TEST_CASE("partial quadrics end where their parameters say", "[geometry]") {
     SceneShape ring = quadric(ShapeKind::disk, Transform::translate(10, 0, 0));
     ring.inner_radius = 0.5f;
     scene.shapes.push_back(ring);
-    const EmbreeScene built = build(scene);
+    const EmbreeScene built = build_geometry(scene);
     Ray ray;
     ray.origin = {0.1f, -5, 0};
     ray.direction = {0, 1, 0};
@@ -359,7 +359,7 @@ TEST_CASE("instances move shapes and lend them their label", "[geometry]") {
         instance.label = x > 0 ? "right" : "";
         scene.instances.push_back(instance);
     }
-    const EmbreeScene built = build(scene);
+    const EmbreeScene built = build_geometry(scene);
     Ray ray;
     ray.origin = {-5, 5, 0};
     ray.direction = {0, -1, 0};

@@ -12,7 +12,7 @@ using namespace raylex::transport;
 
 namespace {
 
-const std::string triangle = "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]\n";
+const std::string triangle_line = "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]\n";
 
 std::string gzip(const std::string& text) {
     std::string result(text.size() + 64, '\0');
@@ -139,7 +139,7 @@ TEST_CASE("objects hold shapes in their own space and instances carry the transf
     const SceneDescription scene = scene_of(
         "WorldBegin ObjectInstance \"tree\"\n"
         "AttributeBegin Translate 5 0 0 ObjectBegin \"tree\" Scale 2 2 2\n" +
-        triangle + "ObjectEnd Translate 0 1 0 ObjectInstance \"tree\" AttributeEnd\n" + triangle);
+        triangle_line + "ObjectEnd Translate 0 1 0 ObjectInstance \"tree\" AttributeEnd\n" + triangle_line);
     REQUIRE(scene.objects.size() == 1);
     REQUIRE(scene.objects[0].shapes.size() == 1);
     CHECK(scene.objects[0].shapes[0].positions[1] == Vec3{7, 0, 0});  // the transform at the definition acts inside
@@ -153,7 +153,7 @@ TEST_CASE("objects hold shapes in their own space and instances carry the transf
 
 TEST_CASE("an area light inside an object stays dark, as in pbrt, and says so", "[import]") {
     const SceneDescription scene =
-        scene_of("WorldBegin ObjectBegin \"o\"\nAreaLightSource \"diffuse\"\n" + triangle + "ObjectEnd");
+        scene_of("WorldBegin ObjectBegin \"o\"\nAreaLightSource \"diffuse\"\n" + triangle_line + "ObjectEnd");
     CHECK(scene.objects[0].shapes[0].area_light == -1);
     REQUIRE(scene.warnings.size() == 1);
     CHECK(contains(scene.warnings[0].message, "do not emit"));
@@ -161,16 +161,16 @@ TEST_CASE("an area light inside an object stays dark, as in pbrt, and says so", 
 
 TEST_CASE("Include continues the state, Import does not leak it, and both read gzip files", "[import]") {
     const Folder folder;
-    folder.write("parts/inner.pbrt", triangle);
+    folder.write("parts/inner.pbrt", triangle_line);
     folder.write("parts/included.pbrt.gz", gzip("Translate 1 0 0 Include \"parts/inner.pbrt\"\n"));
     folder.write("parts/beside.pbrt", "Include \"inner.pbrt\"\n");  // found beside the file that names it
     folder.write("imported.pbrt",
                  "Translate 0 0 9 CoordinateSystem \"there\" MakeNamedMaterial \"m\" \"string type\" \"diffuse\" "
                  "NamedMaterial \"m\" " +
-                     triangle);
+                     triangle_line);
     const auto scene = import_pbrt(
         folder.write("scene.pbrt", "WorldBegin Include \"parts/included.pbrt.gz\" Import \"imported.pbrt\"\n" +
-                                       triangle + "Include \"parts/beside.pbrt\" NamedMaterial \"m\" " + triangle));
+                                       triangle_line + "Include \"parts/beside.pbrt\" NamedMaterial \"m\" " + triangle_line));
     if (!scene) FAIL(scene.error().to_string());
     REQUIRE(scene->shapes.size() == 5);
     CHECK(scene->shapes[0].positions[0] == Vec3{1, 0, 0});
@@ -196,7 +196,7 @@ TEST_CASE("file names become absolute, the scene's folder before the including f
     CHECK(scene->materials[1].parameters.find("k")->strings[0] == "metal-Cu-k");
 }
 
-TEST_CASE("a degenerate triangle is dropped with one warning, a thin one stays", "[import]") {
+TEST_CASE("a degenerate triangle_line is dropped with one warning, a thin one stays", "[import]") {
     const SceneDescription scene = scene_of(
         "WorldBegin Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 2 0 0 1 1e-30 0]\n"
         "\"integer indices\" [0 0 1  0 1 2  0 1 3  0 1 4]");

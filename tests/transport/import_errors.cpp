@@ -15,7 +15,7 @@ struct Slip {
     const char* hint;     // part of the hint
 };
 
-const std::string quad = "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]";
+const std::string quad_text = "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]";
 
 const Slip syntax[] = {
     {"unknown directive", "WorldBegin\n  Shap \"sphere\"", 2, 3, "unknown directive 'Shap'", "did you mean Shape?"},
@@ -110,7 +110,7 @@ const Slip meaning[] = {
     {"a texture of colours", "WorldBegin Texture \"a\" \"color\" \"constant\"", 1, 24,
      "expected \"float\" or \"spectrum\"", ""},
     {"alpha by a colour texture",
-     "WorldBegin Texture \"a\" \"spectrum\" \"constant\"\n" + quad + " \"texture alpha\" \"a\"", 2, 1,
+     "WorldBegin Texture \"a\" \"spectrum\" \"constant\"\n" + quad_text + " \"texture alpha\" \"a\"", 2, 1,
      "no float texture is called 'a'", ""},
     {"alpha by a string", "WorldBegin\nShape \"sphere\" \"string alpha\" \"a\"", 2, 16,
      "expected one \"float alpha\" or \"texture alpha\"", ""},
@@ -138,13 +138,13 @@ const Slip meaning[] = {
     {"a mesh without vertices", "WorldBegin Shape \"trianglemesh\"", 1, 12, "no vertices", ""},
     {"a mesh without indices", "WorldBegin Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0]", 1, 12,
      "no \"integer indices\"", ""},
-    {"an index out of range", "WorldBegin " + quad + "\n\"integer indices\" [0 1 3]", 2, 1,
+    {"an index out of range", "WorldBegin " + quad_text + "\n\"integer indices\" [0 1 3]", 2, 1,
      "index 3 (value 2 of 'indices') is out of range; expected 0 to 2", ""},
-    {"a negative index", "WorldBegin " + quad + "\n\"integer indices\" [0 -1 2]", 2, 1, "index -1", ""},
-    {"two indices", "WorldBegin " + quad + "\n\"integer indices\" [0 1]", 2, 1, "expected a multiple of 3", ""},
-    {"uvs for another mesh", "WorldBegin " + quad + "\n\"point2 uv\" [0 0 1 1]", 2, 1,
+    {"a negative index", "WorldBegin " + quad_text + "\n\"integer indices\" [0 -1 2]", 2, 1, "index -1", ""},
+    {"two indices", "WorldBegin " + quad_text + "\n\"integer indices\" [0 1]", 2, 1, "expected a multiple of 3", ""},
+    {"uvs for another mesh", "WorldBegin " + quad_text + "\n\"point2 uv\" [0 0 1 1]", 2, 1,
      "'uv' has 2 points for 3 vertices", ""},
-    {"normals for another mesh", "WorldBegin " + quad + "\n\"normal N\" [0 0 1]", 2, 1,
+    {"normals for another mesh", "WorldBegin " + quad_text + "\n\"normal N\" [0 0 1]", 2, 1,
      "'N' has 1 normals for 3 vertices", ""},
     {"vertices of another type", "WorldBegin Shape \"trianglemesh\"\n\"vector3 P\" [0 0 0 1 0 0 0 1 0]", 2, 1,
      "expected \"point3 P\"", ""},

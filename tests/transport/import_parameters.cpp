@@ -14,7 +14,7 @@ struct ParameterCase {
     std::string hint;
 };
 
-const std::string triangle = "WorldBegin Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]\n";
+const std::string triangle_text = "WorldBegin Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]\n";
 
 const ParameterCase unknown[] = {
     {"Accelerator \"bvh\"\n\"integer maxnodeprim\" 4 WorldBegin", "accelerator 'bvh' has no parameter 'maxnodeprim'",
@@ -48,7 +48,7 @@ const ParameterCase unknown[] = {
     {"WorldBegin Shape \"sphere\"\n\"float raduis\" 3",
      "shape 'sphere' has no parameter 'raduis'; expected one of: radius, zmin, zmax, phimax, alpha",
      "did you mean 'radius'?"},
-    {triangle + "\"integer indexes\" [0 1 2]", "shape 'trianglemesh' has no parameter 'indexes'", "'indices'"},
+    {triangle_text + "\"integer indexes\" [0 1 2]", "shape 'trianglemesh' has no parameter 'indexes'", "'indices'"},
     {"WorldBegin Texture \"a\" \"float\" \"checkerboard\"\n\"float uscales\" 3",
      "texture 'checkerboard' has no parameter 'uscales'", "'uscale'"},
     {"WorldBegin Texture \"a\" \"float\" \"scale\"\n\"float uscale\" 3", "texture 'scale' has no parameter 'uscale'",
@@ -72,7 +72,7 @@ const ParameterCase ignored[] = {
      "parameter 'randomization' of sampler 'zsobol' is ignored: points are always Owen-scrambled", "\"fastowen\""},
     {"Sampler \"stratified\"\n\"bool jitter\" false WorldBegin",
      "parameter 'jitter' of sampler 'stratified' is ignored", "true"},
-    {triangle + "\"vector3 S\" [1 0 0 1 0 0 1 0 0]", "parameter 'S' of shape 'trianglemesh' is ignored", ""},
+    {triangle_text + "\"vector3 S\" [1 0 0 1 0 0 1 0 0]", "parameter 'S' of shape 'trianglemesh' is ignored", ""},
 };
 
 }  // namespace
@@ -107,9 +107,9 @@ TEST_CASE("a parameter that only pbrt-v4 reads is one warning, and none with a v
         CHECK(scene_of(each.text.substr(0, value + 1) + each.hint + rest).warnings.empty());
     }
     // Once for a type, however many directives say it; another type is another matter.
-    const std::string lit = "\"vector3 S\" [1 0 0 1 0 0 1 0 0]\n", again = triangle.substr(11) + lit;
-    CHECK(scene_of(triangle + lit + again + again).warnings.size() == 1);
-    CHECK(scene_of("Film \"rgb\" \"float iso\" 200 \"float whitebalance\" 5000\n" + triangle + lit).warnings.size() ==
+    const std::string lit = "\"vector3 S\" [1 0 0 1 0 0 1 0 0]\n", again = triangle_text.substr(11) + lit;
+    CHECK(scene_of(triangle_text + lit + again + again).warnings.size() == 1);
+    CHECK(scene_of("Film \"rgb\" \"float iso\" 200 \"float whitebalance\" 5000\n" + triangle_text + lit).warnings.size() ==
           3);
 }
 

@@ -142,7 +142,7 @@ TEST_CASE("what the light tracer cannot do is refused or said", "[lighttracer][r
     CHECK(error().find("job.toml:3:1") != std::string::npos);
     CHECK(error().find("'lighttracer'") != std::string::npos);
     settings.statistics.clear();
-    settings.channels = {lpe("a", "CDL")};  // moments that nobody asks a layer of are just not kept
+    settings.channels = {lpe_channel("a", "CDL")};  // moments that nobody asks a layer of are just not kept
     CHECK(render_of(scene, settings).frame_buffer.resolve_variance_of_mean(1).empty());
     settings.channels[0].rule = display::FilterRule::max;
     CHECK(error().find("no rule but the pixel filter") != std::string::npos);

@@ -28,7 +28,7 @@ Result<Built> try_build(const SceneDescription& scene) {
     return Built{*std::move(textures), *std::move(materials)};
 }
 
-Built build(const SceneDescription& scene) {
+Built build_tables(const SceneDescription& scene) {
     Result<Built> built = try_build(scene);
     INFO((built ? std::string() : built.error().to_string()));
     REQUIRE(built.ok());
@@ -56,7 +56,7 @@ Bsdf shade_one(const Built& built, const SurfacePoint& p) {
 Bsdf shade_one(SceneEntity material) {
     SceneDescription scene;
     scene.materials = {std::move(material)};
-    return shade_one(build(scene), hit(0));
+    return shade_one(build_tables(scene), hit(0));
 }
 
 Error error_of(SceneEntity material) {
@@ -116,7 +116,7 @@ TEST_CASE("a batch in any order gives each hit its own material, in runs without
         colour_texture("checkerboard", "tiles", {rgb("tex1", 0.9, 0.9, 0.9), rgb("tex2", 0.1, 0.1, 0.1)})};
     scene.materials = {entity("diffuse", {rgb("reflectance", 0.2, 0.2, 0.2)}), entity("dielectric", {}),
                        entity("diffuse", {texture("reflectance", "tiles")})};
-    const Built built = build(scene);
+    const Built built = build_tables(scene);
     Random random(3);
     for (const std::size_t n : {1u, 7u, 256u, 0u, 1000u}) {
         std::vector<SurfacePoint> points;
@@ -144,7 +144,7 @@ TEST_CASE("mix takes the second material with the probability of its amount, and
     Parameter nested = string("materials", "dark");
     nested.strings.push_back("blend");
     scene.materials.push_back(entity("mix", {nested, real("amount", 0.5)}));
-    const Built built = build(scene);
+    const Built built = build_tables(scene);
     constexpr int n = 40'000;
     std::array<int, 3> light{};
     for (std::uint32_t key = 0; key < n; ++key) {
@@ -181,7 +181,7 @@ TEST_CASE("every lobe that closures give was announced by their material", "[law
                                        entity("raylex:sheet", {})};
     SceneDescription scene;
     scene.materials = materials;
-    const Built built = build(scene);
+    const Built built = build_tables(scene);
     Random random(2);
     for (std::size_t m = 0; m < materials.size(); ++m) {
         std::vector<LobeId> announced;
@@ -247,7 +247,7 @@ TEST_CASE("parameters that nothing reads stay unused, for the caller to report")
     SceneDescription scene;
     scene.materials = {
         entity("diffuse", {rgb("reflectance", 0.5, 0.5, 0.5), real("sigma", 20), real("displacement", 0)})};
-    build(scene);
+    build_tables(scene);
     const auto unused = scene.materials[0].parameters.unused();
     REQUIRE(unused.size() == 1);
     CHECK(unused[0]->name == "sigma");

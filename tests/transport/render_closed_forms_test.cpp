@@ -33,7 +33,7 @@ Material "diffuse" "rgb reflectance" [0.5 0.5 0.5]
 Shape "sphere" "float radius" 1
 )");
     transport::RenderSettings settings;
-    settings.channels = {lpe("once", "C<RD>B"), lpe("more", "C<RD>[DS]+B")};
+    settings.channels = {lpe_channel("once", "C<RD>B"), lpe_channel("more", "C<RD>[DS]+B")};
     const auto output = render_of(scene, settings);
     // The camera sees only the sphere; every path is 0.5 exactly, up to float rounding of one product.
     CHECK(estimate(output).mean == Approx(0.5).epsilon(1e-6));
@@ -54,8 +54,8 @@ ReverseOrientation
 Shape "sphere" "float radius" 2
 )");
     transport::RenderSettings settings;
-    settings.channels = {lpe("k0", "C[<L.>O]"), lpe("k1", "C<RD>[<L.>O]"), lpe("k2", "C<RD>D[<L.>O]"),
-                         lpe("k6", "CD{6}[<L.>O]"), lpe("even", "C(DD)*[<L.>O]")};
+    settings.channels = {lpe_channel("k0", "C[<L.>O]"), lpe_channel("k1", "C<RD>[<L.>O]"), lpe_channel("k2", "C<RD>D[<L.>O]"),
+                         lpe_channel("k6", "CD{6}[<L.>O]"), lpe_channel("even", "C(DD)*[<L.>O]")};
     settings.samples_per_pixel = 256;
     const auto output = render_of(scene, settings);
     const double expected[] = {2 - std::pow(0.5, 6), 1, 0.5, 0.25, std::pow(0.5, 6), 1 + 0.25 + 0.0625 + 1.0 / 64};
@@ -80,7 +80,7 @@ ReverseOrientation
 Shape "sphere" "float radius" 2
 )");
     transport::RenderSettings settings;
-    settings.channels = {lpe("dsd", "CDSD[<L.>O]"), lpe("s-first", "CSD*[<L.>O]")};
+    settings.channels = {lpe_channel("dsd", "CDSD[<L.>O]"), lpe_channel("s-first", "CSD*[<L.>O]")};
     settings.samples_per_pixel = 64;
     const auto output = render_of(scene, settings);
     const double expected[] = {5, 0.5 * 0.3 * 0.5, 0.3 / (1 - 0.5)};
@@ -108,7 +108,7 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-9 -9 4 9 -9 4 
 Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-9 3 0 9 3 0 9 3 3 -9 3 3] "float alpha" 0.5
 )");
     transport::RenderSettings settings;
-    settings.channels = {lpe("direct", "C<RD>L")};
+    settings.channels = {lpe_channel("direct", "C<RD>L")};
     const auto output = render_of(scene, settings);
     const double cosine = 0.1 / std::sqrt(1.01), expected = 0.75 * 0.5 * 0.5 / 3.14159265358979 * 2 * cosine;
     const Estimate e = estimate(output);

@@ -12,15 +12,15 @@ std::vector<double> beauty_of(const transport::RenderOutput& output) {
 }
 
 std::vector<display::ChannelDefinition> shipped_partition() {
-    return {lpe("emissive", "C[<L.>O]-CB"),
-            lpe("background", "CB"),
-            lpe("directDiffuse", "C<RD>[<L.>O]"),
-            lpe("indirectDiffuse", "C<RD>[DSV]+[<L.>O]"),
-            lpe("subsurface", "C<TD>[DSV]*[<L.>O]"),
-            lpe("directSpecular", "C<RS>[<L.>O]"),
-            lpe("indirectSpecular", "C<RS>[DSV]+[<L.>O]"),
-            lpe("transmissive", "C<TS>[DSV]*[<L.>O]"),
-            lpe("volume", "CV.*")};
+    return {lpe_channel("emissive", "C[<L.>O]-CB"),
+            lpe_channel("background", "CB"),
+            lpe_channel("directDiffuse", "C<RD>[<L.>O]"),
+            lpe_channel("indirectDiffuse", "C<RD>[DSV]+[<L.>O]"),
+            lpe_channel("subsurface", "C<TD>[DSV]*[<L.>O]"),
+            lpe_channel("directSpecular", "C<RS>[<L.>O]"),
+            lpe_channel("indirectSpecular", "C<RS>[DSV]+[<L.>O]"),
+            lpe_channel("transmissive", "C<TS>[DSV]*[<L.>O]"),
+            lpe_channel("volume", "CV.*")};
 }
 
 }  // namespace
@@ -60,7 +60,7 @@ TEST_CASE("beauty is bit-identical with 0, 8 and 64 channels and geometric AOVs"
     for (int i = 0; i < 64; ++i) {
         std::string expression = "C";
         for (int bit = 0; bit < 6; ++bit) expression += i >> bit & 1 ? "D" : "S?";
-        settings.channels.push_back(lpe(std::string("c").append(std::to_string(i)), expression + "[<L.>O]"));
+        settings.channels.push_back(lpe_channel(std::string("c").append(std::to_string(i)), expression + "[<L.>O]"));
     }
     for (const char* name : {"Nn", "z", "albedo"}) {
         display::ChannelDefinition aov;
@@ -78,7 +78,7 @@ TEST_CASE("images are bit-identical for any number of threads, and on a rerun", 
     REQUIRE(built.ok());
     transport::RenderSettings settings;
     settings.samples_per_pixel = 20;  // a whole block and a part of one
-    settings.channels = {lpe("specular", "C<RS>.*"), lpe("diffuse", "C<RD>.*")};
+    settings.channels = {lpe_channel("specular", "C<RS>.*"), lpe_channel("diffuse", "C<RD>.*")};
     settings.threads = 1;
     auto one = transport::render(**built, settings);
     REQUIRE(one.ok());
@@ -100,7 +100,7 @@ TEST_CASE("without beauty the channels are the same bits for fewer rays", "[rend
     const auto scene = scene_of(room);
     transport::RenderSettings settings;
     settings.samples_per_pixel = 16;
-    settings.channels = {lpe("direct", "C<RD>[<L.>O]"), lpe("background", "CB")};
+    settings.channels = {lpe_channel("direct", "C<RD>[<L.>O]"), lpe_channel("background", "CB")};
     const auto full = render_of(scene, settings);
     settings.beauty = false;
     const auto pruned = render_of(scene, settings);
@@ -132,7 +132,7 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-5 0 5 5 0 5 5 
     };
     transport::RenderSettings settings;
     settings.samples_per_pixel = 256;
-    settings.channels = {lpe("d", "C<RD>[<L.>O]"), lpe("s", "C<RS>[<L.>O]")};
+    settings.channels = {lpe_channel("d", "C<RD>[<L.>O]"), lpe_channel("s", "C<RS>[<L.>O]")};
     const auto both = render_of(surface("0.4 0.5 0.3", "0.6 0.5 0.4"), settings);
     settings.picked_lobes = true;
     const auto picked = render_of(surface("0.4 0.5 0.3", "0.6 0.5 0.4"), settings);
@@ -191,8 +191,8 @@ LightSource "infinite" "rgb L" [0.5 0.5 0.5]
     transport::RenderSettings settings;
     settings.samples_per_pixel = 128;
     settings.max_depth = 3;
-    settings.channels = {lpe("direct diffuse", "C<RD>[<L.>O]"), lpe("direct specular", "C<RS>[<L.>O]"),
-                         lpe("sky", "C.*B"), lpe("rest", "C[DS]{2,}L")};
+    settings.channels = {lpe_channel("direct diffuse", "C<RD>[<L.>O]"), lpe_channel("direct specular", "C<RS>[<L.>O]"),
+                         lpe_channel("sky", "C.*B"), lpe_channel("rest", "C[DS]{2,}L")};
     std::vector<transport::RenderOutput> outputs;
     for (const char* strategy : {"mis", "light", "scattering"}) {
         settings.integrator = path_with(text_parameter("strategy", strategy));
@@ -228,7 +228,7 @@ LightSource "point" "rgb I" [2 2 2] "point3 from" [0 3 2]
     transport::RenderSettings settings;
     settings.samples_per_pixel = 128;
     settings.max_depth = 2;
-    settings.channels = {lpe("plates", "C<RS>[<L.>O]"), lpe("floor", "C<RD>.*[<L.>O]"), lpe("rest", "")};
+    settings.channels = {lpe_channel("plates", "C<RS>[<L.>O]"), lpe_channel("floor", "C<RD>.*[<L.>O]"), lpe_channel("rest", "")};
     settings.channels[2].rest_of = {0, 1};
     std::vector<transport::RenderOutput> outputs;
     for (const char* strategy : {"mis", "light", "scattering"}) {
@@ -329,7 +329,7 @@ TEST_CASE("settings replace the scene's, and what is not there is a warning or a
     REQUIRE_FALSE(unknown.ok());
     CHECK(unknown.error().hint.find("path") != std::string::npos);
     settings.integrator.reset();
-    settings.channels = {lpe("a", "C<RD>L"), lpe("a", "C<RS>L")};
+    settings.channels = {lpe_channel("a", "C<RD>L"), lpe_channel("a", "C<RS>L")};
     CHECK_FALSE(transport::render(scene_of(room), settings).ok());
     settings.channels.clear();
     settings.beauty = false;

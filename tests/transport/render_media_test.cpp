@@ -63,7 +63,7 @@ double scattered_once(double sigma_s, double sigma_t, double g) {
 
 TEST_CASE("a medium without absorption in a furnace is invisible, sample by sample", "[render][media]") {
     transport::RenderSettings settings;
-    settings.channels = {lpe("none", "CB"), lpe("some", "CV+B"), lpe("volume", "CV.*")};
+    settings.channels = {lpe_channel("none", "CB"), lpe_channel("some", "CV+B"), lpe_channel("volume", "CV.*")};
     for (const char* g : {"0", "0.7", "-0.7"}) {
         const auto output = render_of(
             scene_of(ball("\"rgb sigma_a\" [0 0 0] \"rgb sigma_s\" [2 2 2] \"float g\" " + std::string(g))), settings);
@@ -89,7 +89,7 @@ TEST_CASE("coloured scattering without absorption keeps every colour in a furnac
 
 TEST_CASE("a medium that only absorbs follows Beer and Lambert exactly, in light and alpha", "[render][media]") {
     transport::RenderSettings settings;
-    settings.channels = {lpe("seen", "CB")};
+    settings.channels = {lpe_channel("seen", "CB")};
     const auto output = render_of(scene_of(ball("\"rgb sigma_a\" [0.5 1 2] \"rgb sigma_s\" [0 0 0]")), settings);
     const std::vector<double> values = output.frame_buffer.resolve(1);
     const double sigma[] = {0.5, 1, 2};
@@ -130,7 +130,7 @@ Shape "sphere" "float radius" 0.6 "float alpha" 0
 TEST_CASE("light scattered once has its closed form, whichever way the fog scatters", "[render][media]") {
     transport::RenderSettings settings;
     settings.samples_per_pixel = 1024;
-    settings.channels = {lpe("seen", "CB"), lpe("once", "CVB"), lpe("twice", "CVVB")};
+    settings.channels = {lpe_channel("seen", "CB"), lpe_channel("once", "CVB"), lpe_channel("twice", "CVVB")};
     for (const double g : {0.0, 0.6, -0.6}) {
         const auto output =
             render_of(scene_of(ball("\"rgb sigma_a\" [0.2 0.2 0.2] \"rgb sigma_s\" [0.8 0.8 0.8] \"float g\" " +
@@ -161,8 +161,8 @@ WorldBegin
 )";
     transport::RenderSettings settings;
     for (int k = 0; k <= 3; ++k)
-        settings.channels.push_back(lpe("o" + std::to_string(k), "C" + std::string(std::size_t(k), 'V') + "O"));
-    settings.channels.push_back(lpe("fourth", "CVVVVV*O"));
+        settings.channels.push_back(lpe_channel("o" + std::to_string(k), "C" + std::string(std::size_t(k), 'V') + "O"));
+    settings.channels.push_back(lpe_channel("fourth", "CVVVVV*O"));
     const auto output = render_of(scene_of(scene), settings);
     for (int k = 0; k <= 3; ++k)
         for (const double value : output.frame_buffer.resolve(1 + k))
@@ -190,7 +190,7 @@ AttributeEnd
 )");
     };
     transport::RenderSettings settings;
-    settings.channels = {lpe("shadowless", "unoccluded;C<RD>L")};
+    settings.channels = {lpe_channel("shadowless", "unoccluded;C<RD>L")};
     const auto clear = render_of(lit("\"rgb sigma_a\" [0 0 0]"), settings),
                dim = render_of(lit("\"rgb sigma_a\" [1 2 4]"), settings);
     const double passed[] = {std::exp(-0.5), std::exp(-1.0), std::exp(-2.0)};
@@ -222,7 +222,7 @@ AttributeEnd
     transport::RenderSettings settings;
     settings.samples_per_pixel = 256;
     settings.max_depth = 4;
-    settings.channels = {lpe("volume", "CV.*"), lpe("direct", "CVL"), lpe("surface", "C<RD>.*")};
+    settings.channels = {lpe_channel("volume", "CV.*"), lpe_channel("direct", "CVL"), lpe_channel("surface", "C<RD>.*")};
     std::vector<std::vector<Estimate>> found;
     for (const char* strategy : {"mis", "light", "scattering"}) {
         settings.integrator = path_with(text_parameter("strategy", strategy));
@@ -264,9 +264,9 @@ TEST_CASE("laws 1 to 3 hold in fog", "[render][media][law1][law2][law3]") {
     settings.threads = 1;
     const auto alone = render_of(scene, settings);
     settings.threads = 2;
-    settings.channels = {lpe("emissive", "C[<L.>O]-CB"), lpe("background", "CB"), lpe("diffuse", "C<RD>.*"),
-                         lpe("subsurface", "C<TD>.*"), lpe("specular", "C<RS>.*"), lpe("transmissive", "C<TS>.*"),
-                         lpe("haze", "C<V.'haze'>.*"), lpe("juice", "C<V.'juice'>.*")};
+    settings.channels = {lpe_channel("emissive", "C[<L.>O]-CB"), lpe_channel("background", "CB"), lpe_channel("diffuse", "C<RD>.*"),
+                         lpe_channel("subsurface", "C<TD>.*"), lpe_channel("specular", "C<RS>.*"), lpe_channel("transmissive", "C<TS>.*"),
+                         lpe_channel("haze", "C<V.'haze'>.*"), lpe_channel("juice", "C<V.'juice'>.*")};
     const auto output = render_of(scene, settings);
     const std::vector<double> beauty = output.frame_buffer.resolve(output.beauty);
     CHECK(beauty == alone.frame_buffer.resolve(alone.beauty));
@@ -283,7 +283,7 @@ TEST_CASE("without beauty less is simulated in fog, and the channels keep their 
     const auto scene = scene_of(foggy_room());
     transport::RenderSettings settings;
     settings.samples_per_pixel = 64;
-    settings.channels = {lpe("direct", "C<RD>L"), lpe("twice", "C<RD><RD>L"), lpe("volume", "CVL")};
+    settings.channels = {lpe_channel("direct", "C<RD>L"), lpe_channel("twice", "C<RD><RD>L"), lpe_channel("volume", "CVL")};
     const auto full = render_of(scene, settings);
     settings.beauty = false;
     const auto pruned = render_of(scene, settings);

@@ -85,7 +85,7 @@ TEST_CASE("unshadowed direct light is the direct light of the scene without what
     for (const std::string& sky : {std::string(), constant_sky}) {
         transport::RenderSettings settings;
         settings.samples_per_pixel = 256;
-        settings.channels = {lpe("unoccluded", "unoccluded;C<RD'floor'>L"), lpe("plain", "C<RD'floor'>L")};
+        settings.channels = {lpe_channel("unoccluded", "unoccluded;C<RD'floor'>L"), lpe_channel("plain", "C<RD'floor'>L")};
         const auto shadowed = render_of(scene_of(plate_scene(sky)), settings);
         // Without the plate nothing on the floor is shadowed. Where the camera sees the plate, neither has floor: so
         // compare with a plate that the camera sees and light does not, the floor's own light being black on plate
@@ -121,8 +121,8 @@ TEST_CASE("shadows are what separates unshadowed light from light", "[render][pr
         settings.samples_per_pixel = 256;
         settings.integrator = path_with(text_parameter("strategy", strategy));
         settings.max_depth = 4;
-        settings.channels = {lpe("plain", "C[DS]+L"), lpe("unoccluded", "unoccluded;C[DS]+L"),
-                             lpe("shadows", "shadows;C[DS]+L")};
+        settings.channels = {lpe_channel("plain", "C[DS]+L"), lpe_channel("unoccluded", "unoccluded;C[DS]+L"),
+                             lpe_channel("shadows", "shadows;C[DS]+L")};
         const auto output = render_of(scene_of(plate_scene(constant_sky)), settings);
         const std::vector<double> plain = output.frame_buffer.resolve(1), shadows = output.frame_buffer.resolve(3);
         const Difference d = difference(sum_of(plain, shadows), output.frame_buffer.resolve(2));
@@ -143,8 +143,8 @@ TEST_CASE("light through a half open cutout casts half a shadow", "[render][pref
     transport::RenderSettings settings;
     settings.samples_per_pixel = 256;
     settings.max_depth = 1;
-    settings.channels = {lpe("plain", "C<RD'floor'>L"), lpe("unoccluded", "unoccluded;C<RD'floor'>L"),
-                         lpe("shadows", "shadows;C<RD'floor'>L")};
+    settings.channels = {lpe_channel("plain", "C<RD'floor'>L"), lpe_channel("unoccluded", "unoccluded;C<RD'floor'>L"),
+                         lpe_channel("shadows", "shadows;C<RD'floor'>L")};
     const auto output = render_of(scene_of(text), settings);
     const std::vector<double> shadows = output.frame_buffer.resolve(3);
     const Difference d = difference(sum_of(output.frame_buffer.resolve(1), shadows), output.frame_buffer.resolve(2));
@@ -158,13 +158,13 @@ TEST_CASE("beauty and plain channels have the same bits beside channels with pre
     const auto scene = scene_of(room);
     transport::RenderSettings settings;
     settings.samples_per_pixel = 16;
-    settings.channels = {lpe("direct", "C<RD>[<L.>O]"), lpe("osl", "C<RD>.*")};
+    settings.channels = {lpe_channel("direct", "C<RD>[<L.>O]"), lpe_channel("osl", "C<RD>.*")};
     const auto alone = render_of(scene, settings);
     for (const char* expression :
          {"unoccluded;C.*", "shadows;C.*", "nothruput;C.*", "holdouts;C.*", "overwrite;C.*", "noinfinitecheck;C.*",
           "unoccluded;holdouts;C[DS]+<L.>",
           "nothruput;noinfinitecheck;noclamp;unoccluded;overwrite;C<.S'passthru'>*((U2L)|O)", "CU6L"})
-        settings.channels.push_back(lpe(std::string("p").append(std::to_string(settings.channels.size())), expression));
+        settings.channels.push_back(lpe_channel(std::string("p").append(std::to_string(settings.channels.size())), expression));
     const auto beside = render_of(scene, settings);
     for (display::ChannelId id = 0; id < 3; ++id)
         CHECK((beside.frame_buffer.resolve(id) == alone.frame_buffer.resolve(id)));
@@ -176,8 +176,8 @@ TEST_CASE("what a camera ray finds first at a holdout leaves beauty, alpha and p
           "[render][prefixes][law1]") {
     transport::RenderSettings settings;
     settings.samples_per_pixel = 16;
-    settings.channels = {lpe("floor", "C<.D'floor'>.*"), lpe("all", "C.*"), lpe("catcher", "holdouts;C.*"),
-                         lpe("occluded", "holdouts;C[DS]+<L.>"), lpe("clear", "holdouts;unoccluded;C[DS]+<L.>")};
+    settings.channels = {lpe_channel("floor", "C<.D'floor'>.*"), lpe_channel("all", "C.*"), lpe_channel("catcher", "holdouts;C.*"),
+                         lpe_channel("occluded", "holdouts;C[DS]+<L.>"), lpe_channel("clear", "holdouts;unoccluded;C[DS]+<L.>")};
     display::ChannelDefinition depth;
     depth.name = "z";
     settings.channels.push_back(depth);
@@ -215,7 +215,7 @@ TEST_CASE("a holdout that no channel asks for costs no rays", "[render][prefixes
     CHECK(output.statistics.shadow_rays * 2 < ordinary.statistics.shadow_rays);
     // And where only unshadowed light is asked for, no shadow ray is traced.
     settings.beauty = false;
-    settings.channels = {lpe("clear", "unoccluded;C<RD>L")};
+    settings.channels = {lpe_channel("clear", "unoccluded;C<RD>L")};
     const auto unshadowed = render_of(scene_of(text), settings);
     CHECK(unshadowed.statistics.shadow_rays == 0);
     CHECK(total(unshadowed.frame_buffer.resolve(0)) > 0);
@@ -247,7 +247,7 @@ AttributeBegin Translate 1 0 0 ObjectInstance "ball" AttributeEnd
     CHECK(scene.instances[1].label == "right");
     transport::RenderSettings settings;
     settings.samples_per_pixel = 4;
-    settings.channels = {lpe("held", "holdouts;C.+L"), lpe("plain", "C.+L")};
+    settings.channels = {lpe_channel("held", "holdouts;C.+L"), lpe_channel("plain", "C.+L")};
     const auto output = render_of(scene, settings);
     const std::vector<double> held = output.frame_buffer.resolve(1), plain = output.frame_buffer.resolve(2);
     // Camera space is left-handed: looking along -z, the object at x = -1 is on the right.
@@ -276,7 +276,7 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-2 -2 0 2 -2 0 
     transport::RenderSettings settings;
     settings.samples_per_pixel = 16;
     settings.max_depth = 1;
-    settings.channels = {lpe("sent", "nothruput;CDL"), lpe("last", "nothruput;overwrite;CDL")};
+    settings.channels = {lpe_channel("sent", "nothruput;CDL"), lpe_channel("last", "nothruput;overwrite;CDL")};
     const auto mean = [](const transport::RenderOutput& output, display::ChannelId id) {
         const std::vector<double> values = output.frame_buffer.resolve(id);
         return total(values) / static_cast<double>(values.size());
@@ -291,7 +291,7 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-2 -2 0 2 -2 0 
         CHECK(mean(output, 2) == Approx(3).epsilon(1e-6));
     }
     // An emitter seen directly sends its radiance.
-    settings.channels = {lpe("sent", "nothruput;CL")};
+    settings.channels = {lpe_channel("sent", "nothruput;CL")};
     const auto seen = render_of(scene_of(text + "AreaLightSource \"diffuse\" \"rgb L\" [5 5 5]\n" + wall), settings);
     CHECK(mean(seen, 1) == 5);
 }
@@ -300,8 +300,8 @@ TEST_CASE("RenderMan's albedo and normal recipes give the geometric AOVs", "[ren
     transport::RenderSettings settings;
     settings.samples_per_pixel = 8;
     const std::string prefixes = "nothruput;noinfinitecheck;noclamp;unoccluded;overwrite;";
-    settings.channels = {lpe("a", prefixes + "C<.S'passthru'>*((U2L)|O)"), lpe("n", prefixes + "CU6L"),
-                         lpe("second", prefixes + "C<RS><.U2'plate'>L"), lpe("through", "CDU2L")};
+    settings.channels = {lpe_channel("a", prefixes + "C<.S'passthru'>*((U2L)|O)"), lpe_channel("n", prefixes + "CU6L"),
+                         lpe_channel("second", prefixes + "C<RS><.U2'plate'>L"), lpe_channel("through", "CDU2L")};
     for (const char* name : {"albedo", "Nn"}) {
         display::ChannelDefinition aov;
         aov.name = name;
@@ -333,12 +333,12 @@ TEST_CASE("channels that the integrator cannot fill are refused before the rende
     settings.samples_per_pixel = 1;
     settings.integrator = path_with(text_parameter("strategy", "scattering"));
     for (const char* expression : {"unoccluded;C.*", "holdouts;shadows;C.*"}) {
-        settings.channels = {lpe("mine", expression)};
+        settings.channels = {lpe_channel("mine", expression)};
         const auto output = transport::render(scene, settings);
         REQUIRE_FALSE(output.ok());
         CHECK(output.error().message.find("'mine'") != std::string::npos);
         CHECK(output.error().message.find("samples no lights") != std::string::npos);
     }
-    settings.channels = {lpe("mine", "nothruput;overwrite;C.*")};
+    settings.channels = {lpe_channel("mine", "nothruput;overwrite;C.*")};
     CHECK(transport::render(scene, settings).ok());
 }

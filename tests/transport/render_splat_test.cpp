@@ -12,7 +12,7 @@ transport::SceneEntity filter_named(const std::string& name) {
 }
 
 display::ChannelDefinition split(const std::string& name, const std::string& expression) {
-    display::ChannelDefinition channel = lpe(name, expression);
+    display::ChannelDefinition channel = lpe_channel(name, expression);
     channel.statistics = false;
     return channel;
 }
@@ -129,7 +129,7 @@ TEST_CASE("what splat mode cannot do is refused by name", "[splat][render][law7]
     CHECK(error().find("job.toml:3:1") != std::string::npos);
     CHECK(error().find("filter mode splat") != std::string::npos);
     settings.statistics.clear();
-    settings.channels = {lpe("a", "CDL")};
+    settings.channels = {lpe_channel("a", "CDL")};
     CHECK(error().find("'a' keeps statistics") != std::string::npos);
     settings.channels.clear();
     settings.cryptomatte = {raylex::geoaovs::MatteKind::object};

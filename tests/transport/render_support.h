@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "transport/import/pbrt_importer.h"
+#include "tests/transport/import_support.h"
 #include "transport/render/built_scene.h"
 
 namespace render_test {
@@ -24,12 +24,7 @@ inline display::ChannelDefinition aov(const std::string& name) {
     return channel;
 }
 
-inline transport::SceneDescription scene_of(const std::string& text) {
-    auto scene = transport::import_pbrt_text(text, "test.pbrt");
-    INFO((scene ? std::string() : scene.error().to_string()));
-    REQUIRE(scene.ok());
-    return *std::move(scene);
-}
+using import_test::scene_of;
 
 inline transport::RenderOutput render_of(const transport::SceneDescription& scene,
                                          const transport::RenderSettings& settings = {}) {
@@ -40,7 +35,7 @@ inline transport::RenderOutput render_of(const transport::SceneDescription& scen
     return *std::move(output);
 }
 
-inline display::ChannelDefinition lpe(const std::string& name, const std::string& expression) {
+inline display::ChannelDefinition lpe_channel(const std::string& name, const std::string& expression) {
     display::ChannelDefinition channel;
     channel.name = name;
     channel.style = display::ChannelStyle::expression;

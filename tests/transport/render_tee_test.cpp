@@ -34,7 +34,7 @@ TEST_CASE("a tee writes what it passes on, at first hits, and changes nothing el
     const std::string through = plane(teed, "Material \"diffuse\" \"texture reflectance\" \"paint\"");
     transport::RenderSettings settings;
     const auto plain = render_of(scene_of(direct), settings), unasked = render_of(scene_of(through), settings);
-    settings.channels = {aov("paint"), aov("albedo"), lpe("diffuse", "C<RD>.*")};
+    settings.channels = {aov("paint"), aov("albedo"), lpe_channel("diffuse", "C<RD>.*")};
     settings.threads = 2;
     const auto output = render_of(scene_of(through), settings);
     const std::vector<double> beauty = plain.frame_buffer.resolve(0);

@@ -12,7 +12,7 @@ TEST_CASE("an image of one tile is the same bits when several threads hold its b
     settings.resolution = {{4, 4}};
     settings.samples_per_pixel = 16384;
     settings.max_depth = 1;
-    settings.channels = {lpe("direct", "C<RD>.*")};
+    settings.channels = {lpe_channel("direct", "C<RD>.*")};
     settings.threads = 1;
     auto one = transport::render(**built, settings);
     REQUIRE(one.ok());

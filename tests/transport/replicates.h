@@ -116,7 +116,7 @@ inline transport::SceneEntity integrator_named(const std::string& type) {
 
 /// Without statistics, which light that lands anywhere has none of.
 inline display::ChannelDefinition osl(const std::string& name, const std::string& expression) {
-    display::ChannelDefinition channel = lpe(name, expression);
+    display::ChannelDefinition channel = lpe_channel(name, expression);
     channel.dialect = raylex::lpe::Dialect::osl;
     channel.statistics = false;
     return channel;

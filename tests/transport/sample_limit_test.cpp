@@ -16,7 +16,7 @@ transport::RenderSettings settings_with(std::uint64_t samples) {
     transport::RenderSettings settings;
     settings.samples_per_pixel = samples;
     settings.threads = 2;
-    settings.channels = {lpe("direct", "CDL")};
+    settings.channels = {lpe_channel("direct", "CDL")};
     return settings;
 }
 
