@@ -1,7 +1,7 @@
-# raylex_unity(<out> <source>...): the sources to compile in place of these. Those of one folder are compiled
-# together, at most RAYLEX_UNITY_BATCH in one go, which takes about half the time: headers are parsed, and templates that
-# several sources use are compiled, once. CMake's own UNITY_BUILD writes absolute paths: no two clones would share a
-# compiler cache.
+# raylex_unity(<out> <source>...): the sources to compile in place of these. Those of one folder of a part, with the
+# folders inside it, are compiled together, at most RAYLEX_UNITY_BATCH in one go, which takes less than half the time:
+# headers are parsed, and templates that several sources use are compiled, once. CMake's own UNITY_BUILD writes absolute
+# paths: no two clones would share a compiler cache.
 #
 # Sources that are compiled together see each other's anonymous namespaces: equal names there are an error of the
 # compiler. raylex_compile_alone() keeps a source by itself: one that holds the code of a library, say. Generated ones
@@ -17,9 +17,12 @@ function(raylex_unity out)
       list(APPEND result ${source})
       continue()
     endif()
-    cmake_path(GET source PARENT_PATH folder)
-    file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${folder})
-    string(MAKE_C_IDENTIFIER ${folder} key)
+    file(RELATIVE_PATH key ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+    file(RELATIVE_PATH path ${CMAKE_CURRENT_SOURCE_DIR} ${source})
+    if(path MATCHES "^([^/]+)/")
+      string(APPEND key _${CMAKE_MATCH_1})
+    endif()
+    string(MAKE_C_IDENTIFIER ${key} key)
     list(APPEND folders ${key})
     list(APPEND sources_${key} ${source})
   endforeach()

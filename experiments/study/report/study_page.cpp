@@ -8,13 +8,10 @@
 #include "experiments/study/report/assets.h"
 #include "experiments/study/report/picture_viewers.h"
 #include "experiments/study/report/study_tables.h"
+#include "experiments/study/run/run_progress.h"
 
 namespace raylex::experiments {
 namespace {
-
-std::string counted(std::size_t count, const std::string& one, const std::string& many) {
-    return std::to_string(count) + " " + (count == 1 ? one : many);
-}
 
 std::string mark(bool good, const std::string& text) {
     return "<li><span class=\"" + std::string(good ? "holds" : "fails") + "\">" + text + "</span> ";
