@@ -30,7 +30,7 @@ namespace raylex::display {
 
 /// How a contribution was found; recorded for technique splits and diagnostics, never part of the word (an emitter is L
 /// by what it is, not by how it was hit).
-enum class Technique : std::uint8_t { scattering, light_sampling, light_tracing };
+enum class Technique : std::uint8_t { scattering, light_sampling, light_tracing, connection };
 
 /// An emitter as a path found it, before the path changes it: what channels with prefixes splat instead of the value
 /// that beauty takes (channel_prefixes.h). An integrator fills it in only where LpeServices::wants_emitter_samples().
@@ -231,7 +231,7 @@ class LpeServices {
     std::uint64_t seed_ = 0;
     Attribution attribution_ = Attribution::exact;
     std::uint64_t overflow_count_ = 0, invalid_count_ = 0;
-    std::array<std::uint64_t, 3> contributions_{};
+    std::array<std::uint64_t, 4> contributions_{};
     SplitPlans plans_;
     SplitWay split_way_;
     /// Of the plans' rows: 1, 0, and room for the lobes' fractions of the move at hand.

@@ -4,15 +4,6 @@
 
 using namespace render_test;
 
-namespace {
-
-const std::string plain_film = R"(
-Film "rgb" "integer xresolution" 18 "integer yresolution" 18
-Sampler "independent" "integer pixelsamples" 64
-)";
-
-}  // namespace
-
 TEST_CASE("the light tracer finds the path tracer's image, word by word", "[lighttracer][render][statistical]") {
     // Rough and smooth conductors, glass, a coat, an area light, a sky and a spot light.
     transport::RenderSettings settings;
@@ -25,49 +16,23 @@ TEST_CASE("the light tracer finds the path tracer's image, word by word", "[ligh
 
 TEST_CASE("the light tracer through lenses and cutouts, with shading normals and every kind of light",
           "[lighttracer][render][statistical]") {
-    // A mirror ball's caustic of the sky (the path tracer finds none of lights that no ray can hit); coarse meshes
-    // shaded smoothly, whose shading and geometric normals differ by up to 55 degrees; rough glass, whose scattering is
-    // not symmetric; a cutout between camera and floor; a wide lens focused on the floor; a filter with negative lobes
-    // that reaches over the image's border.
     transport::RenderSettings settings;
     settings.max_depth = 3;
     settings.samples_per_pixel = 256;
-    const std::string octahedron = R"(
-Shape "trianglemesh" "integer indices" [4 0 2 4 2 1 4 1 3 4 3 0 5 2 0 5 1 2 5 3 1 5 0 3]
-    "point3 P" [1 0 0 -1 0 0 0 1 0 0 -1 0 0 0 1 0 0 -1] "normal N" [1 0 0 -1 0 0 0 1 0 0 -1 0 0 0 1 0 0 -1]
-)";
     compare_with_path(
-        plain_film + R"(
-PixelFilter "mitchell"
-LookAt 0 1.6 4  0 0.4 0  0 1 0
-Camera "perspective" "float fov" 45 "float lensradius" 0.15 "float focaldistance" 4.2
-WorldBegin
-LightSource "point" "rgb I" [3 3 3] "point3 from" [-1.5 2.5 1]
-LightSource "distant" "rgb L" [1 1 1] "point3 from" [1 2 1] "point3 to" [0 0 0]
-LightSource "infinite" "rgb L" [0.3 0.3 0.3]
-Material "diffuse" "rgb reflectance" [0.6 0.6 0.6]
-Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-4 0 4 4 0 4 4 0 -4 -4 0 -4]
-AttributeBegin Material "raylex:mirror" Translate 0.9 0.4 0.5 Shape "sphere" "float radius" 0.4 AttributeEnd
-AttributeBegin Translate -0.8 0.6 -0.3 Scale 0.6 0.6 0.6 )" +
-            octahedron + R"( AttributeEnd
-AttributeBegin Material "conductor" "float roughness" 0.4 Translate 0.5 0.5 -1 Scale 0.5 0.5 0.5 )" +
-            octahedron + R"( AttributeEnd
-AttributeBegin Material "dielectric" "float roughness" 0.4 Translate -0.2 0.5 0.6 Shape "sphere" "float radius" 0.3 AttributeEnd
-AttributeBegin Translate 0 0.5 1.4 Material "diffuse" "rgb reflectance" [0.2 0.4 0.8]
-  Shape "disk" "float radius" 0.5 "float alpha" 0.4 AttributeEnd
-AttributeBegin AreaLightSource "diffuse" "rgb L" [6 6 6] "bool twosided" true Translate 0 2 -1 Rotate 60 1 0 0
-  Shape "disk" "float radius" 0.4 AttributeEnd
-)",
+        many_lights(),
         settings, integrator_named("lighttracer"), 12, 384,
         {"C<RD>[LB]", "C<Ts><RD>[LB]", "C<RD><RS>+B", "C<RG>[LB]", "C<RD><.G>+[LB]", "C<RD><RD>[LB]", "C<Ts>*[LB]"});
 }
 
-TEST_CASE("light tracing keeps the laws: splits sum, asking changes nothing, threads and interruptions neither",
-          "[lighttracer][render][law1][law2][law3]") {
+TEST_CASE("methods that splat keep the laws: splits sum, asking changes nothing, threads and interruptions neither",
+          "[lighttracer][bdpt][render][law1][law2][law3]") {
+    const std::string integrator = GENERATE("lighttracer", "bdpt");
+    CAPTURE(integrator);
     const auto scene = scene_of(room);
     transport::RenderSettings settings;
     settings.samples_per_pixel = 20;
-    settings.integrator = integrator_named("lighttracer");
+    settings.integrator = integrator_named(integrator);
     transport::SceneEntity filter;
     filter.type = "mitchell";
     settings.filter = filter;
@@ -109,7 +74,7 @@ TEST_CASE("light tracing keeps the laws: splits sum, asking changes nothing, thr
         const ScratchFile file;
         settings.checkpoint = transport::CheckpointSettings{file.path(), 60, false, {}};
         settings.threads = 2;
-        settings.integrator = counted("lighttracer");
+        settings.integrator = counted(integrator);
         std::atomic<bool> stop{false};
         interruption().begin(side * side * 10, &stop);
         const auto first = transport::render(scene, settings, {}, &stop);
@@ -121,7 +86,7 @@ TEST_CASE("light tracing keeps the laws: splits sum, asking changes nothing, thr
         CHECK(resumed.frame_buffer.light_path_count() == one.frame_buffer.light_path_count());
         for (display::ChannelId id = 0; id < 5; ++id)
             CHECK(one.frame_buffer.resolve(id) == resumed.frame_buffer.resolve(id));
-        settings.integrator = integrator_named("lighttracer");
+        settings.integrator = integrator_named(integrator);
         settings.checkpoint.reset();
     }
 }

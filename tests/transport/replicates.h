@@ -151,4 +151,41 @@ inline void compare_with_path(const std::string& text, transport::RenderSettings
     }
 }
 
+inline const std::string plain_film = R"(
+Film "rgb" "integer xresolution" 18 "integer yresolution" 18
+Sampler "independent" "integer pixelsamples" 64
+)";
+
+/// Shading normals, a lens, a cutout and every kind of light: a mirror ball's caustic of the sky; coarse meshes shaded
+/// smoothly, whose shading and geometric normals differ by up to 55 degrees; rough glass, whose scattering is not
+/// symmetric; a cutout between camera and floor; a wide lens focused on the floor; a filter with negative lobes that reaches
+/// over the image's border.
+inline std::string many_lights() {
+    const std::string octahedron = R"(
+Shape "trianglemesh" "integer indices" [4 0 2 4 2 1 4 1 3 4 3 0 5 2 0 5 1 2 5 3 1 5 0 3]
+    "point3 P" [1 0 0 -1 0 0 0 1 0 0 -1 0 0 0 1 0 0 -1] "normal N" [1 0 0 -1 0 0 0 1 0 0 -1 0 0 0 1 0 0 -1]
+)";
+    return plain_film + R"(
+PixelFilter "mitchell"
+LookAt 0 1.6 4  0 0.4 0  0 1 0
+Camera "perspective" "float fov" 45 "float lensradius" 0.15 "float focaldistance" 4.2
+WorldBegin
+LightSource "point" "rgb I" [3 3 3] "point3 from" [-1.5 2.5 1]
+LightSource "distant" "rgb L" [1 1 1] "point3 from" [1 2 1] "point3 to" [0 0 0]
+LightSource "infinite" "rgb L" [0.3 0.3 0.3]
+Material "diffuse" "rgb reflectance" [0.6 0.6 0.6]
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-4 0 4 4 0 4 4 0 -4 -4 0 -4]
+AttributeBegin Material "raylex:mirror" Translate 0.9 0.4 0.5 Shape "sphere" "float radius" 0.4 AttributeEnd
+AttributeBegin Translate -0.8 0.6 -0.3 Scale 0.6 0.6 0.6 )" +
+            octahedron + R"( AttributeEnd
+AttributeBegin Material "conductor" "float roughness" 0.4 Translate 0.5 0.5 -1 Scale 0.5 0.5 0.5 )" +
+            octahedron + R"( AttributeEnd
+AttributeBegin Material "dielectric" "float roughness" 0.4 Translate -0.2 0.5 0.6 Shape "sphere" "float radius" 0.3 AttributeEnd
+AttributeBegin Translate 0 0.5 1.4 Material "diffuse" "rgb reflectance" [0.2 0.4 0.8]
+  Shape "disk" "float radius" 0.5 "float alpha" 0.4 AttributeEnd
+AttributeBegin AreaLightSource "diffuse" "rgb L" [6 6 6] "bool twosided" true Translate 0 2 -1 Rotate 60 1 0 0
+  Shape "disk" "float radius" 0.4 AttributeEnd
+)";
+}
+
 }  // namespace render_test

@@ -58,6 +58,22 @@ float edge_distance(const IntegratorContext& context, const Vec3& position, std:
     return nearest;
 }
 
+bool record_first_hit(const EmbreeScene& geometry, int row, float distance, const Hit& hit,
+                      display::DisplayServices& display) {
+    display.write_distance(row, distance);
+    const bool holdout = geometry.has_holdouts() && geometry.is_holdout(hit);
+    display.write_opacity(row, Rgb(holdout ? 0.0f : 1.0f));
+    display.write_surface(row, geometry.surface_number(hit));
+    return holdout;
+}
+
+void write_first_hits(const IntegratorContext& context, const VertexBatch& v, std::span<const std::uint32_t> which,
+                      geoaovs::ShadingBatch& batch, display::DisplayServices& display) {
+    if (context.aovs->inputs() == 0 || which.empty()) return;
+    describe_first_hits(context, {which, v.rows, v.hits, v.points, v.sources, v.bsdfs}, batch);
+    context.aovs->write(batch, display);
+}
+
 void describe_first_hits(const IntegratorContext& context, const FirstHits& first, geoaovs::ShadingBatch& batch) {
     const geoaovs::Inputs wanted = context.aovs->inputs();
     const std::span<const std::uint32_t> which = first.which;

@@ -6,6 +6,7 @@
 
 #include "geoaovs/geoaovs.h"
 #include "transport/integrators/integrator.h"
+#include "transport/paths/vertex.h"
 
 namespace raylex::transport {
 
@@ -19,6 +20,13 @@ struct FirstHits {
     std::span<const SurfaceSource> sources;
     std::span<const Bsdf> bsdfs;
 };
+
+/// Distance, opacity and surface of camera ray `row`, which has come `distance` to hit `hit`. True: it is a holdout.
+bool record_first_hit(const EmbreeScene& geometry, int row, float distance, const Hit& hit, display::DisplayServices& display);
+
+/// Geometric AOVs of the vertices `which`, by way of `batch`.
+void write_first_hits(const IntegratorContext& context, const VertexBatch& vertices, std::span<const std::uint32_t> which,
+                      geoaovs::ShadingBatch& batch, display::DisplayServices& display);
 
 /// Makes `batch` these hits. Only the columns that the render's AOVs read are filled.
 void describe_first_hits(const IntegratorContext& context, const FirstHits& first, geoaovs::ShadingBatch& batch);

@@ -43,11 +43,8 @@
 #include "display/services/raster_splats.h"
 #include "display/services/registry.h"
 #include "geoaovs/geoaovs.h"
-#include "lpe/channels/lobe_slots.h"
-#include "transport/geometry/embree_scene.h"
-#include "transport/lights/light_table.h"
-#include "transport/materials/material.h"
-#include "transport/media/medium.h"
+#include "transport/paths/counters.h"
+#include "transport/paths/event_table.h"
 #include "transport/samplers/pixel_sampler.h"
 
 namespace raylex::transport {
@@ -56,70 +53,6 @@ class PerspectiveCamera;
 
 /// Sampler dimensions that the engine uses itself: pixel filter, lens, shutter time.
 inline constexpr std::uint32_t filter_dimension = 0, lens_dimension = 1, time_dimension = 2, first_free_dimension = 8;
-
-/// The scene's tables, all immutable while rendering.
-struct SceneView {
-    const EmbreeScene* geometry = nullptr;
-    const TextureTable* textures = nullptr;
-    const MaterialTable* materials = nullptr;
-    const LightTable* lights = nullptr;
-    const MediumTable* media = nullptr;
-};
-
-/// What surfaces say of themselves, as RenderMan's default options number it (lpe:user2 "...Albedo", lpe:user6 "Normal"):
-/// U2, the albedo, and U6, the shading normal in camera space.
-enum class UserLobe : std::uint8_t { albedo, normal };
-/// The events' lobe labels, by which lobe slots number them.
-inline constexpr std::array<const char*, 2> user_lobes{"albedo", "normal"};
-
-/// What events of this scene are to this render's channels: look-ups for the inner loop, filled once.
-class EventTable {
-  public:
-    EventTable() = default;
-    EventTable(const display::LpeSetup& setup, const SceneView& scene, const lpe::LobeSlots& slots);
-
-    /// A scattering by `lobe` at an object of this label.
-    [[nodiscard]] lpe::EventClass scatter(std::int32_t label, LobeId lobe) const {
-        return scatter_[static_cast<std::size_t>(label) * lobe_count_ + lobe];
-    }
-    /// Straight through a cutout or an interface without a surface.
-    [[nodiscard]] lpe::EventClass straight(std::int32_t label) const {
-        return straight_[static_cast<std::size_t>(label)];
-    }
-    /// A scattering inside a medium.
-    [[nodiscard]] lpe::EventClass phase(std::int32_t medium) const { return phase_[static_cast<std::size_t>(medium)]; }
-    /// The terminal O of light that a medium emits.
-    [[nodiscard]] lpe::EventClass emission() const { return emission_; }
-    /// The terminal: L, or B for infinite lights, with the light's group.
-    [[nodiscard]] lpe::EventClass terminal(std::uint32_t light) const { return terminal_[light]; }
-    /// What a surface of this label says of itself, and the L without a group that ends such a word.
-    [[nodiscard]] lpe::EventClass user(std::int32_t label, UserLobe lobe) const {
-        return user_[static_cast<std::size_t>(label) * user_lobes.size() + static_cast<std::size_t>(lobe)];
-    }
-    [[nodiscard]] lpe::EventClass user_terminal() const { return user_terminal_; }
-    /// Whether any channel names this user event.
-    [[nodiscard]] bool wants(UserLobe lobe) const { return wants_user_[static_cast<std::size_t>(lobe)]; }
-    [[nodiscard]] bool wants_user() const {
-        return std::any_of(wants_user_.begin(), wants_user_.end(), [](bool wanted) { return wanted; });
-    }
-    /// False when there is nothing to match: then moves may be skipped.
-    [[nodiscard]] bool any() const { return any_; }
-
-  private:
-    std::vector<lpe::EventClass> scatter_, straight_, phase_, terminal_, user_;
-    lpe::EventClass emission_ = 0, user_terminal_ = 0;
-    std::array<bool, user_lobes.size()> wants_user_{};
-    std::size_t lobe_count_ = 0;
-    bool any_ = false;
-};
-
-/// The events behind EventTable, also what scene_alphabet() lists.
-lpe::Event scattering_event(const std::string& object_label, const LobeKind& lobe, const lpe::LobeSlots& slots);
-lpe::Event straight_event(const std::string& object_label);
-lpe::Event phase_event(const std::string& medium_name);
-lpe::Event emission_event();
-lpe::Event terminal_event(bool infinite, const std::string& light_group);
-lpe::Event user_event(const std::string& object_label, UserLobe lobe, const lpe::LobeSlots& slots);
 
 /// What prepare() gets; the pointers live as long as the render.
 struct IntegratorContext {
@@ -164,13 +97,6 @@ struct ThreadServices {
         left = left || (leave != nullptr && leave->load(std::memory_order_relaxed));
         return left;
     }
-};
-
-/// Work done, for statistics. Added up over threads at the end.
-struct IntegratorCounters {
-    std::uint64_t camera_rays = 0, scattering_rays = 0, shadow_rays = 0;
-    std::vector<std::uint64_t> path_lengths;  ///< [scattering events]
-    void add(const IntegratorCounters& other);
 };
 
 /// Base of an integrator's per-thread state.

@@ -10,13 +10,6 @@
 // vertices before it back to the light, the light. Each vertex keeps its lobes and what each of them scattered, so channels take
 // exact shares as with `path` (Law 5).
 //
-// Scattering is the path tracer's with the directions exchanged, f(towards camera, towards light): where shading and geometric
-// normals differ, and where light crosses an interface, this is not symmetric. With cosines s to the shading and g to the
-// geometric normal a path's power changes by
-//     f(o, i) |s(i)| / |g(i)| x |g(o)| / density(o),   i towards the light, o towards the camera
-// (Veach 1997, sections 5.2 and 5.3), so that both integrators estimate one integral, word by word. Where closures draw walks
-// (layered ones) their own weights are used, which are reciprocal, times |s(i) g(o)| / |g(i) s(o)|.
-//
 // What is not found from the light: emitters that the camera sees directly are traced from the camera (C L, C B, cutouts passed);
 // what it sees by a mirror or through smooth glass (C, a singular event, anything) is not found at all: no light path can
 // be connected there. The render warns where a scene has such surfaces. Media, holdouts and the prefixes nothruput,

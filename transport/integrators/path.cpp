@@ -2,8 +2,10 @@
 
 #include <algorithm>
 
+#include "transport/integrators/first_hits.h"
 #include "transport/integrators/path_state.h"
 #include "transport/math/sampling.h"
+#include "transport/paths/walk.h"
 
 namespace raylex::transport {
 Status PathIntegrator::prepare(const IntegratorContext& context) {
@@ -24,15 +26,15 @@ std::unique_ptr<IntegratorThread> PathIntegrator::make_thread_state() const {
 void PathIntegrator::integrate(const CameraBatch& batch, IntegratorThread& state, ThreadServices& services) const {
     auto& thread = static_cast<PathThread&>(state);
     start(batch, thread, services);
-    while (thread.next_count > 0 && !services.leaving()) {
-        if (in_media_) trace_in_media(thread, services);
-        else trace(thread, services);
+    while (thread.queue.count > 0 && !services.leaving()) {
+        trace_rays(thread, services);
         resolve(thread, services);
         VertexBatch& v = thread.vertices;
         if (v.count == 0 && (!in_media_ || thread.collisions.count == 0)) continue;
         context_.scene.materials->shade(*context_.scene.textures, {v.points.data(), v.count},
                                         {v.bsdfs.data(), v.count}, &services.display);
-        write_aovs(thread, services);
+        write_first_hits(context_, v, {thread.first_entries.data(), thread.first_count}, thread.first_hits,
+                         services.display);
         if (reports_surfaces_) report_surfaces(thread, services);
         sample_lights(thread, services);
         if (in_media_) sample_lights_in_media(thread, services);
@@ -44,37 +46,30 @@ void PathIntegrator::integrate(const CameraBatch& batch, IntegratorThread& state
 
 void PathIntegrator::start(const CameraBatch& batch, PathThread& thread, ThreadServices& services) const {
     const std::size_t count = batch.rays.size();
-    thread.next_count = 0;
+    thread.queue.count = 0;
     for (std::size_t i = 0; i < count; ++i) {
         const auto row = static_cast<std::uint32_t>(i);
         thread.paths[i] = PathState();
         thread.samplers[i] = batch.samplers[i];
         thread.trackers[i] = services.lpe.begin(static_cast<int>(i));
-        thread.push_next(row, batch.rays[i]);
+        thread.queue.push(row, batch.rays[i]);
     }
     if (in_media_) std::fill_n(thread.media.begin(), count, context_.scene.media->camera());
     thread.counters.camera_rays += count;
 }
 
-void PathIntegrator::trace(PathThread& thread, ThreadServices& services) const {
-    VertexBatch& v = thread.vertices;
-    const std::size_t count = thread.next_count;
-    thread.next_count = 0;
-    context_.scene.geometry->intersect({thread.next_rays.data(), count}, {v.hits.data(), count});
-    v.count = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-        const std::uint32_t row = thread.next_rows[i];
-        if (!v.hits[i].valid()) {
-            escape(thread, services, row, thread.next_rays[i]);
-            continue;
-        }
-        v.rows[v.count] = row;
-        v.rays[v.count] = thread.next_rays[i];
-        v.hits[v.count] = v.hits[i];
-        ++v.count;
-    }
-    context_.scene.geometry->surfaces({v.rays.data(), v.count}, {v.hits.data(), v.count}, {v.points.data(), v.count},
-                                      {v.sources.data(), v.count});
+void PathIntegrator::trace_rays(PathThread& thread, ThreadServices& services) const {
+    const EmbreeScene& geometry = *context_.scene.geometry;
+    const auto hits_surface = [&](std::uint32_t row, const Ray& ray, const Hit& hit) {
+        if (!hit.valid()) escape(thread, services, row, ray);
+        return hit.valid();
+    };
+    if (!in_media_) return trace(geometry, thread.queue, thread.vertices, hits_surface);
+    thread.collisions.count = 0;
+    trace(geometry, thread.queue, thread.vertices, [&](std::uint32_t row, const Ray& ray, const Hit& hit) {
+        const std::int32_t medium = thread.media[row];
+        return (medium < 0 || fly(thread, services, row, ray, medium, hit.t)) && hits_surface(row, ray, hit);
+    });
 }
 
 float PathIntegrator::scattering_weight(const PathState& path, float light_pdf) const {
@@ -128,34 +123,20 @@ bool PathIntegrator::passes(PathThread& thread, ThreadServices& services, std::s
     const std::uint32_t row = v.rows[j];
     PathState& path = thread.paths[row];
     const SurfacePoint& point = v.points[j];
-    // Closest hit first, then one counter-based choice: in expectation what alpha blending gives, and what pbrt does.
-    const float alpha = context_.scene.textures->real(shape.alpha, {point.u, point.v, point.position});
-    if (thread.samplers[row].get_random(cutout_dimensions + path.segment) < alpha) return false;
+    if (!passes_alpha_test(context_.scene, v, j, thread.samplers[row].get_random(cutout_dimensions + path.segment)))
+        return false;
     services.lpe.move(thread.trackers[row], context_.events->straight(v.sources[j].label));
     path.travelled += v.hits[j].t;
     // This ray went through, so its own opacity at the cutout is 0: over many rays the mean is the cutout's alpha.
     if (path.depth == 0) services.display.add_sample(static_cast<int>(row), {path.travelled, RgbD(0.0), false});
-    Ray ray;
-    ray.direction = v.rays[j].direction;
+    const Vec3& direction = v.rays[j].direction;
     // What a cutout takes away of a surface is no border between media either.
     if (in_media_ && shape.interface)
-        thread.media[row] = shape.medium_towards(point.geometric_normal, ray.direction, thread.media[row]);
-    ray.origin = leave_surface(point.position, point.geometric_normal, v.sources[j].offset, ray.direction);
+        thread.media[row] = shape.medium_towards(point.geometric_normal, direction, thread.media[row]);
     ++path.segment;
-    thread.push_next(row, ray);
+    thread.queue.push(row, ray_from(v, j, direction));
     ++(path.depth == 0 ? thread.counters.camera_rays : thread.counters.scattering_rays);
     return true;
-}
-
-void PathIntegrator::record_first_hit(PathThread& thread, ThreadServices& services, std::size_t j) const {
-    const VertexBatch& v = thread.vertices;
-    const int row = static_cast<int>(v.rows[j]);
-    services.display.write_distance(row, thread.paths[v.rows[j]].travelled + v.hits[j].t);
-    const bool holdout =
-        context_.scene.geometry->has_holdouts() && context_.scene.geometry->is_holdout(v.hits[j]);
-    services.display.write_opacity(row, Rgb(holdout ? 0.0f : 1.0f));
-    services.display.write_surface(row, context_.scene.geometry->surface_number(v.hits[j]));
-    if (holdout) services.lpe.hold_out(thread.trackers[v.rows[j]]);
 }
 
 bool PathIntegrator::worth_shading(const PathState& path, const display::Tracker& tracker,
@@ -182,7 +163,9 @@ void PathIntegrator::resolve(PathThread& thread, ThreadServices& services) const
             if (emits && shape.interface) emit(thread, services, j);  // a light without a surface still shines
             if (passes(thread, services, j)) continue;
         }
-        if (path.depth == 0) record_first_hit(thread, services, j);
+        if (path.depth == 0 && record_first_hit(*context_.scene.geometry, static_cast<int>(row),
+                                                path.travelled + v.hits[j].t, v.hits[j], services.display))
+            services.lpe.hold_out(thread.trackers[row]);
         if (emits) emit(thread, services, j);
         if (hidden_environments && !path.certain) report_hidden_environments(thread, services, j);
         if (!worth_shading(path, thread.trackers[row], services.lpe)) {
@@ -250,15 +233,12 @@ void PathIntegrator::scatter(PathThread& thread, ThreadServices& services) const
         path.certain = s.delta;
         path.scatter_pdf = s.pdf_is_proportional && !s.delta ? bsdf.pdf(point.wo, s.wi) : s.pdf;
         path.from = point.position;
-        move(thread.trackers[row], services.lpe, v.sources[j].label, s.lobes);
+        move_by_lobes(thread.trackers[row], services.lpe, *context_.events, v.sources[j].label, s.lobes);
         if (!goes_on(thread, services, row, roulette)) continue;
-        Ray ray;
-        ray.direction = s.wi;
-        ray.origin = leave_surface(point.position, point.geometric_normal, v.sources[j].offset, s.wi);
         if (in_media_)
             thread.media[row] = context_.scene.geometry->shapes()[v.hits[j].shape].medium_towards(
                 point.geometric_normal, s.wi, thread.media[row]);
-        thread.push_next(row, ray);
+        thread.queue.push(row, ray_from(v, j, s.wi));
         ++thread.counters.scattering_rays;
     }
 }

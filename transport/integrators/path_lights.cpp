@@ -1,6 +1,6 @@
 // The path integrator's light samples.
 #include "transport/integrators/path_state.h"
-#include "transport/integrators/straight.h"
+#include "transport/paths/transmittance.h"
 #include "transport/math/sampling.h"
 
 namespace raylex::transport {
@@ -45,7 +45,7 @@ void PathIntegrator::sample_lights(PathThread& thread, ThreadServices& services)
             // one whose shadows nobody sees.
             const lpe::EventClass terminal = context_.events->terminal(sample.light);
             display::Tracker ahead = thread.trackers[row];
-            move(ahead, services.lpe, v.sources[j].label, f.lobes);
+            move_by_lobes(ahead, services.lpe, *context_.events, v.sources[j].label, f.lobes);
             if (!services.lpe.live_after(ahead, terminal)) continue;
             services.lpe.move(ahead, terminal);
             if (with_emitters && !in_media_ && !services.lpe.needs_visibility(ahead)) {
@@ -75,7 +75,7 @@ void PathIntegrator::add_lights(PathThread& thread, ThreadServices& services) co
         const PendingLightMedia media = in_media_ ? thread.light_media[i] : PendingLightMedia();
         display::Tracker tracker = thread.trackers[pending.row];
         if (media.scattered >= 0) services.lpe.move(tracker, context_.events->phase(media.scattered));
-        else move(tracker, services.lpe, pending.label, pending.lobes);
+        else move_by_lobes(tracker, services.lpe, *context_.events, pending.label, pending.lobes);
         Rgb value = pending.value, through(1);
         float visible = thread.blocked[i] ? 0.0f : 1.0f;
         if (straight && (!thread.blocked[i] || in_media_)) {

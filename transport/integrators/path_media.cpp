@@ -8,35 +8,10 @@
 // opacity. A medium that only absorbs stops none: an extra sample takes the share it absorbs. Opacity of coloured media
 // is right in the mean over the colours, as alpha is.
 #include "transport/integrators/path_state.h"
-#include "transport/integrators/straight.h"
+#include "transport/paths/transmittance.h"
 #include "transport/media/phase.h"
 
 namespace raylex::transport {
-
-void PathIntegrator::trace_in_media(PathThread& thread, ThreadServices& services) const {
-    VertexBatch& v = thread.vertices;
-    const std::size_t count = thread.next_count;
-    thread.next_count = 0;
-    context_.scene.geometry->intersect({thread.next_rays.data(), count}, {v.hits.data(), count});
-    v.count = 0;
-    thread.collisions.count = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-        const std::uint32_t row = thread.next_rows[i];
-        const Ray& ray = thread.next_rays[i];
-        const std::int32_t medium = thread.media[row];
-        if (medium >= 0 && !fly(thread, services, row, ray, medium, v.hits[i].t)) continue;
-        if (!v.hits[i].valid()) {
-            escape(thread, services, row, ray);
-            continue;
-        }
-        v.rows[v.count] = row;
-        v.rays[v.count] = ray;
-        v.hits[v.count] = v.hits[i];
-        ++v.count;
-    }
-    context_.scene.geometry->surfaces({v.rays.data(), v.count}, {v.hits.data(), v.count}, {v.points.data(), v.count},
-                                      {v.sources.data(), v.count});
-}
 
 bool PathIntegrator::worth_colliding(const PathState& path, const display::Tracker& tracker, std::int32_t medium,
                                      const display::LpeServices& lpe) const {
@@ -144,7 +119,7 @@ void PathIntegrator::scatter_in_media(PathThread& thread, ThreadServices& servic
         Ray ray;
         ray.direction = s.wi;
         ray.origin = c.positions[k];
-        thread.push_next(row, ray);
+        thread.queue.push(row, ray);
         ++thread.counters.scattering_rays;
     }
 }

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "transport/integrators/first_hits.h"
 #include "transport/integrators/path_state.h"
 
 namespace raylex::transport {
@@ -57,14 +56,6 @@ Registry<IntegratorFactory>::Entry path_integrator_entry() {
               "which light a sample goes to: power or uniform; bvh and exhaustive of pbrt are power here"},
              {"regularize", T::boolean, "false", "not supported"}},
             make_path};
-}
-
-void PathIntegrator::write_aovs(PathThread& thread, ThreadServices& services) const {
-    if (context_.aovs->inputs() == 0 || thread.first_count == 0) return;
-    const VertexBatch& v = thread.vertices;
-    describe_first_hits(context_, {{thread.first_entries.data(), thread.first_count}, v.rows, v.hits, v.points, v.sources, v.bsdfs},
-                        thread.first_hits);
-    context_.aovs->write(thread.first_hits, services.display);
 }
 
 void PathIntegrator::report_surfaces(PathThread& thread, ThreadServices& services) const {

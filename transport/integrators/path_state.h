@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "transport/integrators/path.h"
+#include "transport/paths/vertex.h"
+#include "transport/paths/words.h"
 
 namespace raylex::transport {
 
@@ -50,35 +52,6 @@ struct PendingLightMedia {
     std::int32_t scattered = -1;   ///< the medium whose particles are lit; -1: a surface is, by PendingLight's lobes
 };
 
-/// Surface hits of the current vertex, compact: entry j of every array is one path.
-struct VertexBatch {
-    std::vector<std::uint32_t> rows;
-    std::vector<Ray> rays;
-    std::vector<Hit> hits;
-    std::vector<SurfacePoint> points;
-    std::vector<SurfaceSource> sources;
-    std::vector<Bsdf> bsdfs;
-    std::size_t count = 0;
-
-    void reserve(std::size_t n) {
-        rows.resize(n);
-        rays.resize(n);
-        hits.resize(n);
-        points.resize(n);
-        sources.resize(n);
-        bsdfs.resize(n);
-    }
-    /// Entry `from` moves to `to` (before materials have run).
-    void keep(std::size_t from, std::size_t to) {
-        if (from == to) return;
-        rows[to] = rows[from];
-        rays[to] = rays[from];
-        hits[to] = hits[from];
-        points[to] = points[from];
-        sources[to] = sources[from];
-    }
-};
-
 /// Collisions with the particles of a medium at the current vertex: entry j of every array is one path.
 struct CollisionBatch {
     std::vector<std::uint32_t> rows;
@@ -102,8 +75,7 @@ struct PathThread final : IntegratorThread {
         paths.resize(capacity);
         trackers.resize(capacity);
         samplers.resize(capacity);
-        next_rows.resize(capacity);
-        next_rays.resize(capacity);
+        queue.reserve(capacity);
         vertices.reserve(capacity);
         first_entries.resize(capacity);
         pending.resize(capacity);
@@ -121,10 +93,7 @@ struct PathThread final : IntegratorThread {
     std::vector<PathState> paths;
     std::vector<display::Tracker> trackers;
     std::vector<PixelSampler> samplers;
-    // Rays of the next vertex.
-    std::vector<std::uint32_t> next_rows;
-    std::vector<Ray> next_rays;
-    std::size_t next_count = 0;
+    RayQueue queue;   // of the next vertex
     VertexBatch vertices;
     // Light samples of this vertex.
     std::vector<PendingLight> pending;
@@ -141,14 +110,7 @@ struct PathThread final : IntegratorThread {
     std::vector<PendingLightMedia> light_media;   // beside pending
     CollisionBatch collisions;
 
-    void finish(std::uint32_t row) {
-        const std::size_t last = counters.path_lengths.size() - 1;
-        ++counters.path_lengths[paths[row].depth < last ? paths[row].depth : last];
-    }
-    void push_next(std::uint32_t row, const Ray& ray) {
-        next_rows[next_count] = row;
-        next_rays[next_count++] = ray;
-    }
+    void finish(std::uint32_t row) { counters.count_length(paths[row].depth); }
 };
 
 class PathIntegrator final : public Integrator {
@@ -164,18 +126,16 @@ class PathIntegrator final : public Integrator {
 
   private:
     void start(const CameraBatch& batch, PathThread& thread, ThreadServices& services) const;
-    /// Traces next_rays; misses go to the infinite lights, hits become the vertex batch.
-    void trace(PathThread& thread, ThreadServices& services) const;
+    /// Misses go to the infinite lights, collisions with particles to the collisions, hits become the vertex batch.
+    void trace_rays(PathThread& thread, ThreadServices& services) const;
     void escape(PathThread& thread, ThreadServices& services, std::uint32_t row, const Ray& ray) const;
     /// Drops from the batch what passes straight through, adds emission, ends paths at full depth.
     void resolve(PathThread& thread, ThreadServices& services) const;
     bool passes(PathThread& thread, ThreadServices& services, std::size_t j) const;
     void emit(PathThread& thread, ThreadServices& services, std::size_t j) const;
-    void record_first_hit(PathThread& thread, ThreadServices& services, std::size_t j) const;
     /// Whether anything is to be learnt at a vertex: of what scatters there, or of the surface itself.
     [[nodiscard]] bool worth_shading(const PathState& path, const display::Tracker& tracker,
                                      const display::LpeServices& lpe) const;
-    void write_aovs(PathThread& thread, ThreadServices& services) const;
     void report_surfaces(PathThread& thread, ThreadServices& services) const;
     /// The infinite lights that light sampling leaves to scattering, from which the vertex hides them.
     void report_hidden_environments(PathThread& thread, ThreadServices& services, std::size_t j) const;
@@ -183,8 +143,6 @@ class PathIntegrator final : public Integrator {
     void sample_lights(PathThread& thread, ThreadServices& services) const;
     void add_lights(PathThread& thread, ThreadServices& services) const;
     // path_media.cpp; these run only in scenes with media
-    /// As trace(): paths that collide with particles on their way go to the collisions instead.
-    void trace_in_media(PathThread& thread, ThreadServices& services) const;
     /// Takes a path through `medium` to a hit or miss at `distance`; false if it ends or collides before.
     bool fly(PathThread& thread, ThreadServices& services, std::uint32_t row, const Ray& ray, std::int32_t medium,
              float distance) const;
@@ -199,7 +157,6 @@ class PathIntegrator final : public Integrator {
     /// `roulette`, and asks whether anything is left to find. False: the path is finished.
     bool goes_on(PathThread& thread, ThreadServices& services, std::uint32_t row, std::uint32_t roulette) const;
     void scatter(PathThread& thread, ThreadServices& services) const;
-    void move(display::Tracker& tracker, display::LpeServices& lpe, std::int32_t label, const LobeList& lobes) const;
     /// An emitter found by scattering, whose light-sampling density is `light_pdf`.
     void deliver(PathThread& thread, ThreadServices& services, std::uint32_t row, const Rgb& emitted, float light_pdf,
                  std::uint32_t light) const;
@@ -220,14 +177,5 @@ class PathIntegrator final : public Integrator {
     IntegratorContext context_;
     bool can_sample_lights_ = false, reports_surfaces_ = false, in_media_ = false, emitters_can_be_hit_ = false;
 };
-
-inline void PathIntegrator::move(display::Tracker& tracker, display::LpeServices& lpe, std::int32_t label,
-                          const LobeList& lobes) const {
-    if (!context_.events->any()) return;
-    std::array<display::LobePart, max_lobes> parts;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(lobes.count); ++i)
-        parts[i] = {context_.events->scatter(label, lobes.entry[i].lobe), lobes.entry[i].value};
-    lpe.move(tracker, {parts.data(), static_cast<std::size_t>(lobes.count)});
-}
 
 }  // namespace raylex::transport

@@ -73,6 +73,14 @@ struct EmissionSample {
     Rgb power;           ///< radiance times cosine over the density of all choices: what the light emits, in the mean
 };
 
+/// How likely a light path is to begin somewhere, in the measures that bidirectional weights want.
+struct EmissionDensity {
+    /// Of the point, per area, times the chance of the light's choice; of a light at infinity the density of the direction,
+    /// per steradian; of a point or a distant light the choice alone.
+    float position = 0;
+    float direction = 0;  ///< per steradian; of a light at infinity, of the ray across the beam, per area
+};
+
 /// The ray that tests whether `sample` is visible from `position`.
 inline Ray shadow_ray(const Vec3& position, const Vec3& geometric_normal, float offset, const LightSample& sample) {
     Ray ray;

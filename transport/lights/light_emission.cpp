@@ -46,7 +46,34 @@ bool emit_from_point(const Light& light, const Vec2& u, EmissionSample& s) {
     return falloff > 0;
 }
 
+/// Per world area, where sample_*_point() puts points on an area light.
+float area_density(const Light& light, const ShapeGeometry& shape, const Vec2& uv) {
+    if (light.kind == LightKind::triangle) return 1 / light.area;
+    if (light.kind == LightKind::patch) {
+        const BilinearPatch patch = shape.patch(light.primitive);
+        return static_cast<float>(1 / length(cross(patch.dpdu(uv.y), patch.dpdv(uv.x))));
+    }
+    return static_cast<float>(1 / (shape.quadric.object_area() * shape.quadric.world_point(uv.x, uv.y).area_scale));
+}
+
 }  // namespace
+
+EmissionDensity LightTable::emission_density(const EmbreeScene& geometry, const LightSample& at,
+                                             const Vec3& direction) const {
+    const Light& light = lights_[at.light];
+    const float chosen = selection(LightChoice::light_sampling).probability(at.light);
+    if (light.is_area()) {
+        const float cosine = dot(at.target_normal, direction);
+        const float of_direction = light.two_sided ? 0.5f * std::abs(cosine) : std::max(cosine, 0.0f);
+        return {chosen * area_density(light, geometry.shapes()[light.shape], at.uv), of_direction * inv_pi};
+    }
+    if (light.kind == LightKind::point) return {chosen, uniform_sphere_pdf()};
+    if (light.kind == LightKind::spot)
+        return {chosen, dot(light.direction, direction) > light.cos_zero ? uniform_cone_pdf(1 - light.cos_zero) : 0.0f};
+    const float radius = covering_radius(geometry), across = 1 / (pi * radius * radius);
+    if (light.kind == LightKind::distant) return {chosen, across};
+    return {environment_density(LightChoice::light_sampling, at.light, -direction), across};
+}
 
 bool LightTable::sample_emission(const EmbreeScene& geometry, float u_choice, Vec2 u_position, Vec2 u_direction,
                                  EmissionSample& s) const {

@@ -186,6 +186,22 @@ float LightTable::density(LightChoice choice, const EmbreeScene& geometry, std::
     return cosine > 0 ? chosen * static_cast<float>(area_density) * d2 / cosine : infinity;
 }
 
+float LightTable::density(LightChoice choice, const EmbreeScene& geometry, const Vec3& from,
+                          const LightSample& at) const {
+    const Light& light = lights_[at.light];
+    if (light.is_area()) {
+        SurfacePoint point;
+        point.position = at.target;
+        point.geometric_normal = at.target_normal;
+        Hit hit;
+        hit.u = at.uv.x;
+        hit.v = at.uv.y;
+        return density(choice, geometry, at.light, from, point, hit);
+    }
+    if (light.is_environment()) return environment_density(choice, at.light, at.wi);
+    return selection(choice).probability(at.light);
+}
+
 float LightTable::environment_density(LightChoice choice, std::uint32_t index, const Vec3& direction) const {
     const Light& light = lights_[index];
     const float chosen = selection(choice).probability(index);

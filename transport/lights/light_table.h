@@ -63,12 +63,20 @@ class LightTable {
     /// needs_choice_number(LightChoice::light_sampling).
     bool sample_emission(const EmbreeScene& geometry, float u_choice, Vec2 u_position, Vec2 u_direction,
                          EmissionSample& sample) const;
+    /// The density with which sample_emission() lets light leave a light in `direction` from `at`: target, target_normal and
+    /// uv; of infinite lights, from where `direction` comes.
+    [[nodiscard]] EmissionDensity emission_density(const EmbreeScene& geometry, const LightSample& at,
+                                                   const Vec3& direction) const;
     /// Whether a ray can find any light: if not, a path's last scattering need not be traced.
     [[nodiscard]] bool any_to_hit() const { return any_to_hit_; }
 
     /// Density with which sample() would have found the point `at` (hit by `hit`) of an area light from `from`.
     [[nodiscard]] float density(LightChoice choice, const EmbreeScene& geometry, std::uint32_t light, const Vec3& from,
                                 const SurfacePoint& at, const Hit& hit) const;
+    /// Density with which sample() would have found `at` (target, target_normal, uv; of infinite lights wi) from `from`, per
+    /// steradian; of lights that no ray finds as LightSample::pdf has it.
+    [[nodiscard]] float density(LightChoice choice, const EmbreeScene& geometry, const Vec3& from,
+                                const LightSample& at) const;
     [[nodiscard]] float environment_density(LightChoice choice, std::uint32_t light, const Vec3& direction) const;
 
     /// Radiance that an area light sends from a point with oriented normal `n` towards `wo`.

@@ -114,9 +114,17 @@ bool PerspectiveCamera::connect(const Vec3& point, const Vec2& lens, CameraConne
     }
     connection.x = static_cast<float>((at_x - static_cast<double>(corner_.x)) / static_cast<double>(step_x_.x));
     connection.y = static_cast<float>((at_y - static_cast<double>(corner_.y)) / static_cast<double>(step_y_.y));
-    const double distance = length(DVec3(point) - DVec3(connection.position));
-    connection.importance = static_cast<float>(raster_density_ * distance / (seen.z * seen.z * seen.z));
+    connection.importance = importance_at(seen.z, point, connection.position);
     return true;
+}
+
+float PerspectiveCamera::importance_at(double depth, const Vec3& point, const Vec3& position) const {
+    return static_cast<float>(raster_density_ * length(DVec3(point) - DVec3(position)) / (depth * depth * depth));
+}
+
+float PerspectiveCamera::importance(const Vec3& point, const Vec3& position) const {
+    const double depth = to_camera_.point(DVec3(point)).z;  // the lens is at depth 0
+    return depth > 0 ? importance_at(depth, point, position) : 0.0f;
 }
 
 void PerspectiveCamera::rigid_world_to_camera(float (&matrix)[3][4]) const {

@@ -30,6 +30,9 @@ class PerspectiveCamera {
     [[nodiscard]] Ray generate(float x, float y, const Vec2& lens) const;
     /// How the camera sees a point in world space through `lens` in [0, 1)^2; false for what is not in front of it.
     [[nodiscard]] bool connect(const Vec3& point, const Vec2& lens, CameraConnection& connection) const;
+    /// CameraConnection::importance of `point` as seen from `position`, the pinhole or a point of the lens. 0 for what is not
+    /// in front of it.
+    [[nodiscard]] float importance(const Vec3& point, const Vec3& position) const;
     [[nodiscard]] bool has_lens() const { return lens_radius_ > 0; }
 
     /// Width and height of a pixel on the plane at distance 1 before the camera.
@@ -41,6 +44,7 @@ class PerspectiveCamera {
     [[nodiscard]] const Matrix4& world_to_screen() const { return world_to_screen_; }
 
   private:
+    [[nodiscard]] float importance_at(double depth, const Vec3& point, const Vec3& position) const;
     Transform camera_to_world_;
     Vec3 corner_, step_x_, step_y_;  // camera space, at z = 1: raster (0, 0) and one pixel right and down
     Vec3 origin_;                    // world

@@ -1,4 +1,4 @@
-#include "transport/integrators/straight.h"
+#include "transport/paths/transmittance.h"
 
 #include <algorithm>
 

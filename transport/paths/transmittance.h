@@ -1,7 +1,8 @@
 // Light through cutouts: what shadow rays and light samples make of surfaces with alpha.
 #pragma once
 
-#include "transport/integrators/integrator.h"
+#include "transport/paths/counters.h"
+#include "transport/paths/event_table.h"
 
 namespace raylex::transport {
 

@@ -1,0 +1,26 @@
+// `bdpt`: bidirectional path tracing (Veach 1997, chapter 10). Every camera sample makes a subpath from the camera and one
+// from a light and joins every vertex of one with every vertex of the other.
+//
+// With s vertices from the light and t from the camera, a path is found
+//     s = 0          when the camera subpath meets a light by itself;
+//     s = 1          by a light sample, drawn anew for each vertex (next event estimation);
+//     t = 1          when a light subpath's vertex is connected to the camera: a splat through the pixel filter;
+//     s, t >= 2      by joining two vertices;
+// t = 0 is left out: no ray meets a pinhole, and hardly any a lens. Light that the camera sees directly is found by s = 0
+// alone. Each strategy has the weight of the power heuristic over all that could have made the path (paths/strategies.h).
+//
+// Words. The camera subpath's tracker goes on over the join and back along the light subpath's events to its light, so that
+// every channel takes exact shares whatever found the path (Law 5).
+//
+// Not yet: participating media, holdouts, and the prefixes nothruput, unoccluded and shadows; they are refused. As with
+// every method that splats, statistics and adaptive sampling are refused too.
+#pragma once
+
+#include "transport/integrators/integrator.h"
+
+namespace raylex::transport {
+
+/// The registry's entry: parameters maxdepth, roulette.
+Registry<IntegratorFactory>::Entry bdpt_entry();
+
+}  // namespace raylex::transport

@@ -1,0 +1,67 @@
+// Connections of light subpaths to the camera, splatted where the camera sees their vertices.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "display/services/raster_splats.h"
+#include "transport/paths/counters.h"
+#include "transport/paths/scattering.h"
+#include "transport/paths/strategies.h"
+#include "transport/paths/words.h"
+#include "transport/render/camera.h"
+
+namespace raylex::transport {
+
+/// Where the camera stands and what it fills.
+struct CameraView {
+    const PerspectiveCamera* camera = nullptr;
+    int width = 0, height = 0;   ///< of the image
+    Vec2 filter_radius;          ///< how far around the image light still counts, in pixels
+
+    /// Density per area with which a camera ray through a raster position drawn evenly over the image meets a point whose
+    /// raster area for each area is `importance`, |cosine| its own.
+    [[nodiscard]] double density(float importance, float cosine) const {
+        return static_cast<double>(importance) * static_cast<double>(cosine) /
+               (static_cast<double>(width) * static_cast<double>(height));
+    }
+};
+
+/// The end of a light subpath that is to be connected.
+struct LightSubpathEnd {
+    std::uint32_t row = 0, light = 0;
+    const SurfacePoint* point = nullptr;
+    const Bsdf* bsdf = nullptr;
+    float offset = 0;            ///< SurfaceSource::offset
+    std::int32_t label = 0;
+    Rgb power;
+    std::span<const WordEvent> word;       ///< must stay where it is until splat(); empty when no channel reads words
+    const StrategySums* sums = nullptr;    ///< null: this is the only strategy
+};
+
+class CameraConnections {
+  public:
+    void clear() { pending_.clear(), shadow_rays_.clear(); }
+    /// Whether the camera sees the point is found out by splat(). `lens` in [0, 1)^2.
+    void add(const CameraView& view, const LightSubpathEnd& end, const Vec2& lens);
+    /// Leaves out what no channel accepts (Law 4): for renders without beauty, and without cutouts, whose events come before.
+    void drop_dead(const EventTable& events, display::LpeServices& lpe);
+    /// Adds all that are visible, and forgets them. `rows` say whose they are.
+    void splat(const SceneView& scene, const EventTable& events, std::span<const display::CameraRow> rows,
+               display::RasterSplats& raster, IntegratorCounters& counters);
+
+  private:
+    struct Pending {
+        std::uint32_t row = 0, light = 0;
+        std::int32_t label = 0;
+        float x = 0, y = 0;
+        Rgb value;
+        LobeList lobes;
+        std::span<const WordEvent> word;
+    };
+    std::vector<Pending> pending_;
+    std::vector<Ray> shadow_rays_;
+    std::vector<std::uint8_t> blocked_;
+};
+
+}  // namespace raylex::transport

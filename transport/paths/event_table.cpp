@@ -1,0 +1,72 @@
+#include "transport/paths/event_table.h"
+
+namespace raylex::transport {
+
+lpe::Event scattering_event(const std::string& object_label, const LobeKind& lobe, const lpe::LobeSlots& slots) {
+    lpe::Event event;
+    event.type = lobe.type;
+    event.scatter = lobe.scatter;
+    event.lobe_number = slots.number(lobe.scatter, lobe.name);
+    event.labels = {object_label, lobe.name};
+    return event;
+}
+
+lpe::Event straight_event(const std::string& object_label) {
+    lpe::Event event;
+    event.type = lpe::EventType::transmission;
+    event.scatter = lpe::Scatter::straight;
+    event.labels = {object_label, ""};
+    return event;
+}
+
+lpe::Event phase_event(const std::string& medium_name) {
+    lpe::Event event;
+    event.type = lpe::EventType::volume;
+    event.labels = {medium_name, ""};
+    return event;
+}
+
+lpe::Event emission_event() {
+    lpe::Event event;
+    event.type = lpe::EventType::emission;
+    event.labels = {""};
+    return event;
+}
+
+lpe::Event terminal_event(bool infinite, const std::string& light_group) {
+    lpe::Event event;
+    event.type = infinite ? lpe::EventType::background : lpe::EventType::light;
+    event.labels = {light_group};
+    return event;
+}
+
+lpe::Event user_event(const std::string& object_label, UserLobe lobe, const lpe::LobeSlots& slots) {
+    const char* name = user_lobes[static_cast<std::size_t>(lobe)];
+    lpe::Event event;
+    event.type = lpe::EventType::user;
+    event.lobe_number = slots.user_number(name);
+    event.labels = {object_label, name};
+    return event;
+}
+
+EventTable::EventTable(const display::LpeSetup& setup, const SceneView& scene, const lpe::LobeSlots& slots) {
+    any_ = setup.program().group_count() > 0;
+    const std::span<const LobeKind> kinds = lobe_kinds();
+    lobe_count_ = kinds.size();
+    for (const std::string& label : scene.geometry->object_labels()) {
+        for (const LobeKind& kind : kinds) scatter_.push_back(setup.classify(scattering_event(label, kind, slots)));
+        straight_.push_back(setup.classify(straight_event(label)));
+        for (std::size_t i = 0; i < user_lobes.size(); ++i) {
+            user_.push_back(setup.classify(user_event(label, static_cast<UserLobe>(i), slots)));
+            wants_user_[i] = wants_user_[i] || setup.follows(user_.back());
+        }
+    }
+    for (const std::string& medium : scene.media->names()) phase_.push_back(setup.classify(phase_event(medium)));
+    emission_ = setup.classify(emission_event());
+    user_terminal_ = setup.classify(terminal_event(false, ""));
+    for (const Light& light : scene.lights->lights())
+        terminal_.push_back(setup.classify(
+            terminal_event(light.is_environment(), scene.lights->groups()[static_cast<std::size_t>(light.group)])));
+}
+
+}  // namespace raylex::transport
