@@ -33,8 +33,8 @@ struct Box {
 /// What one part asks for.
 struct PartHeader {
     Box data, display;
-    bool deep = false;
-    unsigned char compression = 3;  ///< as the file numbers them; 0 is none
+    bool deep = false;  ///< by its type, which deep parts must have; the library does not go by the version field
+    unsigned char compression = 3;         ///< as the file numbers them; 0 is none
     double pixel_bytes = 0, channels = 0;  ///< bytes of a pixel as the file stores it
 };
 
@@ -48,11 +48,30 @@ struct FixedSize {
     std::string_view type;
     std::uint32_t bytes;
 };
-constexpr FixedSize fixed_sizes[] = {
-    {"box2i", 16}, {"box2f", 16},   {"chromaticities", 32}, {"compression", 1}, {"deepImageState", 1}, {"double", 8},
-    {"envmap", 1}, {"float", 4},    {"int", 4},             {"keycode", 28},    {"lineOrder", 1},      {"m33f", 36},
-    {"m33d", 72},  {"m44f", 64},    {"m44d", 128},          {"rational", 8},    {"tiledesc", 9},       {"timecode", 8},
-    {"v2i", 8},    {"v2f", 8},      {"v2d", 16},            {"v3i", 12},        {"v3f", 12},           {"v3d", 24}};
+constexpr FixedSize fixed_sizes[] = {{"box2i", 16},
+                                     {"box2f", 16},
+                                     {"chromaticities", 32},
+                                     {"compression", 1},
+                                     {"deepImageState", 1},
+                                     {"double", 8},
+                                     {"envmap", 1},
+                                     {"float", 4},
+                                     {"int", 4},
+                                     {"keycode", 28},
+                                     {"lineOrder", 1},
+                                     {"m33f", 36},
+                                     {"m33d", 72},
+                                     {"m44f", 64},
+                                     {"m44d", 128},
+                                     {"rational", 8},
+                                     {"tiledesc", 9},
+                                     {"timecode", 8},
+                                     {"v2i", 8},
+                                     {"v2f", 8},
+                                     {"v2d", 16},
+                                     {"v3i", 12},
+                                     {"v3f", 12},
+                                     {"v3d", 24}};
 
 class HeaderReader {
   public:
@@ -63,7 +82,6 @@ class HeaderReader {
         char start[8] = {};
         if (!take(start, 8)) return failure(path_, "the file is truncated or damaged: it ends in its header");
         const bool many = (static_cast<unsigned char>(start[5]) & 0x10U) != 0;  // bit 12 of the version field
-        deep_ = (static_cast<unsigned char>(start[5]) & 0x08U) != 0;
         std::vector<PartHeader> found;
         while (true) {
             PartHeader part;
@@ -106,8 +124,8 @@ class HeaderReader {
                 if (type == each.type && size != each.bytes)
                     return damaged("claims " + std::to_string(size) + " bytes for '" + name + "' of type " + type +
                                    ", which has " + std::to_string(each.bytes));
-            const bool wanted_here = type == "preview" || type == "box2i" || type == "chlist" ||
-                                     type == "compression" || name == "type";
+            const bool wanted_here =
+                type == "preview" || type == "box2i" || type == "chlist" || type == "compression" || name == "type";
             if (!wanted_here) {
                 stream_.seekg(size, std::ios::cur);
                 left_ -= size;
@@ -136,7 +154,6 @@ class HeaderReader {
         } else if (name == "type") {
             part.deep = value.starts_with("deep");
         }
-        part.deep = part.deep || deep_;
         return success();
     }
 
@@ -166,7 +183,6 @@ class HeaderReader {
     const std::string& path_;
     std::ifstream stream_;
     std::uint64_t left_;
-    bool deep_ = false;
 };
 
 /// What the library unpacks with, however few lines there are: two buffers of a chunk for each that threads work on.

@@ -284,7 +284,8 @@ void add_options(CLI::App& command, RenderOptions& options) {
             "renders these pixels alone, to the bits that they have in the whole image: the file's data window in its "
             "display window")
         ->option_text("X0,Y0,X1,Y1");
-    command.add_option("--integrator", options.integrator, "path, lighttracer, pssmlt or a plugin's; default: as the scene says")
+    command.add_option("--integrator", options.integrator,
+                       "path, lighttracer, bdpt, pssmlt or a plugin's; default: as the scene says")
         ->option_text("NAME");
     command.add_option("--max-depth", options.max_depth, "at most N scattering events on a path")
         ->option_text("N")

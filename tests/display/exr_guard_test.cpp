@@ -57,6 +57,11 @@ TEST_CASE("an EXR header that asks for more than its bytes can mean is refused",
     }
     write_bytes(path, resized(sound, 20'000, 10'000));
     CHECK(contains(refusal(path), "exr_ratio"));
+    // A mark of deep data in the version field changes nothing of how the library reads a part that is not deep.
+    std::string marked = resized(sound, 1 << 22, 16);
+    marked[5] = static_cast<char>(marked[5] | 0x08);
+    write_bytes(path, marked);
+    CHECK(contains(refusal(path), "exr_ratio"));
     write_bytes(path, resized(sound, 0x7fffffff, 0x7fffffff));
     CHECK(contains(refusal(path), "image_pixels"));
 }

@@ -155,7 +155,7 @@ class Integrator {
 using IntegratorFactory =
     std::function<Result<std::unique_ptr<Integrator>>(const SceneEntity&, std::optional<std::int64_t> max_depth)>;
 
-/// path (volpath is another name for it), lighttracer, pssmlt; plugins add theirs.
+/// path (volpath is another name for it), lighttracer, bdpt, pssmlt; plugins add theirs.
 Registry<IntegratorFactory>& integrator_registry();
 
 /// The parameter "maxdepth" of in-tree integrators, `max_depth` first; 5 without, at most a million.
@@ -171,8 +171,8 @@ struct ChosenIntegrator {
     std::vector<Error> warnings;
 };
 /// pbrt's integrators that are not here fall back to `path` with a warning; `volpath` means `path`, which takes media as they
-/// come; a name nobody knows is an Error. An empty
-/// type means `path`.
+/// come; a name nobody knows is an Error. An empty type
+/// means `path`.
 Result<ChosenIntegrator> choose_integrator(const SceneEntity& entity, std::optional<std::int64_t> max_depth);
 
 }  // namespace raylex::transport

@@ -145,9 +145,13 @@ class Measurer {
                     study_.curves[curves[{region.name, group.variant->name}]].points.push_back(std::move(*point));
             }
         }
+        BiasSide truth{{block_means(reference.mean)}, {}};
+        if (reference.variance) truth.variance = block_variances(*reference.variance);
+        else if (const auto same = candidates.find(scene.reference_method); same != candidates.end())
+            truth.variance = variance_by_samples(same->second, static_cast<double>(scene.reference_samples));
         for (const MethodVariant& variant : study_.variants)
             if (const auto found = candidates.find(variant.name); found != candidates.end())
-                test_channel(scene, channel, variant, found->second, reference);
+                test_channel(scene, channel, variant, found->second, truth);
     }
 
     /// All that could be read is black; false when there is nothing.
@@ -247,7 +251,7 @@ class Measurer {
 
     /// The images that a variant's bias is tested on: of the budget with most samples in all, two replicates at least.
     struct BiasCandidate {
-        double weight = -1, budget = 0;
+        double weight = -1, budget = 0, samples = 0;  ///< samples per pixel of a replicate; 0: not known
         BiasSide side;
     };
 
@@ -264,14 +268,31 @@ class Measurer {
         }
         if (offered.side.replicates.empty()) return;
         offered.weight = offered.side.replicates.size() < 2 ? 0 : cost;
+        for (const Cell* cell : group.cells)
+            offered.samples += static_cast<double>(cell->samples_per_pixel) / static_cast<double>(group.cells.size());
         BiasCandidate& best = candidates[group.variant->name];
         if (offered.weight > best.weight) best = std::move(offered);
     }
 
+    /// Methods whose light lands anywhere keep no moments. Of a reference made by one, the variance is that of its own
+    /// replicates, less by as many times as it has more samples; empty when that is not known.
+    static std::vector<double> variance_by_samples(const BiasCandidate& same, double reference_samples) {
+        const std::size_t count = same.side.replicates.size();
+        if (count < 2 || !(same.samples > 0) || !(reference_samples > 0)) return {};
+        std::vector<double> variance(same.side.replicates.front().size());
+        for (std::size_t block = 0; block < variance.size(); ++block) {
+            double mean = 0, squares = 0;
+            for (const std::vector<double>& each : same.side.replicates)
+                mean += each[block] / static_cast<double>(count);
+            for (const std::vector<double>& each : same.side.replicates)
+                squares += (each[block] - mean) * (each[block] - mean);
+            variance[block] = squares / static_cast<double>(count - 1) * same.samples / reference_samples;
+        }
+        return variance;
+    }
+
     void test_channel(const SceneInfo& scene, const ChannelInfo& channel, const MethodVariant& variant,
-                      const BiasCandidate& candidate, const Reference& reference) {
-        BiasSide truth{{block_means(reference.mean)}, {}};
-        if (reference.variance) truth.variance = block_variances(*reference.variance);
+                      const BiasCandidate& candidate, const BiasSide& truth) {
         BiasOptions options;
         options.level = study_.options.bias_level;
         options.channels = static_cast<double>(scene.channels.size());
