@@ -241,7 +241,7 @@ void FrameBuffer::accumulate_run(const SampleTable& table, const Run& run) {
     Storage& storage = *storage_;
     const int exponent = storage.layout.quantum_exponent;
     const std::size_t pixel = run.pixel, none = storage.channels.size();
-    if (run.next_pixel != Run::no_pixel) storage.ask_for(run.next_pixel);
+    if (run.next_pixel != Run::no_pixel) storage.prefetch(run.next_pixel);
     if (run.inside) storage.samples[pixel] += static_cast<std::uint64_t>(run.end - run.begin);
     if (run.splat != nullptr) {
         storage.splat_weights(run);
@@ -292,7 +292,7 @@ void FrameBuffer::accumulate_channels(const SampleTable& table, const Run& run) 
         storage.takers.data(), by_sets && !table.sent_apart() ? storage.own_takers : storage.takers.size());
     // A pixel of each channel lies on a memory page of its own: asked for one run ahead it is there in time. The next run
     // mostly reaches the same channels.
-    const auto ask_for = [&](const Storage::Taker& taker, std::size_t pixel) {
+    const auto prefetch = [&](const Storage::Taker& taker, std::size_t pixel) {
         for (const Storage::Taker::Place& place : taker.places) {
             if (place.first == nullptr) continue;
             const char* const first = place.first + pixel * place.pixel_bytes;
@@ -302,8 +302,8 @@ void FrameBuffer::accumulate_channels(const SampleTable& table, const Run& run) 
     };
     for (const Storage::Taker& taker : takers) {
         if (!takes(taker)) continue;
-        if (run.begin == 0) ask_for(taker, run.pixel);
-        if (run.next_pixel != Run::no_pixel) ask_for(taker, run.next_pixel);
+        if (run.begin == 0) prefetch(taker, run.pixel);
+        if (run.next_pixel != Run::no_pixel) prefetch(taker, run.next_pixel);
     }
     for (const Storage::Taker& taker : takers) {
         if (!takes(taker)) continue;

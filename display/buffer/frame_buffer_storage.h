@@ -231,7 +231,7 @@ struct FrameBuffer::Storage {
         raster_kernel_name = filter.name();
     }
     /// What every run of a pixel reaches, so that it is there in time.
-    void ask_for(std::size_t pixel) {
+    void prefetch(std::size_t pixel) {
         __builtin_prefetch(&samples[pixel], 1);
         __builtin_prefetch(&weight[pixel], 1);
         __builtin_prefetch(&alpha[pixel], 1);

@@ -81,7 +81,7 @@ class PlantedError final : public Integrator {
             certain = s.delta;
             move(path, *source, s.lobes, services);
             if (!services.lpe.live(path)) return;
-            ray = {leave_surface(point->position, point->geometric_normal, source->offset, s.wi), infinity, s.wi};
+            ray = {offset_ray_origin(point->position, point->geometric_normal, source->offset, s.wi), infinity, s.wi};
             ++counters.scattering_rays;
         }
     }

@@ -248,21 +248,21 @@ struct Family {
 /// Events before the terminal on which every lane dies (user events that none names, say) end the whole path, so that
 /// no lane needs a code for being dead because of them.
 std::vector<Place> without_deadly(const std::vector<Group>& lanes, std::vector<Place> places) {
-    std::vector<bool> deadly(places.size());
+    std::vector<bool> always_dies(places.size());
     for (std::size_t k = 0; k < places.size(); ++k) {
-        deadly[k] = places[k] == Place::scattering || places[k] == Place::camera;
+        always_dies[k] = places[k] == Place::scattering || places[k] == Place::camera;
     }
     for (const Group& lane : lanes) {
         bool dies = false;
         for (const std::uint32_t state : underway(lane.dfa, places, lane_code_limit, dies)) {
             for (std::size_t k = 0; k < places.size(); ++k) {
                 const std::uint32_t from = places[k] == Place::camera ? lane.dfa.start : state;
-                deadly[k] = deadly[k] && lane.dfa.step(from, static_cast<EventClass>(k)) == 0;
+                always_dies[k] = always_dies[k] && lane.dfa.step(from, static_cast<EventClass>(k)) == 0;
             }
         }
     }
     for (std::size_t k = 0; k < places.size(); ++k) {
-        places[k] = deadly[k] ? Place::nowhere : places[k];
+        places[k] = always_dies[k] ? Place::nowhere : places[k];
     }
     return places;
 }

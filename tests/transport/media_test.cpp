@@ -81,7 +81,7 @@ TEST_CASE("flights through coloured fog are unbiased in every colour", "[media]"
                 const Rgb middle{share.r / 2, share.r + share.g / 2, share.r + share.g + share.b / 2};
                 for (int a = 0; a < 3; ++a)
                     for (int d = 0; d < deep; ++d) {
-                        const Flight f = sample_flight(m, throughput, end, {middle[a], (float(d) + 0.5f) / deep});
+                        const FreeFlight f = sample_free_flight(m, throughput, end, {middle[a], (float(d) + 0.5f) / deep});
                         (f.collided ? scattered : through) += RgbD(f.weight) * (double(share[a]) / deep);
                     }
                 for (int c = 0; c < 3; ++c) {
@@ -99,12 +99,12 @@ TEST_CASE("flights through coloured fog are unbiased in every colour", "[media]"
 TEST_CASE("nothing is lost in thick, thin and endless fog", "[media]") {
     const Medium thick = fog({1e4f, 2e4f, 3e4f}, {1e4f, 1e4f, 1e4f}), thin = fog(Rgb(1e-8f), Rgb(1e-8f));
     for (const float u : {0.0f, 0.3f, one_minus_epsilon}) {
-        const Flight f = sample_flight(thick, Rgb(1), infinity, {u, u});
+        const FreeFlight f = sample_free_flight(thick, Rgb(1), infinity, {u, u});
         CHECK(f.collided);
         CHECK(is_finite(f.weight));
         CHECK(f.weight.max() <= 3.001f);  // one colour in three may have drawn it
-        CHECK(is_finite(sample_flight(thick, {0, 0, 1}, 1e30f, {u, u}).weight));
-        CHECK(is_finite(sample_flight(fog(Rgb(0), {0, 1, 0}), {1, 0, 1}, infinity, {u, u}).weight));
+        CHECK(is_finite(sample_free_flight(thick, {0, 0, 1}, 1e30f, {u, u}).weight));
+        CHECK(is_finite(sample_free_flight(fog(Rgb(0), {0, 1, 0}), {1, 0, 1}, infinity, {u, u}).weight));
     }
     CHECK(transmittance(thick, 1).is_black());
     CHECK(transmittance(fog(Rgb(0), {0, 1, 0}), infinity) == Rgb(1, 0, 1));

@@ -61,7 +61,7 @@ inline float next_down(float v) {
 /// Origin of a ray that leaves `p` in `direction`: `offset` along the unit normal `n`, on the direction's side. Each
 /// coordinate that moves goes on by 2^-23 of itself, at least an ulp, so that rounding cannot take the step back. Which
 /// way it moves is as good as random from ray to ray: hence no branches.
-inline Vec3 leave_surface(const Vec3& p, const Vec3& n, float offset, const Vec3& direction) {
+inline Vec3 offset_ray_origin(const Vec3& p, const Vec3& n, float offset, const Vec3& direction) {
     const Vec3 shift = n * std::copysign(offset, dot(n, direction));
     const auto step = [](float coordinate, float by) {
         const float moved = coordinate + by;

@@ -143,7 +143,7 @@ void Bdpt::resolve(const CameraBatch& batch, BdptThread& thread, ThreadServices&
         const bool emits = shape.first_light != Hit::none;
         if (cutouts && shape.alpha >= 0) {
             if (emits && shape.interface) find_light(thread, services, j);  // a light without a surface still shines
-            if (passes(batch, thread, services, j)) continue;
+            if (passes_cutout(batch, thread, services, j)) continue;
         }
         if (path.depth == 0)
             record_first_hit(geometry, static_cast<int>(row), path.travelled + v.hits[j].t, v.hits[j],
@@ -163,7 +163,7 @@ void Bdpt::resolve(const CameraBatch& batch, BdptThread& thread, ThreadServices&
     v.count = kept;
 }
 
-bool Bdpt::passes(const CameraBatch& batch, BdptThread& thread, ThreadServices& services, std::size_t j) const {
+bool Bdpt::passes_cutout(const CameraBatch& batch, BdptThread& thread, ThreadServices& services, std::size_t j) const {
     const VertexBatch& v = thread.vertices;
     const std::uint32_t row = v.rows[j];
     CameraSubpath& path = thread.paths[row];

@@ -135,8 +135,9 @@ void Bdpt::join_vertices(BdptThread& thread, ThreadServices& services, std::size
         join.value = path.beta * f.value * g.value * y.power * (StrategySums::weight(others) / d2);
         if (join.value.is_black() || !worth_a_ray(thread, services, join)) continue;
         Ray ray;
-        ray.origin = leave_surface(point.position, point.geometric_normal, v.sources[j].offset, direction);
-        ray.direction = leave_surface(y.point.position, y.point.geometric_normal, y.offset, -direction) - ray.origin;
+        ray.origin = offset_ray_origin(point.position, point.geometric_normal, v.sources[j].offset, direction);
+        ray.direction =
+            offset_ray_origin(y.point.position, y.point.geometric_normal, y.offset, -direction) - ray.origin;
         ray.t_max = shadow_t_max;
         thread.joins.push_back(join);
         thread.shadow_rays.push_back(ray);

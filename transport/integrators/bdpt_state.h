@@ -111,7 +111,7 @@ class Bdpt final : public Integrator {
     void trace_camera(const CameraBatch& batch, BdptThread& thread, ThreadServices& services) const;
     /// What the rays have met: cutouts, lights, vertices that go on.
     void resolve(const CameraBatch& batch, BdptThread& thread, ThreadServices& services) const;
-    bool passes(const CameraBatch& batch, BdptThread& thread, ThreadServices& services, std::size_t j) const;
+    bool passes_cutout(const CameraBatch& batch, BdptThread& thread, ThreadServices& services, std::size_t j) const;
     void scatter(const CameraBatch& batch, BdptThread& thread, ThreadServices& services) const;
     bool survives_roulette(CameraSubpath& path, const PixelSampler& sampler, std::uint32_t dimension) const;
     // bdpt_joins.cpp

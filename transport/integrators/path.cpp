@@ -68,7 +68,7 @@ void PathIntegrator::trace_rays(PathThread& thread, ThreadServices& services) co
     thread.collisions.count = 0;
     trace(geometry, thread.queue, thread.vertices, [&](std::uint32_t row, const Ray& ray, const Hit& hit) {
         const std::int32_t medium = thread.media[row];
-        return (medium < 0 || fly(thread, services, row, ray, medium, hit.t)) && hits_surface(row, ray, hit);
+        return (medium < 0 || cross_medium(thread, services, row, ray, medium, hit.t)) && hits_surface(row, ray, hit);
     });
 }
 
@@ -78,7 +78,7 @@ float PathIntegrator::scattering_weight(const PathState& path, float light_pdf) 
     return power_heuristic(path.scatter_pdf, light_pdf);
 }
 
-void PathIntegrator::deliver(PathThread& thread, ThreadServices& services, std::uint32_t row, const Rgb& emitted,
+void PathIntegrator::add_emission(PathThread& thread, ThreadServices& services, std::uint32_t row, const Rgb& emitted,
                              float light_pdf, std::uint32_t light) const {
     const PathState& path = thread.paths[row];
     const float weight = scattering_weight(path, light_pdf);
@@ -97,8 +97,9 @@ void PathIntegrator::escape(PathThread& thread, ThreadServices& services, std::u
     const LightTable& lights = *context_.scene.lights;
     const PathState& path = thread.paths[row];
     for (const std::uint32_t light : lights.environments()) {
-        const float light_pdf = path.certain ? 0.0f : lights.environment_density(choice(), light, ray.direction);
-        deliver(thread, services, row, lights.environment_radiance(light, ray.direction), light_pdf, light);
+        const float light_pdf =
+            path.specular_bounce ? 0.0f : lights.environment_density(choice(), light, ray.direction);
+        add_emission(thread, services, row, lights.environment_radiance(light, ray.direction), light_pdf, light);
     }
     thread.finish(row);
 }
@@ -112,12 +113,12 @@ void PathIntegrator::emit(PathThread& thread, ThreadServices& services, std::siz
     if (emitted.is_black()) return;
     const PathState& path = thread.paths[v.rows[j]];
     const float light_pdf =
-        path.certain ? 0.0f
+        path.specular_bounce ? 0.0f
                      : lights.density(choice(), *context_.scene.geometry, light, path.from, v.points[j], v.hits[j]);
-    deliver(thread, services, v.rows[j], emitted, light_pdf, light);
+    add_emission(thread, services, v.rows[j], emitted, light_pdf, light);
 }
 
-bool PathIntegrator::passes(PathThread& thread, ThreadServices& services, std::size_t j) const {
+bool PathIntegrator::passes_cutout(PathThread& thread, ThreadServices& services, std::size_t j) const {
     VertexBatch& v = thread.vertices;
     const ShapeGeometry& shape = context_.scene.geometry->shapes()[v.hits[j].shape];
     const std::uint32_t row = v.rows[j];
@@ -161,13 +162,13 @@ void PathIntegrator::resolve(PathThread& thread, ThreadServices& services) const
         const bool emits = shape.first_light != Hit::none;
         if (cutouts && shape.alpha >= 0) {
             if (emits && shape.interface) emit(thread, services, j);  // a light without a surface still shines
-            if (passes(thread, services, j)) continue;
+            if (passes_cutout(thread, services, j)) continue;
         }
         if (path.depth == 0 && record_first_hit(*context_.scene.geometry, static_cast<int>(row),
                                                 path.travelled + v.hits[j].t, v.hits[j], services.display))
             services.lpe.hold_out(thread.trackers[row]);
         if (emits) emit(thread, services, j);
-        if (hidden_environments && !path.certain) report_hidden_environments(thread, services, j);
+        if (hidden_environments && !path.specular_bounce) report_hidden_environments(thread, services, j);
         if (!worth_shading(path, thread.trackers[row], services.lpe)) {
             thread.finish(row);
             continue;
@@ -230,7 +231,7 @@ void PathIntegrator::scatter(PathThread& thread, ThreadServices& services) const
         ++path.depth;
         ++path.segment;
         if (s.transmitted) path.eta_scale *= s.eta * s.eta;
-        path.certain = s.delta;
+        path.specular_bounce = s.delta;
         path.scatter_pdf = s.pdf_is_proportional && !s.delta ? bsdf.pdf(point.wo, s.wi) : s.pdf;
         path.from = point.position;
         move_by_lobes(thread.trackers[row], services.lpe, *context_.events, v.sources[j].label, s.lobes);

@@ -21,16 +21,16 @@ bool PathIntegrator::worth_colliding(const PathState& path, const display::Track
            (lpe.takes_all(tracker) || lpe.live_after(tracker, context_.events->phase(medium)));
 }
 
-bool PathIntegrator::fly(PathThread& thread, ThreadServices& services, std::uint32_t row, const Ray& ray,
+bool PathIntegrator::cross_medium(PathThread& thread, ThreadServices& services, std::uint32_t row, const Ray& ray,
                          std::int32_t medium, float distance) const {
     const Medium& m = (*context_.scene.media)[medium];
     PathState& path = thread.paths[row];
     const display::Tracker& tracker = thread.trackers[row];
     if (m.emits && path.depth >= parameters_.first_depth) {
-        display::Tracker at_glow = tracker;
-        services.lpe.move(at_glow, context_.events->emission());
+        display::Tracker at_emission = tracker;
+        services.lpe.move(at_emission, context_.events->emission());
         const Rgb emitted = emission_along(m, distance);
-        services.lpe.contribute(path.beta * emitted, display::Technique::scattering, at_glow,
+        services.lpe.contribute(path.beta * emitted, display::Technique::scattering, at_emission,
                                 {emitted, path.beta * emitted, 1, false});
     }
     const Vec2 u = thread.samplers[row].get_2d(flight_dimensions + path.segment);
@@ -44,7 +44,7 @@ bool PathIntegrator::fly(PathThread& thread, ThreadServices& services, std::uint
         thread.finish(row);
         return false;
     }
-    const Flight flight = sample_flight(m, path.beta, distance, u);
+    const FreeFlight flight = sample_free_flight(m, path.beta, distance, u);
     path.beta *= flight.weight;
     if (!flight.collided) return true;
     if (path.depth == 0) {
@@ -111,7 +111,7 @@ void PathIntegrator::scatter_in_media(PathThread& thread, ThreadServices& servic
         const std::uint32_t roulette = dimension(path, roulette_dimension);
         ++path.depth;
         ++path.segment;
-        path.certain = false;
+        path.specular_bounce = false;
         path.scatter_pdf = s.pdf;
         path.from = c.positions[k];
         services.lpe.move(thread.trackers[row], context_.events->phase(medium));

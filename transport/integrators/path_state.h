@@ -18,7 +18,7 @@ struct PathState {
     float travelled = 0;        ///< along the camera ray, over cutouts passed
     std::uint32_t depth = 0;    ///< scattering events so far
     std::uint32_t segment = 0;  ///< rays so far, those beyond cutouts included: keys the cutouts' choices
-    bool certain = true;        ///< the last direction could not have been light-sampled (camera, delta lobes)
+    bool specular_bounce = true;        ///< the last direction could not have been light-sampled (camera, delta lobes)
 };
 
 // Sampler dimensions of vertex k start at first_free_dimension + k * stride.
@@ -131,7 +131,7 @@ class PathIntegrator final : public Integrator {
     void escape(PathThread& thread, ThreadServices& services, std::uint32_t row, const Ray& ray) const;
     /// Drops from the batch what passes straight through, adds emission, ends paths at full depth.
     void resolve(PathThread& thread, ThreadServices& services) const;
-    bool passes(PathThread& thread, ThreadServices& services, std::size_t j) const;
+    bool passes_cutout(PathThread& thread, ThreadServices& services, std::size_t j) const;
     void emit(PathThread& thread, ThreadServices& services, std::size_t j) const;
     /// Whether anything is to be learnt at a vertex: of what scatters there, or of the surface itself.
     [[nodiscard]] bool worth_shading(const PathState& path, const display::Tracker& tracker,
@@ -144,8 +144,8 @@ class PathIntegrator final : public Integrator {
     void add_lights(PathThread& thread, ThreadServices& services) const;
     // path_media.cpp; these run only in scenes with media
     /// Takes a path through `medium` to a hit or miss at `distance`; false if it ends or collides before.
-    bool fly(PathThread& thread, ThreadServices& services, std::uint32_t row, const Ray& ray, std::int32_t medium,
-             float distance) const;
+    bool cross_medium(PathThread& thread, ThreadServices& services, std::uint32_t row, const Ray& ray,
+                      std::int32_t medium, float distance) const;
     /// Whether what `medium` scatters could count at all (Law 4).
     [[nodiscard]] bool worth_colliding(const PathState& path, const display::Tracker& tracker, std::int32_t medium,
                                        const display::LpeServices& lpe) const;
@@ -158,8 +158,8 @@ class PathIntegrator final : public Integrator {
     bool goes_on(PathThread& thread, ThreadServices& services, std::uint32_t row, std::uint32_t roulette) const;
     void scatter(PathThread& thread, ThreadServices& services) const;
     /// An emitter found by scattering, whose light-sampling density is `light_pdf`.
-    void deliver(PathThread& thread, ThreadServices& services, std::uint32_t row, const Rgb& emitted, float light_pdf,
-                 std::uint32_t light) const;
+    void add_emission(PathThread& thread, ThreadServices& services, std::uint32_t row, const Rgb& emitted,
+                      float light_pdf, std::uint32_t light) const;
 
     [[nodiscard]] LightChoice choice() const {
         const bool all = parameters_.strategy == PathStrategy::light;
@@ -169,7 +169,7 @@ class PathIntegrator final : public Integrator {
     }
     /// Whether light sampling finds the emitter there too, and the weight that is left to scattering.
     [[nodiscard]] bool sampled_too(const PathState& path, float light_pdf) const {
-        return !path.certain && light_pdf > 0 && parameters_.strategy != PathStrategy::scattering;
+        return !path.specular_bounce && light_pdf > 0 && parameters_.strategy != PathStrategy::scattering;
     }
     [[nodiscard]] float scattering_weight(const PathState& path, float light_pdf) const;
 

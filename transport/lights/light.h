@@ -84,12 +84,13 @@ struct EmissionDensity {
 /// The ray that tests whether `sample` is visible from `position`.
 inline Ray shadow_ray(const Vec3& position, const Vec3& geometric_normal, float offset, const LightSample& sample) {
     Ray ray;
-    ray.origin = leave_surface(position, geometric_normal, offset, sample.wi);
+    ray.origin = offset_ray_origin(position, geometric_normal, offset, sample.wi);
     if (sample.infinite) {
         ray.direction = sample.wi;
         return ray;
     }
-    ray.direction = leave_surface(sample.target, sample.target_normal, sample.target_offset, -sample.wi) - ray.origin;
+    ray.direction =
+        offset_ray_origin(sample.target, sample.target_normal, sample.target_offset, -sample.wi) - ray.origin;
     ray.t_max = shadow_t_max;
     return ray;
 }

@@ -25,7 +25,7 @@ bool emit_from_area(const Light& light, float area_density, Vec2 u, EmissionSamp
     const Vec3 local = sample_cosine_hemisphere(u);
     if (!(local.z > 0)) return false;
     s.direction = normalize(Frame::from_normal(n).to_world(local));
-    s.origin = leave_surface(s.from.target, s.from.target_normal, s.from.target_offset, s.direction);
+    s.origin = offset_ray_origin(s.from.target, s.from.target_normal, s.from.target_offset, s.direction);
     s.power = light.emission * (pi / (s.from.pdf * area_density));
     return true;
 }

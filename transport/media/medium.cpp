@@ -41,8 +41,8 @@ Rgb emission_along(const Medium& medium, float distance) {
     return result;
 }
 
-Flight sample_flight(const Medium& medium, const Rgb& throughput, float end, const Vec2& u) {
-    Flight flight;
+FreeFlight sample_free_flight(const Medium& medium, const Rgb& throughput, float end, const Vec2& u) {
+    FreeFlight flight;
     const float depth = -std::log1p(-u.y);  // optical
     if (medium.grey) {
         const float sigma = medium.sigma_t.r;

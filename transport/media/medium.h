@@ -37,7 +37,7 @@ Rgb transmittance(const Medium& medium, float distance);
 Rgb emission_along(const Medium& medium, float distance);
 
 /// How far a path flies.
-struct Flight {
+struct FreeFlight {
     float distance = 0;     ///< of the collision
     bool collided = false;  ///< false: the segment's end was reached
     Rgb weight;             ///< transmittance (and sigma_s for a collision) over the chance of what happened
@@ -45,7 +45,7 @@ struct Flight {
 
 /// Samples a collision in front of `end` (infinity allowed). `throughput` decides the odds of the colours; it must not be
 /// black. u in [0, 1)^2.
-Flight sample_flight(const Medium& medium, const Rgb& throughput, float end, const Vec2& u);
+FreeFlight sample_free_flight(const Medium& medium, const Rgb& throughput, float end, const Vec2& u);
 
 /// Where a medium that only absorbs takes light away on a segment of length `end`: a distance whose density is the mean
 /// over the colours of what they lose there. For deep images.

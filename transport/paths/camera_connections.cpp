@@ -31,7 +31,7 @@ void CameraConnections::add(const CameraView& view, const LightSubpathEnd& end,
     // From the camera, so that cutouts come in the order in which its word reads them.
     Ray ray;
     ray.origin = seen.position;
-    ray.direction = leave_surface(point.position, point.geometric_normal, end.offset, to_camera) - ray.origin;
+    ray.direction = offset_ray_origin(point.position, point.geometric_normal, end.offset, to_camera) - ray.origin;
     ray.t_max = shadow_t_max;
     shadow_rays_.push_back(ray);
 }

@@ -94,7 +94,7 @@ void LightSubpaths::advance(std::span<const PixelSampler> samplers, IntegratorCo
     std::size_t kept = 0;
     for (std::size_t j = 0; j < vertices_.count; ++j) {
         const std::uint32_t row = vertices_.rows[j];
-        if (cutouts && passes(j, samplers[row])) continue;
+        if (cutouts && passes_cutout(j, samplers[row])) continue;
         vertices_.points[j].random_key = samplers[row].key(light_subpath_dimension(paths_[row].depth, light_key_dimension));
         vertices_.points[j].row = -1;
         if (options_.densities) arrive(row, vertices_.points[j]);
@@ -107,7 +107,7 @@ void LightSubpaths::advance(std::span<const PixelSampler> samplers, IntegratorCo
                                 &display);
 }
 
-bool LightSubpaths::passes(std::size_t j, const PixelSampler& sampler) {
+bool LightSubpaths::passes_cutout(std::size_t j, const PixelSampler& sampler) {
     if (scene_.geometry->shapes()[vertices_.hits[j].shape].alpha < 0) return false;
     const std::uint32_t row = vertices_.rows[j];
     LightSubpath& path = paths_[row];

@@ -86,7 +86,7 @@ class LightSubpaths {
     };
     void begin_densities(std::uint32_t row, const EmissionSample& sample);
     void arrive(std::uint32_t row, const SurfacePoint& point);
-    bool passes(std::size_t j, const PixelSampler& sampler);
+    bool passes_cutout(std::size_t j, const PixelSampler& sampler);
     /// False: the power is no number.
     bool scatter(std::size_t j, std::span<const PixelSampler> samplers, IntegratorCounters& counters);
     bool survives_roulette(LightSubpath& path, const PixelSampler& sampler, std::uint32_t dimension) const;

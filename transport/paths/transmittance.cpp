@@ -48,7 +48,7 @@ float straight_transmittance(const StraightWalk& walk, Ray ray, float visible, s
         if (visible > 0) walk.lpe.move(tracker, walk.events.straight(source[0].label));
         else if (!walk.to_the_end) return 0;
         if (shape.interface) medium = shape.medium_towards(point[0].geometric_normal, ray.direction, medium);
-        ray.origin = leave_surface(point[0].position, point[0].geometric_normal, source[0].offset, ray.direction);
+        ray.origin = offset_ray_origin(point[0].position, point[0].geometric_normal, source[0].offset, ray.direction);
         if (finite_end) {
             const Vec3 rest = end - ray.origin;
             if (!(dot(rest, ray.direction) > 0)) return visible;

@@ -39,7 +39,7 @@ inline Ray ray_from(const VertexBatch& vertices, std::size_t j, const Vec3& dire
     const SurfacePoint& point = vertices.points[j];
     Ray ray;
     ray.direction = direction;
-    ray.origin = leave_surface(point.position, point.geometric_normal, vertices.sources[j].offset, direction);
+    ray.origin = offset_ray_origin(point.position, point.geometric_normal, vertices.sources[j].offset, direction);
     return ray;
 }
 

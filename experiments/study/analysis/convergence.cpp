@@ -134,22 +134,22 @@ std::optional<Line> plain_line(const std::vector<const BudgetGroup*>& groups, Ag
 }
 
 /// log of the seconds that a sample of every pixel takes beyond the setup, at one budget.
-struct Price {
+struct Cost {
     double log_value = 0, standard_error = 0;
 };
 
-Price price_of_sample(const BudgetGroup& group) {
+Cost cost_of_sample(const BudgetGroup& group) {
     std::vector<double> logs;
     for (std::size_t i = 0; i < group.seconds.size(); ++i) {
         const double seconds = group.seconds[i] - group.setup_seconds;
         if (seconds > 0) logs.push_back(std::log(seconds / group.samples[i]));
     }
-    Price price{mean_of(logs), 0};
+    Cost cost{mean_of(logs), 0};
     double squares = 0;
-    for (const double each : logs) squares += (each - price.log_value) * (each - price.log_value);
+    for (const double each : logs) squares += (each - cost.log_value) * (each - cost.log_value);
     const auto count = static_cast<double>(logs.size());
-    if (count > 1) price.standard_error = std::sqrt(squares / (count - 1) / count);
-    return price;
+    if (count > 1) cost.standard_error = std::sqrt(squares / (count - 1) / count);
+    return cost;
 }
 
 /// Index of the first of two neighbours between whose mean errors the target lies.
@@ -215,14 +215,14 @@ TimeToError time_to_error(std::span<const BudgetGroup> groups, double relative_e
         return result;
     }
     std::optional<Line> line;
-    const BudgetGroup* priced = usable.back();
+    const BudgetGroup* timed = usable.back();
     const std::optional<std::size_t> at = bracket(usable, squared);
     if (at) {
         const std::size_t first = *at > 0 ? *at - 1 : 0, last = std::min(usable.size() - 1, *at + 2);
         const std::vector<const BudgetGroup*> near(usable.begin() + static_cast<std::ptrdiff_t>(first),
                                                    usable.begin() + static_cast<std::ptrdiff_t>(last) + 1);
         line = least_squares(near, against, confidence);
-        priced = usable[*at + 1];
+        timed = usable[*at + 1];
         if (!line) line = plain_line(near, against, confidence);
     } else {
         result.extrapolated = true;
@@ -246,13 +246,13 @@ TimeToError time_to_error(std::span<const BudgetGroup> groups, double relative_e
         result.seconds.note = "beyond 1000 x what was measured";
         return result;
     }
-    const double setup = priced->setup_seconds;
-    const Price price = sampled ? price_of_sample(*priced) : Price{};
-    if (!std::isfinite(price.log_value)) {
+    const double setup = timed->setup_seconds;
+    const Cost cost = sampled ? cost_of_sample(*timed) : Cost{};
+    if (!std::isfinite(cost.log_value)) {
         result.seconds.note = "no time beyond the setup was measured";
         return result;
     }
-    const double log_seconds = log_x + price.log_value;
+    const double log_seconds = log_x + cost.log_value;
     result.seconds.value = std::exp(log_seconds) + setup;
     if (!(line->degrees >= 1)) {
         result.seconds.note = "one replicate";
@@ -261,7 +261,7 @@ TimeToError time_to_error(std::span<const BudgetGroup> groups, double relative_e
     const double error = line->residual / std::abs(line->slope) *
                          std::sqrt(1 / line->count + (fixed ? 0 : distance * distance / line->sxx));
     const double half =
-        student_t_quantile(1 - (1 - confidence) / 2, line->degrees) * std::hypot(error, price.standard_error);
+        student_t_quantile(1 - (1 - confidence) / 2, line->degrees) * std::hypot(error, cost.standard_error);
     result.seconds.low = std::exp(log_seconds - half) + setup;
     result.seconds.high = std::exp(log_seconds + half) + setup;
     result.seconds.how = fixed ? "slope -1" : "fitted slope";
