@@ -125,7 +125,8 @@ TEST_CASE("rays that leave axis-aligned planes through zero do not find them aga
         if (!f.hit.valid()) continue;
         Ray leaving;
         leaving.direction = random.direction();
-        leaving.origin = offset_ray_origin(f.point.position, f.point.geometric_normal, f.source.offset, leaving.direction);
+        leaving.origin =
+            offset_ray_origin(f.point.position, f.point.geometric_normal, f.source.offset, leaving.direction);
         again += find(built, leaving).hit.valid();
     }
     CHECK(again == 0);
@@ -170,7 +171,8 @@ TEST_CASE("rays that leave a quadric or patch outwards do not find it again, ins
                         leaving.direction = face_forward(leaving.direction, f.point.geometric_normal);
                     if (abs_dot(leaving.direction, f.point.geometric_normal) < 1e-6f) continue;
                     leaving.origin =
-                        offset_ray_origin(f.point.position, f.point.geometric_normal, f.source.offset, leaving.direction);
+                        offset_ray_origin(f.point.position, f.point.geometric_normal, f.source.offset,
+                                          leaving.direction);
                     ++tested;
                     again += find(built, leaving).hit.valid();
                 }

@@ -81,7 +81,8 @@ TEST_CASE("flights through coloured fog are unbiased in every colour", "[media]"
                 const Rgb middle{share.r / 2, share.r + share.g / 2, share.r + share.g + share.b / 2};
                 for (int a = 0; a < 3; ++a)
                     for (int d = 0; d < deep; ++d) {
-                        const FreeFlight f = sample_free_flight(m, throughput, end, {middle[a], (float(d) + 0.5f) / deep});
+                        const FreeFlight f =
+                            sample_free_flight(m, throughput, end, {middle[a], (float(d) + 0.5f) / deep});
                         (f.collided ? scattered : through) += RgbD(f.weight) * (double(share[a]) / deep);
                     }
                 for (int c = 0; c < 3; ++c) {
