@@ -59,15 +59,19 @@ TEST_CASE("a study's report says what is true of it", "[study][report]") {
     const std::string jsonl = folder.read("study/results.jsonl");
 
     // Only the method with the planted error is accused, in its channel and not in the one that is right.
+    int skewed = 0;
     for (const Json& line : lines_of(jsonl, "bias")) {
         CAPTURE(line.dump());
         REQUIRE(line["tested"] == true);
         const bool wrong =
             line["variant"] == "clamped" || (line["variant"] == "skewed" && line["channel"] != "bounce1");
         CHECK(line["differs"] == wrong);
-        if (line["variant"] == "skewed" && line["channel"] == "bounce2")
+        if (line["variant"] == "skewed" && line["channel"] == "bounce2") {
+            ++skewed;
             CHECK(line["mean_difference"].get<double>() == Approx(0.05).margin(0.005));
+        }
     }
+    CHECK(skewed == 1);
     bool named = false;
     for (const Json& line : lines_of(jsonl, "first_words"))
         if (line["variant"] == "skewed") {
@@ -86,14 +90,21 @@ TEST_CASE("a study's report says what is true of it", "[study][report]") {
     const auto count = static_cast<double>(reference->values.size());
     for (const double value : reference->values) mean += value / count;
     for (const double value : reference->values) kept += value * value / (value * value + 0.01 * mean * mean) / count;
+    int points = 0;
     for (const Json& line : lines_of(jsonl, "budget"))
         if (line["variant"] == "path max_depth=4" && line["channel"] == "bounce1" && line["budget"] == 128) {
+            ++points;
             CHECK(line["relative_error"]["value"].get<double>() == Approx(0.4 * std::sqrt(kept / 128)).epsilon(0.01));
             CHECK(line["relative_error"]["low"] < line["relative_error"]["value"]);
             CHECK_FALSE(line["relative_error"].contains("note"));
         }
+    CHECK(points == 1);
+    int slopes = 0, shallow = 0, clamped = 0;
     for (const Json& line : lines_of(jsonl, "slope")) {
         CAPTURE(line.dump());
+        slopes += line["variant"] == "path max_depth=4" ? 1 : 0;
+        shallow += line["variant"] == "skewed" && line["channel"] == "bounce2" ? 1 : 0;
+        clamped += line["variant"] == "clamped" ? 1 : 0;
         if (line["variant"] == "path max_depth=4" && line["channel"] == "bounce1")
             CHECK(line["against_seconds"]["slope"].get<double>() == Approx(-1).margin(0.05));  // less the time to prepare
         if (line["variant"] == "path max_depth=4")
@@ -101,12 +112,18 @@ TEST_CASE("a study's report says what is true of it", "[study][report]") {
         if (line["variant"] == "skewed" && line["channel"] == "bounce2") CHECK(line["too_shallow"] == true);
         if (line["variant"] == "clamped") CHECK(line["too_shallow"] == false);  // it never claimed otherwise
     }
+    CHECK(slopes >= 2);
+    CHECK(shallow == 1);
+    CHECK(clamped >= 1);
+    int extrapolated = 0;
     for (const Json& line : lines_of(jsonl, "time_to_error"))
         if (line["variant"] == "path max_depth=4" && line["channel"] == "bounce1" && line["relative_error"] == 0.01) {
+            ++extrapolated;
             // 0.4^2 / 0.01^2 = 1600 samples of 0.01 s, less for the floor, and 0.06 s of setup.
             CHECK(line["seconds"]["value"].get<double>() == Approx(16 * kept + 0.06).epsilon(0.02));
             CHECK(line["extrapolated"] == true);
         }
+    CHECK(extrapolated == 1);
     // Methods are compared where they differ in one setting, swept or not: what it buys in every channel.
     const std::vector<Json> settings = lines_of(jsonl, "setting");
     REQUIRE(settings.size() == 2 * 3);

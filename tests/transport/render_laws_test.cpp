@@ -329,12 +329,18 @@ TEST_CASE("settings replace the scene's, and what is not there is a warning or a
     REQUIRE_FALSE(unknown.ok());
     CHECK(unknown.error().hint.find("path") != std::string::npos);
     settings.integrator.reset();
+    const auto refusal = [](const std::string& text, const transport::RenderSettings& wrong) {
+        const auto output = transport::render(scene_of(text), wrong);
+        return output.ok() ? std::string() : output.error().to_string();
+    };
     settings.channels = {lpe_channel("a", "C<RD>L"), lpe_channel("a", "C<RS>L")};
-    CHECK_FALSE(transport::render(scene_of(room), settings).ok());
+    CHECK(refusal(room, settings).find("the channel name 'a' is used twice") != std::string::npos);
     settings.channels.clear();
     settings.beauty = false;
-    CHECK_FALSE(transport::render(scene_of(room), settings).ok());
-    CHECK_FALSE(transport::render(scene_of("Camera \"orthographic\"\nWorldBegin\n"), {}).ok());
+    CHECK(refusal(room, settings).find("nothing to render: no beauty and no channel") != std::string::npos);
+    const std::string camera = refusal("Camera \"orthographic\"\nWorldBegin\n", {});
+    CHECK(camera.find("test.pbrt:1:") != std::string::npos);
+    CHECK(camera.find("orthographic") != std::string::npos);
 }
 
 TEST_CASE("a scene's alphabet names its labels, groups, lobes and terminals", "[render]") {
