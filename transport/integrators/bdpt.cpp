@@ -235,28 +235,15 @@ void Bdpt::scatter(const CameraBatch& batch, BdptThread& thread, ThreadServices&
     }
 }
 
-namespace {
-
-Result<std::unique_ptr<Integrator>> make_bdpt(const SceneEntity& entity, std::optional<std::int64_t> max_depth) {
-    BdptParameters p;
-    auto depth = read_max_depth(entity, max_depth);
-    if (!depth) return depth.error();
-    p.max_depth = *depth;
-    auto roulette = entity.parameters.boolean_or("roulette", true);
-    if (!roulette) return roulette.error();
-    p.roulette = *roulette;
-    return std::unique_ptr<Integrator>(std::make_unique<Bdpt>(p));
-}
-
-}  // namespace
-
 Registry<IntegratorFactory>::Entry bdpt_entry() {
-    using T = ParameterType;
-    return {"bdpt",
-            "bidirectional path tracing: subpaths from camera and lights, joined at every vertex",
-            {{"maxdepth", T::integer, "5", "scattering events at most; emission seen after the last still counts"},
-             {"roulette", T::boolean, "true", "end weak subpaths at random from the second bounce"}},
-            make_bdpt};
+    return {"bdpt", "bidirectional path tracing: subpaths from camera and lights, joined at every vertex",
+            describe_depth_parameters("end weak subpaths at random from the second bounce"),
+            [](const SceneEntity& entity,
+               std::optional<std::int64_t> max_depth) -> Result<std::unique_ptr<Integrator>> {
+                auto parameters = read_depth_parameters(entity, max_depth);
+                if (!parameters) return parameters.error();
+                return std::unique_ptr<Integrator>(std::make_unique<Bdpt>(*parameters));
+            }};
 }
 
 }  // namespace raylex::transport

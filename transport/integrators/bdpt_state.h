@@ -9,11 +9,6 @@
 
 namespace raylex::transport {
 
-struct BdptParameters {
-    std::uint32_t max_depth = 5;  ///< scattering events of a path at most
-    bool roulette = true;
-};
-
 /// What a camera subpath carries from vertex to vertex.
 struct CameraSubpath {
     Rgb beta{1};                ///< product of scattering weights
@@ -97,7 +92,7 @@ struct BdptThread final : IntegratorThread {
 
 class Bdpt final : public Integrator {
   public:
-    explicit Bdpt(const BdptParameters& parameters) : parameters_(parameters) {}
+    explicit Bdpt(const DepthParameters& parameters) : parameters_(parameters) {}
     [[nodiscard]] IntegratorTraits traits() const override;
     Status prepare(const IntegratorContext& context) override;
     [[nodiscard]] std::unique_ptr<IntegratorThread> make_thread_state() const override;
@@ -130,7 +125,7 @@ class Bdpt final : public Integrator {
         return {thread.light.word(vertex.row).data(), vertex.word_length};
     }
 
-    BdptParameters parameters_;
+    DepthParameters parameters_;
     IntegratorContext context_;
     CameraView view_;
     bool can_emit_ = false, can_sample_lights_ = false;

@@ -35,6 +35,20 @@ Result<std::uint32_t> read_max_depth(const SceneEntity& entity, std::optional<st
     return static_cast<std::uint32_t>(std::min<std::int64_t>(*depth, 1'000'000));
 }
 
+Result<DepthParameters> read_depth_parameters(const SceneEntity& entity, std::optional<std::int64_t> max_depth) {
+    auto depth = read_max_depth(entity, max_depth);
+    if (!depth) return depth.error();
+    auto roulette = entity.parameters.boolean_or("roulette", true);
+    if (!roulette) return roulette.error();
+    return DepthParameters{*depth, *roulette};
+}
+
+std::vector<ParameterDescription> describe_depth_parameters(const std::string& roulette) {
+    using T = ParameterType;
+    return {{"maxdepth", T::integer, "5", "scattering events at most; emission seen after the last still counts"},
+            {"roulette", T::boolean, "true", roulette}};
+}
+
 SceneEntity integrator_for(const std::optional<SceneEntity>& asked, const SceneEntity& of_scene) {
     if (!asked) return of_scene;
     SceneEntity entity = *asked;

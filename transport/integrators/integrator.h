@@ -161,6 +161,15 @@ Registry<IntegratorFactory>& integrator_registry();
 /// The parameter "maxdepth" of in-tree integrators, `max_depth` first; 5 without, at most a million.
 Result<std::uint32_t> read_max_depth(const SceneEntity& entity, std::optional<std::int64_t> max_depth);
 
+/// The parameters "maxdepth" and "roulette", for integrators that have no others.
+struct DepthParameters {
+    std::uint32_t max_depth = 5;  ///< scattering events at most
+    bool roulette = true;
+};
+Result<DepthParameters> read_depth_parameters(const SceneEntity& entity, std::optional<std::int64_t> max_depth);
+/// What the registry says of them; `roulette` is the help for that one.
+std::vector<ParameterDescription> describe_depth_parameters(const std::string& roulette);
+
 /// The integrator that `asked` names, with the scene's parameters that both have and `asked` does not give: "maxdepth" most of
 /// all. Without `asked`, the scene's own.
 SceneEntity integrator_for(const std::optional<SceneEntity>& asked, const SceneEntity& of_scene);

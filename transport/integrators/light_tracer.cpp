@@ -21,7 +21,7 @@ struct LightTracerThread final : IntegratorThread {
 
 class LightTracer final : public Integrator {
   public:
-    explicit LightTracer(const LightTracerParameters& parameters) : parameters_(parameters) {
+    explicit LightTracer(const DepthParameters& parameters) : parameters_(parameters) {
         PathParameters seen;
         seen.max_depth = 0;
         camera_ = make_path_integrator(seen);
@@ -56,7 +56,7 @@ class LightTracer final : public Integrator {
   private:
     void connect(const CameraBatch& batch, LightTracerThread& thread, ThreadServices& services) const;
 
-    LightTracerParameters parameters_;
+    DepthParameters parameters_;
     IntegratorContext context_;
     CameraView view_;
     std::unique_ptr<Integrator> camera_;   // what camera rays find by themselves
@@ -115,26 +115,18 @@ std::vector<std::string> LightTracer::omissions() const {
             "scattering is singular (C<.S>.* in the osl dialect) are missing from the image"};
 }
 
-Result<std::unique_ptr<Integrator>> make_light_tracer(const SceneEntity& entity, std::optional<std::int64_t> max_depth) {
-    LightTracerParameters p;
-    auto depth = read_max_depth(entity, max_depth);
-    if (!depth) return depth.error();
-    p.max_depth = *depth;
-    auto roulette = entity.parameters.boolean_or("roulette", true);
-    if (!roulette) return roulette.error();
-    p.roulette = *roulette;
-    return std::unique_ptr<Integrator>(std::make_unique<LightTracer>(p));
-}
-
 }  // namespace
 
 Registry<IntegratorFactory>::Entry light_tracer_entry() {
-    using T = ParameterType;
     return {"lighttracer",
             "paths from the lights, connected to the camera; finds caustics, but nothing seen in mirrors or through glass",
-            {{"maxdepth", T::integer, "5", "scattering events at most; emission seen after the last still counts"},
-             {"roulette", T::boolean, "true", "end weak paths at random from the second bounce"}},
-            make_light_tracer};
+            describe_depth_parameters("end weak paths at random from the second bounce"),
+            [](const SceneEntity& entity,
+               std::optional<std::int64_t> max_depth) -> Result<std::unique_ptr<Integrator>> {
+                auto parameters = read_depth_parameters(entity, max_depth);
+                if (!parameters) return parameters.error();
+                return std::unique_ptr<Integrator>(std::make_unique<LightTracer>(*parameters));
+            }};
 }
 
 }  // namespace raylex::transport

@@ -20,11 +20,6 @@
 
 namespace raylex::transport {
 
-struct LightTracerParameters {
-    std::uint32_t max_depth = 5;  ///< scattering events at most
-    bool roulette = true;
-};
-
 /// The registry's entry: parameters maxdepth, roulette.
 Registry<IntegratorFactory>::Entry light_tracer_entry();
 

@@ -79,7 +79,7 @@ float PathIntegrator::scattering_weight(const PathState& path, float light_pdf) 
 }
 
 void PathIntegrator::add_emission(PathThread& thread, ThreadServices& services, std::uint32_t row, const Rgb& emitted,
-                             float light_pdf, std::uint32_t light) const {
+                                  float light_pdf, std::uint32_t light) const {
     const PathState& path = thread.paths[row];
     const float weight = scattering_weight(path, light_pdf);
     if (!(weight > 0) || path.depth < parameters_.first_depth) return;
@@ -113,8 +113,9 @@ void PathIntegrator::emit(PathThread& thread, ThreadServices& services, std::siz
     if (emitted.is_black()) return;
     const PathState& path = thread.paths[v.rows[j]];
     const float light_pdf =
-        path.specular_bounce ? 0.0f
-                     : lights.density(choice(), *context_.scene.geometry, light, path.from, v.points[j], v.hits[j]);
+        path.specular_bounce
+            ? 0.0f
+            : lights.density(choice(), *context_.scene.geometry, light, path.from, v.points[j], v.hits[j]);
     add_emission(thread, services, v.rows[j], emitted, light_pdf, light);
 }
 
