@@ -136,19 +136,6 @@ ProgramTables lay_out(const EventClasses& classes, const Grouping& grouping, std
     return tables;
 }
 
-void ProgramTables::make_blocks() {
-    block_begin.assign(1, 0);
-    blocks.clear();
-    for (std::size_t state = 0; state + 1 < accept_begin.size(); ++state) {
-        blocks.insert(blocks.end(), accept_lists.begin() + accept_begin[state],
-                      accept_lists.begin() + accept_begin[state + 1]);
-        for (std::size_t none = channel_names.size(); blocks.size() % ProgramView::accept_block != 0; ++none) {
-            blocks.push_back(static_cast<std::uint16_t>(none));
-        }
-        block_begin.push_back(static_cast<std::uint32_t>(blocks.size()));
-    }
-}
-
 ProgramView ProgramTables::view() const {
     ProgramView view;
     view.word_count = static_cast<std::uint32_t>(starts.size());
@@ -160,8 +147,6 @@ ProgramView ProgramTables::view() const {
     view.next_state = next_state.data();
     view.accept_begin = accept_begin.data();
     view.accept_lists = accept_lists.data();
-    view.block_begin = block_begin.data();
-    view.blocks = blocks.data();
     view.lane_words = lane_words;
     view.lane_count = 32 * (lane_words[0] + lane_words[1] + lane_words[2]);
     view.image_stride = 2 * lane_words[0] + 8 * lane_words[1] + 24 * lane_words[2] + ProgramView::image_tail;
@@ -175,9 +160,8 @@ ProgramView ProgramTables::view() const {
 
 std::size_t ProgramTables::bytes() const {
     return sizeof(State) * (starts.size() + next_state.size()) +
-           sizeof(std::uint16_t) * (accept_lists.size() + blocks.size()) +
-           sizeof(std::uint32_t) *
-               (accept_begin.size() + block_begin.size() + lane_image.size() + lane_accept.size() + lane_lists.size());
+           sizeof(std::uint16_t) * accept_lists.size() +
+           sizeof(std::uint32_t) * (accept_begin.size() + lane_image.size() + lane_accept.size() + lane_lists.size());
 }
 
 Program::Program() : view_(tables_.view()) {}

@@ -61,10 +61,7 @@ class Program {
     /// The program of no channels.
     Program();
     /// From tables that are known to be whole (adopt/program_file.h checks those of a file).
-    explicit Program(ProgramTables tables) : tables_(std::move(tables)) {
-        tables_.make_blocks();
-        view_ = tables_.view();
-    }
+    explicit Program(ProgramTables tables) : tables_(std::move(tables)), view_(tables_.view()) {}
     Program(Program&&) noexcept = default;
     Program& operator=(Program&&) noexcept = default;
     Program(const Program&) = delete;
@@ -90,11 +87,6 @@ class Program {
     template <class Visit>
     void for_each_accepted(const State* states, Visit&& visit) const {
         view_.for_each_accepted(states, visit);
-    }
-    /// The same for the inner loop; see ProgramView::for_each_accepted_block.
-    template <class Visit>
-    void for_each_accepted_block(const State* states, Visit&& visit) const {
-        view_.for_each_accepted_block(states, visit);
     }
     [[nodiscard]] bool accepts_any_of(const State* states) const noexcept { return view_.accepts_any(states); }
 

@@ -28,11 +28,6 @@ struct ProgramTables {
     ClassTable classes;                       ///< event -> fine class
     std::vector<EventClass> column_of_class;  ///< fine class -> column of the tables: the EventClass of the program
 
-    // Made of the above by make_blocks().
-    std::vector<std::uint32_t> block_begin{0, 0};
-    std::vector<std::uint16_t> blocks;
-
-    void make_blocks();
     /// Valid as long as the arrays stay where they are.
     [[nodiscard]] ProgramView view() const;
     /// Bytes of all that following a path touches: everything but names and classes.

@@ -28,7 +28,6 @@ using EventClass = std::uint16_t;
 struct ProgramView {
     static constexpr State dead = 0;
     static constexpr std::uint32_t lane_kinds = 3;
-    static constexpr std::uint32_t accept_block = 8;
 
     std::uint32_t word_count = 0;      ///< States of one path
     std::uint32_t table_count = 0;     ///< words that are table rows, the phase included
@@ -40,10 +39,6 @@ struct ProgramView {
     const State* next_state = nullptr;              ///< [state_count][class_count]
     const std::uint32_t* accept_begin = nullptr;    ///< [state_count + 1] into accept_lists
     const std::uint16_t* accept_lists = nullptr;    ///< channels, ascending within a list
-    /// The same lists, each made up to whole blocks of `accept_block` by channels that do not exist, channel_count and
-    /// above. A loop over whole blocks has no end that is hard to predict; give it accept_block layers to waste.
-    const std::uint32_t* block_begin = nullptr;     ///< [state_count + 1] into blocks, counted in channels
-    const std::uint16_t* blocks = nullptr;
 
     // Lanes; all zero when word_count == table_count.
     std::uint32_t lane_count = 0;                       ///< bits in all lane words of plane 0, unused ones included
@@ -97,22 +92,6 @@ struct ProgramView {
     /// Of the packed channels only: those that no table row lists.
     template <class Visit>
     void for_each_accepted_lane(const State* states, Visit&& visit) const {
-        if (has_lanes() && states[table_count - 1] >= first_ended) {
-            visit_ended(states + table_count - 1, visit);
-        }
-    }
-    /// The same for the inner loop: visit() is also called for channels channel_count ... channel_count + accept_block - 1,
-    /// which are no channels.
-    template <class Visit>
-    void for_each_accepted_block(const State* states, Visit&& visit) const {
-        for (std::uint32_t g = 0; g < table_count; ++g) {
-            const std::uint32_t end = block_begin[states[g] + 1];
-            for (std::uint32_t i = block_begin[states[g]]; i != end; i += accept_block) {
-                for (std::uint32_t k = 0; k < accept_block; ++k) {
-                    visit(blocks[i + k]);
-                }
-            }
-        }
         if (has_lanes() && states[table_count - 1] >= first_ended) {
             visit_ended(states + table_count - 1, visit);
         }

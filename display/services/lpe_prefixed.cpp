@@ -127,8 +127,7 @@ void LpeServices::contribute_apart(const Report& report, const Tracker& tracker)
     }
     const std::size_t groups = tracker.groups_;
     for (std::size_t branch = 0; branch < tracker.count_; ++branch) {
-        const SplitPlans::Share& stored = tracker.shares()[branch];
-        const RgbD share = tracker.whole_ ? RgbD(1.0) : RgbD(stored.r, stored.g, stored.b);
+        const RgbD share = tracker.whole_ ? RgbD(1.0) : tracker.share_[branch].rgb();
         setup_.program_.for_each_accepted(&tracker.state_[branch * groups], [&](std::uint16_t channel) {
             const ChannelPrefixes& prefixes = setup_.prefixes_[channel];
             if (prefixes.holdouts != tracker.held_out_) return;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cstddef>
-#include <cstring>
 #include <limits>
 #include <numeric>
 #include <string>
@@ -89,9 +88,12 @@ class Fractions {
             proportional_[c] = false;
         }
     }
-    [[nodiscard]] double of(std::size_t part, int c) const {
-        if (proportional_[c]) return static_cast<double>(parts_[part].value[c]) * scale_[c];
-        return part == picked_[c] ? 1.0 : 0.0;
+    [[nodiscard]] RgbD of(std::size_t part) const {
+        RgbD fraction;
+        for (int c = 0; c < 3; ++c)
+            fraction[c] = proportional_[c] ? static_cast<double>(parts_[part].value[c]) * scale_[c]
+                                           : (part == picked_[c] ? 1.0 : 0.0);
+        return fraction;
     }
 
   private:
@@ -107,36 +109,40 @@ class Fractions {
 struct LpeServices::BranchList {
     static constexpr std::size_t room = 96;
     std::size_t count = 0;
-    std::size_t groups;
+    std::size_t words;   // of a state
     std::array<lpe::State, room * Tracker::group_limit> state;
-    std::array<double, 3 * room> share;
+    std::array<Tracker::Share, room> share;
 
-    explicit BranchList(std::size_t group_count) : groups(group_count) {}  // leaves the arrays uninitialised
+    explicit BranchList(std::size_t state_words) : words(state_words) {}  // leaves the arrays uninitialised
 
-    [[nodiscard]] bool full() const { return count == room; }
-    /// Where the states of one more branch go; add() makes it one.
-    lpe::State* next_states() { return &state[count * groups]; }
-    /// Adds the branch whose states were put into next_states().
-    void add(const double* amount) {
-        const lpe::State* fresh = next_states();
+    [[nodiscard]] bool has_room_for(std::size_t more) const { return count + more <= room; }
+    /// Where candidates for further branches are written, side by side.
+    [[nodiscard]] lpe::State* candidates() { return &state[count * words]; }
+    [[nodiscard]] static bool same(const lpe::State* a, const lpe::State* b, std::size_t words) {
+        for (std::size_t i = 0; i < words; ++i)
+            if (a[i] != b[i]) return false;
+        return true;
+    }
+    /// Makes a candidate a branch. It and those behind it stay where they are: branches take no more room than candidates.
+    void add(const lpe::State* candidate, const RgbD& amount) {
         std::size_t at = 0;
-        while (at < count && !std::equal(fresh, fresh + groups, &state[at * groups])) ++at;
-        if (at == count) {
-            std::copy_n(amount, 3, &share[3 * at]);
-            ++count;
+        while (at < count && !same(candidate, &state[at * words], words)) ++at;
+        if (at < count) {
+            share[at] = {share[at].r + amount.r, share[at].g + amount.g, share[at].b + amount.b};
             return;
         }
-        for (std::size_t c = 0; c < 3; ++c) share[3 * at + c] += amount[c];
+        for (std::size_t i = 0; i < words; ++i) state[at * words + i] = candidate[i];
+        share[at] = {amount.r, amount.g, amount.b};
+        ++count;
     }
-    [[nodiscard]] double size(std::size_t i) const { return share[3 * i] + share[3 * i + 1] + share[3 * i + 2]; }
+    [[nodiscard]] double size(std::size_t i) const { return share[i].r + share[i].g + share[i].b; }
     /// Drops branches whose shares are all 0.
     void compact() {
         std::size_t kept = 0;
         for (std::size_t i = 0; i < count; ++i) {
             if (size(i) == 0) continue;
-            std::copy_n(&state[i * groups], groups, &state[kept * groups]);
-            std::copy_n(&share[3 * i], 3, &share[3 * kept]);
-            ++kept;
+            std::copy_n(&state[i * words], words, &state[kept * words]);
+            share[kept++] = share[i];
         }
         count = kept;
     }
@@ -169,23 +175,12 @@ Result<LpeSetup> LpeSetup::build(std::span<const ChannelDefinition> channels, Ch
     return setup;
 }
 
-LpeServices::SplitWay LpeServices::way_to_split(Attribution attribution) {
-    if (attribution == Attribution::picked) return SplitWay::one_by_one;
-#if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx")) return SplitWay::by_plan_avx;
-#endif
-    return SplitWay::by_plan;
-}
-
 LpeServices::LpeServices(const LpeSetup& setup, SampleTable& table, std::uint64_t seed, Attribution attribution)
     : setup_(setup),
       table_(table),
       targets_(table.sets() != nullptr ? table.sets()->targets() : setup.targets_),
       seed_(seed),
       attribution_(attribution),
-      plans_(setup.program_, std::min<std::size_t>(Tracker::capacity, Tracker::state_room /
-                                                                          std::max<std::size_t>(setup.program_.word_count(), 1))),
-      split_way_(way_to_split(attribution)),
       apart_(setup.prefixed_),
       shares_(setup.prefixes_.size(), unused) {
     sharing_.reserve(setup.prefixes_.size());
@@ -205,138 +200,8 @@ std::uint64_t LpeServices::random_key(const Tracker& tracker, const LobePart& fi
     return key;
 }
 
-namespace {
-
-/// A share: one register with AVX, two without, the same bits either way. What one event stores the next loads as a whole; in
-/// other pieces the processor would wait until the stores are through.
-using Quad [[gnu::vector_size(32), gnu::may_alias]] = double;
-using Floats [[gnu::vector_size(16)]] = float;
-using Bits [[gnu::vector_size(16)]] = std::int32_t;
-using Words [[gnu::vector_size(16)]] = std::uint32_t;
-
-/// A bit for each number that has its sign set.
-inline int sign_bits(Bits bits) {
-#if defined(__SSE2__)
-    return __builtin_ia32_movmskps(reinterpret_cast<Floats>(bits));
-#else
-    int set = 0;
-    for (int i = 0; i < 4; ++i) set |= (bits[i] < 0 ? 1 : 0) << i;
-    return set;
-#endif
-}
-
-/// The fractions of a scattering by part. False where a colour gets nothing or a part gives nothing, and where a part is
-/// negative, infinite or no number.
-template <std::size_t lobes>
-[[gnu::always_inline]] inline bool fill_fractions(const LobePart* parts, Quad* fraction) {
-    static_assert(sizeof(LobePart) == sizeof(Floats) && offsetof(LobePart, value) == sizeof(float));
-    constexpr std::uint32_t past_infinity = 0x00800000;  // lifts infinity and NaN, and nothing finite, to the sign bit
-    Quad total{1, 0, 0, 0};
-    Bits refused{};
-    int given = 0;
-    bool all_give = true;
-    for (std::size_t j = 0; j < lobes; ++j) {
-        Bits bits;
-        std::memcpy(&bits, &parts[j], sizeof bits);
-        bits &= Bits{0, -1, -1, -1};  // without the event
-        refused |= bits | reinterpret_cast<Bits>(reinterpret_cast<Words>(bits) + past_infinity);
-        const int gives = sign_bits(bits > 0);
-        given |= gives;
-        all_give &= gives != 0;
-        const auto color = reinterpret_cast<Floats>(bits);
-        const Quad value{color[0], color[1], color[2], color[3]};  // one instruction; __builtin_convertvector makes five
-        fraction[j] = value;
-        total += value;
-    }
-    if (!(all_give & (given == 0b1110) & (sign_bits(refused) == 0))) return false;
-    const Quad scale = 1 / total;
-    for (std::size_t j = 0; j < lobes; ++j) fraction[j] *= scale;
-    return true;
-}
-
-/// The shares of a plan.
-[[gnu::always_inline]] inline void apply(const SplitPlans::Row* row, std::size_t count, std::size_t rows, const Quad* shares,
-                                         const Quad* factors, Quad* result) {
-    const auto at = [](const Quad* first, std::size_t offset) __attribute__((always_inline)) {
-        return reinterpret_cast<const Quad*>(reinterpret_cast<const std::byte*>(first) + offset);
-    };
-    const auto share = [&](std::size_t i) __attribute__((always_inline)) {
-        result[i] = *at(shares, row[i].from(0)) * *at(factors, row[i].factor(0)) +
-                    *at(shares, row[i].from(1)) * *at(factors, row[i].factor(1));
-    };
-    switch (count) {  // one jump, where a loop would ask after every share: a tenth of the whole move
-        case 8: share(7); [[fallthrough]];
-        case 7: share(6); [[fallthrough]];
-        case 6: share(5); [[fallthrough]];
-        case 5: share(4); [[fallthrough]];
-        case 4: share(3); [[fallthrough]];
-        case 3: share(2); [[fallthrough]];
-        case 2: share(1); [[fallthrough]];
-        case 1: share(0); [[fallthrough]];
-        case 0: break;
-        default:
-            for (std::size_t i = 0; i < count; ++i) share(i);
-    }
-    for (const SplitPlans::Row *further = row + count, *const end = row + rows; further != end; ++further)
-        *const_cast<Quad*>(at(result, further->to())) += *at(shares, further->from(0)) * *at(factors, further->factor(0)) +
-                                                         *at(shares, further->from(1)) * *at(factors, further->factor(1));
-}
-
-}  // namespace
-
-/// The usual way: by a plan. False, and nothing done, where branches could be too many or a lobe or colour carries nothing,
-/// so that there may be fewer branches than a plan makes.
-template <std::size_t lobes>
-[[gnu::always_inline]] inline bool LpeServices::split_by_plan(Tracker& tracker, const LobePart* parts) {
-    std::uint64_t events = 0;
-    for (std::size_t j = 0; j < lobes; ++j) events = SplitPlans::add_event(events, parts[j].event);
-    if (!plans_.knows(tracker.set_)) tracker.set_ = plans_.set_of(tracker.state_.data(), tracker.count_);
-    const SplitPlans::Plan& plan = plans_.plan(tracker.set_, events, lobes);
-    if (!plan.fits) return false;
-    if (!tracker.whole_ || plan.splits) {
-        Quad* const factor = reinterpret_cast<Quad*>(factors_.data());
-        if (plan.splits && !fill_fractions<lobes>(parts, &factor[SplitPlans::first_lobe])) return false;
-        const auto* from = reinterpret_cast<const Quad*>(tracker.shares());
-        if (tracker.whole_) from = factor;
-        tracker.side_ ^= 1;  // new shares go to the other of the tracker's two sides, so that none is copied
-        apply(plans_.rows(plan), plan.count, plan.rows, from, factor, reinterpret_cast<Quad*>(tracker.shares()));
-        tracker.whole_ = false;
-    }
-    ++tracker.moves_;
-    tracker.count_ = plan.count;
-    tracker.set_ = plan.set;
-    const lpe::State* states = plans_.states(plan);
-    const std::size_t words = std::size_t{plan.count} * tracker.groups_;
-    if (words <= SplitPlans::fixed_copy)  // a copy of fixed size is faster
-        std::memcpy(tracker.state_.data(), states, SplitPlans::fixed_copy * sizeof(lpe::State));
-    else
-        std::memcpy(tracker.state_.data(), states, words * sizeof(lpe::State));
-    return true;
-}
-
-[[gnu::always_inline]] inline void LpeServices::split_several(Tracker& tracker, std::span<const LobePart> parts) {
-    static_assert(SplitPlans::most_lobes == 4);
-    if (parts.size() == 2 ? split_by_plan<2>(tracker, parts.data())
-        : parts.size() == 3 ? split_by_plan<3>(tracker, parts.data())
-                            : parts.size() == 4 && split_by_plan<4>(tracker, parts.data()))
-        return;
-    split_one_by_one(tracker, parts);
-}
-
-void LpeServices::split(Tracker& tracker, std::span<const LobePart> parts) {
-    split_several(tracker, parts);
-}
-
-#if defined(__x86_64__)
-[[gnu::target("avx")]] void LpeServices::split_avx(Tracker& tracker, std::span<const LobePart> parts) {
-    split_several(tracker, parts);
-}
-#else
-void LpeServices::split_avx(Tracker& tracker, std::span<const LobePart> parts) { split(tracker, parts); }
-#endif
-
 /// Branch by branch, merging as they come.
-void LpeServices::split_one_by_one(Tracker& tracker, std::span<const LobePart> parts) {
+void LpeServices::split(Tracker& tracker, std::span<const LobePart> parts) {
     if (parts.empty()) {
         tracker.count_ = 0;
         return;
@@ -364,44 +229,34 @@ void LpeServices::split_one_by_one(Tracker& tracker, std::span<const LobePart> p
         collapse(branches, target, random_state);
         overflow = true;
     };
-    /// Puts where `event` leads into next_states(); false where nothing can accept.
-    const auto step = [&](std::size_t branch, lpe::EventClass event) {
-        return program.advance(&tracker.state_[branch * words], event, branches.next_states());
-    };
-    std::array<lpe::State, Tracker::group_limit> other;
-    bool first_alive = false;
-    const auto agrees = [&](std::size_t branch, lpe::EventClass event) {
-        const bool alive = program.advance(&tracker.state_[branch * words], event, other.data());
-        return alive == first_alive && std::equal(other.data(), other.data() + words, branches.next_states());
-    };
-    constexpr std::array<double, 3> one{1.0, 1.0, 1.0};
     for (std::size_t branch = 0; branch < tracker.count_; ++branch) {
-        if (branches.full()) shrink();
-        const double* base = tracker.whole_ ? one.data() : &tracker.shares()[branch].r;
-        first_alive = step(branch, parts[0].event);
-        if (std::all_of(parts.begin() + 1, parts.end(), [&](const LobePart& part) { return agrees(branch, part.event); })) {
-            if (first_alive) branches.add(base);  // the parts' fractions sum to 1: nothing is split, nothing is rounded
+        if (!branches.has_room_for(parts.size())) shrink();
+        lpe::State* const next = branches.candidates();  // where each part leads
+        std::uint64_t alive = 0;
+        bool agree = true;
+        for (std::size_t j = 0; j < parts.size(); ++j) {
+            const bool lives = program.advance(&tracker.state_[branch * words], parts[j].event, next + j * words);
+            alive |= std::uint64_t{lives} << j;
+            agree = agree && lives == ((alive & 1) != 0) && BranchList::same(next + j * words, next, words);
+        }
+        const RgbD base = tracker.whole_ ? RgbD(1.0) : tracker.share_[branch].rgb();
+        if (agree) {
+            if (alive != 0) branches.add(next, base);  // the fractions sum to 1: nothing is split, nothing is rounded
             continue;
         }
         whole = false;
         for (std::size_t j = 0; j < parts.size(); ++j) {
-            if (branches.full()) shrink();
-            if (!step(branch, parts[j].event)) continue;
-            const std::array<double, 3> share{base[0] * fractions.of(j, 0), base[1] * fractions.of(j, 1),
-                                              base[2] * fractions.of(j, 2)};
-            if (share[0] == 0 && share[1] == 0 && share[2] == 0) continue;
-            branches.add(share.data());
+            const RgbD share = (alive >> j & 1) != 0 ? base * fractions.of(j) : RgbD();
+            if (share.r != 0 || share.g != 0 || share.b != 0) branches.add(next + j * words, share);
         }
     }
     if (branches.count > target) shrink();
     if (overflow) ++overflow_count_;
 
     tracker.whole_ = whole;
-    tracker.set_ = SplitPlans::unknown_set;
     tracker.count_ = static_cast<std::uint8_t>(branches.count);
-    std::copy_n(branches.state.begin(), branches.count * words, tracker.state_.begin());
-    for (std::size_t i = 0; i < branches.count && !whole; ++i)
-        tracker.shares()[i] = {0, branches.share[3 * i], branches.share[3 * i + 1], branches.share[3 * i + 2]};
+    for (std::size_t i = 0; i < branches.count * words; ++i) tracker.state_[i] = branches.state[i];
+    for (std::size_t i = 0; i < branches.count && !whole; ++i) tracker.share_[i] = branches.share[i];
 }
 
 /// Brings `branches` down to `target` by collapsing the smallest. The collapse moves, per colour, all that the chosen
@@ -418,19 +273,19 @@ void LpeServices::collapse(BranchList& branches, std::size_t target, std::uint64
                       order.begin() + static_cast<std::ptrdiff_t>(branches.count),
                       [&](std::uint16_t a, std::uint16_t b) { return size[a] != size[b] ? size[a] < size[b] : a < b; });
     const double random = next_random(random_state);
-    for (std::size_t c = 0; c < 3; ++c) {
+    for (double Tracker::Share::*const color : {&Tracker::Share::r, &Tracker::Share::g, &Tracker::Share::b}) {
         double total = 0, below = 0;
-        for (std::size_t k = 0; k < chosen_count; ++k) total += branches.share[3u * order[k] + c];
+        for (std::size_t k = 0; k < chosen_count; ++k) total += branches.share[order[k]].*color;
         std::size_t survivor = order[0];
         bool found = false;
         for (std::size_t k = 0; k < chosen_count; ++k) {
-            double& share = branches.share[3u * order[k] + c];
+            double& share = branches.share[order[k]].*color;
             if (!found && share > 0) survivor = order[k];
             below += share;
             found = found || random * total < below;
             share = 0;
         }
-        branches.share[3 * survivor + c] = total;
+        branches.share[survivor].*color = total;
     }
     branches.compact();
 }

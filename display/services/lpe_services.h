@@ -23,7 +23,6 @@
 #include "display/services/rgb.h"
 #include "display/services/sample_table.h"
 #include "display/services/splat_sets.h"
-#include "display/services/split_plans.h"
 #include "lpe/program.h"
 
 namespace raylex::display {
@@ -71,19 +70,19 @@ class Tracker {
   private:
     friend class LpeServices;
     void copy(const Tracker& other) noexcept;
-    [[nodiscard]] SplitPlans::Share* shares() noexcept { return share_[side_].data(); }
-    [[nodiscard]] const SplitPlans::Share* shares() const noexcept { return share_[side_].data(); }
+    struct Share {
+        double r, g, b;
+        [[nodiscard]] RgbD rgb() const { return {r, g, b}; }
+    };
 
     std::int32_t row_ = 0;
     std::uint16_t moves_ = 0;    // with the pixel and sample of row_: the source of the overflow choice
     std::uint8_t count_ = 0;     // branches
     std::uint8_t groups_ = 0;    // words of state per branch
     bool whole_ = true;          // nothing was split yet: at most one branch, its share 1 and not stored
-    std::uint8_t side_ = 0;      // which shares are the current ones; the others are room for the next
     bool held_out_ = false;      // the path's first hit is a holdout
-    std::uint32_t set_ = SplitPlans::unknown_set;  // the states as LpeServices::plans_ numbers them, when it does
-    std::array<lpe::State, state_room> state_;     // [branch][group]
-    std::array<std::array<SplitPlans::Share, capacity>, 2> share_;   // [side][branch]; nothing is initialised
+    std::array<lpe::State, state_room> state_;     // [branch][group]; nothing is initialised
+    std::array<Share, capacity> share_;            // [branch]
 };
 
 /// What all threads share: the compiled program and where its channels stand in the sample table. Immutable.
@@ -154,7 +153,7 @@ class LpeServices {
 
     void move(Tracker& tracker, lpe::EventClass event) const;
     /// A scattering whose value is the sum of `parts`. Per colour the parts are normalised to sum to 1; a colour to which
-    /// no part gives anything goes to the first. No parts: the path scatters nothing and every branch dies.
+    /// no part gives anything goes to the first. No parts: the path scatters nothing and every branch dies. At most 64.
     void move(Tracker& tracker, std::span<const LobePart> parts);
 
     /// Adds `value` (radiance times throughput, filter weight not applied) to beauty and to every channel whose
@@ -211,15 +210,7 @@ class LpeServices {
     [[nodiscard]] std::uint8_t wanted_reach(const Tracker& tracker) const {
         return tracker.held_out_ ? LpeSetup::reaches_holdouts : LpeSetup::reaches_ordinary;
     }
-    /// All give the same bits, but for picked lobes, which are labelled one by one.
-    enum class SplitWay : std::uint8_t { one_by_one, by_plan, by_plan_avx };
-    static SplitWay way_to_split(Attribution attribution);
     void split(Tracker& tracker, std::span<const LobePart> parts);
-    template <std::size_t lobes>
-    bool split_by_plan(Tracker& tracker, const LobePart* parts);
-    void split_several(Tracker& tracker, std::span<const LobePart> parts);
-    void split_avx(Tracker& tracker, std::span<const LobePart> parts);
-    void split_one_by_one(Tracker& tracker, std::span<const LobePart> parts);
     void reject(const Rgb& value, const Tracker& tracker);
     void splat_apart(std::span<const ChannelId> channels, const RgbD& value, int row);
     static void collapse(BranchList& branches, std::size_t target, std::uint64_t& random_state);
@@ -232,10 +223,6 @@ class LpeServices {
     Attribution attribution_ = Attribution::exact;
     std::uint64_t overflow_count_ = 0, invalid_count_ = 0;
     std::array<std::uint64_t, 4> contributions_{};
-    SplitPlans plans_;
-    SplitWay split_way_;
-    /// Of the plans' rows: 1, 0, and room for the lobes' fractions of the move at hand.
-    std::array<SplitPlans::Share, SplitPlans::first_lobe + SplitPlans::most_lobes> factors_{{{0, 1, 1, 1}, {0, 0, 0, 0}}};
     bool apart_;                              // prefixes or holdouts: contributions take the long way
     static constexpr RgbD unused{-1.0};
     std::vector<RgbD> shares_;                // [program channel] of one contribution, for own_value() channels

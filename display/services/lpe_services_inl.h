@@ -14,13 +14,11 @@ inline void Tracker::copy(const Tracker& other) noexcept {
     count_ = other.count_;
     groups_ = other.groups_;
     whole_ = other.whole_;
-    set_ = other.set_;
     held_out_ = other.held_out_;
     const std::size_t states = std::size_t{count_} * groups_;
     for (std::size_t i = 0; i < states; ++i) state_[i] = other.state_[i];
     if (whole_) return;
-    side_ = 0;
-    for (std::size_t i = 0; i < count_; ++i) share_[0][i] = other.shares()[i];
+    for (std::size_t i = 0; i < count_; ++i) share_[i] = other.share_[i];
 }
 
 inline Tracker LpeServices::begin(int row) const {
@@ -35,7 +33,6 @@ inline Tracker LpeServices::begin(int row) const {
 inline void LpeServices::move(Tracker& tracker, lpe::EventClass event) const {
     if (tracker.count_ == 0) return;
     ++tracker.moves_;
-    tracker.set_ = SplitPlans::unknown_set;
     const lpe::ProgramView& program = setup_.program_.view();
     const std::size_t words = tracker.groups_;
     if (tracker.whole_) {  // one branch, whole
@@ -59,9 +56,9 @@ inline void LpeServices::move(Tracker& tracker, lpe::EventClass event) const {
         std::size_t at = 0;
         while (at < kept && !std::equal(to, to + words, &tracker.state_[at * words])) ++at;
         const bool merge = at < kept;
-        const SplitPlans::Share share = tracker.shares()[branch];
-        SplitPlans::Share& sum = tracker.shares()[at];
-        sum = merge ? SplitPlans::Share{0, sum.r + share.r, sum.g + share.g, sum.b + share.b} : share;
+        const Tracker::Share share = tracker.share_[branch];
+        Tracker::Share& sum = tracker.share_[at];
+        sum = merge ? Tracker::Share{sum.r + share.r, sum.g + share.g, sum.b + share.b} : share;
         if (!merge) ++kept;
     }
     tracker.count_ = static_cast<std::uint8_t>(kept);
@@ -71,12 +68,8 @@ inline void LpeServices::move(Tracker& tracker, std::span<const LobePart> parts)
     if (tracker.count_ == 0) return;
     if (parts.size() == 1)
         move(tracker, parts[0].event);
-    else if (split_way_ == SplitWay::by_plan_avx)
-        split_avx(tracker, parts);
-    else if (split_way_ == SplitWay::by_plan)
-        split(tracker, parts);
     else
-        split_one_by_one(tracker, parts);
+        split(tracker, parts);
 }
 
 /// Also true of NaN.
@@ -108,12 +101,11 @@ inline void LpeServices::contribute(const Rgb& value, Technique technique, const
     const std::size_t words = tracker.groups_;
     const lpe::ProgramView& program = setup_.program_.view();
     for (std::size_t branch = 0; branch < tracker.count_; ++branch) {
-        const SplitPlans::Share& share = tracker.shares()[branch];
         SampleTable::Light part{{0, r}, {g, b}};
         if (!tracker.whole_) {
-            const auto* const shares = reinterpret_cast<const SampleTable::Pair*>(&share);
-            part.first *= shares[0];
-            part.second *= shares[1];
+            const Tracker::Share& share = tracker.share_[branch];
+            part.first *= SampleTable::Pair{0, share.r};
+            part.second *= SampleTable::Pair{share.g, share.b};
         }
         const lpe::State* const states = &tracker.state_[branch * words];
         for (std::uint32_t table = 0; table < program.table_count; ++table)

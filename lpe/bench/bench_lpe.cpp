@@ -88,11 +88,11 @@ void accumulate(benchmark::State& state, const std::string& set) {
     struct alignas(16) Layer {
         std::array<float, 4> rgba{};
     };
-    std::vector<Layer> layers(channels.size() + ProgramView::accept_block);
+    std::vector<Layer> layers(channels.size());
     const Layer colour{{0.25F, 0.5F, 0.75F, 1.0F}};
     for (auto _ : state) {
         for (std::size_t k = 0; k < paths; ++k) {
-            program.for_each_accepted_block(&ends[k * words], [&](std::uint16_t channel) {
+            program.for_each_accepted(&ends[k * words], [&](std::uint16_t channel) {
                 for (std::size_t c = 0; c < 4; ++c) {
                     layers[channel].rgba[c] += colour.rgba[c];
                 }
