@@ -98,7 +98,7 @@ void contribute(benchmark::State& state, const std::string& set) {
     }
     for (auto _ : state) {
         for (const Tracker& tracker : ends)
-            services.contribute(Rgb(0.25f, 0.5f, 0.75f), Technique::scattering, tracker);
+            services.contribute(Rgb(0.25f, 0.5f, 0.75f), Technique{}, tracker);
         benchmark::ClobberMemory();
     }
     const double count = static_cast<double>(paths.size());

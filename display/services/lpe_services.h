@@ -2,14 +2,15 @@
 // whose expression accepts the path. An integrator moves a tracker and reports contributions; it never asks which
 // channels exist, so adding an AOV never means editing an integrator.
 //
-// Attribution (Law 5). A tracker carries branches (automaton state, share). When a direction was sampled from a mixture of
-// lobes, each lobe's part of the scattering value moves along its own transition, so a contribution reaches each channel
-// with exactly the fraction of it that those lobes carried, and the fractions of one contribution sum to 1 in every
-// colour. Equal states merge, dead ones drop out. Beauty takes the full value and never looks at the states (Law 2).
+// Attribution (Law 5). A tracker carries branches (automaton state, share). When a direction was sampled from a mixture
+// of lobes, each lobe's part of the scattering value moves along its own transition, so a contribution reaches each
+// channel with exactly the fraction of it that those lobes carried, and the fractions of one contribution sum to 1 in
+// every colour. Equal states merge, dead ones drop out. Beauty takes the full value and never looks at the states (Law
+// 2).
 //
 // Groups. When the compiler spreads the channels over several automata, or packs some of them into bits, the state of a
-// branch is a few words (lpe/program_view.h): a share belongs to a set of paths, not to an automaton, so that a partition
-// whose channels lie in different groups still sums exactly when a tracker overflows (Law 1).
+// branch is a few words (lpe/program_view.h): a share belongs to a set of paths, not to an automaton, so that a
+// partition whose channels lie in different groups still sums exactly when a tracker overflows (Law 1).
 #pragma once
 
 #include <algorithm>
@@ -27,19 +28,23 @@
 
 namespace raylex::display {
 
-/// How a contribution was found; recorded for technique splits and diagnostics, never part of the word (an emitter is L
-/// by what it is, not by how it was hit).
-enum class Technique : std::uint8_t { scattering, light_sampling, light_tracing, connection };
+/// How a contribution was found: with `s` vertices made from the light and `t` from the camera, the light's and the
+/// camera's own among them (E. Veach 1997, section 10.2). Path tracing finds lights with s = 0 and samples them with s
+/// = 1; t = 1 is a splat. Never part of the word: an emitter is L by what it is, not by how it was hit.
+struct Technique {
+    std::uint32_t s = 0, t = 0;
+    bool operator==(const Technique&) const = default;
+};
 
 /// An emitter as a path found it, before the path changes it: what channels with prefixes splat instead of the value
 /// that beauty takes (channel_prefixes.h). An integrator fills it in only where LpeServices::wants_emitter_samples().
 struct EmitterSample {
     Rgb emitted;     ///< what leaves the emitter towards the path: radiance; intensity of point and spot lights;
                      ///< irradiance across the beam of distant ones. No throughput, density or geometry in it.
-    Rgb unweighted;  ///< radiance times throughput over density with nothing in the way, and all of the MIS weight given
-                     ///< to the technique that found it
+    Rgb unweighted;  ///< radiance times throughput over density with nothing in the way, and all of the MIS weight
+                     ///< given to the technique that found it
     float visibility = 1;            ///< fraction that arrives: 0 behind an opaque surface
-    bool found_by_sampling = false;  ///< found by scattering, though light sampling finds the same emitter there too:
+    bool found_by_sampling = false;  ///< found in another way, though light sampling finds the same emitter there too:
                                      ///< channels of light that nothing shadows leave it to the light sample
 };
 
@@ -53,7 +58,7 @@ struct LobePart {
 /// what is live: nothing to speak of without expression channels, one state for a path that was never split.
 class Tracker {
   public:
-    static constexpr int capacity = 24;     ///< branches, with up to five words of state; state_room / words with more
+    static constexpr int capacity = 24;  ///< branches, with up to five words of state; state_room / words with more
     static constexpr int state_room = 128;
     static constexpr int group_limit = 32;  ///< words of state (automaton groups, packed channels): room for 4 branches
 
@@ -76,20 +81,20 @@ class Tracker {
     };
 
     std::int32_t row_ = 0;
-    std::uint16_t moves_ = 0;    // with the pixel and sample of row_: the source of the overflow choice
-    std::uint8_t count_ = 0;     // branches
-    std::uint8_t groups_ = 0;    // words of state per branch
-    bool whole_ = true;          // nothing was split yet: at most one branch, its share 1 and not stored
-    bool held_out_ = false;      // the path's first hit is a holdout
-    std::array<lpe::State, state_room> state_;     // [branch][group]; nothing is initialised
-    std::array<Share, capacity> share_;            // [branch]
+    std::uint16_t moves_ = 0;                   // with the pixel and sample of row_: the source of the overflow choice
+    std::uint8_t count_ = 0;                    // branches
+    std::uint8_t groups_ = 0;                   // words of state per branch
+    bool whole_ = true;                         // nothing was split yet: at most one branch, its share 1 and not stored
+    bool held_out_ = false;                     // the path's first hit is a holdout
+    std::array<lpe::State, state_room> state_;  // [branch][group]; nothing is initialised
+    std::array<Share, capacity> share_;         // [branch]
 };
 
 /// What all threads share: the compiled program and where its channels stand in the sample table. Immutable.
 class LpeSetup {
   public:
-    /// Compiles every expression channel of `channels` but `beauty`, the id that takes the whole of every contribution, or
-    /// invalid_channel when beauty was not asked for. `rest_of` counts in `channels`.
+    /// Compiles every expression channel of `channels` but `beauty`, the id that takes the whole of every contribution,
+    /// or invalid_channel when beauty was not asked for. `rest_of` counts in `channels`.
     ///
     /// Errors: an expression that does not parse or is too large; more automaton groups than a tracker can follow; a
     /// channel of another type than rgb; prefixes that contradict each other.
@@ -106,7 +111,8 @@ class LpeSetup {
     /// invalid_channel. An integrator that does not is to be refused before the render.
     [[nodiscard]] ChannelId needs_emitter_samples() const { return needs_emitter_samples_; }
     [[nodiscard]] ChannelId needs_light_samples() const { return needs_light_samples_; }
-    /// Sets of the channels that `shares` [display channel] marks, for a SampleTable and a frame buffer of this block size.
+    /// Sets of the channels that `shares` [display channel] marks, for a SampleTable and a frame buffer of this block
+    /// size.
     [[nodiscard]] SplatSets splat_sets(std::span<const std::uint8_t> shares, int block_size) const {
         return {program_.view(), channel_of_accept_, shares, block_size};
     }
@@ -123,14 +129,14 @@ class LpeSetup {
         return prefixes_[channel].holdouts ? reaches_holdouts : reaches_ordinary;
     }
     lpe::Program program_;
-    std::vector<lpe::State> first_states_;        // [word] after the camera event; empty when all are dead
-    std::vector<ChannelId> channel_of_accept_;    // program channel -> display channel
-    SplatTargets targets_;                        // each channel its own
+    std::vector<lpe::State> first_states_;      // [word] after the camera event; empty when all are dead
+    std::vector<ChannelId> channel_of_accept_;  // program channel -> display channel
+    SplatTargets targets_;                      // each channel its own
     ChannelId beauty_ = invalid_channel;
-    std::vector<ChannelPrefixes> prefixes_;       // [program channel]
-    std::vector<std::uint8_t> reach_;             // [table state] which channels can still accept; empty without holdouts
-    bool has_user_events_ = false;                // some expression may name one
-    bool prefixed_ = false;                       // some prefix changes what is splatted
+    std::vector<ChannelPrefixes> prefixes_;  // [program channel]
+    std::vector<std::uint8_t> reach_;        // [table state] which channels can still accept; empty without holdouts
+    bool has_user_events_ = false;           // some expression may name one
+    bool prefixed_ = false;                  // some prefix changes what is splatted
     ChannelId needs_emitter_samples_ = invalid_channel, needs_light_samples_ = invalid_channel;
 };
 
@@ -141,19 +147,22 @@ class LpeServices {
     /// leave the frame buffer's range, for beauty but not for every layer. Far above the sun's 2e9 cd/m^2.
     static constexpr float largest_contribution = 0x1p38f;
 
-    /// How lobes are attributed: `exact` is Law 5; `picked` labels each scattering by one lobe drawn in proportion to its
-    /// part (per colour, by one random number, so that colours still sum), the common practice, kept to measure against.
+    /// How lobes are attributed: `exact` is Law 5; `picked` labels each scattering by one lobe drawn in proportion to
+    /// its part (per colour, by one random number, so that colours still sum), the common practice, kept to measure
+    /// against.
     enum class Attribution : std::uint8_t { exact, picked };
 
     /// `setup` and `table` must outlive this object; a tracker lives within one batch of the table.
-    LpeServices(const LpeSetup& setup, SampleTable& table, std::uint64_t seed, Attribution attribution = Attribution::exact);
+    LpeServices(const LpeSetup& setup, SampleTable& table, std::uint64_t seed,
+                Attribution attribution = Attribution::exact);
 
     /// A tracker at the camera of `row`, the camera event read.
     [[nodiscard]] Tracker begin(int row) const;
 
     void move(Tracker& tracker, lpe::EventClass event) const;
-    /// A scattering whose value is the sum of `parts`. Per colour the parts are normalised to sum to 1; a colour to which
-    /// no part gives anything goes to the first. No parts: the path scatters nothing and every branch dies. At most 64.
+    /// A scattering whose value is the sum of `parts`. Per colour the parts are normalised to sum to 1; a colour to
+    /// which no part gives anything goes to the first. No parts: the path scatters nothing and every branch dies. At
+    /// most 64.
     void move(Tracker& tracker, std::span<const LobePart> parts);
 
     /// Adds `value` (radiance times throughput, filter weight not applied) to beauty and to every channel whose
@@ -164,10 +173,11 @@ class LpeServices {
     /// all the same. A channel that takes another value than beauty is checked for that value too, and with
     /// `noinfinitecheck` for that value only.
     void contribute(const Rgb& value, Technique technique, const Tracker& tracker, const EmitterSample& sample);
-    /// False when no channel looks at an EmitterSample: then the integrator need not make any, nor report blocked light.
+    /// False when no channel looks at an EmitterSample: then the integrator need not make any, nor report blocked
+    /// light.
     [[nodiscard]] bool wants_emitter_samples() const { return setup_.needs_emitter_samples_ >= 0; }
-    /// Whether what a tracker that stands after its terminal contributes depends on what is in the way. False: no shadow
-    /// ray is needed (Law 4).
+    /// Whether what a tracker that stands after its terminal contributes depends on what is in the way. False: no
+    /// shadow ray is needed (Law 4).
     [[nodiscard]] bool needs_visibility(const Tracker& tracker) const;
     /// Adds what a surface says of itself (its albedo, its normal) to the channels that accept the path; beauty never
     /// takes it. The user event and a light after it must have been moved along; `throughput` leads to the surface.
@@ -189,12 +199,10 @@ class LpeServices {
     /// Whether beauty takes everything that this path finds, so that nothing of it can be saved.
     [[nodiscard]] bool takes_all(const Tracker& tracker) const { return setup_.beauty_ >= 0 && !tracker.held_out_; }
 
-    [[nodiscard]] std::uint64_t overflow_count() const { return overflow_count_; }   ///< moves that had to collapse branches
-    [[nodiscard]] std::uint64_t invalid_count() const { return invalid_count_; }   ///< contributions rejected
-    /// Contributions accepted so far that were found by `technique`.
-    [[nodiscard]] std::uint64_t contribution_count(Technique technique) const {
-        return contributions_[static_cast<std::size_t>(technique)];
-    }
+    [[nodiscard]] std::uint64_t overflow_count() const {
+        return overflow_count_;
+    }  ///< moves that had to collapse branches
+    [[nodiscard]] std::uint64_t invalid_count() const { return invalid_count_; }  ///< contributions rejected
 
   private:
     struct BranchList;
@@ -205,7 +213,8 @@ class LpeServices {
     /// Whether a branch in these states reaches channels of the wanted kind. Needs setup_.reach_.
     [[nodiscard]] bool reaches(const lpe::State* words, std::uint8_t wanted) const {
         const std::uint32_t tables = setup_.program_.view().table_count;
-        return std::any_of(words, words + tables, [&](lpe::State state) { return (setup_.reach_[state] & wanted) != 0; });
+        return std::any_of(words, words + tables,
+                           [&](lpe::State state) { return (setup_.reach_[state] & wanted) != 0; });
     }
     [[nodiscard]] std::uint8_t wanted_reach(const Tracker& tracker) const {
         return tracker.held_out_ ? LpeSetup::reaches_holdouts : LpeSetup::reaches_ordinary;
@@ -218,15 +227,14 @@ class LpeServices {
 
     const LpeSetup& setup_;
     SampleTable& table_;
-    const SplatTargets& targets_;   // of the table
+    const SplatTargets& targets_;  // of the table
     std::uint64_t seed_ = 0;
     Attribution attribution_ = Attribution::exact;
     std::uint64_t overflow_count_ = 0, invalid_count_ = 0;
-    std::array<std::uint64_t, 4> contributions_{};
-    bool apart_;                              // prefixes or holdouts: contributions take the long way
+    bool apart_;  // prefixes or holdouts: contributions take the long way
     static constexpr RgbD unused{-1.0};
-    std::vector<RgbD> shares_;                // [program channel] of one contribution, for own_value() channels
-    std::vector<std::uint16_t> sharing_;      // the channels whose shares_ are in use
+    std::vector<RgbD> shares_;            // [program channel] of one contribution, for own_value() channels
+    std::vector<std::uint16_t> sharing_;  // the channels whose shares_ are in use
 };
 
 }  // namespace raylex::display

@@ -88,7 +88,6 @@ inline void LpeServices::contribute(const Rgb& value, Technique technique, const
         reject(value, tracker);
         return;
     }
-    ++contributions_[static_cast<std::size_t>(technique)];
     const std::size_t at = 3 * static_cast<std::size_t>(tracker.row_);
     const double r = static_cast<double>(value.r), g = static_cast<double>(value.g), b = static_cast<double>(value.b);
     if (setup_.beauty_ >= 0) {

@@ -118,7 +118,7 @@ class PlantedError final : public Integrator {
 
     void add(const Rgb& value, std::uint32_t light, display::Tracker path, ThreadServices& services) const {
         services.lpe.move(path, context_.events->terminal(light));
-        services.lpe.contribute(value, display::Technique::light_sampling, path);
+        services.lpe.contribute(value, display::Technique{1, 2}, path);
     }
 
     bool mistake_;

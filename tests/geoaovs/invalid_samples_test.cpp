@@ -38,14 +38,14 @@ TEST_CASE("planted values that are not finite are counted at their pixels and ch
         for (int row = 0; row < 8; ++row) {
             Tracker direct = lpe.begin(row);
             lpe.move(direct, classes.light);
-            lpe.contribute(Rgb(1.0f), Technique::scattering, direct);
+            lpe.contribute(Rgb(1.0f), Technique{}, direct);
             Tracker bounced = lpe.begin(row);
             lpe.move(bounced, classes.diffuse);
             lpe.move(bounced, classes.light);
-            if (x == 1 && row < 2) lpe.contribute(Rgb(0.0f, nan, 0.0f), Technique::light_sampling, bounced);
-            if (x == 1 && row == 7) lpe.contribute(Rgb(-inf), Technique::light_sampling, direct);
+            if (x == 1 && row < 2) lpe.contribute(Rgb(0.0f, nan, 0.0f), Technique{1, 2}, bounced);
+            if (x == 1 && row == 7) lpe.contribute(Rgb(-inf), Technique{1, 2}, direct);
             if (x == 3 && row == 0) {
-                lpe.contribute(Rgb(2 * LpeServices::largest_contribution), Technique::light_sampling, bounced);
+                lpe.contribute(Rgb(2 * LpeServices::largest_contribution), Technique{1, 2}, bounced);
                 CHECK_FALSE(display.write(normal, row, Rgb(nan)));
                 const std::vector<std::int32_t> rows{0, 5};
                 CHECK_FALSE(display.write(normal, rows, std::vector<Rgb>{Rgb(inf), Rgb(0.0f)}));

@@ -141,7 +141,7 @@ struct Tracer {
             const std::size_t hit = nearest(ray, t);
             if (hit == scene.size()) {
                 lpe.move(path, sky_light);
-                return lpe.contribute(throughput * sky(ray.direction), Technique::scattering, path);
+                return lpe.contribute(throughput * sky(ray.direction), Technique{}, path);
             }
             const Object& o = scene[hit];
             const Vector point = ray.origin + ray.direction * t, wo = ray.direction * -1;
@@ -155,7 +155,7 @@ struct Tracer {
             if (!o.emission.is_black()) {
                 const float weight = density == 0 ? 1 : power_heuristic(density, lamp_density(ray.origin, cone));
                 lpe.move(path, key_light);
-                return lpe.contribute(throughput * o.emission * weight, Technique::scattering, path);
+                return lpe.contribute(throughput * o.emission * weight, Technique{}, path);
             }
             if (depth == max_depth) return;
             if (!o.mirror.is_black()) {
@@ -174,7 +174,7 @@ struct Tracer {
                     lpe.move(branch, key_light);
                     const float weight = power_heuristic(lamp_pdf, lit.density) / lamp_pdf;
                     lpe.contribute(throughput * (lit.diffuse + lit.glossy) * scene[lamp].emission * weight,
-                                   Technique::light_sampling, branch);
+                                   Technique{1, 2}, branch);
                 }
                 const bool diffuse = random.next() < diffuse_share(o);
                 const float u = random.next(), v = 2 * pi * random.next();

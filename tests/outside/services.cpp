@@ -29,10 +29,10 @@ int main() {
     services.move(tracker, diffuse);
     auto lit = tracker;
     services.move(lit, light);
-    services.contribute(Rgb(0.25f), display::Technique::light_sampling, lit);
+    services.contribute(Rgb(0.25f), display::Technique{1, 2}, lit);
     services.move(tracker, diffuse);
     services.move(tracker, light);
-    services.contribute(Rgb(0.5f), display::Technique::scattering, tracker);
+    services.contribute(Rgb(0.5f), display::Technique{}, tracker);
 
     const double beauty = table.values(0)[0], direct = table.values(1)[0], indirect = table.values(2)[0];
     std::printf("beauty %g = direct %g + indirect %g\n", beauty, direct, indirect);

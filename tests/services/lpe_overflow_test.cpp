@@ -73,7 +73,7 @@ Moments measure(const LpeSetup& setup, std::span<const ChannelDefinition> channe
             Tracker tracker = services.begin(row);
             for (int i = 0; i < vertices; ++i) services.move(tracker, parts);
             services.move(tracker, classes.light);
-            services.contribute(Rgb(1), Technique::scattering, tracker);
+            services.contribute(Rgb(1), Technique{}, tracker);
             for (std::size_t c = 0; c < 3; ++c) {
                 std::array<double, 2> sum{};
                 for (std::size_t i = 1; i < count; ++i) {
@@ -144,7 +144,7 @@ TEST_CASE("a partition whose channels lie in different groups survives overflow"
         Tracker tracker = services.begin(row);
         for (int i = 0; i < 50; ++i) services.move(tracker, parts);
         services.move(tracker, classes.background);
-        services.contribute(Rgb(1), Technique::scattering, tracker);
+        services.contribute(Rgb(1), Technique{}, tracker);
         for (int c = 0; c < 3; ++c) {
             double sum = 0;
             for (ChannelId id = 1; id < table.channel_count(); ++id) sum += table.values(id)[3 * row + c];

@@ -59,23 +59,22 @@ TEST_CASE("a light sample counts whole, blocked or not, where nothing shadows; w
     CHECK(s.services.wants_emitter_samples());
     const Tracker lit = s.path({s.classes.diffuse, s.classes.light});
     // Emits 8; 2 would arrive with all of the MIS weight, 0.5 arrives with its MIS weight of 1/2 through a half open door.
-    s.services.contribute(Rgb(0.5f), Technique::light_sampling, lit, light_sample(8, 2, 0.5f));
+    s.services.contribute(Rgb(0.5f), Technique{1, 2}, lit, light_sample(8, 2, 0.5f));
     const std::array<double, 7> half{0.5, 0.5, 2, 1, 4, 8, 4};
     for (ChannelId id = 0; id < 7; ++id) CHECK(s.red(id) == half[static_cast<std::size_t>(id)]);
     // The same sample behind a wall.
-    s.services.contribute(Rgb(0), Technique::light_sampling, lit, light_sample(8, 2, 0));
+    s.services.contribute(Rgb(0), Technique{1, 2}, lit, light_sample(8, 2, 0));
     const std::array<double, 7> blocked{0.5, 0.5, 4, 3, 4, 16, 12};
     for (ChannelId id = 0; id < 7; ++id) CHECK(s.red(id) == blocked[static_cast<std::size_t>(id)]);
-    CHECK(s.services.contribution_count(Technique::light_sampling) == 1);  // nothing arrives from the second
 }
 
 TEST_CASE("an emitter that light sampling finds too is left to it where nothing shadows", "[prefixes]") {
     Splatted s({"C<RD>L", "unoccluded;C<RD>L", "shadows;C<RD>L", "nothruput;C<RD>L"});
     const Tracker hit = s.path({s.classes.diffuse, s.classes.light});
-    s.services.contribute(Rgb(0.25f), Technique::scattering, hit, {Rgb(8), Rgb(1), 1, true});
+    s.services.contribute(Rgb(0.25f), Technique{}, hit, {Rgb(8), Rgb(1), 1, true});
     const std::array<double, 5> sampled_too{0.25, 0.25, 0, 0, 8};
     for (ChannelId id = 0; id < 5; ++id) CHECK(s.red(id) == sampled_too[static_cast<std::size_t>(id)]);
-    s.services.contribute(Rgb(1), Technique::scattering, hit, {Rgb(8), Rgb(1), 1, false});
+    s.services.contribute(Rgb(1), Technique{}, hit, {Rgb(8), Rgb(1), 1, false});
     const std::array<double, 5> by_chance_alone{1.25, 1.25, 1, 0, 16};
     for (ChannelId id = 0; id < 5; ++id) CHECK(s.red(id) == by_chance_alone[static_cast<std::size_t>(id)]);
 }
@@ -83,17 +82,17 @@ TEST_CASE("an emitter that light sampling finds too is left to it where nothing 
 TEST_CASE("overwrite keeps the last contribution, whole, and a black one replaces nothing", "[prefixes]") {
     Splatted s({"overwrite;C.*L", "C.*L"});
     CHECK_FALSE(s.services.wants_emitter_samples());
-    s.services.contribute(Rgb(1), Technique::scattering, s.path({s.classes.light}));
-    s.services.contribute(Rgb(2), Technique::scattering, s.path({s.classes.diffuse, s.classes.light}));
-    s.services.contribute(Rgb(0), Technique::scattering, s.path({s.classes.diffuse, s.classes.light}));
-    s.services.contribute(Rgb(5), Technique::scattering, s.path({s.classes.diffuse, s.classes.background}));
+    s.services.contribute(Rgb(1), Technique{}, s.path({s.classes.light}));
+    s.services.contribute(Rgb(2), Technique{}, s.path({s.classes.diffuse, s.classes.light}));
+    s.services.contribute(Rgb(0), Technique{}, s.path({s.classes.diffuse, s.classes.light}));
+    s.services.contribute(Rgb(5), Technique{}, s.path({s.classes.diffuse, s.classes.background}));
     CHECK(s.red(1) == 5);
     CHECK(s.red(2) == 8);
     CHECK(s.red(0) == 8);
     // The other camera sample keeps its own.
     Tracker other = s.services.begin(1);
     s.services.move(other, s.classes.light);
-    s.services.contribute(Rgb(3), Technique::scattering, other);
+    s.services.contribute(Rgb(3), Technique{}, other);
     CHECK(s.red(1) == 5);
     CHECK(s.table.values(1)[3] == 3);
 }
@@ -105,7 +104,7 @@ TEST_CASE("what overlapping lobes share of one contribution is one splat to over
         const std::array<LobePart, 2> parts{{{s.classes.diffuse, Rgb(0.25f)}, {s.classes.glossy, Rgb(0.75f)}}};
         s.services.move(tracker, parts);
         s.services.move(tracker, s.classes.light);
-        s.services.contribute(Rgb(value), Technique::scattering, tracker);
+        s.services.contribute(Rgb(value), Technique{}, tracker);
     }
     CHECK(s.red(1) == 4);
     CHECK(s.red(2) == 1);
@@ -118,7 +117,7 @@ TEST_CASE("shares split channels without throughput too, so that they sum", "[pr
     const std::array<LobePart, 2> parts{{{s.classes.diffuse, Rgb(0.25f)}, {s.classes.glossy, Rgb(0.75f)}}};
     s.services.move(tracker, parts);
     s.services.move(tracker, s.classes.light);
-    s.services.contribute(Rgb(1), Technique::scattering, tracker, {Rgb(8), Rgb(1), 1, false});
+    s.services.contribute(Rgb(1), Technique{}, tracker, {Rgb(8), Rgb(1), 1, false});
     CHECK(s.red(1) == 8);
     CHECK(s.red(2) == 2);
     CHECK(s.red(3) == 6);
@@ -128,12 +127,12 @@ TEST_CASE("a channel without infinity check is judged by its own value, and infi
           "[prefixes][law6]") {
     Splatted s({"C.*", "nothruput;C.*", "nothruput;noinfinitecheck;C.*", "noinfinitecheck;C.*"});
     const Tracker seen = s.path({s.classes.light});
-    s.services.contribute(Rgb(not_finite), Technique::scattering, seen, {Rgb(8), Rgb(not_finite), 1, false});
+    s.services.contribute(Rgb(not_finite), Technique{}, seen, {Rgb(8), Rgb(not_finite), 1, false});
     const std::array<double, 5> checked{0, 0, 0, 8, 0};
     for (ChannelId id = 0; id < 5; ++id) CHECK(s.red(id) == checked[static_cast<std::size_t>(id)]);
     CHECK(s.services.invalid_count() == 1);
     // Beauty's value is good, the channels' own is not: they drop it, beauty keeps its value, and it is counted once.
-    s.services.contribute(Rgb(1), Technique::scattering, seen, {Rgb(not_finite), Rgb(1), 1, false});
+    s.services.contribute(Rgb(1), Technique{}, seen, {Rgb(not_finite), Rgb(1), 1, false});
     const std::array<double, 5> own{1, 1, 0, 8, 1};
     for (ChannelId id = 0; id < 5; ++id) CHECK(s.red(id) == own[static_cast<std::size_t>(id)]);
     CHECK(s.services.invalid_count() == 2);
@@ -143,7 +142,7 @@ TEST_CASE("a channel without infinity check is judged by its own value, and infi
 TEST_CASE("paths that begin at a holdout go to holdouts channels and nowhere else", "[prefixes][law1]") {
     Splatted s({"C.*", "C<RD>.*", "C[^<RD>].*|C", "holdouts;C.*", "unoccluded;holdouts;C.*"});
     Tracker ordinary = s.path({s.classes.diffuse, s.classes.light});
-    s.services.contribute(Rgb(2), Technique::light_sampling, ordinary, light_sample(1, 3, 1));
+    s.services.contribute(Rgb(2), Technique{1, 2}, ordinary, light_sample(1, 3, 1));
     const std::array<double, 6> before{2, 2, 2, 0, 0, 0};
     for (ChannelId id = 0; id < 6; ++id) CHECK(s.red(id) == before[static_cast<std::size_t>(id)]);
     Tracker held = s.services.begin(0);
@@ -154,7 +153,7 @@ TEST_CASE("paths that begin at a holdout go to holdouts channels and nowhere els
     s.services.move(held, s.classes.diffuse);
     Tracker lit = held;  // a copy is held out too
     s.services.move(lit, s.classes.light);
-    s.services.contribute(Rgb(5), Technique::light_sampling, lit, light_sample(1, 7, 0.5f));
+    s.services.contribute(Rgb(5), Technique{1, 2}, lit, light_sample(1, 7, 0.5f));
     const std::array<double, 6> after{2, 2, 2, 0, 5, 7};
     for (ChannelId id = 0; id < 6; ++id) CHECK(s.red(id) == after[static_cast<std::size_t>(id)]);
 }
@@ -166,7 +165,7 @@ TEST_CASE("nobody follows a held out path that no holdouts channel can take", "[
     CHECK_FALSE(none.services.live(tracker));
     CHECK_FALSE(none.services.live_after(tracker, none.classes.diffuse));
     none.services.move(tracker, none.classes.light);
-    none.services.contribute(Rgb(1), Technique::scattering, tracker);
+    none.services.contribute(Rgb(1), Technique{}, tracker);
     CHECK(none.red(0) == 0);
     CHECK(none.red(1) == 0);
 
@@ -205,7 +204,6 @@ TEST_CASE("what a surface says of itself reaches the channels that name it, and 
     s.services.contribute_user(Rgb(0.75f), Rgb(0.5f), s.path({s.classes.diffuse, user(2), s.classes.light}));
     const std::array<double, 5> taken{0, 0.5, 0.5 + 0.375, 0, 0};
     for (ChannelId id = 0; id < 5; ++id) CHECK(s.red(id) == taken[static_cast<std::size_t>(id)]);
-    CHECK(s.services.contribution_count(Technique::scattering) == 0);
 }
 
 TEST_CASE("channels without prefixes have the same bits beside any that have them", "[prefixes][law2]") {
@@ -221,7 +219,7 @@ TEST_CASE("channels without prefixes have the same bits beside any that have the
             }
             s.services.move(tracker, s.classes.light);
             const Rgb value = i % 50 == 0 ? Rgb(not_finite) : color();
-            s.services.contribute(value, Technique::scattering, tracker, {color(), color(), random.uniform_float(), false});
+            s.services.contribute(value, Technique{}, tracker, {color(), color(), random.uniform_float(), false});
         }
         return std::vector<double>(s.table.values(0), s.table.values(0) + 3 * 2 * 4);  // beauty and the first three
     };

@@ -47,10 +47,10 @@ void follow_random_path(LpeServices& services, const Classes& classes, int row, 
         services.move(tracker, std::span(parts).first(static_cast<std::size_t>(count)));
         Tracker lit = tracker;
         services.move(lit, any(classes.terminals));
-        services.contribute(random_color(random), Technique::light_sampling, lit);
+        services.contribute(random_color(random), Technique{1, 2}, lit);
     }
     services.move(tracker, any(classes.terminals));
-    services.contribute(random_color(random) + Rgb(0.1f), Technique::scattering, tracker);
+    services.contribute(random_color(random) + Rgb(0.1f), Technique{}, tracker);
 }
 
 struct Rendered {
@@ -111,7 +111,7 @@ void follow_two_lobes(LpeServices& services, const Classes& classes, int row, in
         {{classes.diffuse, diffuse_part * 0.5f}, {classes.singular, (Rgb(1) - diffuse_part) * 0.5f}}};
     for (int i = 0; i < vertices; ++i) services.move(tracker, parts);
     services.move(tracker, classes.light);
-    services.contribute(Rgb(1), Technique::scattering, tracker);
+    services.contribute(Rgb(1), Technique{}, tracker);
 }
 
 std::vector<double> binomial(int n, double p) {
@@ -169,7 +169,7 @@ TEST_CASE("a colour to which no lobe gives anything belongs to the first", "[lpe
     const std::array<LobePart, 2> parts{{{classes.singular, Rgb(0, 0, 1)}, {classes.diffuse, Rgb(1, 0, 3)}}};
     services.move(tracker, parts);
     services.move(tracker, classes.light);
-    services.contribute(Rgb(8), Technique::scattering, tracker);
+    services.contribute(Rgb(8), Technique{}, tracker);
     CHECK(table.values(1)[0] == 8);
     CHECK(table.values(2)[1] == 8);
     CHECK(table.values(1)[2] == 6);
@@ -188,8 +188,8 @@ TEST_CASE("contributions that are not finite reach nothing and are logged with p
     Tracker tracker = services.begin(table.add_row(1));
     services.move(tracker, classes.light);
     const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
-    services.contribute(Rgb(1, nan, 1), Technique::scattering, tracker);
-    services.contribute(Rgb(-inf, 0, 0), Technique::light_sampling, tracker);
+    services.contribute(Rgb(1, nan, 1), Technique{}, tracker);
+    services.contribute(Rgb(-inf, 0, 0), Technique{1, 2}, tracker);
     CHECK(services.invalid_count() == 2);
     REQUIRE(table.invalid_log().size() == 2);
     CHECK(table.invalid_log()[1].pixel_x == 11);
@@ -200,13 +200,12 @@ TEST_CASE("contributions that are not finite reach nothing and are logged with p
         CHECK_FALSE(table.touched(id));
         for (int i = 0; i < 9; ++i) CHECK(table.values(id)[i] == 0);
     }
-    for (int i = 0; i < 100; ++i) services.contribute(Rgb(nan), Technique::scattering, tracker);
+    for (int i = 0; i < 100; ++i) services.contribute(Rgb(nan), Technique{}, tracker);
     CHECK(services.invalid_count() == 102);
     CHECK(table.invalid_log().size() == SampleTable::invalid_samples_kept);
-    services.contribute(Rgb(1), Technique::scattering, tracker);
+    services.contribute(Rgb(1), Technique{}, tracker);
     CHECK(table.values(0)[6] == 1);  // the third row
     CHECK(table.values(1)[6] == 1);
-    CHECK(services.contribution_count(Technique::scattering) == 1);
 }
 
 TEST_CASE("a contribution beyond the frame buffer's range costs no other one, and splits still sum",
@@ -221,7 +220,7 @@ TEST_CASE("a contribution beyond the frame buffer's range costs no other one, an
     const auto add = [&](float value, lpe::EventClass terminal) {
         Tracker tracker = services.begin(0);
         services.move(tracker, terminal);
-        services.contribute(Rgb(value), Technique::scattering, tracker);
+        services.contribute(Rgb(value), Technique{}, tracker);
     };
     add(1e15f, classes.background);  // finite, but no block of samples can hold it
     add(2.0f, classes.light);
@@ -254,7 +253,7 @@ TEST_CASE("a path is live while something can still accept it", "[lpe_services][
     Tracker other = tracker;
     services.move(other, classes.diffuse);
     CHECK_FALSE(services.live(other));
-    services.contribute(Rgb(1), Technique::scattering, other);
+    services.contribute(Rgb(1), Technique{}, other);
     CHECK_FALSE(table.touched(0));
     CHECK(services.live(tracker));  // the copy changed nothing
     // With beauty everything counts.
@@ -280,7 +279,7 @@ TEST_CASE("without expression channels only beauty is filled", "[lpe_services]")
     const std::array<LobePart, 2> parts{{{0, Rgb(1)}, {0, Rgb(1)}}};
     services.move(tracker, parts);
     services.move(tracker, lpe::EventClass{0});
-    services.contribute(Rgb(1, 2, 3), Technique::scattering, tracker);
+    services.contribute(Rgb(1, 2, 3), Technique{}, tracker);
     CHECK(services.live(tracker));
     CHECK(table.values(0)[2] == 3);
     const LpeSetup nothing = build_setup({plain_channel("N", ChannelType::normal)}, invalid_channel);
@@ -310,7 +309,7 @@ TEST_CASE("packed channels get exactly what each gets alone", "[lpe_services][la
                 services.move(tracker, parts);
             }
             services.move(tracker, setup.classify({lpe::EventType::light, lpe::Scatter::none, 0, {""}}));
-            services.contribute(Rgb(0.25f, 0.5f, 1), Technique::scattering, tracker);
+            services.contribute(Rgb(0.25f, 0.5f, 1), Technique{}, tracker);
         }
         branches_dropped += static_cast<int>(services.overflow_count());
         std::vector<std::vector<double>> values;

@@ -44,7 +44,7 @@ void follow(LpeServices& lpe, const Classes& classes, int row, int pixel, std::u
     for (int vertex = 0; vertex <= vertices; ++vertex) {
         Tracker ahead = tracker;
         lpe.move(ahead, random.below(3) == 0 ? classes.emission : classes.light);
-        lpe.contribute(value(), Technique::light_sampling, ahead);
+        lpe.contribute(value(), Technique{1, 2}, ahead);
         const LobePart parts[2] = {{classes.diffuse, value()}, {classes.singular, value()}};
         lpe.move(tracker, {parts, random.below(2) == 0 ? std::size_t{2} : std::size_t{1}});
     }
@@ -159,7 +159,7 @@ TEST_CASE("many more sets than a table makes room for at once lose no light",
             Tracker tracker = lpe.begin(path);
             for (int i = 0; i < bits; ++i) lpe.move(tracker, (path >> i) & 1 ? classes.diffuse : classes.singular);
             lpe.move(tracker, classes.light);
-            lpe.contribute(Rgb(1, 2, 4), Technique::scattering, tracker);
+            lpe.contribute(Rgb(1, 2, 4), Technique{}, tracker);
         }
         CHECK(table.sets_in_use().size() == paths);
         CHECK(paths >= 4 * SampleTable::set_chunk);
@@ -203,10 +203,10 @@ TEST_CASE("what is sent to a sharing channel itself adds to what it shares, and 
         table.begin(test::pixel_rows(0, 0, sample, 1));
         Tracker tracker = lpe.begin(0);
         lpe.move(tracker, classes.light);
-        lpe.contribute(Rgb(1), Technique::scattering, tracker);
+        lpe.contribute(Rgb(1), Technique{}, tracker);
         if (sample == 1) {
             services.discard_iteration();
-            lpe.contribute(Rgb(16), Technique::scattering, tracker);  // into a batch that counts for nothing
+            lpe.contribute(Rgb(16), Technique{}, tracker);  // into a batch that counts for nothing
             continue;
         }
         if (sample == 2) CHECK(services.splat(2, 0, Rgb(8)));

@@ -227,7 +227,7 @@ class Counting final : public transport::Integrator {
                    transport::ThreadServices& services) const override {
         for (int row = 0; row < static_cast<int>(batch.rays.size()); ++row) {
             auto tracker = services.lpe.begin(row);
-            services.lpe.contribute(raylex::Rgb(static_cast<float>(iterations_)), display::Technique::scattering,
+            services.lpe.contribute(raylex::Rgb(static_cast<float>(iterations_)), display::Technique{},
                                     tracker);
         }
         thread.counters.camera_rays += batch.rays.size();

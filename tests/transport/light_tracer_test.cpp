@@ -29,7 +29,7 @@ TEST_CASE("methods that splat keep the laws: splits sum, asking changes nothing,
           "[lighttracer][bdpt][render][law1][law2][law3]") {
     const std::string integrator = GENERATE("lighttracer", "bdpt");
     CAPTURE(integrator);
-    const auto scene = scene_of(room);
+    const auto scene = scene_of(GENERATE(false, true) ? foggy_room() : room);
     transport::RenderSettings settings;
     settings.samples_per_pixel = 20;
     settings.integrator = integrator_named(integrator);

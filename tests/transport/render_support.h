@@ -134,4 +134,19 @@ LightSource "infinite" "rgb L" [0.2 0.3 0.4]
 LightSource "spot" "rgb I" [1 1 1] "point3 from" [0 1.8 0.9] "point3 to" [0 0 0]
 )";
 
+/// The room with everything in it, filled with coloured fog; the glass ball holds another medium, which glows.
+inline std::string foggy_room() {
+    std::string text = room;
+    const std::string camera = "LookAt";
+    text.replace(text.find(camera), camera.size(), R"(
+MakeNamedMedium "haze" "string type" "homogeneous"
+    "rgb sigma_a" [0.02 0.05 0.1] "rgb sigma_s" [0.3 0.25 0.2] "float g" 0.4
+MakeNamedMedium "juice" "string type" "homogeneous" "rgb sigma_a" [0.2 1 2] "rgb sigma_s" [1 1 1] "rgb Le" [0.5 0.2 0.1]
+MediumInterface "" "haze"
+LookAt)");
+    const std::string glass = "Material \"dielectric\"";
+    text.replace(text.find(glass), glass.size(), "MediumInterface \"juice\" \"haze\"\n  Material \"dielectric\"");
+    return text;
+}
+
 }  // namespace render_test

@@ -1,19 +1,24 @@
-// `bdpt`: bidirectional path tracing (Veach 1997, chapter 10). Every camera sample makes a subpath from the camera and one
-// from a light and joins every vertex of one with every vertex of the other.
+// `bdpt`: bidirectional path tracing (Veach 1997, chapter 10). Every camera sample makes a subpath from the camera and
+// one from a light and joins every vertex of one with every vertex of the other.
 //
 // With s vertices from the light and t from the camera, a path is found
 //     s = 0          when the camera subpath meets a light by itself;
 //     s = 1          by a light sample, drawn anew for each vertex (next event estimation);
 //     t = 1          when a light subpath's vertex is connected to the camera: a splat through the pixel filter;
 //     s, t >= 2      by joining two vertices;
-// t = 0 is left out: no ray meets a pinhole, and hardly any a lens. Light that the camera sees directly is found by s = 0
-// alone. Each strategy has the weight of the power heuristic over all that could have made the path (paths/strategies.h).
+// t = 0 is left out: no ray meets a pinhole, and hardly any a lens. Light that the camera sees directly is found by s =
+// 0 alone. Each strategy has the weight of the power heuristic over all that could have made the path
+// (paths/strategies.h).
 //
-// Words. The camera subpath's tracker goes on over the join and back along the light subpath's events to its light, so that
-// every channel takes exact shares whatever found the path (Law 5).
+// Words. The camera subpath's tracker goes on over the join and back along the light subpath's events to its light, so
+// that every channel takes exact shares whatever found the path (Law 5).
 //
-// Not yet: participating media, holdouts, and the prefixes nothruput, unoccluded and shadows; they are refused. As with
-// every method that splats, statistics and adaptive sampling are refused too.
+// Media: collisions are vertices like others, with a phase function for a closure and 1 for a cosine; light subpaths
+// begin in the medium that their light stands in (media_of_lights). Light that media emit is found by camera subpaths
+// alone (s = 0).
+//
+// The prefixes nothruput, unoccluded and shadows look at lights found and sampled by camera subpaths (s < 2), as with
+// `path`.
 #pragma once
 
 #include "transport/integrators/integrator.h"

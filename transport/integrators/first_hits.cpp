@@ -58,13 +58,14 @@ float edge_distance(const IntegratorContext& context, const Vec3& position, std:
     return nearest;
 }
 
-bool record_first_hit(const EmbreeScene& geometry, int row, float distance, const Hit& hit,
-                      display::DisplayServices& display) {
-    display.write_distance(row, distance);
-    const bool holdout = geometry.has_holdouts() && geometry.is_holdout(hit);
-    display.write_opacity(row, Rgb(holdout ? 0.0f : 1.0f));
-    display.write_surface(row, geometry.surface_number(hit));
-    return holdout;
+CameraSubpathOptions camera_subpath_options(const IntegratorContext& context, const WalkOptions& walk) {
+    CameraSubpathOptions options;
+    options.walk = walk;
+    options.shade_first_hits = context.aovs->inputs() != 0 || context.pattern_channels;
+    options.light_can_be_hit = context.scene.lights->any_to_hit() || context.scene.media->any_emits();
+    options.view = {context.camera, context.width, context.height, context.filter_radius};
+    std::copy(&context.world_to_camera[0][0], &context.world_to_camera[0][0] + 12, &options.world_to_camera[0][0]);
+    return options;
 }
 
 void write_first_hits(const IntegratorContext& context, const VertexBatch& v, std::span<const std::uint32_t> which,

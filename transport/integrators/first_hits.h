@@ -1,4 +1,5 @@
-// From first hits to the shading batch that geometric AOVs read: what every integrator that starts at the camera does.
+// What every integrator that starts at the camera does: from the render's needs to its camera subpaths, and from first
+// hits to the shading batch that geometric AOVs read.
 #pragma once
 
 #include <cstdint>
@@ -6,33 +7,35 @@
 
 #include "geoaovs/geoaovs.h"
 #include "transport/integrators/integrator.h"
+#include "transport/paths/camera_subpaths.h"
 #include "transport/paths/vertex.h"
 
 namespace raylex::transport {
 
-/// First hits side by side: entry `which[i]` of every array is one. Those must not be empty that the render's AOVs read;
-/// to fill them all is always right.
+/// First hits side by side: entry `which[i]` of every array is one. Those must not be empty that the render's AOVs
+/// read; to fill them all is always right.
 struct FirstHits {
     std::span<const std::uint32_t> which;
-    std::span<const std::uint32_t> rows;   ///< in the sample table
+    std::span<const std::uint32_t> rows;  ///< in the sample table
     std::span<const Hit> hits;
     std::span<const SurfacePoint> points;
     std::span<const SurfaceSource> sources;
     std::span<const Bsdf> bsdfs;
 };
 
-/// Distance, opacity and surface of camera ray `row`, which has come `distance` to hit `hit`. True: it is a holdout.
-bool record_first_hit(const EmbreeScene& geometry, int row, float distance, const Hit& hit, display::DisplayServices& display);
+/// What camera subpaths of this render are to do.
+CameraSubpathOptions camera_subpath_options(const IntegratorContext& context, const WalkOptions& walk);
 
 /// Geometric AOVs of the vertices `which`, by way of `batch`.
-void write_first_hits(const IntegratorContext& context, const VertexBatch& vertices, std::span<const std::uint32_t> which,
-                      geoaovs::ShadingBatch& batch, display::DisplayServices& display);
+void write_first_hits(const IntegratorContext& context, const VertexBatch& vertices,
+                      std::span<const std::uint32_t> which, geoaovs::ShadingBatch& batch,
+                      display::DisplayServices& display);
 
 /// Makes `batch` these hits. Only the columns that the render's AOVs read are filled.
 void describe_first_hits(const IntegratorContext& context, const FirstHits& first, geoaovs::ShadingBatch& batch);
 
-/// How far `position` lies from the nearest of the edges (start and end by turns), in pixels of the image; infinity when
-/// there is none. Edges that pass behind the camera are cut.
+/// How far `position` lies from the nearest of the edges (start and end by turns), in pixels of the image; infinity
+/// when there is none. Edges that pass behind the camera are cut.
 float edge_distance(const IntegratorContext& context, const Vec3& position, std::span<const Vec3> edges);
 
 }  // namespace raylex::transport

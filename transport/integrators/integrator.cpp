@@ -25,6 +25,13 @@ Registry<IntegratorFactory>& integrator_registry() {
     return registry;
 }
 
+void reject_power(ThreadServices& services, const display::CameraRow& row, const Rgb& power) {
+    const display::Tracker tracker = services.raster->begin(0, 0, row);
+    services.raster->lpe().contribute(power, {}, tracker);
+}
+
+Vec3 camera_position(const IntegratorContext& context) { return context.camera->generate(0, 0, {0.5f, 0.5f}).origin; }
+
 Result<std::uint32_t> read_max_depth(const SceneEntity& entity, std::optional<std::int64_t> max_depth) {
     auto depth = entity.parameters.integer_or("maxdepth", 5);
     if (!depth) return depth.error();

@@ -45,14 +45,12 @@
 #include "geoaovs/geoaovs.h"
 #include "transport/paths/counters.h"
 #include "transport/paths/event_table.h"
+#include "transport/paths/subpath.h"
 #include "transport/samplers/pixel_sampler.h"
 
 namespace raylex::transport {
 
 class PerspectiveCamera;
-
-/// Sampler dimensions that the engine uses itself: pixel filter, lens, shutter time.
-inline constexpr std::uint32_t filter_dimension = 0, lens_dimension = 1, time_dimension = 2, first_free_dimension = 8;
 
 /// What prepare() gets; the pointers live as long as the render.
 struct IntegratorContext {
@@ -157,6 +155,11 @@ using IntegratorFactory =
 
 /// path (volpath is another name for it), lighttracer, bdpt, pssmlt; plugins add theirs.
 Registry<IntegratorFactory>& integrator_registry();
+
+/// A light subpath's power is no number: counted and logged (Law 6) as a splat of `row`'s.
+void reject_power(ThreadServices& services, const display::CameraRow& row, const Rgb& power);
+/// Where the camera stands: the middle of its lens.
+[[nodiscard]] Vec3 camera_position(const IntegratorContext& context);
 
 /// The parameter "maxdepth" of in-tree integrators, `max_depth` first; 5 without, at most a million.
 Result<std::uint32_t> read_max_depth(const SceneEntity& entity, std::optional<std::int64_t> max_depth);

@@ -5,18 +5,20 @@
 #include "transport/integrators/path.h"
 #include "transport/paths/camera_connections.h"
 #include "transport/paths/light_subpaths.h"
+#include "transport/paths/transmittance.h"
 
 namespace raylex::transport {
 namespace {
 
 struct LightTracerThread final : IntegratorThread {
-    LightTracerThread(const SceneView& scene, const LightSubpathOptions& options, std::size_t capacity)
-        : subpaths(scene, options, capacity) {
-        counters.path_lengths.assign(std::min<std::size_t>(options.max_depth, 1024) + 1, 0);
+    LightTracerThread(const SceneView& scene, const EventTable& events, const LightSubpathOptions& options,
+                      std::size_t capacity)
+        : subpaths(scene, events, options, capacity) {
+        counters.path_lengths.assign(std::min<std::size_t>(options.walk.max_depth, 1024) + 1, 0);
     }
     LightSubpaths subpaths;
     CameraConnections connections;
-    std::unique_ptr<IntegratorThread> camera;    // of the camera rays' part
+    std::unique_ptr<IntegratorThread> camera;  // of the camera rays' part
 };
 
 class LightTracer final : public Integrator {
@@ -29,6 +31,8 @@ class LightTracer final : public Integrator {
     [[nodiscard]] IntegratorTraits traits() const override {
         IntegratorTraits traits;
         traits.max_depth = parameters_.max_depth;
+        traits.holdouts = true;
+        traits.media = true;
         traits.saved_state = SavedState::none;
         traits.raster_splats = true;
         return traits;
@@ -38,15 +42,16 @@ class LightTracer final : public Integrator {
         view_ = {context.camera, context.width, context.height, context.filter_radius};
         can_emit_ = parameters_.max_depth > 0 && context.scene.lights->can_sample(LightChoice::light_sampling) &&
                     (context.beauty || context.events->any());
+        if (can_emit_) media_of_lights_ = media_of_lights(context.scene, camera_position(context));
         return camera_->prepare(context);
     }
     [[nodiscard]] std::vector<std::string> omissions() const override;
     [[nodiscard]] std::unique_ptr<IntegratorThread> make_thread_state() const override {
         LightSubpathOptions options;
-        options.max_depth = parameters_.max_depth;
-        options.roulette = parameters_.roulette;
-        options.words = context_.events->any();
-        auto thread = std::make_unique<LightTracerThread>(context_.scene, options,
+        options.walk = {parameters_.max_depth, parameters_.roulette, false};
+        options.events = context_.events->any();
+        options.media_of_lights = media_of_lights_;
+        auto thread = std::make_unique<LightTracerThread>(context_.scene, *context_.events, options,
                                                           static_cast<std::size_t>(context_.batch_capacity));
         thread->camera = camera_->make_thread_state();
         return thread;
@@ -59,7 +64,8 @@ class LightTracer final : public Integrator {
     DepthParameters parameters_;
     IntegratorContext context_;
     CameraView view_;
-    std::unique_ptr<Integrator> camera_;   // what camera rays find by themselves
+    std::unique_ptr<Integrator> camera_;  // what camera rays find by themselves
+    std::vector<std::int32_t> media_of_lights_;
     bool can_emit_ = false;
 };
 
@@ -72,33 +78,38 @@ void LightTracer::integrate(const CameraBatch& batch, IntegratorThread& state, T
     if (!can_emit_ || services.left) return;
     LightSubpaths& subpaths = thread.subpaths;
     subpaths.begin(batch.samplers, thread.counters);
-    // Splats that were handed on cannot be taken back, and a batch that is left with such leaves no checkpoint. So a batch
-    // is finished unless its paths go on for long: this many scatterings take milliseconds.
+    // Splats that were handed on cannot be taken back, and a batch that is left with such leaves no checkpoint. So a
+    // batch is finished unless its paths go on for long: this many scatterings take milliseconds.
     constexpr int soon = 64;
     for (int scatterings = 0; subpaths.going(); ++scatterings) {
         if (scatterings >= soon && services.leaving()) break;
-        subpaths.advance(batch.samplers, thread.counters, services.display);
+        subpaths.advance(services.display);
         connect(batch, thread, services);
-        subpaths.scatter(batch.samplers, thread.counters, [&](std::uint32_t row, const Rgb& power) {
-            const display::Tracker tracker = services.raster->begin(0, 0, batch.rows[row]);
-            services.raster->lpe().contribute(power, display::Technique::light_tracing, tracker);  // counted and logged
-        });
+        subpaths.scatter([&](std::uint32_t row, const Rgb& power) { reject_power(services, batch.rows[row], power); });
     }
 }
 
 void LightTracer::connect(const CameraBatch& batch, LightTracerThread& thread, ThreadServices& services) const {
     const VertexBatch& v = thread.subpaths.vertices();
+    const EmbreeScene& geometry = *context_.scene.geometry;
     for (std::size_t j = 0; j < v.count; ++j) {
         const std::uint32_t row = v.rows[j];
-        const LightSubpath& path = thread.subpaths.path(row);
+        const Subpath& path = thread.subpaths.path(row);
         const Vec2 lens = context_.camera->has_lens()
-                              ? batch.samplers[row].get_2d(light_subpath_dimension(path.depth, camera_lens_dimension))
+                              ? batch.samplers[row].get_2d(
+                                    subpath_dimensions<TransportMode::importance>.of(path.depth, camera_lens_dimension))
                               : Vec2{0, 0};
-        thread.connections.add(view_, {row, path.light, &v.points[j], &v.bsdfs[j], v.sources[j].offset,
-                                       v.sources[j].label, path.power, thread.subpaths.word(row), nullptr}, lens);
+        const bool holdout = j < v.surfaces && geometry.has_holdouts() && geometry.is_holdout(v.hits[j]);
+        thread.connections.add(view_,
+                               {row, path.light, path.depth, &v.points[j], &v.bsdfs[j], v.sources[j].offset,
+                                v.sources[j].label, holdout, path.beta, thread.subpaths.events(row), nullptr},
+                               lens);
     }
-    if (!context_.beauty && !context_.scene.geometry->has_alpha())
-        thread.connections.drop_dead(*context_.events, services.lpe);
+    if (!context_.beauty && !geometry.has_alpha()) {
+        Record record(*context_.events);
+        record.begin(services.lpe);
+        thread.connections.drop_dead(record);
+    }
     thread.connections.splat(context_.scene, *context_.events, batch.rows, *services.raster, thread.counters);
 }
 
@@ -107,26 +118,33 @@ std::vector<std::string> LightTracer::omissions() const {
     for (const ShapeGeometry& shape : context_.scene.geometry->shapes())
         if (!shape.interface)
             context_.scene.materials->material(static_cast<std::size_t>(shape.material))->append_lobes(lobes);
-    const bool singular = std::any_of(lobes.begin(), lobes.end(), [](LobeId lobe) {
-        return lobe_kinds()[lobe].scatter == lpe::Scatter::singular;
-    });
-    if (!singular || parameters_.max_depth == 0) return {};
-    return {"integrator 'lighttracer' does not find what the camera sees by a mirror or through smooth glass: paths whose first "
-            "scattering is singular (C<.S>.* in the osl dialect) are missing from the image"};
+    const bool singular = std::any_of(lobes.begin(), lobes.end(),
+                                      [](LobeId lobe) { return lobe_kinds()[lobe].scatter == lpe::Scatter::singular; });
+    std::vector<std::string> omitted;
+    if (context_.scene.media->any_emits() && parameters_.max_depth > 0)
+        omitted.emplace_back(
+            "integrator 'lighttracer' finds light that media emit only where the camera sees it directly: "
+            "C.+O is missing from the image");
+    if (!singular || parameters_.max_depth == 0) return omitted;
+    omitted.emplace_back(
+        "integrator 'lighttracer' does not find what the camera sees by a mirror or through smooth glass: paths whose "
+        "first "
+        "scattering is singular (C<.S>.* in the osl dialect) are missing from the image");
+    return omitted;
 }
 
 }  // namespace
 
 Registry<IntegratorFactory>::Entry light_tracer_entry() {
-    return {"lighttracer",
-            "paths from the lights, connected to the camera; finds caustics, but nothing seen in mirrors or through glass",
-            describe_depth_parameters("end weak paths at random from the second bounce"),
-            [](const SceneEntity& entity,
-               std::optional<std::int64_t> max_depth) -> Result<std::unique_ptr<Integrator>> {
-                auto parameters = read_depth_parameters(entity, max_depth);
-                if (!parameters) return parameters.error();
-                return std::unique_ptr<Integrator>(std::make_unique<LightTracer>(*parameters));
-            }};
+    return {
+        "lighttracer",
+        "paths from the lights, connected to the camera; finds caustics, but nothing seen in mirrors or through glass",
+        describe_depth_parameters("end weak paths at random from the second bounce"),
+        [](const SceneEntity& entity, std::optional<std::int64_t> max_depth) -> Result<std::unique_ptr<Integrator>> {
+            auto parameters = read_depth_parameters(entity, max_depth);
+            if (!parameters) return parameters.error();
+            return std::unique_ptr<Integrator>(std::make_unique<LightTracer>(*parameters));
+        }};
 }
 
 }  // namespace raylex::transport

@@ -12,7 +12,8 @@
 //
 // What is not found from the light: emitters that the camera sees directly are traced from the camera (C L, C B, cutouts passed);
 // what it sees by a mirror or through smooth glass (C, a singular event, anything) is not found at all: no light path can
-// be connected there. The render warns where a scene has such surfaces. Media, holdouts and the prefixes nothruput,
+// be connected there. The render warns where a scene has such surfaces. Light that
+// media emit is found where the camera sees it directly (C O). The prefixes nothruput,
 // unoccluded and shadows are refused. AOVs, alpha and mattes come from the camera rays as with `path`.
 #pragma once
 

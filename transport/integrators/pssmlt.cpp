@@ -157,8 +157,7 @@ void Pssmlt::step(ChainGroup& group, std::uint32_t tile, std::size_t count, Pssm
             // Refused already and in none of the values; counted and logged (Law 6) with the splats, which the engine looks at.
             const display::Tracker tracker =
                 services.raster->begin(thread.rows[i].screen_x, thread.rows[i].screen_y, thread.rows[i]);
-            services.raster->lpe().contribute(Rgb(std::numeric_limits<float>::quiet_NaN()), display::Technique::scattering,
-                                              tracker);
+            services.raster->lpe().contribute(Rgb(std::numeric_limits<float>::quiet_NaN()), {}, tracker);
         }
         if (chain.large) {
             group.large_sum += f;

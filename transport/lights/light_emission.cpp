@@ -75,6 +75,20 @@ EmissionDensity LightTable::emission_density(const EmbreeScene& geometry, const 
     return {environment_density(LightChoice::light_sampling, at.light, -direction), across};
 }
 
+float LightTable::sample_area_point(const EmbreeScene& geometry, const Light& light, const Vec2& u,
+                                    LightSample& s) const {
+    if (light.kind == LightKind::triangle) return sample_triangle_point(light, u, s);
+    const ShapeGeometry& shape = geometry.shapes()[light.shape];
+    if (light.kind == LightKind::patch) return sample_patch_point(light, shape, u, s);
+    return sample_quadric_point(shape.quadric, u, s);
+}
+
+Vec3 LightTable::some_point(const EmbreeScene& geometry, std::uint32_t light) const {
+    LightSample sample;
+    sample_area_point(geometry, lights_[light], {0.5f, 0.5f}, sample);
+    return sample.target;
+}
+
 bool LightTable::sample_emission(const EmbreeScene& geometry, float u_choice, Vec2 u_position, Vec2 u_direction,
                                  EmissionSample& s) const {
     const AliasTable& table = selection(LightChoice::light_sampling);
@@ -86,14 +100,10 @@ bool LightTable::sample_emission(const EmbreeScene& geometry, float u_choice, Ve
     const Light& light = lights_[from.light];
     switch (light.kind) {
         case LightKind::triangle:
-            return emit_from_area(light, sample_triangle_point(light, u_position, from), u_direction, s);
         case LightKind::patch:
-            return emit_from_area(light, sample_patch_point(light, geometry.shapes()[light.shape], u_position, from),
-                                  u_direction, s);
         case LightKind::quadric:
         case LightKind::sphere:
-            return emit_from_area(light, sample_quadric_point(geometry.shapes()[light.shape].quadric, u_position, from),
-                                  u_direction, s);
+            return emit_from_area(light, sample_area_point(geometry, light, u_position, from), u_direction, s);
         case LightKind::point:
         case LightKind::spot:
             return emit_from_point(light, u_direction, s);

@@ -67,6 +67,8 @@ class LightTable {
     /// uv; of infinite lights, from where `direction` comes.
     [[nodiscard]] EmissionDensity emission_density(const EmbreeScene& geometry, const LightSample& at,
                                                    const Vec3& direction) const;
+    /// A point of an area light, always the same.
+    [[nodiscard]] Vec3 some_point(const EmbreeScene& geometry, std::uint32_t light) const;
     /// Whether a ray can find any light: if not, a path's last scattering need not be traced.
     [[nodiscard]] bool any_to_hit() const { return any_to_hit_; }
 
@@ -101,6 +103,8 @@ class LightTable {
     [[nodiscard]] const AliasTable& selection(LightChoice choice) const {
         return selections_[static_cast<std::size_t>(choice)];
     }
+    /// What sample_*_point() of area_points.h does for this kind of area light.
+    float sample_area_point(const EmbreeScene& geometry, const Light& light, const Vec2& u, LightSample& s) const;
     Status add_area_lights(const SceneDescription& scene, EmbreeScene& geometry, LightContext& context,
                            std::vector<Error>& warnings);
     void finish(const EmbreeScene& geometry);

@@ -4,7 +4,9 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 
@@ -37,11 +39,22 @@ struct LobeValue {
     Rgb value;
 };
 
+/// Every scattering makes a list and hands it on, mostly of one lobe: only entries in use are made and copied.
 struct LobeList {
-    std::array<LobeValue, max_lobes> entry;
+    union {
+        std::array<LobeValue, max_lobes> entry;
+    };
     int count = 0;
 
-    void add(LobeId lobe, const Rgb& value) { entry[static_cast<std::size_t>(count++)] = {lobe, value}; }
+    LobeList() {}
+    LobeList(const LobeList& other) { *this = other; }
+    LobeList& operator=(const LobeList& other) {
+        const int entries = other.count;
+        for (count = 0; count < entries;) add(other.entry[static_cast<std::size_t>(count)]);  // itself too
+        return *this;
+    }
+    void add(const LobeValue& lobe) { std::construct_at(&entry[static_cast<std::size_t>(count++)], lobe); }
+    void add(LobeId lobe, const Rgb& value) { add({lobe, value}); }
 };
 
 /// f(wo, wi) |cos theta_i| over all non-delta lobes, and the density with which sample() would choose wi (per steradian).
@@ -68,9 +81,15 @@ struct SurfacePoint {
     Vec3 dpdu;
     Vec3 wo;                                            ///< unit, away from the surface, towards where the path came from
     float u = 0, v = 0;
+    static constexpr std::int32_t no_material = -1;     ///< a point in a medium: no surface, the normals are zero
     std::int32_t material = 0;
     std::uint32_t random_key = 0;                       ///< counter-based key for stochastic closures and `mix`
     std::int32_t row = -1;                              ///< of the sample table where a camera ray hit first; else -1
+
+    /// |cos| between a direction and the surface; 1 in a medium.
+    [[nodiscard]] float cosine(const Vec3& direction) const {
+        return material == no_material ? 1.0f : std::abs(dot(geometric_normal, direction));
+    }
 };
 
 }  // namespace raylex::transport

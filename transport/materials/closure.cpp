@@ -55,7 +55,9 @@ LobeId glass_lobe(bool transmitted, bool delta) {
     return delta ? lobes::glass_reflect_singular : lobes::glass_reflect_glossy;
 }
 
-LobeId conductor_lobe(bool delta) { return delta ? lobes::conductor_singular : lobes::conductor_glossy; }
+LobeId conductor_lobe(bool delta) {
+    return delta ? lobes::conductor_singular : lobes::conductor_glossy;
+}
 
 template <class Base>
 LobeId base_lobe(bool delta) {
@@ -120,7 +122,9 @@ float ideal_pdf(const IdealClosure& closure, const Vec3& wo, const Vec3& wi) {
 
 }  // namespace
 
-std::span<const LobeKind> lobe_kinds() { return all_lobes(); }
+std::span<const LobeKind> lobe_kinds() {
+    return all_lobes();
+}
 
 std::optional<LobeId> add_lobe(const LobeKind& lobe) {
     std::vector<LobeKind>& kinds = all_lobes();
@@ -135,6 +139,10 @@ std::optional<LobeId> add_lobe(const LobeKind& lobe) {
 
 BsdfEvaluation Bsdf::evaluate_other(const Vec3& wo_world, const Vec3& wi_world) const {
     if (!has_density_) return {};
+    if (kind_ == Kind::phase) {
+        const float phase = phase_pdf(phase_g_, -wo_world, wi_world);
+        return one_lobe(lobes::diffuse, Rgb(phase), phase);
+    }
     const Vec3 wo = frame_.to_local(wo_world), wi = frame_.to_local(wi_world);
     switch (kind_) {
         case Kind::conductor: {
@@ -145,35 +153,66 @@ BsdfEvaluation Bsdf::evaluate_other(const Vec3& wo_world, const Vec3& wi_world) 
         case Kind::dielectric:
             return one_lobe(glass_lobe(wo.z * wi.z < 0, false), Rgb(dielectric_.value(wo, wi, TransportMode::radiance)),
                             dielectric_.pdf(wo, wi, Sides::both));
-        case Kind::coated_diffuse: return evaluate_layered(coated_diffuse_, wo, wi, key_);
-        case Kind::coated_conductor: return evaluate_layered(coated_conductor_, wo, wi, key_);
-        case Kind::additive: return evaluate_additive(additive_, wo, wi);
+        case Kind::coated_diffuse:
+            return evaluate_layered(coated_diffuse_, wo, wi, key_);
+        case Kind::coated_conductor:
+            return evaluate_layered(coated_conductor_, wo, wi, key_);
+        case Kind::additive:
+            return evaluate_additive(additive_, wo, wi);
         case Kind::ideal:
             return one_lobe(lobes::diffuse, LambertClosure{ideal_.diffuse}.value(wo, wi), ideal_pdf(ideal_, wo, wi));
-        case Kind::custom: return custom_.calls->evaluate(custom_.data.data(), wo, wi);
-        case Kind::black: case Kind::pass_through: case Kind::lambert: case Kind::thin_dielectric: break;
+        case Kind::custom:
+            return custom_.calls->evaluate(custom_.data.data(), wo, wi);
+        case Kind::black:
+        case Kind::pass_through:
+        case Kind::lambert:
+        case Kind::thin_dielectric:
+        case Kind::phase:
+            break;
     }
     return {};
 }
 
 float Bsdf::pdf_other(const Vec3& wo_world, const Vec3& wi_world) const {
     if (!has_density_) return 0;
+    if (kind_ == Kind::phase) return phase_pdf(phase_g_, -wo_world, wi_world);
     const Vec3 wo = frame_.to_local(wo_world), wi = frame_.to_local(wi_world);
     switch (kind_) {
-        case Kind::conductor: return conductor_.pdf(wo, wi);
-        case Kind::dielectric: return dielectric_.pdf(wo, wi, Sides::both);
-        case Kind::coated_diffuse: return coated_diffuse_.pdf(wo, wi);
-        case Kind::coated_conductor: return coated_conductor_.pdf(wo, wi);
-        case Kind::additive: return evaluate_additive(additive_, wo, wi).pdf;
-        case Kind::ideal: return ideal_pdf(ideal_, wo, wi);
-        case Kind::custom: return custom_.calls->pdf(custom_.data.data(), wo, wi);
-        case Kind::black: case Kind::pass_through: case Kind::lambert: case Kind::thin_dielectric: break;
+        case Kind::conductor:
+            return conductor_.pdf(wo, wi);
+        case Kind::dielectric:
+            return dielectric_.pdf(wo, wi, Sides::both);
+        case Kind::coated_diffuse:
+            return coated_diffuse_.pdf(wo, wi);
+        case Kind::coated_conductor:
+            return coated_conductor_.pdf(wo, wi);
+        case Kind::additive:
+            return evaluate_additive(additive_, wo, wi).pdf;
+        case Kind::ideal:
+            return ideal_pdf(ideal_, wo, wi);
+        case Kind::custom:
+            return custom_.calls->pdf(custom_.data.data(), wo, wi);
+        case Kind::black:
+        case Kind::pass_through:
+        case Kind::lambert:
+        case Kind::thin_dielectric:
+        case Kind::phase:
+            break;
     }
     return 0;
 }
 
 BsdfSample Bsdf::sample_other(const Vec3& wo_world, float u_lobe, const Vec2& u) const {
     if (kind_ == Kind::black || kind_ == Kind::pass_through) return {};
+    if (kind_ == Kind::phase) {
+        const PhaseSample phase = sample_phase(phase_g_, -wo_world, u);
+        BsdfSample result;
+        result.wi = phase.wi;
+        result.weight = Rgb(1);
+        result.pdf = phase.pdf;
+        result.lobes.add(lobes::diffuse, Rgb(phase.pdf));
+        return result;
+    }
     const Vec3 wo = frame_.to_local(wo_world);
     switch (kind_) {
         case Kind::conductor:
@@ -186,16 +225,24 @@ BsdfSample Bsdf::sample_other(const Vec3& wo_world, float u_lobe, const Vec2& u)
             const LocalSample s = thin_dielectric_.sample(wo, u_lobe);
             return to_sample(frame_, s, glass_lobe(s.transmitted, true));
         }
-        case Kind::coated_diffuse: return sample_layered(frame_, coated_diffuse_, wo, u_lobe, u, key_);
-        case Kind::coated_conductor: return sample_layered(frame_, coated_conductor_, wo, u_lobe, u, key_);
-        case Kind::additive: return sample_additive(frame_, additive_, wo, u_lobe, u);
-        case Kind::ideal: return sample_ideal(frame_, ideal_, wo, u_lobe, u);
+        case Kind::coated_diffuse:
+            return sample_layered(frame_, coated_diffuse_, wo, u_lobe, u, key_);
+        case Kind::coated_conductor:
+            return sample_layered(frame_, coated_conductor_, wo, u_lobe, u, key_);
+        case Kind::additive:
+            return sample_additive(frame_, additive_, wo, u_lobe, u);
+        case Kind::ideal:
+            return sample_ideal(frame_, ideal_, wo, u_lobe, u);
         case Kind::custom: {
             BsdfSample result = custom_.calls->sample(custom_.data.data(), wo, u_lobe, u);
             result.wi = frame_.to_world(result.wi);
             return result;
         }
-        case Kind::black: case Kind::pass_through: case Kind::lambert: break;
+        case Kind::black:
+        case Kind::pass_through:
+        case Kind::lambert:
+        case Kind::phase:
+            break;
     }
     return {};
 }
@@ -203,15 +250,27 @@ BsdfSample Bsdf::sample_other(const Vec3& wo_world, float u_lobe, const Vec2& u)
 Rgb Bsdf::albedo(const Vec3& wo) const {
     const float cos_o = std::abs(dot(wo, frame_.n));
     switch (kind_) {
-        case Kind::lambert: return lambert_.reflectance;
-        case Kind::conductor: return conductor_.albedo(cos_o);
-        case Kind::dielectric: case Kind::thin_dielectric: return Rgb(1);
-        case Kind::coated_diffuse: return coated_diffuse_.albedo(cos_o);
-        case Kind::coated_conductor: return coated_conductor_.albedo(cos_o);
-        case Kind::additive: return additive_.diffuse.reflectance + additive_.specular.albedo(cos_o);
-        case Kind::ideal: return ideal_.diffuse + ideal_.mirror + ideal_.sheet;
-        case Kind::custom: return custom_.calls->albedo(custom_.data.data(), cos_o);
-        case Kind::black: case Kind::pass_through: break;
+        case Kind::lambert:
+            return lambert_.reflectance;
+        case Kind::conductor:
+            return conductor_.albedo(cos_o);
+        case Kind::dielectric:
+        case Kind::thin_dielectric:
+            return Rgb(1);
+        case Kind::coated_diffuse:
+            return coated_diffuse_.albedo(cos_o);
+        case Kind::coated_conductor:
+            return coated_conductor_.albedo(cos_o);
+        case Kind::additive:
+            return additive_.diffuse.reflectance + additive_.specular.albedo(cos_o);
+        case Kind::ideal:
+            return ideal_.diffuse + ideal_.mirror + ideal_.sheet;
+        case Kind::custom:
+            return custom_.calls->albedo(custom_.data.data(), cos_o);
+        case Kind::black:
+        case Kind::pass_through:
+        case Kind::phase:
+            break;
     }
     return {};
 }

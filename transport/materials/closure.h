@@ -14,6 +14,7 @@
 #include "transport/materials/ideal.h"
 #include "transport/materials/layered.h"
 #include "transport/materials/lobes.h"
+#include "transport/media/phase.h"
 
 namespace raylex::transport {
 
@@ -25,7 +26,8 @@ class Bsdf {
         black,                 ///< absorbs everything
         pass_through,          ///< no surface at all (pbrt's "interface"): the path goes on straight
         lambert, conductor, dielectric, thin_dielectric, coated_diffuse, coated_conductor, additive, ideal,
-        custom                 ///< a plugin's own
+        custom,                ///< a plugin's own
+        phase                  ///< particles of a medium: no surface, no cosine
     };
 
     Bsdf() : lambert_{} {}
@@ -47,6 +49,8 @@ class Bsdf {
     /// other functions answer as for `black`.
     [[nodiscard]] bool passes_through() const { return kind_ == Kind::pass_through; }
     [[nodiscard]] Kind kind() const { return kind_; }
+    /// Whether sample() reads its u_lobe.
+    [[nodiscard]] bool chooses_lobes() const { return kind_ != Kind::lambert && kind_ != Kind::phase; }
     [[nodiscard]] const Frame& frame() const { return frame_; }
 
     // Filling in, by materials. Each replaces what was there. Values that break their closure's invariants (negative or
@@ -97,6 +101,11 @@ class Bsdf {
         std::construct_at(&ideal_, ideal);
         set_kind(Kind::ideal, !ideal.diffuse.is_black());
     }
+    /// Henyey-Greenstein's phase function of asymmetry g. Its lobe says nothing: the event is the medium's.
+    void set_phase(float g) {
+        std::construct_at(&phase_g_, g);
+        set_kind(Kind::phase, true);
+    }
     /// A plugin's closure; custom_closure.h says what it is.
     template <ScatteringClosure Closure>
     void set_custom(const Frame& frame, const Closure& closure) {
@@ -128,6 +137,7 @@ class Bsdf {
         AdditiveClosure additive_;
         IdealClosure ideal_;
         CustomClosure custom_;
+        float phase_g_;
     };
 };
 

@@ -6,8 +6,7 @@
 
 namespace raylex::transport {
 
-void CameraConnections::add(const CameraView& view, const LightSubpathEnd& end,
-                            const Vec2& lens) {
+void CameraConnections::add(const CameraView& view, const LightSubpathEnd& end, const Vec2& lens) {
     const SurfacePoint& point = *end.point;
     CameraConnection seen;
     if (!end.bsdf->has_density() || !view.camera->connect(point.position, lens, seen)) return;
@@ -17,17 +16,27 @@ void CameraConnections::add(const CameraView& view, const LightSubpathEnd& end,
     if (!reached(seen.x, view.filter_radius.x, view.width) || !reached(seen.y, view.filter_radius.y, view.height))
         return;
     const Vec3 to_camera = normalize(seen.position - point.position);
-    const JoinedScattering f = evaluate_scattering(TransportMode::importance, *end.bsdf, point, to_camera, false);
+    const JoinedScattering scattering =
+        evaluate_scattering<TransportMode::importance, false>(*end.bsdf, point, to_camera);
+    const BsdfEvaluation& f = scattering.f;
     if (f.value.is_black()) return;
     const float image_share = 1 / (static_cast<float>(view.width) * static_cast<float>(view.height));
-    Rgb value = end.power * f.value * (seen.importance * image_share);
+    const Rgb unweighted = end.power * f.value * (seen.importance * image_share);
+    Rgb value = unweighted;
     if (end.sums != nullptr) {
-        const float cosine = std::abs(dot(point.geometric_normal, to_camera));
+        const float cosine = point.cosine(to_camera);
         value *= StrategySums::weight(
-            end.sums->others(view.density(seen.importance, cosine), static_cast<double>(f.pdf_reverse)));
+            end.sums->others(view.density(seen.importance, cosine), static_cast<double>(scattering.pdf_reverse)));
     }
     if (value.is_black()) return;
-    pending_.push_back({end.row, end.light, end.label, seen.x, seen.y, value, f.lobes, end.word});
+    pending_.push_back({end.row,
+                        seen.x,
+                        seen.y,
+                        end.depth + 2,
+                        end.holdout,
+                        value,
+                        unweighted,
+                        {end.label, f.lobes, end.events, end.light}});
     // From the camera, so that cutouts come in the order in which its word reads them.
     Ray ray;
     ray.origin = seen.position;
@@ -36,15 +45,11 @@ void CameraConnections::add(const CameraView& view, const LightSubpathEnd& end,
     shadow_rays_.push_back(ray);
 }
 
-void CameraConnections::drop_dead(const EventTable& events, display::LpeServices& lpe) {
+void CameraConnections::drop_dead(const Record& record) {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < pending_.size(); ++i) {
-        const Pending& p = pending_[i];
-        display::Tracker tracker = lpe.begin(static_cast<int>(p.row));
-        move_by_lobes(tracker, lpe, events, p.label, p.lobes);
-        move_to_light(tracker, lpe, events, p.word, p.light);
-        if (!lpe.channels_follow(tracker)) continue;
-        pending_[kept] = p;
+        if (!record.worth_splatting(pending_[i].row, pending_[i].end)) continue;
+        pending_[kept] = pending_[i];
         shadow_rays_[kept++] = shadow_rays_[i];
     }
     pending_.resize(kept);
@@ -55,6 +60,8 @@ void CameraConnections::splat(const SceneView& scene, const EventTable& events,
                               std::span<const display::CameraRow> rows, display::RasterSplats& raster,
                               IntegratorCounters& counters) {
     const EmbreeScene& geometry = *scene.geometry;
+    Record record(events);
+    record.begin(raster.lpe());
     const std::size_t count = pending_.size();
     counters.shadow_rays += count;
     blocked_.resize(std::max(blocked_.size(), count));
@@ -63,15 +70,21 @@ void CameraConnections::splat(const SceneView& scene, const EventTable& events,
         if (blocked_[i]) continue;
         const Pending& p = pending_[i];
         display::Tracker tracker = raster.begin(p.x, p.y, rows[p.row]);
-        Rgb value = p.value, through(1);
-        if (geometry.has_alpha())
-            value *= straight_transmittance({scene, events, raster.lpe(), counters}, shadow_rays_[i], 1, -1, tracker,
-                                            through);
-        if (events.any()) {
-            move_by_lobes(tracker, raster.lpe(), events, p.label, p.lobes);
-            move_to_light(tracker, raster.lpe(), events, p.word, p.light);
+        if (p.holdout) record.hold_out(tracker);
+        Arrival arrival;
+        arrival.value = p.value;
+        arrival.unweighted = p.unweighted;
+        arrival.found_by_sampling = true;
+        if (geometry.has_alpha() || scene.media->any()) {
+            Rgb through(1);
+            arrival.visibility = straight_transmittance({scene, record, counters}, shadow_rays_[i], 1,
+                                                        scene.media->camera(), tracker, through);
+            through *= arrival.visibility;
+            arrival.value *= through;
+            arrival.unweighted *= through;
         }
-        raster.lpe().contribute(value, display::Technique::light_tracing, tracker);
+        record.reach(tracker, p.end);
+        record.add(tracker, {p.light_vertices, 1}, arrival);
     }
     clear();
 }

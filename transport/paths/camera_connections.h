@@ -6,9 +6,8 @@
 
 #include "display/services/raster_splats.h"
 #include "transport/paths/counters.h"
-#include "transport/paths/scattering.h"
+#include "transport/paths/record.h"
 #include "transport/paths/strategies.h"
-#include "transport/paths/words.h"
 #include "transport/render/camera.h"
 
 namespace raylex::transport {
@@ -16,27 +15,29 @@ namespace raylex::transport {
 /// Where the camera stands and what it fills.
 struct CameraView {
     const PerspectiveCamera* camera = nullptr;
-    int width = 0, height = 0;   ///< of the image
-    Vec2 filter_radius;          ///< how far around the image light still counts, in pixels
+    int width = 0, height = 0;  ///< of the image
+    Vec2 filter_radius;         ///< how far around the image light still counts, in pixels
 
-    /// Density per area with which a camera ray through a raster position drawn evenly over the image meets a point whose
-    /// raster area for each area is `importance`, |cosine| its own.
+    /// Density per area with which a camera ray through a raster position drawn evenly over the image meets a point
+    /// whose raster area for each area is `importance`, |cosine| its own.
     [[nodiscard]] double density(float importance, float cosine) const {
         return static_cast<double>(importance) * static_cast<double>(cosine) /
                (static_cast<double>(width) * static_cast<double>(height));
     }
 };
 
-/// The end of a light subpath that is to be connected.
+/// The vertex of a light subpath that is to be connected.
 struct LightSubpathEnd {
     std::uint32_t row = 0, light = 0;
+    std::uint32_t depth = 0;  ///< scattering events before it
     const SurfacePoint* point = nullptr;
     const Bsdf* bsdf = nullptr;
-    float offset = 0;            ///< SurfaceSource::offset
+    float offset = 0;  ///< SurfaceSource::offset
     std::int32_t label = 0;
+    bool holdout = false;  ///< what the camera sees there is one
     Rgb power;
-    std::span<const WordEvent> word;       ///< must stay where it is until splat(); empty when no channel reads words
-    const StrategySums* sums = nullptr;    ///< null: this is the only strategy
+    std::span<const LightEvent> events;  ///< must stay where they are until splat(); empty when no channel reads words
+    const StrategySums* sums = nullptr;  ///< null: this is the only strategy
 };
 
 class CameraConnections {
@@ -44,20 +45,21 @@ class CameraConnections {
     void clear() { pending_.clear(), shadow_rays_.clear(); }
     /// Whether the camera sees the point is found out by splat(). `lens` in [0, 1)^2.
     void add(const CameraView& view, const LightSubpathEnd& end, const Vec2& lens);
-    /// Leaves out what no channel accepts (Law 4): for renders without beauty, and without cutouts, whose events come before.
-    void drop_dead(const EventTable& events, display::LpeServices& lpe);
+    /// Leaves out what no channel accepts (Law 4): for renders without beauty, and without cutouts, whose events come
+    /// before.
+    void drop_dead(const Record& record);
     /// Adds all that are visible, and forgets them. `rows` say whose they are.
     void splat(const SceneView& scene, const EventTable& events, std::span<const display::CameraRow> rows,
                display::RasterSplats& raster, IntegratorCounters& counters);
 
   private:
     struct Pending {
-        std::uint32_t row = 0, light = 0;
-        std::int32_t label = 0;
+        std::uint32_t row = 0;
         float x = 0, y = 0;
-        Rgb value;
-        LobeList lobes;
-        std::span<const WordEvent> word;
+        std::uint32_t light_vertices = 0;
+        bool holdout = false;
+        Rgb value, unweighted;
+        LightEnd end;
     };
     std::vector<Pending> pending_;
     std::vector<Ray> shadow_rays_;

@@ -61,7 +61,9 @@ EventTable::EventTable(const display::LpeSetup& setup, const SceneView& scene, c
             wants_user_[i] = wants_user_[i] || setup.follows(user_.back());
         }
     }
-    for (const std::string& medium : scene.media->names()) phase_.push_back(setup.classify(phase_event(medium)));
+    first_medium_label_ = static_cast<std::int32_t>(scene.geometry->object_labels().size());
+    for (const std::string& medium : scene.media->names())
+        scatter_.insert(scatter_.end(), lobe_count_, setup.classify(phase_event(medium)));
     emission_ = setup.classify(emission_event());
     user_terminal_ = setup.classify(terminal_event(false, ""));
     for (const Light& light : scene.lights->lights())

@@ -25,8 +25,8 @@ struct SceneView {
     const MediumTable* media = nullptr;
 };
 
-/// What surfaces say of themselves, as RenderMan's default options number it (lpe:user2 "...Albedo", lpe:user6 "Normal"):
-/// U2, the albedo, and U6, the shading normal in camera space.
+/// What surfaces say of themselves, as RenderMan's default options number it (lpe:user2 "...Albedo", lpe:user6
+/// "Normal"): U2, the albedo, and U6, the shading normal in camera space.
 enum class UserLobe : std::uint8_t { albedo, normal };
 /// The events' lobe labels, by which lobe slots number them.
 inline constexpr std::array<const char*, 2> user_lobes{"albedo", "normal"};
@@ -37,7 +37,8 @@ class EventTable {
     EventTable() = default;
     EventTable(const display::LpeSetup& setup, const SceneView& scene, const lpe::LobeSlots& slots);
 
-    /// A scattering by `lobe` at an object of this label.
+    /// A scattering by `lobe` at an object of this label, or inside a medium by medium_label(); there whatever the
+    /// lobe.
     [[nodiscard]] lpe::EventClass scatter(std::int32_t label, LobeId lobe) const {
         return scatter_[static_cast<std::size_t>(label) * lobe_count_ + lobe];
     }
@@ -45,8 +46,8 @@ class EventTable {
     [[nodiscard]] lpe::EventClass straight(std::int32_t label) const {
         return straight_[static_cast<std::size_t>(label)];
     }
-    /// A scattering inside a medium.
-    [[nodiscard]] lpe::EventClass phase(std::int32_t medium) const { return phase_[static_cast<std::size_t>(medium)]; }
+    /// What stands for a medium among the labels: behind those of the objects.
+    [[nodiscard]] std::int32_t medium_label(std::int32_t medium) const { return first_medium_label_ + medium; }
     /// The terminal O of light that a medium emits.
     [[nodiscard]] lpe::EventClass emission() const { return emission_; }
     /// The terminal: L, or B for infinite lights, with the light's group.
@@ -65,10 +66,11 @@ class EventTable {
     [[nodiscard]] bool any() const { return any_; }
 
   private:
-    std::vector<lpe::EventClass> scatter_, straight_, phase_, terminal_, user_;
+    std::vector<lpe::EventClass> scatter_, straight_, terminal_, user_;
     lpe::EventClass emission_ = 0, user_terminal_ = 0;
     std::array<bool, user_lobes.size()> wants_user_{};
     std::size_t lobe_count_ = 0;
+    std::int32_t first_medium_label_ = 0;
     bool any_ = false;
 };
 

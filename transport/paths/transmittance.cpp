@@ -16,8 +16,7 @@ float emitter_opacity(const SceneView& scene, const LightSample& sample, const V
     SurfacePoint point[1];
     SurfaceSource source[1];
     scene.geometry->surfaces(ray, hit, point, source);
-    return std::clamp(scene.textures->real(shape.alpha, {point[0].u, point[0].v, point[0].position}), 0.0f,
-                      1.0f);
+    return std::clamp(scene.textures->real(shape.alpha, {point[0].u, point[0].v, point[0].position}), 0.0f, 1.0f);
 }
 
 float straight_transmittance(const StraightWalk& walk, Ray ray, float visible, std::int32_t medium,
@@ -45,7 +44,7 @@ float straight_transmittance(const StraightWalk& walk, Ray ray, float visible, s
         const ShapeGeometry& shape = geometry.shapes()[hit.shape];
         visible *= 1 - std::clamp(walk.scene.textures->real(shape.alpha, {point[0].u, point[0].v, point[0].position}),
                                   0.0f, 1.0f);
-        if (visible > 0) walk.lpe.move(tracker, walk.events.straight(source[0].label));
+        if (visible > 0) walk.record.pass_straight(tracker, source[0].label);
         else if (!walk.to_the_end) return 0;
         if (shape.interface) medium = shape.medium_towards(point[0].geometric_normal, ray.direction, medium);
         ray.origin = offset_ray_origin(point[0].position, point[0].geometric_normal, source[0].offset, ray.direction);
@@ -55,6 +54,66 @@ float straight_transmittance(const StraightWalk& walk, Ray ray, float visible, s
             ray.direction = rest;
         }
     }
+}
+
+namespace {
+
+std::int32_t follow_media(const SceneView& scene, Ray ray, const Vec3* end) {
+    const EmbreeScene& geometry = *scene.geometry;
+    std::int32_t medium = scene.media->camera();
+    for (;;) {
+        const Ray rays[1] = {ray};
+        Hit hits[1];
+        geometry.intersect(rays, hits);
+        if (!hits[0].valid()) return medium;
+        SurfacePoint point[1];
+        SurfaceSource source[1];
+        geometry.surfaces(rays, hits, point, source);
+        medium = geometry.shapes()[hits[0].shape].medium_towards(point[0].geometric_normal, ray.direction, medium);
+        ray.origin = offset_ray_origin(point[0].position, point[0].geometric_normal, source[0].offset, ray.direction);
+        if (end == nullptr) continue;
+        const Vec3 rest = *end - ray.origin;
+        if (!(dot(rest, ray.direction) > 0)) return medium;
+        ray.direction = rest;
+    }
+}
+
+}  // namespace
+
+std::int32_t medium_at(const SceneView& scene, const Vec3& camera, const Vec3& point) {
+    Ray ray;
+    ray.origin = camera;
+    ray.direction = point - camera;
+    ray.t_max = shadow_t_max;
+    if (!(length_squared(ray.direction) > 0)) return scene.media->camera();
+    return follow_media(scene, ray, &point);
+}
+
+std::int32_t medium_far_away(const SceneView& scene, const Vec3& camera, const Vec3& direction) {
+    Ray ray;
+    ray.origin = camera;
+    ray.direction = direction;
+    return follow_media(scene, ray, nullptr);
+}
+
+std::vector<std::int32_t> media_of_lights(const SceneView& scene, const Vec3& camera) {
+    std::vector<std::int32_t> media;
+    if (!scene.media->any()) return media;
+    const std::span<const Light> lights = scene.lights->lights();
+    for (std::uint32_t i = 0; i < lights.size(); ++i) {
+        const Light& light = lights[i];
+        if (light.is_area()) {
+            const ShapeGeometry& shape = scene.geometry->shapes()[light.shape];
+            const bool border = shape.inside_medium != shape.outside_medium;
+            media.push_back(border ? -1 : medium_at(scene, camera, scene.lights->some_point(*scene.geometry, i)));
+        } else if (light.kind == LightKind::point || light.kind == LightKind::spot) {
+            media.push_back(medium_at(scene, camera, light.position));
+        } else {
+            media.push_back(
+                medium_far_away(scene, camera, light.kind == LightKind::distant ? light.direction : Vec3(0, 0, 1)));
+        }
+    }
+    return media;
 }
 
 }  // namespace raylex::transport

@@ -11,7 +11,7 @@ namespace raylex::transport {
 
 /// Rays on their way to the next vertices.
 struct RayQueue {
-    std::vector<std::uint32_t> rows;   ///< whose subpath
+    std::vector<std::uint32_t> rows;  ///< whose subpath
     std::vector<Ray> rays;
     std::size_t count = 0;
 
@@ -25,7 +25,9 @@ struct RayQueue {
     }
 };
 
-/// Surface hits, compact: entry j of every array is one subpath.
+/// Entry j of every array is one subpath: surface hits first, then collisions with particles of media. Of the latter
+/// only rows, points (SurfacePoint::no_material), sources (the medium's label) and bsdfs (the phase function) mean
+/// something.
 struct VertexBatch {
     std::vector<std::uint32_t> rows;
     std::vector<Ray> rays;
@@ -33,7 +35,7 @@ struct VertexBatch {
     std::vector<SurfacePoint> points;
     std::vector<SurfaceSource> sources;
     std::vector<Bsdf> bsdfs;
-    std::size_t count = 0;
+    std::size_t surfaces = 0, count = 0;
 
     void reserve(std::size_t n) {
         rows.resize(n);
@@ -53,5 +55,16 @@ struct VertexBatch {
         sources[to] = sources[from];
     }
 };
+
+/// A ray that leaves vertex j.
+inline Ray ray_from(const VertexBatch& vertices, std::size_t j, const Vec3& direction) {
+    const SurfacePoint& point = vertices.points[j];
+    Ray ray;
+    ray.direction = direction;
+    ray.origin = point.material == SurfacePoint::no_material
+                     ? point.position
+                     : offset_ray_origin(point.position, point.geometric_normal, vertices.sources[j].offset, direction);
+    return ray;
+}
 
 }  // namespace raylex::transport

@@ -1,46 +1,354 @@
-// Steps of a batched walk that camera and light subpaths share: rays to vertices, cutouts on the way.
+// The walk: subpaths of one direction, one a row, side by side, from vertex to vertex.
+//
+//     walk.begin(samplers, counters);
+//     walk.push(row, ray);                     // for every subpath, after filling in path(row)
+//     while (walk.going()) {
+//         walk.advance(display, visitor);      // vertices() are the next of all subpaths that go on
+//         ...                                  // what an integrator does with them
+//         walk.scatter(visitor);
+//     }
+//
+// advance: rays -> free flight through media -> hits -> cutouts pass straight on -> arrivals -> closures. scatter:
+// closures or phase functions -> throughput -> roulette -> rays. Every stage is one loop over plain arrays; what a
+// scene does not have (media, cutouts) costs a test a batch, what nobody asks for (densities) one a vertex.
 #pragma once
 
+#include <span>
+#include <vector>
+
+#include "transport/media/medium.h"
+#include "transport/paths/counters.h"
 #include "transport/paths/event_table.h"
+#include "transport/paths/scattering.h"
+#include "transport/paths/strategies.h"
+#include "transport/paths/subpath.h"
 #include "transport/paths/vertex.h"
+#include "transport/samplers/pixel_sampler.h"
 
 namespace raylex::transport {
 
-/// The closest hits of `queue` for which `arrives(row, ray, hit)` become `vertices`, all but their closures. It is asked
-/// about every ray, those that hit nothing included; the queue is empty then, so that it may fill it.
-template <class Arrives>
-void trace(const EmbreeScene& geometry, RayQueue& queue, VertexBatch& vertices, Arrives arrives) {
-    const std::size_t count = queue.count;
-    queue.count = 0;
-    geometry.intersect({queue.rays.data(), count}, {vertices.hits.data(), count});
-    vertices.count = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-        const std::uint32_t row = queue.rows[i];
-        if (!arrives(row, queue.rays[i], vertices.hits[i])) continue;
-        vertices.rows[vertices.count] = row;
-        vertices.rays[vertices.count] = queue.rays[i];
-        vertices.hits[vertices.count] = vertices.hits[i];
-        ++vertices.count;
+struct WalkOptions {
+    std::uint32_t max_depth = 5;  ///< scattering events of a whole path; of a light subpath its connection's among them
+    bool roulette = true;
+    bool densities = false;  ///< keep sums()
+};
+
+/// What a walk tells and asks, with defaults that do nothing. Derive and hide what matters.
+struct WalkVisitor {
+    /// A ray has hit nothing: its subpath ends.
+    void escapes(std::uint32_t /*row*/, const Ray& /*ray*/) {}
+    /// Vertex j is an interface with alpha, which no ray stops at, and a light.
+    void shines(std::size_t /*j*/) {}
+    /// The ray goes straight on through the cutout at vertex j.
+    void passes(std::size_t /*j*/) {}
+    /// The subpath has reached vertex j, a surface. False: it ends there.
+    bool arrives(std::size_t /*j*/) { return true; }
+    /// The densities of a subpath's first vertex are those of `sums`, but for what depends on how it began.
+    void first_vertex(std::uint32_t /*row*/, const SurfacePoint& /*point*/, StrategySums& /*sums*/) {}
+    /// `emitted` is the light that the medium sends back along a ray of a camera subpath.
+    void glows(std::uint32_t /*row*/, const Rgb& /*emitted*/) {}
+    /// Whether what the medium around the ray scatters could count at all: if not, it only takes light away.
+    bool worth_colliding(std::uint32_t /*row*/) { return true; }
+    /// The ray flew `distance` through a medium that could only take light away and left `passed`.
+    void absorbs(std::uint32_t /*row*/, float /*distance*/, const Rgb& /*passed*/, const Vec2& /*u*/) {}
+    /// It met a particle after `distance`.
+    void collides(std::uint32_t /*row*/, float /*distance*/) {}
+    /// The subpath is scattered at vertex j, by these lobes.
+    void scatters(std::size_t /*j*/, const LobeList& /*lobes*/) {}
+    /// Its throughput is no number: it ends.
+    void invalid(std::uint32_t /*row*/) {}
+    /// Asked last, before the next ray.
+    bool goes_on(std::uint32_t /*row*/) { return true; }
+};
+
+template <TransportMode mode>
+class Walk {
+  public:
+    static constexpr const SubpathDimensions& dimensions = subpath_dimensions<mode>;
+
+    Walk(const SceneView& scene, const EventTable& events, const WalkOptions& options, std::size_t capacity)
+        : scene_(scene), events_(events), options_(options), in_media_(scene.media->any()), paths_(capacity) {
+        if (options.densities) sums_.resize(capacity);
+        queue_.reserve(capacity);
+        vertices_.reserve(capacity);
+        first_entries_.resize(capacity);
+        if (in_media_) collisions_.resize(capacity);
     }
-    geometry.surfaces({vertices.rays.data(), vertices.count}, {vertices.hits.data(), vertices.count},
-                      {vertices.points.data(), vertices.count}, {vertices.sources.data(), vertices.count});
+
+    /// Both must last as long as the walk goes on.
+    void begin(std::span<const PixelSampler> samplers, IntegratorCounters& counters) {
+        samplers_ = samplers;
+        counters_ = &counters;
+        queue_.count = 0;
+    }
+    void push(std::uint32_t row, const Ray& ray) {
+        queue_.push(row, ray);
+        ++(is_camera_ray(paths_[row]) ? counters_->camera_rays : counters_->scattering_rays);
+    }
+    [[nodiscard]] bool going() const { return queue_.count > 0; }
+    template <class Visitor>
+    void advance(display::DisplayServices& display, Visitor& visitor);
+    template <class Visitor>
+    void scatter(Visitor& visitor);
+
+    [[nodiscard]] const VertexBatch& vertices() const { return vertices_; }
+    /// Entries of vertices() that are the first of their subpaths, surfaces only.
+    [[nodiscard]] std::span<const std::uint32_t> first_entries() const { return {first_entries_.data(), first_count_}; }
+    [[nodiscard]] Subpath& path(std::uint32_t row) { return paths_[row]; }
+    [[nodiscard]] const Subpath& path(std::uint32_t row) const { return paths_[row]; }
+    /// At the current vertex; options.densities only.
+    [[nodiscard]] StrategySums& sums(std::uint32_t row) { return sums_[row]; }
+    [[nodiscard]] const StrategySums& sums(std::uint32_t row) const { return sums_[row]; }
+    [[nodiscard]] const PixelSampler& sampler(std::uint32_t row) const { return samplers_[row]; }
+    [[nodiscard]] const WalkOptions& options() const { return options_; }
+    [[nodiscard]] IntegratorCounters& counters() { return *counters_; }
+    /// The medium that a ray leaving vertex j flies through.
+    [[nodiscard]] std::int32_t medium_towards(std::size_t j, const Vec3& direction) const {
+        const std::int32_t current = paths_[vertices_.rows[j]].medium;
+        if (!in_media_ || j >= vertices_.surfaces) return current;
+        return scene_.geometry->shapes()[vertices_.hits[j].shape].medium_towards(vertices_.points[j].geometric_normal,
+                                                                                 direction, current);
+    }
+    void finish(std::uint32_t row) { counters_->count_length(paths_[row].depth); }
+
+  private:
+    struct Collision {
+        std::uint32_t row;
+        Vec3 position, forward;  // forward: unit, the way the path came along
+    };
+    static bool is_camera_ray(const Subpath& path) { return mode == TransportMode::radiance && path.depth == 0; }
+    template <class Visitor>
+    void trace(Visitor& visitor);
+    template <class Visitor>
+    bool crosses_medium(std::uint32_t row, const Ray& ray, float distance, Visitor& visitor);
+    template <class Visitor>
+    void arrive(std::uint32_t row, const SurfacePoint& point, Visitor& visitor);
+    template <class Visitor>
+    void append_collisions(Visitor& visitor);
+    bool passes_cutout(std::size_t j) const;
+    bool survives_roulette(std::uint32_t row, std::uint32_t dimension);
+
+    const SceneView scene_;
+    const EventTable& events_;
+    const WalkOptions options_;
+    const bool in_media_;
+    std::span<const PixelSampler> samplers_;  // by row
+    IntegratorCounters* counters_ = nullptr;
+    std::vector<Subpath> paths_;      // by row
+    std::vector<StrategySums> sums_;  // by row
+    RayQueue queue_;                  // of the next vertices
+    VertexBatch vertices_;
+    std::vector<std::uint32_t> first_entries_;
+    std::vector<Collision> collisions_;
+    std::size_t first_count_ = 0, collision_count_ = 0;
+};
+
+/// Closest hits become vertices, all but their closures.
+template <TransportMode mode>
+template <class Visitor>
+void Walk<mode>::trace(Visitor& visitor) {
+    const EmbreeScene& geometry = *scene_.geometry;
+    VertexBatch& v = vertices_;
+    const std::size_t count = queue_.count;
+    queue_.count = 0;
+    collision_count_ = 0;
+    geometry.intersect({queue_.rays.data(), count}, {v.hits.data(), count});
+    v.count = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::uint32_t row = queue_.rows[i];
+        if (in_media_ && paths_[row].medium >= 0 && !crosses_medium(row, queue_.rays[i], v.hits[i].t, visitor))
+            continue;
+        if (!v.hits[i].valid()) {
+            visitor.escapes(row, queue_.rays[i]);
+            finish(row);
+            continue;
+        }
+        v.rows[v.count] = row;
+        v.rays[v.count] = queue_.rays[i];
+        v.hits[v.count] = v.hits[i];
+        ++v.count;
+    }
+    geometry.surfaces({v.rays.data(), v.count}, {v.hits.data(), v.count}, {v.points.data(), v.count},
+                      {v.sources.data(), v.count});
 }
 
-/// The alpha test of vertex j, whose shape has alpha: whether the ray goes straight on. `u` in [0, 1): closest hit first,
-/// then one counter-based choice, in expectation what alpha blending gives, and what pbrt does.
-inline bool passes_alpha_test(const SceneView& scene, const VertexBatch& vertices, std::size_t j, float u) {
-    const ShapeGeometry& shape = scene.geometry->shapes()[vertices.hits[j].shape];
-    const SurfacePoint& point = vertices.points[j];
-    return !(u < scene.textures->real(shape.alpha, {point.u, point.v, point.position}));
+/// A flight towards a hit or miss at `distance`. False if the subpath ends or collides before.
+template <TransportMode mode>
+template <class Visitor>
+bool Walk<mode>::crosses_medium(std::uint32_t row, const Ray& ray, float distance, Visitor& visitor) {
+    Subpath& path = paths_[row];
+    const Medium& medium = (*scene_.media)[path.medium];
+    if (mode == TransportMode::radiance && medium.emits) visitor.glows(row, emission_along(medium, distance));
+    const Vec2 u = samplers_[row].get_2d(dimensions.flights + path.segment);
+    if (!medium.scatters || !visitor.worth_colliding(row)) {
+        const Rgb passed = transmittance(medium, distance);
+        visitor.absorbs(row, distance, passed, u);
+        path.beta *= passed;
+        if (is_camera_ray(path) || !path.beta.is_black())
+            return true;  // what a camera ray hits is asked for all the same
+        finish(row);
+        return false;
+    }
+    const FreeFlight flight = sample_free_flight(medium, path.beta, distance, u);
+    path.beta *= flight.weight;
+    if (!flight.collided) return true;
+    visitor.collides(row, flight.distance);
+    if (path.depth >= options_.max_depth || path.beta.is_black()) finish(row);
+    else collisions_[collision_count_++] = {row, ray.origin + ray.direction * flight.distance, ray.direction};
+    return false;
 }
 
-/// A ray that leaves vertex j.
-inline Ray ray_from(const VertexBatch& vertices, std::size_t j, const Vec3& direction) {
-    const SurfacePoint& point = vertices.points[j];
-    Ray ray;
-    ray.direction = direction;
-    ray.origin = offset_ray_origin(point.position, point.geometric_normal, vertices.sources[j].offset, direction);
-    return ray;
+/// The densities of a vertex follow from the one that its subpath left. Those of free flights are left out: a path of
+/// given vertices has them in every strategy, but for the transmittance along the segment that is joined
+/// (strategies.h).
+template <TransportMode mode>
+template <class Visitor>
+void Walk<mode>::arrive(std::uint32_t row, const SurfacePoint& point, Visitor& visitor) {
+    if (!options_.densities) return;
+    const Subpath& path = paths_[row];
+    const double near = path.from_infinity ? 1 : 1 / static_cast<double>(length_squared(point.position - path.from));
+    const double pdf = path.specular ? 1 : static_cast<double>(path.pdf);
+    sums_[row].arrive(pdf * static_cast<double>(point.cosine(point.wo)) * near,
+                      path.from_infinity ? 1 : static_cast<double>(path.cosine) * near);
+    if (path.depth == 0) visitor.first_vertex(row, point, sums_[row]);
+}
+
+template <TransportMode mode>
+template <class Visitor>
+void Walk<mode>::append_collisions(Visitor& visitor) {
+    VertexBatch& v = vertices_;
+    for (std::size_t k = 0; k < collision_count_; ++k) {
+        const Collision& collision = collisions_[k];
+        const std::int32_t medium = paths_[collision.row].medium;
+        const std::size_t j = v.count++;
+        v.rows[j] = collision.row;
+        SurfacePoint& point = v.points[j];
+        point = SurfacePoint();
+        point.position = collision.position;
+        point.wo = -collision.forward;
+        point.material = SurfacePoint::no_material;
+        v.sources[j] = {0, events_.medium_label(medium), 0};
+        v.bsdfs[j].set_phase((*scene_.media)[medium].g);
+        arrive(collision.row, point, visitor);
+    }
+}
+
+/// Closest hit first, then one counter-based choice: in expectation what alpha blending gives, and what pbrt does.
+template <TransportMode mode>
+bool Walk<mode>::passes_cutout(std::size_t j) const {
+    const std::uint32_t row = vertices_.rows[j];
+    const SurfacePoint& point = vertices_.points[j];
+    const TextureId alpha = scene_.geometry->shapes()[vertices_.hits[j].shape].alpha;
+    const float u = samplers_[row].get_random(dimensions.cutouts + paths_[row].segment);
+    return !(u < scene_.textures->real(alpha, {point.u, point.v, point.position}));
+}
+
+template <TransportMode mode>
+template <class Visitor>
+void Walk<mode>::advance(display::DisplayServices& display, Visitor& visitor) {
+    trace(visitor);
+    VertexBatch& v = vertices_;
+    const bool cutouts = scene_.geometry->has_alpha();
+    const std::span<const ShapeGeometry> shapes = scene_.geometry->shapes();
+    std::size_t kept = 0;
+    first_count_ = 0;
+    for (std::size_t j = 0; j < v.count; ++j) {
+        const std::uint32_t row = v.rows[j];
+        Subpath& path = paths_[row];
+        SurfacePoint& point = v.points[j];
+        arrive(row, point, visitor);
+        if (cutouts && shapes[v.hits[j].shape].alpha >= 0) {
+            const ShapeGeometry& shape = shapes[v.hits[j].shape];
+            if (shape.interface && shape.first_light != Hit::none) visitor.shines(j);
+            if (passes_cutout(j)) {
+                visitor.passes(j);
+                // What a cutout takes away of a surface is no border between media either.
+                const Vec3& direction = v.rays[j].direction;
+                if (in_media_ && shape.interface)
+                    path.medium = shape.medium_towards(point.geometric_normal, direction, path.medium);
+                ++path.segment;
+                push(row, ray_from(v, j, direction));
+                continue;
+            }
+        }
+        if (!visitor.arrives(j)) {
+            finish(row);
+            continue;
+        }
+        point.random_key = samplers_[row].key(dimensions.of(path.depth, dimensions.key));
+        point.row = is_camera_ray(path) ? static_cast<std::int32_t>(row) : -1;
+        if (is_camera_ray(path)) first_entries_[first_count_++] = static_cast<std::uint32_t>(kept);
+        v.keep(j, kept++);
+    }
+    v.surfaces = v.count = kept;
+    if (kept > 0) scene_.materials->shade(*scene_.textures, {v.points.data(), kept}, {v.bsdfs.data(), kept}, &display);
+    if (in_media_) append_collisions(visitor);
+}
+
+template <TransportMode mode>
+bool Walk<mode>::survives_roulette(std::uint32_t row, std::uint32_t dimension) {
+    Subpath& path = paths_[row];
+    if (!options_.roulette || path.depth < 2) return true;
+    const float keep =
+        mode == TransportMode::radiance ? path.beta.max() * path.roulette_scale : path.beta.max() / path.roulette_scale;
+    if (!(keep < 1)) return true;
+    if (samplers_[row].get_random(dimension) >= keep) return false;
+    path.beta *= 1 / keep;
+    return true;
+}
+
+template <TransportMode mode>
+template <class Visitor>
+void Walk<mode>::scatter(Visitor& visitor) {
+    const VertexBatch& v = vertices_;
+    const std::size_t passed_on = queue_.count;  // through cutouts: counted already
+    // A path's last scattering may be its connection to the camera, and a light subpath's always is.
+    constexpr std::uint32_t kept_back = mode == TransportMode::importance ? 1 : 0;
+    for (std::size_t j = 0; j < v.count; ++j) {
+        const std::uint32_t row = v.rows[j];
+        Subpath& path = paths_[row];
+        if (path.depth + kept_back >= options_.max_depth) {
+            counters_->count_length(path.depth + kept_back);
+            continue;
+        }
+        const PixelSampler& sampler = samplers_[row];
+        const Bsdf& bsdf = v.bsdfs[j];
+        const SurfacePoint& point = v.points[j];
+        const std::uint32_t depth = path.depth;
+        const float u_lobe = bsdf.chooses_lobes() ? sampler.get_1d(dimensions.of(depth, dimensions.lobe)) : 0.0f;
+        const BsdfSample s =
+            sample_scattering<mode>(bsdf, point, u_lobe, sampler.get_2d(dimensions.of(depth, dimensions.scatter)));
+        if (!(s.pdf > 0) || s.weight.is_black()) {
+            finish(row);
+            continue;
+        }
+        path.beta *= s.weight;
+        ++path.depth;
+        ++path.segment;
+        if (mode == TransportMode::radiance && s.transmitted) path.roulette_scale *= s.eta * s.eta;
+        path.specular = s.delta;
+        path.pdf = s.pdf;
+        path.from = point.position;
+        path.from_infinity = false;
+        visitor.scatters(j, s.lobes);
+        if (!is_finite(path.beta)) {
+            visitor.invalid(row);
+            finish(row);
+            continue;
+        }
+        if (path.beta.is_black() || !survives_roulette(row, dimensions.of(depth, dimensions.roulette)) ||
+            !visitor.goes_on(row)) {
+            finish(row);
+            continue;
+        }
+        if (options_.densities) {
+            sums_[row].leave(s.delta, s.delta ? 1.0 : static_cast<double>(bsdf.pdf(s.wi, point.wo)));
+            path.cosine = point.cosine(s.wi);
+        }
+        if (in_media_) path.medium = medium_towards(j, s.wi);
+        queue_.push(row, ray_from(v, j, s.wi));
+    }
+    counters_->scattering_rays += queue_.count - passed_on;
 }
 
 }  // namespace raylex::transport

@@ -24,7 +24,7 @@ struct AmbientOcclusion : Integrator {
                 geometry.occluded({&out, 1}, blocked);
                 services.lpe.move(path, scene.events->scatter(source->label, lobes::diffuse));
                 services.lpe.move(path, scene.events->user_terminal());
-                if (!*blocked) services.lpe.contribute(Rgb(1), display::Technique::scattering, path);
+                if (!*blocked) services.lpe.contribute(Rgb(1), display::Technique{}, path);
             }
         }
     }

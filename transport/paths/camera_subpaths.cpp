@@ -1,0 +1,96 @@
+#include "transport/paths/camera_subpaths.h"
+
+namespace raylex::transport {
+
+void CameraSubpaths::begin(std::span<const Ray> rays, std::span<const PixelSampler> samplers, display::LpeServices& lpe,
+                           IntegratorCounters& counters) {
+    walk_.begin(samplers, counters);
+    record_.begin(lpe, rays.size());
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const auto row = static_cast<std::uint32_t>(i);
+        Subpath& path = walk_.path(row);
+        path = Subpath();
+        path.from = rays[i].origin;
+        path.medium = scene_.media->camera();
+        if (options_.walk.densities) {
+            walk_.sums(row) = StrategySums();
+            walk_.sums(row).join = 1;  // of the first vertex with the camera: t = 1
+        }
+        walk_.push(row, rays[i]);
+    }
+}
+
+void CameraSubpaths::pass(display::DisplayServices& display, std::size_t j) {
+    const VertexBatch& v = vertices();
+    const std::uint32_t row = v.rows[j];
+    Subpath& path = walk_.path(row);
+    record_.pass_straight(row, v.sources[j].label);
+    path.travelled += v.hits[j].t;
+    // This ray went through, so its own opacity at the cutout is 0: over many rays the mean is the cutout's alpha.
+    if (path.depth == 0) display.add_sample(static_cast<int>(row), {path.travelled, RgbD(0.0), false});
+}
+
+void CameraSubpaths::record_first_hit(display::DisplayServices& display, std::size_t j) {
+    const VertexBatch& v = vertices();
+    const EmbreeScene& geometry = *scene_.geometry;
+    const auto row = static_cast<int>(v.rows[j]);
+    display.write_distance(row, path(v.rows[j]).travelled + v.hits[j].t);
+    const bool holdout = geometry.has_holdouts() && geometry.is_holdout(v.hits[j]);
+    display.write_opacity(row, Rgb(holdout ? 0.0f : 1.0f));
+    display.write_surface(row, geometry.surface_number(v.hits[j]));
+    if (holdout) record_.hold_out(v.rows[j]);
+}
+
+void CameraSubpaths::report_surfaces() {
+    const VertexBatch& v = vertices();
+    for (std::size_t j = 0; j < v.surfaces; ++j) {
+        const std::uint32_t row = v.rows[j];
+        const SurfacePoint& point = v.points[j];
+        const std::int32_t label = v.sources[j].label;
+        record_.say(row, label, UserLobe::albedo, path(row).beta, [&] { return v.bsdfs[j].albedo(point.wo); });
+        record_.say(row, label, UserLobe::normal, path(row).beta, [&] {
+            const Vec3 n = face_forward(point.shading_normal, point.wo);
+            Rgb value;
+            for (int i = 0; i < 3; ++i) {
+                const float* m = options_.world_to_camera[i];
+                value[i] = m[0] * n.x + m[1] * n.y + m[2] * n.z;
+            }
+            return value;
+        });
+    }
+}
+
+void CameraSubpaths::report_hidden_environments(LightChoice sampled, std::size_t j) const {
+    const std::uint32_t row = vertices().rows[j];
+    const Subpath& subpath = path(row);
+    if (subpath.specular) return;
+    const LightTable& lights = *scene_.lights;
+    const Vec3& direction = vertices().rays[j].direction;
+    for (const std::uint32_t light : lights.environments()) {
+        if (lights.environment_density(sampled, light, direction) > 0) continue;
+        const Rgb emitted = lights.environment_radiance(light, direction);
+        record_.arrive(row, record_.events().terminal(light), {0, subpath.depth + 2},
+                       {Rgb(), emitted, subpath.beta * emitted, 0});
+    }
+}
+
+struct CameraSubpaths::Scatterer : WalkVisitor {
+    CameraSubpaths& self;
+
+    void scatters(std::size_t j, const LobeList& lobes) {
+        self.record_.scatter(self.vertices().rows[j], self.vertices().sources[j].label, lobes);
+    }
+    void invalid(std::uint32_t row) { self.record_.reject(row, self.path(row).beta); }
+    bool goes_on(std::uint32_t row) {
+        const bool nothing_to_find =
+            self.path(row).depth >= self.options_.walk.max_depth && !self.options_.light_can_be_hit;
+        return !nothing_to_find && self.record_.worth(row);
+    }
+};
+
+void CameraSubpaths::scatter() {
+    Scatterer scatterer{{}, *this};
+    walk_.scatter(scatterer);
+}
+
+}  // namespace raylex::transport

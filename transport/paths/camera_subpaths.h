@@ -1,0 +1,141 @@
+// Subpaths from the camera, one a row, side by side, with what each camera ray leaves behind: distance, opacity,
+// surface, holdouts, words, what surfaces say of themselves. An integrator adds what the light is that they meet.
+//
+//     subpaths.begin(batch.rays, batch.samplers, services.lpe, counters);
+//     while (subpaths.going()) {
+//         subpaths.advance(services.display, ends);    // vertices() are the next of all subpaths that go on
+//         ...
+//         subpaths.scatter();
+//     }
+#pragma once
+
+#include <span>
+
+#include "display/services/display_services.h"
+#include "transport/paths/camera_connections.h"
+#include "transport/paths/record.h"
+#include "transport/paths/walk.h"
+
+namespace raylex::transport {
+
+struct CameraSubpathOptions {
+    WalkOptions walk;
+    bool shade_first_hits =
+        false;  ///< somebody reads AOVs or patterns there: the first hit is shaded whatever the light
+    bool light_can_be_hit = true;      ///< by a ray: if not, a path's last scattering need not be traced
+    CameraView view;                   ///< for densities
+    float world_to_camera[3][4] = {};  ///< rigid part, for surfaces that say their normal
+};
+
+/// What an integrator makes of the light that camera subpaths meet. Derive and hide.
+struct CameraEnds {
+    /// Vertex j, whose closure is not known yet, lies on a light.
+    void emits(std::size_t /*j*/) {}
+    /// Vertex j is a surface, with what it emits reported.
+    void arrives(std::size_t /*j*/) {}
+    /// The ray meets what is infinitely far away.
+    void escapes(std::uint32_t /*row*/, const Ray& /*ray*/) {}
+    /// A medium sends `emitted` back along the ray.
+    void glows(std::uint32_t /*row*/, const Rgb& /*emitted*/) {}
+};
+
+class CameraSubpaths {
+  public:
+    CameraSubpaths(const SceneView& scene, const EventTable& events, const CameraSubpathOptions& options,
+                   std::size_t capacity)
+        : scene_(scene), options_(options), walk_(scene, events, options.walk, capacity), record_(events, capacity) {}
+
+    void begin(std::span<const Ray> rays, std::span<const PixelSampler> samplers, display::LpeServices& lpe,
+               IntegratorCounters& counters);
+    [[nodiscard]] bool going() const { return walk_.going(); }
+    template <class Ends>
+    void advance(display::DisplayServices& display, Ends& ends) {
+        Visitor<Ends> visitor{{}, *this, display, ends};
+        walk_.advance(display, visitor);
+        if (record_.events().wants_user()) report_surfaces();
+    }
+    void scatter();
+
+    [[nodiscard]] const VertexBatch& vertices() const { return walk_.vertices(); }
+    [[nodiscard]] std::span<const std::uint32_t> first_entries() const { return walk_.first_entries(); }
+    [[nodiscard]] const Subpath& path(std::uint32_t row) const { return walk_.path(row); }
+    [[nodiscard]] const StrategySums& sums(std::uint32_t row) const { return walk_.sums(row); }
+    [[nodiscard]] StrategySums& sums(std::uint32_t row) { return walk_.sums(row); }
+    [[nodiscard]] const PixelSampler& sampler(std::uint32_t row) const { return walk_.sampler(row); }
+    [[nodiscard]] std::int32_t medium_towards(std::size_t j, const Vec3& direction) const {
+        return walk_.medium_towards(j, direction);
+    }
+    [[nodiscard]] const Record& record() const { return record_; }
+    /// Whether vertex j can be connected with light: something scatters there, and a path one event longer is not too
+    /// long.
+    [[nodiscard]] bool can_connect(std::size_t j) const {
+        return vertices().bsdfs[j].has_density() && path(vertices().rows[j]).depth < options_.walk.max_depth;
+    }
+
+    /// Infinite lights that light sampling leaves to scattering, reported as blocked: vertex j hides them.
+    void report_hidden_environments(LightChoice sampled, std::size_t j) const;
+
+  private:
+    template <class Ends>
+    struct Visitor;
+    struct Scatterer;
+    void report_surfaces();
+    void pass(display::DisplayServices& display, std::size_t j);
+    /// Distance, opacity and surface of a camera ray.
+    void record_first_hit(display::DisplayServices& display, std::size_t j);
+    [[nodiscard]] bool worth_shading(std::uint32_t row) const {
+        const Subpath& subpath = path(row);
+        if (subpath.depth == 0 && options_.shade_first_hits) return true;
+        if (record_.events().wants_user() && record_.channels_follow(row)) return true;
+        return subpath.depth < options_.walk.max_depth && record_.worth(row);
+    }
+
+    const SceneView scene_;
+    const CameraSubpathOptions options_;
+    Walk<TransportMode::radiance> walk_;
+    Record record_;
+};
+
+template <class Ends>
+struct CameraSubpaths::Visitor : WalkVisitor {
+    CameraSubpaths& self;
+    display::DisplayServices& display;
+    Ends& ends;
+
+    void escapes(std::uint32_t row, const Ray& ray) { ends.escapes(row, ray); }
+    void shines(std::size_t j) { ends.emits(j); }
+    void passes(std::size_t j) { self.pass(display, j); }
+    bool arrives(std::size_t j) {
+        const VertexBatch& v = self.vertices();
+        const std::uint32_t row = v.rows[j];
+        if (self.path(row).depth == 0) self.record_first_hit(display, j);
+        if (self.scene_.geometry->shapes()[v.hits[j].shape].first_light != Hit::none) ends.emits(j);
+        ends.arrives(j);
+        return self.worth_shading(row);
+    }
+    void first_vertex(std::uint32_t row, const SurfacePoint& point, StrategySums& sums) {
+        const CameraView& view = self.options_.view;
+        sums.forward =
+            view.density(view.camera->importance(point.position, self.path(row).from), point.cosine(point.wo));
+    }
+    void glows(std::uint32_t row, const Rgb& emitted) { ends.glows(row, emitted); }
+    bool worth_colliding(std::uint32_t row) {
+        const Subpath& path = self.path(row);
+        if (path.depth == 0) return true;  // the camera ray's depth and opacity are to be found
+        return path.depth < self.options_.walk.max_depth && self.record_.worth_colliding(row, path.medium);
+    }
+    void absorbs(std::uint32_t row, float distance, const Rgb& passed, const Vec2& u) {
+        const Subpath& path = self.path(row);
+        if (path.depth > 0 || !(passed.average() < 1)) return;
+        const float lost_at = path.travelled + sample_absorption((*self.scene_.media)[path.medium], distance, u);
+        display.add_sample(static_cast<int>(row), {lost_at, RgbD(Rgb(1) - passed), true});
+    }
+    void collides(std::uint32_t row, float distance) {
+        const Subpath& path = self.path(row);
+        if (path.depth > 0) return;
+        display.write_distance(static_cast<int>(row), path.travelled + distance, true);
+        display.write_opacity(static_cast<int>(row), Rgb(1));
+    }
+};
+
+}  // namespace raylex::transport

@@ -1,0 +1,37 @@
+#include "transport/paths/record.h"
+
+namespace raylex::transport {
+
+bool Record::worth_colliding(std::uint32_t row, std::int32_t medium) const {
+    const display::Tracker& tracker = trackers_[row];
+    return lpe_->takes_all(tracker) || lpe_->live_after(tracker, events_->scatter(events_->medium_label(medium), 0));
+}
+
+void Record::reach(display::Tracker& tracker, const LightEnd& end) const {
+    if (!events_->any()) return;
+    scatter(tracker, end.label, end.lobes);
+    for (auto event = end.events.rbegin(); event != end.events.rend() && lpe_->channels_follow(tracker); ++event) {
+        if (event->straight) pass_straight(tracker, event->label);
+        else scatter(tracker, event->label, event->lobes);
+    }
+    reach_light(tracker, end.light);
+}
+
+Record::Worth Record::worth_connecting(std::uint32_t row, std::int32_t label, const LobeList& lobes,
+                                       std::uint32_t light, const LightEnd* end, bool straight) const {
+    display::Tracker ahead = after(row, label, lobes);
+    if (straight) return lpe_->live(ahead) ? Worth::a_ray : Worth::nothing;
+    if (end != nullptr) reach(ahead, *end);
+    else if (!lpe_->live_after(ahead, events_->terminal(light))) return Worth::nothing;
+    else reach_light(ahead, light);
+    if (!lpe_->live(ahead)) return Worth::nothing;
+    return !lpe_->wants_emitter_samples() || lpe_->needs_visibility(ahead) ? Worth::a_ray : Worth::as_it_is;
+}
+
+bool Record::worth_splatting(std::uint32_t row, const LightEnd& end) const {
+    display::Tracker tracker = lpe_->begin(static_cast<int>(row));
+    reach(tracker, end);
+    return lpe_->channels_follow(tracker);
+}
+
+}  // namespace raylex::transport

@@ -1,0 +1,156 @@
+// The record of paths: the one place that talks to the LPE services.
+//
+// A record keeps, row by row, where each camera subpath stands in the language. Walks and integrators tell it what
+// happens (scattered by these lobes, arrived at that light) and ask two things: is it worth going on, is it worth
+// connecting? What channels exist, which are still to be reached (Law 4), how lobes share what they scatter (Law 5),
+// prefixes and holdouts are its business and the services'.
+//
+// Paths that begin at a light are told as the camera would have met them: a light subpath keeps its events
+// (LightEvents) and behind a join they are read from its end back to the light.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "display/services/lpe_services.h"
+#include "transport/lights/light_table.h"
+#include "transport/paths/event_table.h"
+#include "transport/paths/scattering.h"
+
+namespace raylex::transport {
+
+/// One event of a light subpath. Straight events (cutouts passed) have no lobes.
+struct LightEvent {
+    std::int32_t label = 0;
+    bool straight = false;
+    LobeList lobes;
+};
+
+/// The far end of a join: a vertex of a light subpath, as the camera's side meets it.
+struct LightEnd {
+    std::int32_t label = 0;
+    LobeList lobes;  ///< of the scattering there towards the camera's side
+    std::span<const LightEvent>
+        events;  ///< before it, from the light; must stay where they are until the join is reported
+    std::uint32_t light = 0;
+};
+
+/// Light that a path brings to the camera.
+struct Arrival {
+    Rgb value;                       ///< what beauty takes
+    Rgb emitted;                     ///< what leaves the emitter towards the path
+    Rgb unweighted;                  ///< `value` with nothing in the way, and without the MIS weight
+    float visibility = 1;            ///< fraction that arrives
+    bool found_by_sampling = false;  ///< light sampling finds the same emitter there too
+};
+
+class Record {
+  public:
+    /// `rows` trackers, for camera subpaths; 0 for records of splats, which have none.
+    explicit Record(const EventTable& events, std::size_t rows = 0) : events_(&events), trackers_(rows) {}
+
+    /// Rows [0, count) stand at the camera.
+    void begin(display::LpeServices& lpe, std::size_t count) {
+        lpe_ = &lpe;
+        for (std::size_t row = 0; row < count; ++row) trackers_[row] = lpe.begin(static_cast<int>(row));
+    }
+    /// Without rows: report by these services.
+    void begin(display::LpeServices& lpe) { lpe_ = &lpe; }
+
+    // What happens to the camera subpath of a row. `label` is an object's, or EventTable::medium_label().
+    void scatter(std::uint32_t row, std::int32_t label, const LobeList& lobes) {
+        scatter(trackers_[row], label, lobes);
+    }
+    void pass_straight(std::uint32_t row, std::int32_t label) { pass_straight(trackers_[row], label); }
+    /// Its first hit is a holdout.
+    void hold_out(std::uint32_t row) { lpe_->hold_out(trackers_[row]); }
+    /// It has arrived at an emitter whose event is `terminal`.
+    void arrive(std::uint32_t row, lpe::EventClass terminal, display::Technique technique,
+                const Arrival& arrival) const;
+    /// Its throughput is no number: counted and logged (Law 6).
+    void reject(std::uint32_t row, const Rgb& throughput) const { lpe_->contribute(throughput, {}, trackers_[row]); }
+    /// What the surface says of itself, if a channel takes it: `throughput` leads there, `value()` is asked for only
+    /// then.
+    template <class Value>
+    void say(std::uint32_t row, std::int32_t label, UserLobe lobe, const Rgb& throughput, Value value) const;
+
+    /// Whether anything that the subpath may still meet counts.
+    [[nodiscard]] bool worth(std::uint32_t row) const { return lpe_->live(trackers_[row]); }
+    /// The same, one collision with the medium's particles further.
+    [[nodiscard]] bool worth_colliding(std::uint32_t row, std::int32_t medium) const;
+    /// Whether beauty takes all of it, so that no question about its worth saves anything.
+    [[nodiscard]] bool takes_all(std::uint32_t row) const { return lpe_->takes_all(trackers_[row]); }
+    /// Whether it matters to anything but beauty.
+    [[nodiscard]] bool channels_follow(std::uint32_t row) const { return lpe_->channels_follow(trackers_[row]); }
+    /// Whether light that does not arrive is to be reported too.
+    [[nodiscard]] bool wants_blocked_light() const { return lpe_->wants_emitter_samples(); }
+
+    /// What a connection is worth.
+    enum class Worth : std::uint8_t {
+        nothing,  ///< no channel takes it
+        a_ray,    ///< it depends on what is in the way
+        as_it_is  ///< it does not: report it without a ray
+    };
+    /// Of the subpath of a row that beauty does not take whole, scattered at its vertex by these lobes towards a light,
+    /// or towards `end`. `straight`: there may be cutouts between, which leave events of their own.
+    [[nodiscard]] Worth worth_connecting(std::uint32_t row, std::int32_t label, const LobeList& lobes,
+                                         std::uint32_t light, const LightEnd* end, bool straight) const;
+    /// The same of what the camera sees of `end`.
+    [[nodiscard]] bool worth_splatting(std::uint32_t row, const LightEnd& end) const;
+
+    void hold_out(display::Tracker& tracker) const { lpe_->hold_out(tracker); }
+    // Connections move a tracker of their own: past the camera subpath's vertex, past what is in between, to the light.
+    [[nodiscard]] display::Tracker after(std::uint32_t row, std::int32_t label, const LobeList& lobes) const {
+        display::Tracker tracker = trackers_[row];
+        scatter(tracker, label, lobes);
+        return tracker;
+    }
+    void pass_straight(display::Tracker& tracker, std::int32_t label) const {
+        lpe_->move(tracker, events_->straight(label));
+    }
+    void reach(display::Tracker& tracker, const LightEnd& end) const;
+    void reach_light(display::Tracker& tracker, std::uint32_t light) const {
+        lpe_->move(tracker, events_->terminal(light));
+    }
+    void add(const display::Tracker& at_light, display::Technique technique, const Arrival& arrival) const;
+
+    [[nodiscard]] const EventTable& events() const { return *events_; }
+
+  private:
+    void scatter(display::Tracker& tracker, std::int32_t label, const LobeList& lobes) const {
+        if (!events_->any()) return;
+        std::array<display::LobePart, max_lobes> parts;
+        for (std::size_t i = 0; i < static_cast<std::size_t>(lobes.count); ++i)
+            parts[i] = {events_->scatter(label, lobes.entry[i].lobe), lobes.entry[i].value};
+        lpe_->move(tracker, {parts.data(), static_cast<std::size_t>(lobes.count)});
+    }
+
+    const EventTable* events_;
+    display::LpeServices* lpe_ = nullptr;
+    std::vector<display::Tracker> trackers_;  // by row
+};
+
+inline void Record::add(const display::Tracker& at_light, display::Technique technique, const Arrival& arrival) const {
+    if (!lpe_->wants_emitter_samples()) return lpe_->contribute(arrival.value, technique, at_light);
+    lpe_->contribute(arrival.value, technique, at_light,
+                     {arrival.emitted, arrival.unweighted, arrival.visibility, arrival.found_by_sampling});
+}
+
+inline void Record::arrive(std::uint32_t row, lpe::EventClass terminal, display::Technique technique,
+                           const Arrival& arrival) const {
+    display::Tracker tracker = trackers_[row];
+    lpe_->move(tracker, terminal);
+    add(tracker, technique, arrival);
+}
+
+template <class Value>
+void Record::say(std::uint32_t row, std::int32_t label, UserLobe lobe, const Rgb& throughput, Value value) const {
+    if (!events_->wants(lobe)) return;
+    display::Tracker tracker = trackers_[row];
+    lpe_->move(tracker, events_->user(label, lobe));
+    lpe_->move(tracker, events_->user_terminal());
+    if (lpe_->channels_follow(tracker)) lpe_->contribute_user(value(), throughput, tracker);
+}
+
+}  // namespace raylex::transport

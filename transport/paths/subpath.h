@@ -1,0 +1,56 @@
+// What a subpath carries from vertex to vertex, and which numbers of its sample each vertex takes.
+#pragma once
+
+#include <cstdint>
+
+#include "display/services/rgb.h"
+#include "transport/materials/scatter.h"
+#include "transport/math/vec.h"
+
+namespace raylex::transport {
+
+/// Sampler dimensions that the engine uses itself: pixel filter, lens, shutter time.
+inline constexpr std::uint32_t filter_dimension = 0, lens_dimension = 1, time_dimension = 2, first_free_dimension = 8;
+
+struct Subpath {
+    Rgb beta{1};  ///< throughput: product of scattering weights; of a light subpath the power it carries
+    float roulette_scale =
+        1;          ///< what roulette sets beta against: of a camera subpath times the product of eta^2 over
+                    ///< transmissions, which takes their radiance scaling out; of a light subpath over its first power
+    float pdf = 0;  ///< of the last direction, per steradian (from a light at infinity per area across the
+                    ///< beam); of a specular one the lobe's probability
+    float cosine = 1;         ///< of that direction to the geometric normal where it was left; kept for densities only
+    Vec3 from;                ///< the vertex it left; the camera or the light at first
+    float travelled = 0;      ///< along the camera ray, over cutouts passed
+    std::uint32_t depth = 0;  ///< scattering events so far
+    std::uint32_t segment = 0;  ///< rays so far, those beyond cutouts included: keys choices made once a ray
+    std::uint32_t light = 0;    ///< a light subpath's
+    std::int32_t medium = -1;   ///< what the next ray flies through; -1: nothing
+    bool specular = true;       ///< the last direction could not have been found in another way (camera, delta lobes)
+    bool from_infinity = false;
+};
+
+/// What each vertex of a subpath draws, from `first` + scattering events so far * `stride` on, and what each ray draws.
+struct SubpathDimensions {
+    std::uint32_t first, stride;
+    std::uint32_t scatter, lobe, roulette, key;  ///< of a vertex
+    std::uint32_t cutouts, flights;              ///< one for each ray, far above every vertex's
+
+    [[nodiscard]] constexpr std::uint32_t of(std::uint32_t depth, std::uint32_t which) const {
+        return first + depth * stride + which;
+    }
+};
+/// Beside those of SubpathDimensions: what a light sample from a vertex of a camera subpath takes, and the lens
+/// position to which a vertex of a light subpath is connected.
+inline constexpr std::uint32_t light_choice_dimension = 0, light_sample_dimension = 1, camera_lens_dimension = 0;
+
+/// Where a light subpath begins: light_dimensions + one of these.
+enum EmissionDimension : std::uint32_t { emitter_dimension, origin_dimension, direction_dimension };
+inline constexpr std::uint32_t light_dimensions = 1u << 26;
+
+template <TransportMode mode>
+inline constexpr SubpathDimensions subpath_dimensions =
+    mode == TransportMode::radiance ? SubpathDimensions{first_free_dimension, 6, 2, 3, 4, 5, 1u << 24, 1u << 25}
+                                    : SubpathDimensions{light_dimensions + 8, 5, 1, 2, 3, 4, 1u << 27, 3u << 26};
+
+}  // namespace raylex::transport
