@@ -21,12 +21,20 @@ enum class ChannelType : std::uint8_t { real, rgb, point, normal, vector, intege
     return type == ChannelType::real || type == ChannelType::integer ? 1 : 3;
 }
 
+/// How a contribution was found: with `s` vertices made from the light and `t` from the camera, the light's and the
+/// camera's own among them (E. Veach 1997, section 10.2). Path tracing finds lights with s = 0 and samples them with s
+/// = 1; t = 1 is a splat. Never part of the word: an emitter is L by what it is, not by how it was hit.
+struct Technique {
+    std::uint32_t s = 0, t = 0;
+    bool operator==(const Technique&) const = default;
+};
+
 /// How the samples of a pixel become its value: the render's pixel filter, or a rule that ignores it.
 /// zmin and zmax copy the value of the sample nearest to / farthest from the camera.
 enum class FilterRule : std::uint8_t { filter, zmin, zmax, min, max, average, sum };
 
-/// What a layer of statistics says of the samples of another channel, component by component. With n samples v of weight w
-/// and the pixel's value m:
+/// What a layer of statistics says of the samples of another channel, component by component. With n samples v of
+/// weight w and the pixel's value m:
 ///   variance   sum((v - m)^2) / (n - 1)
 ///   mse        variance of m: variance x sum(w^2) / sum(w)^2, which is variance / n for equal weights
 ///   even, odd  the pixel made of the samples with an even (odd) index alone: two images of half the samples each
@@ -45,21 +53,22 @@ struct ChannelDefinition {
     std::string name;
     ChannelStyle style = ChannelStyle::name;
     ChannelType type = ChannelType::rgb;
-    std::string expression;                       ///< style expression: the text as the user wrote it
+    std::string expression;  ///< style expression: the text as the user wrote it
     lpe::Dialect dialect = lpe::Dialect::renderman;
     /// Not empty: accepts what none of these channels (by index) accepts. `expression` may then say so for people.
     std::vector<std::size_t> rest_of;
     FilterRule rule = FilterRule::filter;
-    std::string space;                            ///< "camera", "world", "raster", "rendering colour space", ...
-    bool statistics = false;                      ///< also keep the per-pixel second moment
-    /// Not invalid: a further output of channel `source`, which has samples and the same type. Nothing can be sent to it: what
-    /// is sent to its source reaches every output. With a statistic it is made of what the frame buffer keeps of its source,
-    /// whose rule is then `filter`; without one the source's samples become pixels once more, by this layer's own rule.
+    std::string space;        ///< "camera", "world", "raster", "rendering colour space", ...
+    bool statistics = false;  ///< also keep the per-pixel second moment
+    /// Not invalid: a further output of channel `source`, which has samples and the same type. Nothing can be sent to
+    /// it: what is sent to its source reaches every output. With a statistic it is made of what the frame buffer keeps
+    /// of its source, whose rule is then `filter`; without one the source's samples become pixels once more, by this
+    /// layer's own rule.
     ChannelId source = invalid_channel;
     Statistic statistic = Statistic::none;
-    float miss_value = 0.0f;                      ///< value of a sample to which nothing was written
-    std::string origin;                           ///< for errors: the file or option the expression stands in
-    int origin_line = 0, origin_column = 0;       ///< of the expression's first character, 0 = not known
+    float miss_value = 0.0f;                 ///< value of a sample to which nothing was written
+    std::string origin;                      ///< for errors: the file or option the expression stands in
+    int origin_line = 0, origin_column = 0;  ///< of the expression's first character, 0 = not known
 };
 
 /// Whether samples can be sent to the channel: whether it is no mere output of another.

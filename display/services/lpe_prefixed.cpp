@@ -8,15 +8,18 @@ namespace raylex::display {
 
 /// One event as contribute_apart() takes it.
 struct LpeServices::Report {
-    Rgb value;                      ///< what beauty takes
+    Rgb value;  ///< what beauty takes
     EmitterSample sample;
-    const Technique* technique;     ///< null: the event is a surface's own, which beauty never takes
+    const Technique* technique;  ///< null: the event is a surface's own, which beauty never takes
 };
 
 namespace {
 
 /// What a channel with these prefixes takes of the event, black for nothing.
-Rgb own_value(const ChannelPrefixes& prefixes, const Rgb& value, const EmitterSample& sample) {
+Rgb own_value(const ChannelPrefixes& prefixes, const Rgb& value, const EmitterSample& sample,
+              const Technique* technique) {
+    if (!prefixes.takes(technique)) return Rgb();
+    if (prefixes.unweighted) return sample.unweighted * sample.visibility;
     if (prefixes.light_samples()) {
         if (sample.found_by_sampling) return Rgb();
         const Rgb& whole = prefixes.nothruput ? sample.emitted : sample.unweighted;
@@ -33,16 +36,19 @@ Status LpeSetup::read_channel_prefixes(std::span<const ChannelDefinition> channe
         if (!read) return read.error();
         prefixes_.push_back(*read);
         prefixed_ = prefixed_ || read->own_value() || read->holdouts;
+        wants_emitter_samples_ = wants_emitter_samples_ || read->emitter_sample() || read->unweighted;
         if (read->emitter_sample() && needs_emitter_samples_ < 0) needs_emitter_samples_ = id;
         if (read->light_samples() && needs_light_samples_ < 0) needs_light_samples_ = id;
     }
     return success();
 }
 
-bool LpeSetup::follows(lpe::EventClass event) const { return has_user_events_ && program_.follows(event); }
+bool LpeSetup::follows(lpe::EventClass event) const {
+    return has_user_events_ && program_.follows(event);
+}
 
-/// Packed channels are taken together: where the path may still end so that one of them accepts, they reach what that one
-/// does. That may keep a path that is of no use, and never ends one that is.
+/// Packed channels are taken together: where the path may still end so that one of them accepts, they reach what that
+/// one does. That may keep a path that is of no use, and never ends one that is.
 void LpeSetup::find_packed_reach() {
     const lpe::ProgramView& program = program_.view();
     if (!program.has_lanes()) return;
@@ -59,8 +65,7 @@ void LpeSetup::find_reach() {
     const std::size_t states = program_.state_count(), classes = program_.class_count();
     reach_.assign(states, 0);
     for (lpe::State state = 0; state < states; ++state)
-        for (const std::uint16_t channel : program_.accepted(state))
-            reach_[state] |= reach_of(channel);
+        for (const std::uint16_t channel : program_.accepted(state)) reach_[state] |= reach_of(channel);
     find_packed_reach();
     for (bool grew = true; grew;) {
         grew = false;
@@ -152,7 +157,7 @@ void LpeServices::splat_apart(const Report& report, const Tracker& tracker, bool
     for (const std::uint16_t channel : sharing_) {
         const ChannelPrefixes& prefixes = setup_.prefixes_[channel];
         if (!valid && !prefixes.noinfinitecheck) continue;
-        const Rgb own = own_value(prefixes, report.value, report.sample);
+        const Rgb own = own_value(prefixes, report.value, report.sample, report.technique);
         if (own.is_black()) continue;
         const ChannelId id = setup_.channel_of_accept_[channel];
         if (out_of_range(own)) {

@@ -28,14 +28,6 @@
 
 namespace raylex::display {
 
-/// How a contribution was found: with `s` vertices made from the light and `t` from the camera, the light's and the
-/// camera's own among them (E. Veach 1997, section 10.2). Path tracing finds lights with s = 0 and samples them with s
-/// = 1; t = 1 is a splat. Never part of the word: an emitter is L by what it is, not by how it was hit.
-struct Technique {
-    std::uint32_t s = 0, t = 0;
-    bool operator==(const Technique&) const = default;
-};
-
 /// An emitter as a path found it, before the path changes it: what channels with prefixes splat instead of the value
 /// that beauty takes (channel_prefixes.h). An integrator fills it in only where LpeServices::wants_emitter_samples().
 struct EmitterSample {
@@ -137,6 +129,7 @@ class LpeSetup {
     std::vector<std::uint8_t> reach_;        // [table state] which channels can still accept; empty without holdouts
     bool has_user_events_ = false;           // some expression may name one
     bool prefixed_ = false;                  // some prefix changes what is splatted
+    bool wants_emitter_samples_ = false;     // some prefix changes nothing but by what an EmitterSample says
     ChannelId needs_emitter_samples_ = invalid_channel, needs_light_samples_ = invalid_channel;
 };
 
@@ -175,7 +168,7 @@ class LpeServices {
     void contribute(const Rgb& value, Technique technique, const Tracker& tracker, const EmitterSample& sample);
     /// False when no channel looks at an EmitterSample: then the integrator need not make any, nor report blocked
     /// light.
-    [[nodiscard]] bool wants_emitter_samples() const { return setup_.needs_emitter_samples_ >= 0; }
+    [[nodiscard]] bool wants_emitter_samples() const { return setup_.wants_emitter_samples_; }
     /// Whether what a tracker that stands after its terminal contributes depends on what is in the way. False: no
     /// shadow ray is needed (Law 4).
     [[nodiscard]] bool needs_visibility(const Tracker& tracker) const;

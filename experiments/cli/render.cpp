@@ -22,7 +22,7 @@ namespace raylex::experiments {
 namespace {
 
 struct RenderOptions {
-    std::string input, output, statistics, resolution, integrator, sampler, filter, partition;
+    std::string input, output, statistics, resolution, integrator, sampler, filter, partition, techniques;
     std::string crop, ocio, rendering_space, isa, until_error, time, checkpoint, replay, filter_mode;
     std::optional<std::uint64_t> spp, seed;
     std::optional<int> threads;
@@ -92,7 +92,8 @@ Status read_channel_settings(const RenderOptions& options, transport::RenderSett
         if (!equals) return equals.error();
         const std::size_t colon = text.rfind(':');
         if (colon == std::string::npos || colon < *equals)
-            return error_at(flag("--layer"), "'" + text + "' names no rule; expected NAME=CHANNEL:RULE, such as nearest=z:zmin");
+            return error_at(flag("--layer"),
+                            "'" + text + "' names no rule; expected NAME=CHANNEL:RULE, such as nearest=z:zmin");
         auto layer = read_layer_request(text.substr(0, *equals), text.substr(*equals + 1, colon - *equals - 1),
                                         text.substr(colon + 1), flag("--layer"));
         if (!layer) return layer.error();
@@ -216,6 +217,11 @@ Result<Job> assemble(const CLI::App& command, const RenderOptions& options) {
     if (options.cryptomatte_ranks) job.settings.cryptomatte_ranks = *options.cryptomatte_ranks;
     if (!options.partition.empty()) job.shipped_partition = true;
     if (options.light_groups) job.light_groups = true;
+    if (!options.techniques.empty()) {
+        auto techniques = parse_techniques(options.techniques, flag("--techniques"));
+        if (!techniques) return techniques.error();
+        job.techniques = *std::move(techniques);
+    }
     if (options.replay.empty()) return job;
     auto replay = parse_replay(options.replay);
     if (!replay) return replay.error();
@@ -232,7 +238,8 @@ std::string refuse_seed(const std::string& text) {
 }
 
 std::string refuse_odd(const std::string& text) {
-    return !text.empty() && (text.back() - '0') % 2 != 0 ? "'" + text + "' is odd; expected an even number" : std::string();
+    return !text.empty() && (text.back() - '0') % 2 != 0 ? "'" + text + "' is odd; expected an even number"
+                                                         : std::string();
 }
 
 /// For --help: every name, so that it is complete.
@@ -253,9 +260,10 @@ void add_options(CLI::App& command, RenderOptions& options) {
         ->option_text("N")
         ->check(CLI::Range(1, 2147483647));
     command
-        .add_option("--until-error", options.until_error,
-                    "samples each pixel until its standard error is at most E of its value, such as 1%; --spp is then the "
-                    "most that a pixel may have, default 65536; [adaptive] in a job says more")
+        .add_option(
+            "--until-error", options.until_error,
+            "samples each pixel until its standard error is at most E of its value, such as 1%; --spp is then the "
+            "most that a pixel may have, default 65536; [adaptive] in a job says more")
         ->option_text("E");
     command
         .add_option("--time", options.time,
@@ -263,13 +271,15 @@ void add_options(CLI::App& command, RenderOptions& options) {
                     "samples reached are printed: --spp with their number gives the same bits")
         ->option_text("TIME");
     command
-        .add_option("--checkpoint", options.checkpoint,
-                    "saves the render to OUT.exr.checkpoint every so often, such as 60s, 5m or 1h, and at Ctrl-C; the file is "
-                    "removed once the image is written")
+        .add_option(
+            "--checkpoint", options.checkpoint,
+            "saves the render to OUT.exr.checkpoint every so often, such as 60s, 5m or 1h, and at Ctrl-C; the file is "
+            "removed once the image is written")
         ->option_text("TIME");
-    command.add_flag("--resume", options.resume,
-                     "goes on from OUT.exr.checkpoint to the same bits as if nothing had happened, saving every 60s or as "
-                     "--checkpoint says");
+    command.add_flag(
+        "--resume", options.resume,
+        "goes on from OUT.exr.checkpoint to the same bits as if nothing had happened, saving every 60s or as "
+        "--checkpoint says");
     command.add_option("--seed", options.seed, "seed of the sampler; default 0")
         ->option_text("N")
         ->check(CLI::Validator(refuse_seed, "", "seed"));
@@ -284,8 +294,9 @@ void add_options(CLI::App& command, RenderOptions& options) {
             "renders these pixels alone, to the bits that they have in the whole image: the file's data window in its "
             "display window")
         ->option_text("X0,Y0,X1,Y1");
-    command.add_option("--integrator", options.integrator,
-                       "path, lighttracer, bdpt, pssmlt or a plugin's; default: as the scene says")
+    command
+        .add_option("--integrator", options.integrator,
+                    "path, lighttracer, bdpt, pssmlt or a plugin's; default: as the scene says")
         ->option_text("NAME");
     command.add_option("--max-depth", options.max_depth, "at most N scattering events on a path")
         ->option_text("N")
@@ -293,10 +304,11 @@ void add_options(CLI::App& command, RenderOptions& options) {
     command.add_option("--sampler", options.sampler, "sampler; default: as the scene says")->option_text("NAME");
     command.add_option("--filter", options.filter, "pixel filter; default: as the scene says")->option_text("NAME");
     command
-        .add_option("--filter-mode", options.filter_mode,
-                    "importance (default): samples are drawn as the pixel filter says and belong to one pixel; splat: they "
-                    "are drawn evenly and shared by all pixels that the filter reaches, which leaves no statistics, deep "
-                    "images or cryptomattes")
+        .add_option(
+            "--filter-mode", options.filter_mode,
+            "importance (default): samples are drawn as the pixel filter says and belong to one pixel; splat: they "
+            "are drawn evenly and shared by all pixels that the filter reaches, which leaves no statistics, deep "
+            "images or cryptomattes")
         ->option_text("MODE")
         ->check(CLI::IsMember({"importance", "splat"}));
     command
@@ -327,6 +339,13 @@ void add_options(CLI::App& command, RenderOptions& options) {
         ->check(CLI::IsMember({"shipped"}));
     command.add_flag("--light-groups", options.light_groups,
                      "adds a layer per light group, and one for lights without a group");
+    command
+        .add_option(
+            "--techniques", options.techniques,
+            "'pyramid' adds a layer of beauty for each way to find a path, s vertices from the light and t from "
+            "the camera (beauty_s1t3), with its MIS weight and without (beauty_s1t3_unweighted); "
+            "'pyramid:CHANNEL,...' of these channels")
+        ->option_text("pyramid[:CHANNEL,...]");
     command.add_flag("--no-beauty", options.no_beauty, "renders only what the layers need");
     command
         .add_option("--aov", options.aovs,
@@ -337,25 +356,28 @@ void add_options(CLI::App& command, RenderOptions& options) {
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     command
-        .add_option("--rule", options.rules,
-                    "how the samples of a channel become its pixels: filter (the pixel filter), zmin, zmax (the nearest, "
-                    "farthest sample), min, max, average or sum; may be repeated")
+        .add_option(
+            "--rule", options.rules,
+            "how the samples of a channel become its pixels: filter (the pixel filter), zmin, zmax (the nearest, "
+            "farthest sample), min, max, average or sum; may be repeated")
         ->option_text("NAME=RULE")
         ->expected(1)
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     command
-        .add_option("--layer", options.layers,
-                    "adds a layer with the samples of a channel, or of the beauty, made pixels by another rule (as --rule has "
-                    "them); may be repeated")
+        .add_option(
+            "--layer", options.layers,
+            "adds a layer with the samples of a channel, or of the beauty, made pixels by another rule (as --rule has "
+            "them); may be repeated")
         ->option_text("NAME=CHANNEL:RULE")
         ->expected(1)
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     command
-        .add_option("--statistics", options.statistic_layers,
-                    "adds layers NAME_variance (of the samples), NAME_mse (variance of the pixel), NAME_even and NAME_odd "
-                    "(the image from samples of even, odd index) for the beauty or a filtered channel; may be repeated")
+        .add_option(
+            "--statistics", options.statistic_layers,
+            "adds layers NAME_variance (of the samples), NAME_mse (variance of the pixel), NAME_even and NAME_odd "
+            "(the image from samples of even, odd index) for the beauty or a filtered channel; may be repeated")
         ->option_text("NAME=STATISTIC,...")
         ->expected(1)
         ->allow_extra_args(false)
@@ -387,9 +409,10 @@ void add_options(CLI::App& command, RenderOptions& options) {
                     "instruction set: sse2, sse4.2, avx, avx2 or avx512; default: the best there is")
         ->option_text("NAME");
     command
-        .add_option("--replay", options.replay,
-                    "renders one sample of one pixel alone and prints what every layer gets and what is refused; writes "
-                    "nothing; exit code 1 when something is refused")
+        .add_option(
+            "--replay", options.replay,
+            "renders one sample of one pixel alone and prints what every layer gets and what is refused; writes "
+            "nothing; exit code 1 when something is refused")
         ->option_text("X,Y,SAMPLE");
     add_output_options(command, options.outputs);
     add_plugin_option(command, options.plugins);
@@ -411,8 +434,8 @@ void group_options(CLI::App& command) {
         {"Machine", {"--threads", "--isa", "--memory-limit", "--plugin"}},
         {"Light transport", {"--integrator", "--max-depth"}},
         {"Layers",
-         {"--lpe", "--channels", "--dialect", "--partition", "--light-groups", "--no-beauty", "--aov", "--rule",
-          "--layer", "--statistics", "--cryptomatte", "--cryptomatte-ranks"}},
+         {"--lpe", "--channels", "--dialect", "--partition", "--light-groups", "--techniques", "--no-beauty", "--aov",
+          "--rule", "--layer", "--statistics", "--cryptomatte", "--cryptomatte-ranks"}},
         {"Colour and previews",
          {"--preview", "--display", "--view", "--exposure", "--ocio", "--rendering-space", "--texture-rules"}},
         {"Filters", {"--sample-filter", "--display-filter"}}};

@@ -40,8 +40,9 @@ class Planner {
             Status added = add_expression(request);
             if (!added) return added.error();
         }
-        for (Status (Planner::*step)() : {&Planner::declared_partitions, &Planner::automatic_rest, &Planner::shipped,
-                                          &Planner::light_groups, &Planner::aovs, &Planner::check_rules}) {
+        for (Status (Planner::*step)() :
+             {&Planner::declared_partitions, &Planner::automatic_rest, &Planner::shipped, &Planner::light_groups,
+              &Planner::techniques, &Planner::aovs, &Planner::check_rules}) {
             Status done = (this->*step)();
             if (!done) return done.error();
             if (!plan_.refuted.empty()) break;
@@ -63,15 +64,9 @@ class Planner {
 
     Status add_expression(const ExpressionRequest& request) {
         const SourceLocation& where = request.location;
-        auto expansion = lpe::expand_names({request.name,
-                                            request.expression,
-                                            request.dialect,
-                                            where.file,
-                                            where.line,
-                                            where.column,
-                                            {},
-                                            request.map},
-                                           job_.macros);
+        auto expansion = lpe::expand_names(
+            {request.name, request.expression, request.dialect, where.file, where.line, where.column, {}, request.map},
+            job_.macros);
         if (!expansion) return expansion.error();
         ChannelDefinition channel;
         channel.name = request.name;
@@ -308,6 +303,64 @@ class Planner {
         requests.push_back({"light_default", emission_carries("") ? "C.*[<L.''><O.''>]" : "C.*<L.''>",
                             lpe::Dialect::renderman, where});
         return add_generated("light_groups", requests);
+    }
+
+    /// Of every channel asked for a layer for each technique, weighted and not, down to words of `most_vertices`, and
+    /// one for what is longer. The weighted ones sum to the channel by construction: each contribution has one
+    /// technique.
+    Status techniques() {
+        if (!job_.techniques) return success();
+        constexpr std::uint32_t most_vertices = 8;
+        const auto depth = static_cast<std::uint32_t>(std::max(words_.max_depth.value_or(5), 1));
+        const std::uint32_t vertices = std::min(depth + 2, most_vertices);
+        for (const std::string& name : job_.techniques->channels) {
+            auto expression = technique_source(name);
+            if (!expression) return expression.error();
+            display::PartitionDeclaration partition{
+                "techniques" + (name == "beauty" ? "" : "_" + name), name == "beauty" ? "" : name, {}};
+            const auto add = [&](const std::string& suffix, const std::string& prefix) {
+                ChannelDefinition channel;
+                channel.name = name + "_" + suffix;
+                channel.style = ChannelStyle::expression;
+                channel.expression = prefix + ";" + *expression;
+                channel.space = "rendering colour space";
+                channel.origin = job_.techniques->location.file;
+                channel.origin_line = job_.techniques->location.line;
+                return add_channel(std::move(channel), job_.techniques->location);
+            };
+            for (std::uint32_t n = 2; n <= vertices; ++n)
+                for (std::uint32_t s = 0; s < (n == 2 ? 1 : n); ++s) {
+                    const std::string technique = "s" + std::to_string(s) + "t" + std::to_string(n - s);
+                    if (Status added = add(technique, technique); !added) return added;
+                    partition.layers.push_back(name + "_" + technique);
+                    if (Status added = add(technique + "_unweighted", technique + ";unweighted"); !added) return added;
+                }
+            if (depth + 2 > vertices) {
+                const std::string beyond = "beyond" + std::to_string(vertices);
+                if (Status added = add(beyond, beyond); !added) return added;
+                partition.layers.push_back(name + "_" + beyond);
+            }
+            if (name != "beauty" || job_.settings.beauty) plan_.partitions.push_back(std::move(partition));
+        }
+        return success();
+    }
+
+    /// What a channel's layers by technique read behind their prefix.
+    [[nodiscard]] Result<std::string> technique_source(const std::string& name) const {
+        if (name == "beauty") return std::string("C.*");
+        const auto found = index_.find(name);
+        const std::string asked = "layers of '" + name + "' by technique: ";
+        if (found == index_.end() || plan_.channels[found->second].style != ChannelStyle::expression)
+            return error_at(job_.techniques->location,
+                            asked +
+                                "there is no such channel with a light path expression; expected beauty or one of the "
+                                "job's [[channel]] or --lpe channels");
+        const ChannelDefinition& channel = plan_.channels[found->second];
+        if (channel.dialect != lpe::Dialect::renderman || !channel.rest_of.empty() || prefixed_.contains(name))
+            return error_at(job_.techniques->location,
+                            asked + "expected a channel in the renderman dialect, without prefixes and no rest layer");
+        const std::string mark = "lpe:";
+        return channel.expression.starts_with(mark) ? channel.expression.substr(mark.size()) : channel.expression;
     }
 
     Status aovs() {

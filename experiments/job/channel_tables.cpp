@@ -92,6 +92,11 @@ void read_channels(TomlTable& root, Job& job) {
         read_channel_settings(channels, job);
         channels.read("shipped_partition", job.shipped_partition);
         channels.read("light_groups", job.light_groups);
+        if (std::string text; channels.read("techniques", text)) {
+            auto techniques = parse_techniques(text, channels.location_of("techniques"));
+            if (techniques) job.techniques = *std::move(techniques);
+            else root.source().fail(techniques.error());
+        }
         usual = read_dialect(channels).value_or(usual);
         channels.close();
     }

@@ -88,4 +88,25 @@ Status check_layer_name(const std::string& name, const SourceLocation& where) {
     return success();
 }
 
+Result<TechniqueRequest> parse_techniques(const std::string& text, const SourceLocation& where) {
+    const std::string pyramid = "pyramid";
+    TechniqueRequest request{{}, where};
+    if (text == pyramid) {
+        request.channels.emplace_back("beauty");
+        return request;
+    }
+    if (!text.starts_with(pyramid + ":"))
+        return error_at(where, "'" + text +
+                                   "' is no way to show techniques; expected pyramid, or pyramid: and names of "
+                                   "channels between commas");
+    for (std::size_t begin = pyramid.size() + 1; begin <= text.size();) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        if (end == begin)
+            return error_at(where, "'" + text + "' names a channel of no letters; expected names between commas");
+        request.channels.push_back(text.substr(begin, end - begin));
+        begin = end + 1;
+    }
+    return request;
+}
+
 }  // namespace raylex::experiments

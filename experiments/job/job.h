@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,7 +21,7 @@ struct ExpressionRequest {
     std::string name;
     std::string expression;
     lpe::Dialect dialect = lpe::Dialect::renderman;
-    SourceLocation location;  ///< of the expression's first character, for errors
+    SourceLocation location;                      ///< of the expression's first character, for errors
     std::shared_ptr<const lpe::SourceMap> map{};  ///< where each of its characters stands, when a file says so
 };
 
@@ -39,6 +40,14 @@ struct PartitionRequest {
     SourceLocation location;
 };
 
+/// Layers by sampling technique, as --techniques and `techniques` in [channels] ask for them.
+struct TechniqueRequest {
+    std::vector<std::string> channels;  ///< "beauty", or channels of the job
+    SourceLocation location;
+};
+/// "pyramid" (of beauty), or "pyramid:" and names of channels between commas.
+Result<TechniqueRequest> parse_techniques(const std::string& text, const SourceLocation& where);
+
 /// A plugin that the job file names.
 struct PluginRequest {
     std::string file;
@@ -50,21 +59,22 @@ struct Job {
     std::string job_file, job_text;  ///< the TOML this came from; empty for a bare scene
     std::string output, preview, statistics;
     std::string ocio_config, rendering_space, display, view;
-    double exposure = 0;                 ///< stops by which previews show light brighter
-    double checkpoint_seconds = 0;       ///< between checkpoints; 0 = none
-    bool resume = false;                 ///< go on from the checkpoint beside the output
-    bool texture_rules = false;          ///< colours of image textures by the colour config's file rules, not pbrt's
+    double exposure = 0;            ///< stops by which previews show light brighter
+    double checkpoint_seconds = 0;  ///< between checkpoints; 0 = none
+    bool resume = false;            ///< go on from the checkpoint beside the output
+    bool texture_rules = false;     ///< colours of image textures by the colour config's file rules, not pbrt's
     OutputRequests outputs;
-    bool shipped_partition = false;      ///< adds the shipped partition's channels
-    bool light_groups = false;           ///< adds one layer per light group and one for the unlabelled lights
+    bool shipped_partition = false;  ///< adds the shipped partition's channels
+    bool light_groups = false;       ///< adds one layer per light group and one for the unlabelled lights
+    std::optional<TechniqueRequest> techniques;
     transport::RenderSettings settings;  ///< `channels` is filled by plan_channels()
     std::vector<ExpressionRequest> expressions;
     std::vector<AovRequest> aovs;
-    std::vector<PluginRequest> plugins;          ///< loaded by read_job()
+    std::vector<PluginRequest> plugins;  ///< loaded by read_job()
     std::vector<PartitionRequest> partitions;
-    bool measure_refuted = false;                ///< partitions that are none are noted and measured, not refused
-    lpe::MacroTable macros;                      ///< names that the job's expressions may use
-    std::vector<lpe::LobeOption> lobe_options;   ///< as given; settings.lobe_slots holds what they make
+    bool measure_refuted = false;               ///< partitions that are none are noted and measured, not refused
+    lpe::MacroTable macros;                     ///< names that the job's expressions may use
+    std::vector<lpe::LobeOption> lobe_options;  ///< as given; settings.lobe_slots holds what they make
     std::vector<transport::LabelRule> label_rules;
 };
 
@@ -80,8 +90,8 @@ Result<display::PixelRegion> parse_crop(const std::string& text, const SourceLoc
 /// Adds a kind of cryptomatte by name; an unknown one, or one that is there already, is an Error at `where`.
 Status add_cryptomatte(const std::string& name, const SourceLocation& where, transport::RenderSettings& settings);
 
-/// A further output of a channel, as --layer and [[layer]] ask for it. Errors at `where`: a name that cannot be a layer's, no
-/// such rule.
+/// A further output of a channel, as --layer and [[layer]] ask for it. Errors at `where`: a name that cannot be a
+/// layer's, no such rule.
 Result<display::LayerRequest> read_layer_request(const std::string& name, const std::string& channel,
                                                  const std::string& rule, const SourceLocation& where);
 

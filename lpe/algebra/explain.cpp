@@ -10,6 +10,7 @@
 #include "lpe/algebra/reach.h"
 #include "lpe/algebra/samples.h"
 #include "lpe/failure.h"
+#include "lpe/language/prefixes.h"
 #include "lpe/language/source_text.h"
 
 namespace raylex::lpe {
@@ -17,11 +18,11 @@ namespace raylex::lpe {
 namespace {
 
 constexpr std::size_t sample_count = 5;
-constexpr std::size_t most_tried_events = 64;   // pieces whose use is looked at
+constexpr std::size_t most_tried_events = 64;     // pieces whose use is looked at
 constexpr std::size_t most_studied_states = 500;  // of an expression whose pieces are looked at one by one
 
 std::string prefix_effect(std::string_view prefix) {
-    constexpr std::array<std::pair<std::string_view, std::string_view>, 7> effects{{
+    constexpr std::array<std::pair<std::string_view, std::string_view>, 8> effects{{
         {"unoccluded", "light samples count as if nothing were in the way"},
         {"noclamp", "sample filters leave the channel alone: it is not clamped"},
         {"nothruput", "takes what the emitter sends, or the user event's value, without the path's throughput"},
@@ -29,11 +30,17 @@ std::string prefix_effect(std::string_view prefix) {
         {"holdouts", "only paths whose first hit is a holdout count"},
         {"overwrite", "the last contribution of a camera sample replaces the earlier ones; they do not add up"},
         {"noinfinitecheck", "its values are judged by themselves, whatever the beauty's are"},
+        {"unweighted", "takes what each technique finds without its MIS weight"},
     }};
     for (const auto& [name, effect] : effects) {
-        if (name == prefix) {
-            return std::string(effect);
-        }
+        if (name == prefix) { return std::string(effect); }
+    }
+    if (const std::optional<TechniquePrefix> technique = technique_prefix(prefix); technique && technique->t == 0) {
+        return "only what is found by techniques of more than " + std::to_string(technique->beyond) +
+               " vertices counts";
+    } else if (technique) {
+        return "only what is found with " + std::to_string(technique->s) + " vertices from the light and " +
+               std::to_string(technique->t) + " from the camera counts";
     }
     return "changes what is splatted";
 }
@@ -62,9 +69,7 @@ CoreSet occurring_cores(const Study& study) {
 }
 
 std::string capitalised(std::string text) {
-    if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') {
-        text[0] = static_cast<char>(text[0] - 'a' + 'A');
-    }
+    if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') { text[0] = static_cast<char>(text[0] - 'a' + 'A'); }
     return text;
 }
 
@@ -74,9 +79,7 @@ std::string piece_text(const Study& study, const Node& node) {
 }
 
 void warn_about_dead_pieces(const Study& study, bool empty, std::vector<std::string>& warnings) {
-    if (study.languages.channels.front().states() > most_studied_states) {
-        return;
-    }
+    if (study.languages.channels.front().states() > most_studied_states) { return; }
     const HasPath has_path = [&study](std::vector<NodePtr> trees) { return have_paths(study, std::move(trees)); };
     const Node& root = *study.expression.root;
     if (empty) {
@@ -125,9 +128,7 @@ void warn_about_mixed_scripts(const Study& study, std::vector<std::string>& warn
                                SourceText(study.source).describe(other) + " at column " + std::to_string(other + 1));
         }
         open = end + 1;
-        if (open >= text.size()) {
-            return;
-        }
+        if (open >= text.size()) { return; }
     }
 }
 
@@ -141,9 +142,7 @@ void warn_about_slots(const Study& study, std::vector<std::string>& warnings) {
     bool quoted = false;
     for (std::size_t at = 0; at + 2 < text.size(); ++at) {
         quoted = quoted != (text[at] == '\'');
-        if (quoted || text[at] != '<' || text[at + 1] == '\'') {
-            continue;
-        }
+        if (quoted || text[at] != '<' || text[at + 1] == '\'') { continue; }
         const std::size_t second = item_end(at + 1);
         const std::string_view item = std::string_view(text).substr(std::min(second, text.size()));
         const bool excluded = item.starts_with("[^'");
@@ -183,9 +182,7 @@ Explanation explanation_of(const ChannelSource& channel, const Words& words) {
         result.notes = notes_about(subject);
     }
     warn_about_bar(channel, subject.expression, words, result.warnings);
-    if (channel.dialect == Dialect::osl) {
-        warn_about_slots(subject, result.warnings);
-    }
+    if (channel.dialect == Dialect::osl) { warn_about_slots(subject, result.warnings); }
     warn_about_dead_pieces(subject, empty, result.warnings);
     warn_about_look_alikes(subject, result.warnings);
     warn_about_mixed_scripts(subject, result.warnings);

@@ -10,16 +10,14 @@
 #include <utility>
 #include <vector>
 
-#include "lpe/limits.h"
 #include "lpe/language/parser.h"
+#include "lpe/language/prefixes.h"
 #include "lpe/language/renderman_events.h"
+#include "lpe/limits.h"
 
 namespace raylex::lpe {
 
 namespace {
-
-constexpr std::array<std::string_view, 7> prefix_names{"unoccluded", "noclamp",   "nothruput",      "shadows",
-                                                       "holdouts",   "overwrite", "noinfinitecheck"};
 
 bool is_word_byte(char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
@@ -36,9 +34,7 @@ class RendermanParser : private RendermanEvents {
             source_.fail_at(position_, "the expression is empty; expected an event such as C", "the beauty is C.*");
         }
         expression_.root = parse_difference();
-        if (!at_end()) {
-            fail_unexpected("expected an event or the end of the expression");
-        }
+        if (!at_end()) { fail_unexpected("expected an event or the end of the expression"); }
         return std::move(expression_);
     }
 
@@ -53,28 +49,23 @@ class RendermanParser : private RendermanEvents {
 
     void parse_prefixes() {
         for (;;) {
-            if (at_end()) {
-                return;
-            }
+            if (at_end()) { return; }
             std::size_t end = position_;
-            while (end < text_.size() && is_word_byte(text_[end])) {
-                ++end;
-            }
-            if (end == position_ || end >= text_.size() || (text_[end] != ';' && text_[end] != ':')) {
-                return;
-            }
+            while (end < text_.size() && is_word_byte(text_[end])) { ++end; }
+            if (end == position_ || end >= text_.size() || (text_[end] != ';' && text_[end] != ':')) { return; }
             const std::string_view word = text_.substr(position_, end - position_);
             if (text_[end] == ':') {
                 if (word != "lpe" || !expression_.prefixes.empty()) {
                     source_.fail_at(position_, "found '" + std::string(word) +
                                                    ":'; expected 'lpe:' at the very beginning, or an event");
                 }
-            } else if (std::find(prefix_names.begin(), prefix_names.end(), word) == prefix_names.end()) {
+            } else if (std::find(prefix_names.begin(), prefix_names.end(), word) == prefix_names.end() &&
+                       !technique_prefix(word)) {
                 const std::string near = nearest(word, prefix_names.data(), prefix_names.size());
                 source_.fail_at(position_,
                                 "unknown prefix '" + std::string(word) +
-                                    "'; expected unoccluded, noclamp, nothruput, shadows, holdouts, overwrite or "
-                                    "noinfinitecheck",
+                                    "'; expected unoccluded, noclamp, nothruput, shadows, holdouts, overwrite, "
+                                    "noinfinitecheck, unweighted, or a technique such as s2t3 or beyond7",
                                 near.empty() ? "" : "did you mean '" + near + "'?");
             } else {
                 expression_.prefixes.emplace_back(word);
@@ -121,9 +112,7 @@ class RendermanParser : private RendermanEvents {
     NodePtr parse_complement() {
         at_end();
         const std::size_t offset = position_;
-        if (!take('!')) {
-            return parse_sequence();
-        }
+        if (!take('!')) { return parse_sequence(); }
         enter(offset);
         NodePtr node = make_node(NodeKind::complement);
         node->children.push_back(parse_complement());
@@ -168,9 +157,7 @@ class RendermanParser : private RendermanEvents {
         const std::size_t opening = position_;
         if (take('(')) {
             enter(opening);
-            if (at(')')) {
-                fail_unexpected("'()' is empty; expected an event inside");
-            }
+            if (at(')')) { fail_unexpected("'()' is empty; expected an event inside"); }
             atom = parse_difference();
             expect_closing(')', '(', opening);
             --depth_;
@@ -195,9 +182,7 @@ class RendermanParser : private RendermanEvents {
             list = make_event(std::move(excluded));
         } else {
             list = make_node(NodeKind::alternatives);
-            do {
-                list->children.push_back(parse_item());
-            } while (!at_end() && !at(']'));
+            do { list->children.push_back(parse_item()); } while (!at_end() && !at(']'));
         }
         expect_closing(']', '[', opening);
         --depth_;
@@ -235,9 +220,7 @@ class RendermanParser : private RendermanEvents {
                                              "} counts down; expected {n,m} with n <= m");
             }
         }
-        if (min < 0 || !take('}')) {
-            fail_unexpected("expected a repetition {n}, {n,} or {n,m}");
-        }
+        if (min < 0 || !take('}')) { fail_unexpected("expected a repetition {n}, {n,} or {n,m}"); }
         return {min, max};
     }
 
@@ -263,6 +246,8 @@ class RendermanParser : private RendermanEvents {
 
 }  // namespace
 
-Expression parse_renderman(const SourceText& text, BarReading bar) { return RendermanParser(text, bar).run(); }
+Expression parse_renderman(const SourceText& text, BarReading bar) {
+    return RendermanParser(text, bar).run();
+}
 
 }  // namespace raylex::lpe

@@ -96,3 +96,51 @@ TEST_CASE("what is wrong in a file of channels is told at its place, and nothing
                  "[[channel]]\nname = \"a\"\nlpe = \"C<RD>L\"\n[[partition]]\nname = \"mine\"\nchannels = [\"a\"]\n");
     CHECK(run_raylex(folder, "render room.pbrt -o x.exr --channels split.toml").code == 1);
 }
+
+TEST_CASE("layers by technique are proved to sum, of beauty and of channels, from flags and job files") {
+    const SceneFolder folder;
+    folder.write("job.toml",
+                 "[scene]\nfile = \"room.pbrt\"\n[output]\nfile = \"job.exr\"\n[integrator]\ntype = \"bdpt\"\n"
+                 "maxdepth = 9\n[channels]\ntechniques = \"pyramid:beauty,direct\"\n[[channel]]\nname = \"direct\"\n"
+                 "lpe = \"C<RD>[<L.>O]\"\n");
+    Outcome outcome = run_raylex(folder, "render job.toml");
+    CAPTURE(outcome.out, outcome.err);
+    REQUIRE(outcome.code == 0);
+    auto image = read_exr(folder.path("job.exr"));
+    REQUIRE(image);
+    CHECK(image->attributes["partition/techniques"].find("beauty_s3t1 + ") != std::string::npos);
+    CHECK(image->attributes["partition/techniques"].ends_with(" + beauty_beyond8"));
+    CHECK(image->attributes["partition/techniques_direct"].starts_with("direct = direct_s0t2 + direct_s0t3"));
+    CHECK(image->attributes["lpe/direct_s1t2_unweighted"] == "s1t2;unweighted;C<RD>[<L.>O]");
+    const auto total = [&](const std::string& layer) {
+        double sum = 0;
+        for (const float value : plane(*image, layer, "G")) sum += static_cast<double>(value);
+        return sum;
+    };
+    CHECK(total("beauty_s2t1") > 0);
+    CHECK(total("direct_s1t2_unweighted") > total("direct_s1t2"));
+    outcome = run_raylex(folder, "verify job.exr");
+    CHECK(outcome.code == 0);
+    CHECK(outcome.out.find("'techniques_direct'") != std::string::npos);
+
+    // A method without light subpaths has less of them; a short depth leaves nothing beyond.
+    outcome = run_raylex(folder, "render room.pbrt -o path.exr --max-depth 1 --techniques pyramid");
+    REQUIRE(outcome.code == 0);
+    image = read_exr(folder.path("path.exr"));
+    REQUIRE(image);
+    CHECK(image->attributes["partition/techniques"] ==
+          "beauty = beauty_s0t2 + beauty_s0t3 + beauty_s1t2 + beauty_s2t1");
+    CHECK(total("beauty_s2t1") == 0);
+
+    for (const auto& [flags, expected] :
+         {std::pair{"--techniques tower", "expected pyramid"}, std::pair{"--techniques pyramid:,x", "expected names"},
+          std::pair{"--techniques pyramid:x", "layers of 'x' by technique"},
+          std::pair{"--techniques pyramid:x --dialect osl --lpe x=C.*L", "in the renderman dialect"},
+          std::pair{"--techniques pyramid:x --lpe 'x=unoccluded;C.*'", "without prefixes"}}) {
+        CAPTURE(flags);
+        outcome = run_raylex(folder, std::string("render room.pbrt -o no.exr ") + flags);
+        CAPTURE(outcome.err);
+        CHECK(outcome.code == 2);
+        CHECK(outcome.err.find(expected) != std::string::npos);
+    }
+}

@@ -53,12 +53,14 @@ EmitterSample light_sample(float emitted, float unweighted, float visibility) {
 
 }  // namespace
 
-TEST_CASE("a light sample counts whole, blocked or not, where nothing shadows; what is blocked is shadow", "[prefixes]") {
+TEST_CASE("a light sample counts whole, blocked or not, where nothing shadows; what is blocked is shadow",
+          "[prefixes]") {
     Splatted s({"C<RD>L", "unoccluded;C<RD>L", "shadows;C<RD>L", "nothruput;C<RD>L", "nothruput;unoccluded;C<RD>L",
                 "nothruput;shadows;C<RD>L"});
     CHECK(s.services.wants_emitter_samples());
     const Tracker lit = s.path({s.classes.diffuse, s.classes.light});
-    // Emits 8; 2 would arrive with all of the MIS weight, 0.5 arrives with its MIS weight of 1/2 through a half open door.
+    // Emits 8; 2 would arrive with all of the MIS weight, 0.5 arrives with its MIS weight of 1/2 through a half open
+    // door.
     s.services.contribute(Rgb(0.5f), Technique{1, 2}, lit, light_sample(8, 2, 0.5f));
     const std::array<double, 7> half{0.5, 0.5, 2, 1, 4, 8, 4};
     for (ChannelId id = 0; id < 7; ++id) CHECK(s.red(id) == half[static_cast<std::size_t>(id)]);
@@ -77,6 +79,28 @@ TEST_CASE("an emitter that light sampling finds too is left to it where nothing 
     s.services.contribute(Rgb(1), Technique{}, hit, {Rgb(8), Rgb(1), 1, false});
     const std::array<double, 5> by_chance_alone{1.25, 1.25, 1, 0, 16};
     for (ChannelId id = 0; id < 5; ++id) CHECK(s.red(id) == by_chance_alone[static_cast<std::size_t>(id)]);
+}
+
+TEST_CASE("a technique for a prefix takes what it finds, weighted as beauty or not", "[prefixes]") {
+    Splatted s({"s1t2;C<RD>L", "s1t2;unweighted;C<RD>L", "s0t3;C<RD>L", "beyond3;C.*L", "unweighted;C<RD>L", "C<RD>L"});
+    CHECK(s.services.wants_emitter_samples());
+    CHECK(s.setup.needs_emitter_samples() == invalid_channel);  // an integrator without them gives values for both
+    const Tracker lit = s.path({s.classes.diffuse, s.classes.light});
+    s.services.contribute(Rgb(0.5f), {1, 2}, lit, light_sample(8, 2, 0.5f));
+    s.services.contribute(Rgb(0.25f), {0, 3}, lit, {Rgb(8), Rgb(1), 1, true});
+    const std::array<double, 7> direct{0.75, 0.5, 1, 0.25, 0, 2, 0.75};
+    for (ChannelId id = 0; id < 7; ++id) CHECK(s.red(id) == direct[static_cast<std::size_t>(id)]);
+    s.services.contribute(Rgb(4), {2, 2}, s.path({s.classes.diffuse, s.classes.diffuse, s.classes.light}));
+    CHECK(s.red(4) == 4);
+    CHECK(s.red(1) == 0.5);
+
+    for (const char* refused : {"s1t2;s0t3;C.*", "unweighted;unoccluded;C.*", "nothruput;unweighted;C.*"})
+        CHECK_FALSE(read_prefixes(expression_channel("x", refused)).ok());
+    for (const char* unknown : {"s1t0;C.*", "st;C.*", "s1;C.*", "beyond;C.*", "s1t2x;C.*", "s1t10000;C.*"}) {
+        const auto read = read_prefixes(expression_channel("x", unknown));
+        REQUIRE_FALSE(read.ok());
+        CHECK(read.error().message.find("a technique such as s2t3 or beyond7") != std::string::npos);
+    }
 }
 
 TEST_CASE("overwrite keeps the last contribution, whole, and a black one replaces nothing", "[prefixes]") {
@@ -189,7 +213,8 @@ TEST_CASE("no shadow ray is needed where only unshadowed channels would take the
     CHECK_FALSE(s.services.needs_visibility(s.path({s.classes.diffuse, s.classes.light})));
     CHECK(s.services.needs_visibility(s.path({s.classes.glossy, s.classes.light})));
     Splatted with_beauty({"unoccluded;C<RD>L"});
-    CHECK(with_beauty.services.needs_visibility(with_beauty.path({with_beauty.classes.diffuse, with_beauty.classes.light})));
+    CHECK(with_beauty.services.needs_visibility(
+        with_beauty.path({with_beauty.classes.diffuse, with_beauty.classes.light})));
 }
 
 TEST_CASE("what a surface says of itself reaches the channels that name it, and never beauty", "[prefixes]") {
@@ -212,7 +237,9 @@ TEST_CASE("channels without prefixes have the same bits beside any that have the
         test::Random random(3);
         for (int i = 0; i < 500; ++i) {
             Tracker tracker = s.services.begin(0);
-            const auto color = [&] { return Rgb(random.uniform_float(), random.uniform_float(), random.uniform_float()); };
+            const auto color = [&] {
+                return Rgb(random.uniform_float(), random.uniform_float(), random.uniform_float());
+            };
             for (int k = random.below(4); k > 0; --k) {
                 const std::array<LobePart, 2> parts{{{s.classes.diffuse, color()}, {s.classes.glossy, color()}}};
                 s.services.move(tracker, parts);

@@ -94,6 +94,74 @@ TEST_CASE("bidirectional path tracing gives prefixes, holdouts and user events w
     compare_with_path(scene, settings, integrator_named("bdpt"), 12, 128);
 }
 
+TEST_CASE("every technique alone, unweighted, finds what all of them find together; weighted they sum to it",
+          "[bdpt][render][statistical][law1]") {
+    // Nothing specular, so that every technique finds every word. 1 / distance^2 keeps joins' variance finite only
+    // where surfaces do not meet, so the floor and the board stand apart.
+    const auto scene = scene_of(plain_film + R"(
+PixelFilter "box" "float xradius" 0.5 "float yradius" 0.5
+LookAt 0 1 4  0 0.2 0  0 1 0
+Camera "perspective" "float fov" 40
+WorldBegin
+Material "diffuse" "rgb reflectance" [0.7 0.7 0.7]
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-2 -1 2 2 -1 2 2 -1 -2 -2 -1 -2]
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-2 0 -3 2 0 -3 2 2 -3 -2 2 -3]
+AttributeBegin
+  Translate 0 1.4 0
+  AreaLightSource "diffuse" "rgb L" [5 5 5]
+  Shape "sphere" "float radius" 0.5
+AttributeEnd
+)");
+    auto built = transport::BuiltScene::build(scene);
+    REQUIRE(built.ok());
+    transport::RenderSettings settings;
+    settings.max_depth = 2;
+    settings.threads = 2;
+    settings.samples_per_pixel = 128;
+    settings.integrator = integrator_named("bdpt");
+    struct Case {
+        std::string words;
+        std::vector<std::string> techniques;
+    };
+    for (const Case& each : {Case{"C.L", {"s0t3", "s1t2", "s2t1"}}, Case{"C..L", {"s0t4", "s1t3", "s2t2", "s3t1"}}}) {
+        settings.channels.clear();
+        const auto add = [&](const std::string& expression) {
+            settings.channels.push_back(lpe_channel("c" + std::to_string(settings.channels.size()), expression));
+            settings.channels.back().statistics = false;
+        };
+        add(each.words);
+        for (const std::string& technique : each.techniques) add(technique + ";" + each.words);
+        for (const std::string& technique : each.techniques) add(technique + ";unweighted;" + each.words);
+        settings.beauty = false;
+        const int channels = static_cast<int>(settings.channels.size());
+        const Replicates together = replicates(**built, settings, channels, 12, 40);
+        const Replicates alone = replicates(**built, settings, channels, 12, 80);
+        constexpr std::size_t blocks = blocks_across * blocks_across;
+        const std::size_t techniques = each.techniques.size();
+        Replicates whole, found;
+        for (std::size_t seed = 0; seed < 12; ++seed) {
+            whole.of_seed.emplace_back();
+            for (std::size_t k = 0; k < techniques; ++k)
+                whole.of_seed.back().insert(whole.of_seed.back().end(), together.of_seed[seed].begin(),
+                                            together.of_seed[seed].begin() + blocks);
+            found.of_seed.emplace_back(
+                alone.of_seed[seed].begin() + static_cast<std::ptrdiff_t>((1 + techniques) * blocks),
+                alone.of_seed[seed].end());
+            for (std::size_t b = 0; b < blocks; ++b) {
+                double sum = 0;
+                for (std::size_t k = 1; k <= techniques; ++k) sum += together.of_seed[seed][k * blocks + b];
+                CHECK(std::abs(sum - together.of_seed[seed][b]) <= 1e-12 * sum);  // sums of doubles
+            }
+        }
+        check_agreement(whole, found, each.techniques);
+        for (std::size_t k = 0; k < techniques; ++k) {
+            double sum = 0;
+            for (std::size_t b = 0; b < blocks; ++b) sum += alone.mean((1 + techniques + k) * blocks + b);
+            CHECK(sum > 0.01);
+        }
+    }
+}
+
 TEST_CASE("what bidirectional path tracing cannot do is refused by name", "[bdpt][render][law7]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings;

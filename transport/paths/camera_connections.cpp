@@ -79,8 +79,7 @@ void CameraConnections::splat(const SceneView& scene, const EventTable& events,
             Rgb through(1);
             arrival.visibility = straight_transmittance({scene, record, counters}, shadow_rays_[i], 1,
                                                         scene.media->camera(), tracker, through);
-            through *= arrival.visibility;
-            arrival.value *= through;
+            arrival.value *= through * arrival.visibility;
             arrival.unweighted *= through;
         }
         record.reach(tracker, p.end);
