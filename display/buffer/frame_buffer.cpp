@@ -57,9 +57,9 @@ Status check_splat(std::span<const ChannelDefinition> channels) {
 
 Status check_raster(std::span<const ChannelDefinition> channels) {
     for (const ChannelDefinition& channel : channels) {
-        if (channel.statistics || !keeps_pixels(channel))
-            return error_at({}, "channel '" + channel.name + "' has statistics, and splats that land anywhere do not tell a "
-                                "pixel's error; expected channels without");
+        if (channel.statistic == Statistic::even || channel.statistic == Statistic::odd)
+            return error_at({}, "channel '" + channel.name + "' is one half of a pixel's samples, and splats that land "
+                                "anywhere belong to neither; expected channels without");
         const ChannelDefinition& source = takes_samples(channel) ? channel : channels[static_cast<std::size_t>(channel.source)];
         if (source.style == ChannelStyle::expression && channel.rule != FilterRule::filter)
             return error_at({}, "channel '" + channel.name + "' takes splats that land anywhere, which have no rule but the "

@@ -19,7 +19,8 @@
 //     what its camera samples come to, by either mode + sum(kernel x value) / light paths a pixel,
 // the kernel being of integral 1 and the light paths those that count_light_paths() was told. Each splat goes to each pixel in one
 // exact addition, so splats have no order at all (Law 3). A light path may reach a pixel more than once or never: what one
-// pixel's splats scatter by says nothing of its error without the paths that missed it, and statistics are refused.
+// pixel's splats scatter by says nothing of its error without the paths that missed it, so moments are of camera samples
+// alone, and halves are refused.
 //
 // What a channel's samples become:
 //   filter     sum of weight x value over the sum of weights, both kept exactly (weight: CameraRow::filter_weight)

@@ -111,11 +111,14 @@ TEST_CASE("what raster splats cannot fill is refused", "[framebuffer][splat][law
     channels[0].rule = FilterRule::max;
     CHECK_FALSE(FrameBuffer::create({width, height}, channels, nullptr, &filter).ok());
     channels[0].rule = FilterRule::filter;
-    channels[0].statistics = true;
+    channels.push_back(channels[0]);
+    channels[1].name = "half";
+    channels[1].source = 0;
+    channels[1].statistic = Statistic::even;
     const auto refused = FrameBuffer::create({width, height}, channels, nullptr, &filter);
     REQUIRE_FALSE(refused.ok());
-    CHECK(refused.error().to_string().find("'beauty' has statistics") != std::string::npos);
-    channels[0].statistics = false;
+    CHECK(refused.error().to_string().find("'half' is one half") != std::string::npos);
+    channels.pop_back();
     FrameBuffer with({width, height}, channels, nullptr, &filter), without({width, height}, channels);
     CHECK_FALSE(with.merge(without).ok());
 }

@@ -1,4 +1,6 @@
 // Bidirectional path tracing against the path tracer, word by word.
+#include <numeric>
+
 #include "transport/replicates.h"
 
 using namespace render_test;
@@ -162,16 +164,78 @@ AttributeEnd
     }
 }
 
-TEST_CASE("what bidirectional path tracing cannot do is refused by name", "[bdpt][render][law7]") {
+TEST_CASE("variances and adaptive sampling of bidirectional path tracing are of what camera samples bring",
+          "[bdpt][render][statistical][law7]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 1;
+    settings.max_depth = 3;
+    settings.threads = 2;
+    settings.samples_per_pixel = 64;
+    settings.resolution = {{18, 18}};
     settings.integrator = integrator_named("bdpt");
-    CHECK(render_of(scene, settings).warnings.empty());
+    for (const char* splatted : {"s2t1;C.*", "s3t1;C.*", "s4t1;C.*"})
+        settings.channels.push_back(lpe_channel("c" + std::to_string(settings.channels.size()), splatted));
+    settings.statistics = {*display::parse_statistic_request("beauty", "mse", {"job.toml", 3, 1})};
+    constexpr int seeds = 16;
+    std::vector<double> sum, squares, said;
+    for (int seed = 0; seed < seeds; ++seed) {
+        settings.seed = 300 + static_cast<std::uint64_t>(seed);
+        const auto output = render_of(scene, settings);
+        REQUIRE(output.warnings.size() == 1);
+        CHECK(output.warnings[0].to_string().find("job.toml:3:1") != std::string::npos);
+        std::vector<double> mine = output.frame_buffer.resolve(0);
+        for (display::ChannelId id = 1; id <= 3; ++id) {
+            const std::vector<double> splats = output.frame_buffer.resolve(id);
+            CHECK(std::any_of(splats.begin(), splats.end(), [](double v) { return v > 0; }));
+            for (std::size_t i = 0; i < mine.size(); ++i) mine[i] -= splats[i];
+        }
+        sum.resize(mine.size());
+        squares.resize(mine.size());
+        said.resize(mine.size());
+        const std::vector<double> mse = output.frame_buffer.resolve(4);
+        for (std::size_t i = 0; i < mine.size(); ++i) {
+            sum[i] += mine[i];
+            squares[i] += mine[i] * mine[i];
+            said[i] += mse[i] / seeds;
+        }
+    }
+    double found = 0, expected = 0, scatter = 0;
+    for (std::size_t i = 1; i < sum.size(); i += 3) {
+        const double variance = (squares[i] - sum[i] * sum[i] / seeds) / (seeds - 1);
+        found += variance;
+        expected += said[i];
+        scatter += 2 * variance * variance / (seeds - 1);
+    }
+    CAPTURE(found, expected);
+    CHECK(expected > 0);
+    CHECK(std::abs(found - expected) < 5 * std::sqrt(scatter));  // of a sum of variances of nearly normal means
+    CHECK(5 * std::sqrt(scatter) < 0.7 * expected);
+
+    const auto error = [&] {
+        const auto output = transport::render(scene, settings);
+        return output.ok() ? std::string() : output.error().to_string();
+    };
+    settings.statistics = {*display::parse_statistic_request("beauty", "even", {"job.toml", 3, 1})};
+    CHECK(error().find("has no halves of 'beauty'") != std::string::npos);
+    settings.statistics.clear();
+    settings.channels.clear();
+    settings.seed = 0;
+    settings.samples_per_pixel = 512;
+    const auto plain = render_of(scene, settings);
     settings.adaptive.emplace();
-    const auto output = transport::render(scene, settings);
-    REQUIRE_FALSE(output.ok());
-    CHECK(output.error().message.find("integrator 'bdpt'") != std::string::npos);
+    settings.adaptive->error = 0.1;
+    settings.adaptive->max_samples = 512;
+    const auto adaptive = render_of(scene, settings);
+    REQUIRE(adaptive.warnings.size() == 1);
+    CHECK(adaptive.warnings[0].message.find("camera samples bring") != std::string::npos);
+    CHECK(adaptive.statistics.camera_samples < plain.statistics.camera_samples);
+    CHECK(adaptive.statistics.camera_samples > plain.statistics.camera_samples / 50);
+    // The pixels' errors are at most about a tenth, so their mean's is far below.
+    const auto mean = [](const transport::RenderOutput& output) {
+        const std::vector<double> image = output.frame_buffer.resolve(0);
+        return std::accumulate(image.begin(), image.end(), 0.0) / static_cast<double>(image.size());
+    };
+    CHECK(mean(adaptive) == Approx(mean(plain)).epsilon(0.04));
 }
 
 TEST_CASE("in an emitting enclosure every word has its closed form with every integrator",

@@ -18,6 +18,7 @@ IntegratorTraits Bdpt::traits() const {
     traits.media = true;
     traits.saved_state = SavedState::none;
     traits.raster_splats = true;
+    traits.pixel_samples = true;
     return traits;
 }
 

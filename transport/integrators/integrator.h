@@ -123,6 +123,9 @@ struct IntegratorTraits {
     /// refused then: layers of statistics, adaptive sampling, sample filters, deep images, other rules than the pixel filter
     /// for light. Moments (ChannelDefinition::statistics) are not kept.
     bool raster_splats = false;
+    /// Beside its splats it finds light by camera samples: layers of variance and adaptive sampling may be asked for, and are
+    /// of that part. (Moments are kept for these alone.)
+    bool pixel_samples = false;
 };
 
 class Integrator {

@@ -32,7 +32,7 @@ Status resolve_channels(const RenderSettings& settings, std::span<const display:
             known->statistics = channel.statistics;
             channel = *std::move(known);
         }
-        if (job.raster) channel.statistics = false;  // nothing to keep; layers of it are refused
+        if (job.raster) channel.statistics = false;  // nothing to keep, but for what layers ask of it
         for (std::size_t& index : channel.rest_of) index += shift;
         job.channels.push_back(std::move(channel));
     }
@@ -65,7 +65,8 @@ Status make_sample_filters(const RenderSettings& settings, RenderJob& job) {
 }
 
 /// The metric's channels keep statistics; after resolve_channels.
-Status resolve_adaptive(const RenderSettings& settings, const ChosenIntegrator& chosen, RenderJob& job) {
+Status resolve_adaptive(const RenderSettings& settings, const ChosenIntegrator& chosen, RenderJob& job,
+                        std::vector<Error>& warnings) {
     if (!settings.adaptive) return success();
     const display::AdaptiveSettings& adaptive = *settings.adaptive;
     if (settings.splat)
@@ -74,7 +75,7 @@ Status resolve_adaptive(const RenderSettings& settings, const ChosenIntegrator& 
                         "errors they cannot tell",
                         "leave out --until-error and [adaptive], or choose filter mode importance");
     if (Status s = display::AdaptiveSampler::check(adaptive, job.channels, job.beauty); !s) return s;
-    if (job.raster)
+    if (job.raster && !chosen.integrator->traits().pixel_samples)
         return error_at(adaptive.location,
                         "light paths of integrator '" + chosen.name +
                             "' land anywhere on the image, so it "
@@ -89,7 +90,12 @@ Status resolve_adaptive(const RenderSettings& settings, const ChosenIntegrator& 
     for (display::ChannelDefinition& channel : job.channels)
         for (const display::AdaptiveChannel& each : adaptive.channels)
             if (each.name == channel.name) channel.statistics = true;
+    if (adaptive.channels.empty() && job.beauty >= 0) job.channels[static_cast<std::size_t>(job.beauty)].statistics = true;
     job.samples_per_pixel = adaptive.max_samples;
+    if (job.raster)
+        warnings.push_back(error_at(adaptive.location, "adaptive sampling with integrator '" + chosen.name +
+                                                           "' goes by the light that camera samples bring: what light "
+                                                           "paths splat (t = 1) is in the image and not in its error"));
     return success();
 }
 
@@ -208,7 +214,7 @@ Status check_splat(const RenderSettings& settings, const SourceLocation& filter,
 
 /// What needs samples that belong to a pixel is refused for light that lands anywhere. After the channels are resolved.
 Status check_raster(const RenderSettings& settings, const ChosenIntegrator& chosen, const SourceLocation& filter,
-                    const RenderJob& job) {
+                    const RenderJob& job, std::vector<Error>& warnings) {
     if (!job.raster) return success();
     const std::string who = "integrator '" + chosen.name + "', whose light paths land anywhere on the image, ";
     const std::string hint = "or choose another integrator, such as path";
@@ -217,11 +223,23 @@ Status check_raster(const RenderSettings& settings, const ChosenIntegrator& chos
                         "pixel filter '" + job.filter->name() + "' reaches farther than " +
                             std::to_string(RenderLoop::tile_size - 1) + " pixels, too far for " + who + "to splat",
                         "choose a smaller one, " + hint);
-    if (!settings.statistics.empty())
-        return error_at(settings.statistics.front().location,
-                        who + "has no statistics of '" + settings.statistics.front().channel +
-                            "': a pixel's samples are not its own and cannot tell its error",
-                        "leave them out, " + hint);
+    const bool some_are_its_own = chosen.integrator->traits().pixel_samples;
+    for (const display::StatisticRequest& request : settings.statistics) {
+        const bool halves = request.statistic == display::Statistic::even || request.statistic == display::Statistic::odd;
+        if (some_are_its_own && !halves)
+            warnings.push_back(error_at(request.location,
+                                        "the statistics of '" + request.channel + "' are of the light that camera samples "
+                                        "bring: what integrator '" + chosen.name + "' splats (t = 1) is not in them"));
+        else if (some_are_its_own)
+            return error_at(request.location,
+                            who + "has no halves of '" + request.channel + "': splats belong to no sample of a pixel",
+                            "leave them out, " + hint);
+        else
+            return error_at(request.location,
+                            who + "has no statistics of '" + request.channel +
+                                "': a pixel's samples are not its own and cannot tell its error",
+                            "leave them out, " + hint);
+    }
     if (!settings.sample_filters.empty())
         return error_at(settings.sample_filters.front().location,
                         who + "takes no sample filters ('" + settings.sample_filters.front().type +
@@ -339,8 +357,8 @@ Result<ResolvedRender> resolve_render(const BuiltScene& scene, const RenderSetti
     if (Status s = make_sample_filters(settings, job); !s) return s.error();
     if (Status s = display::add_layers(settings.layers, job.channels); !s) return s.error();
     if (Status s = display::add_statistics(settings.statistics, job.channels); !s) return s.error();
-    if (Status s = check_raster(settings, *chosen, filter.location, job); !s) return s.error();
-    if (Status s = resolve_adaptive(settings, *chosen, job); !s) return s.error();
+    if (Status s = check_raster(settings, *chosen, filter.location, job, warnings); !s) return s.error();
+    if (Status s = resolve_adaptive(settings, *chosen, job, warnings); !s) return s.error();
     if (Status s = resolve_limit(settings, job); !s) return s.error();
     if (Status s = resolve_crop(settings, *chosen, job); !s) return s.error();
     auto lpe = display::LpeSetup::build(job.channels, job.beauty);

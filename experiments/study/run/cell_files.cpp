@@ -27,6 +27,7 @@ Status write_channel(const std::string& directory, const std::string& name, cons
     PixelArray array{size_of(layout.height), size_of(layout.width), 3,
                      buffer.resolve(id, {0, 0, layout.width, layout.height})};
     if (Status s = write_npy(directory + "/" + name + ".mean.npy", array, display::FileSync::later); !s) return s;
+    if (buffer.light_path_count() > 0) return success();  // moments would be of camera samples alone, and splats count too
     std::vector<double> variance = buffer.resolve_variance_of_mean(id);
     if (variance.empty()) return success();
     for (std::size_t i = 0; i < variance.size(); ++i) {
