@@ -97,6 +97,10 @@ void Bdpt::keep_light_vertices(BdptThread& thread) const {
     }
 }
 
+std::unique_ptr<Integrator> make_bdpt_integrator(const BdptParameters& parameters) {
+    return std::make_unique<Bdpt>(parameters);
+}
+
 Registry<IntegratorFactory>::Entry bdpt_entry() {
     return {
         "bdpt", "bidirectional path tracing: subpaths from camera and lights, joined at every vertex",
@@ -104,7 +108,7 @@ Registry<IntegratorFactory>::Entry bdpt_entry() {
         [](const SceneEntity& entity, std::optional<std::int64_t> max_depth) -> Result<std::unique_ptr<Integrator>> {
             auto parameters = read_depth_parameters(entity, max_depth);
             if (!parameters) return parameters.error();
-            return std::unique_ptr<Integrator>(std::make_unique<Bdpt>(*parameters));
+            return make_bdpt_integrator({*parameters});
         }};
 }
 

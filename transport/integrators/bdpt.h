@@ -25,6 +25,15 @@
 
 namespace raylex::transport {
 
+struct BdptParameters {
+    DepthParameters depth;
+    std::uint32_t first_depth =
+        0;  ///< light found before so many scattering events is left to others (not a parameter)
+};
+
+/// The integrator itself, for others that are made of it.
+std::unique_ptr<Integrator> make_bdpt_integrator(const BdptParameters& parameters);
+
 /// The registry's entry: parameters maxdepth, roulette.
 Registry<IntegratorFactory>::Entry bdpt_entry();
 

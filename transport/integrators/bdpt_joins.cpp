@@ -7,6 +7,7 @@ namespace raylex::transport {
 
 void Bdpt::Ends::add(std::uint32_t row, const Rgb& emitted, const LightSample& at, float sampled, const Vec3& towards) {
     const Subpath& path = camera.path(row);
+    if (path.depth < self.first_depth_) return;
     float weight = 1;
     if (path.depth > 0) {  // what the camera sees directly is found in no other way
         const SceneView& scene = self.context_.scene;
@@ -57,6 +58,7 @@ void Bdpt::Ends::escapes(std::uint32_t row, const Ray& ray) {
 
 void Bdpt::Ends::glows(std::uint32_t row, const Rgb& emitted) {
     const Subpath& path = camera.path(row);
+    if (path.depth < self.first_depth_) return;
     const Rgb value = path.beta * emitted;
     camera.record().arrive(row, camera.record().events().emission(), {0, path.depth + 2}, {value, emitted, value});
 }

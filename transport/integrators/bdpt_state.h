@@ -47,7 +47,8 @@ struct BdptThread final : IntegratorThread {
 
 class Bdpt final : public Integrator {
   public:
-    explicit Bdpt(const DepthParameters& parameters) : parameters_(parameters) {}
+    explicit Bdpt(const BdptParameters& parameters)
+        : parameters_(parameters.depth), first_depth_(parameters.first_depth) {}
     [[nodiscard]] IntegratorTraits traits() const override;
     Status prepare(const IntegratorContext& context) override;
     [[nodiscard]] std::unique_ptr<IntegratorThread> make_thread_state() const override;
@@ -68,6 +69,7 @@ class Bdpt final : public Integrator {
                                                                 const JoinedScattering& f) const;
 
     DepthParameters parameters_;
+    std::uint32_t first_depth_ = 0;
     IntegratorContext context_;
     CameraView view_;
     std::vector<std::int32_t> media_of_lights_;

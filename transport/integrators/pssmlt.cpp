@@ -38,42 +38,82 @@ void Pssmlt::place(PssmltThread& thread, std::size_t row, PrimarySamples& number
     camera.pixel_x = static_cast<std::int32_t>(std::floor(camera.screen_x));
     camera.pixel_y = static_cast<std::int32_t>(std::floor(camera.screen_y));
     camera.sample = (std::uint64_t{tile} << 44) + (chain << 32) + numbers.mutations();
-    thread.rays[row] = context_.camera->generate(camera.screen_x, camera.screen_y,
-                                                 context_.camera->has_lens() ? sampler.get_2d(lens_dimension) : Vec2{0, 0});
+    thread.rays[row] = context_.camera->generate(
+        camera.screen_x, camera.screen_y, context_.camera->has_lens() ? sampler.get_2d(lens_dimension) : Vec2{0, 0});
 }
 
 bool Pssmlt::trace(PssmltThread& thread, std::size_t count, ThreadServices& services) const {
     thread.table.begin({thread.rows.data(), count});
-    ThreadServices own{thread.display, thread.lpe, nullptr, services.leave};
-    path_->integrate({{thread.rays.data(), count}, {thread.samplers.data(), count}, {thread.rows.data(), count}}, *thread.path,
-                     own);
+    if (parameters_.bidirectional) thread.proposal_splats.begin({thread.rows.data(), count});
+    ThreadServices own{thread.display, thread.lpe, &thread.raster, services.leave};
+    path_->integrate({{thread.rays.data(), count}, {thread.samplers.data(), count}, {thread.rows.data(), count}},
+                     *thread.path, own);
     services.left = own.left;
-    return !own.left;
+    if (own.left) {
+        thread.raster.discard();
+        return false;
+    }
+    thread.raster.flush();
+    return true;
+}
+
+void ProposalSplats::begin(std::span<const display::CameraRow> proposals) {
+    proposal_of_.clear();
+    for (std::size_t i = 0; i < proposals.size(); ++i) proposal_of_[proposals[i].sample] = i;
+    splats_.resize(std::max(splats_.size(), proposals.size()));
+    for (StateSplats& each : splats_) each.clear();
+    brought_.assign(proposals.size(), 0);
+    refused_.assign(proposals.size(), 0);
+}
+
+void ProposalSplats::take(const display::SampleTable& table) {
+    for (int row = 0; row < table.camera_row_count(); ++row) {
+        const display::CameraRow& where = table.camera_row(row);
+        const std::size_t proposal = proposal_of_.at(where.sample);
+        refused_[proposal] += table.invalid_count(row);
+        StateSplats& splats = splats_[proposal];
+        splats.positions.push_back({where.screen_x, where.screen_y});
+        const std::size_t at = 3 * static_cast<std::size_t>(row);
+        for (const display::ChannelId id : channels_)
+            splats.values.insert(splats.values.end(), table.values(id) + at, table.values(id) + at + 3);
+        double sum = 0;
+        for (const display::ChannelId id : target_)
+            for (std::size_t c = 0; c < 3; ++c) sum += std::abs(table.values(id)[at + c]);
+        brought_[proposal] += sum / 3;
+    }
 }
 
 double Pssmlt::brought(const PssmltThread& thread, std::size_t row) const {
     double sum = 0;
-    for (const display::ChannelId id : splatted_) {
-        if (context_.beauty && id != splatted_.front()) break;  // beauty stands first
+    for (const display::ChannelId id : target_) {
         if (!thread.table.touched(id)) continue;
         const double* values = thread.table.values(id) + 3 * row;
         sum += std::abs(values[0]) + std::abs(values[1]) + std::abs(values[2]);
     }
-    return sum / 3;
+    // What lands at a position drawn over all of the raster counts area_share_ times; splats land where they do.
+    return sum / 3 + thread.proposal_splats.brought(row) / area_share_;
 }
 
-void Pssmlt::take(const PssmltThread& thread, std::size_t row, std::vector<double>& values) const {
-    values.resize(3 * splatted_.size());
+void Pssmlt::take(const PssmltThread& thread, std::size_t row, StateSplats& splats) const {
+    splats.positions.assign(1, {thread.rows[row].screen_x, thread.rows[row].screen_y});
+    splats.values.resize(3 * splatted_.size());
     for (std::size_t i = 0; i < splatted_.size(); ++i)
-        std::copy_n(thread.table.values(splatted_[i]) + 3 * row, 3, &values[3 * i]);
+        std::copy_n(thread.table.values(splatted_[i]) + 3 * row, 3, &splats.values[3 * i]);
+    const StateSplats& further = thread.proposal_splats.of(row);
+    splats.positions.insert(splats.positions.end(), further.positions.begin(), further.positions.end());
+    splats.values.insert(splats.values.end(), further.values.begin(), further.values.end());
 }
 
-void Pssmlt::splat(display::RasterSplats& raster, const display::CameraRow& where, double weight, const double* values) const {
-    raster.add(where, weight * area_share_, splatted_, values);
+void Pssmlt::splat(display::RasterSplats& raster, display::CameraRow where, double weight,
+                   const StateSplats& splats) const {
+    for (std::size_t i = 0; i < splats.positions.size(); ++i) {
+        where.screen_x = splats.positions[i].x;
+        where.screen_y = splats.positions[i].y;
+        raster.add(where, i == 0 ? weight * area_share_ : weight, splatted_, &splats.values[3 * splatted_.size() * i]);
+    }
 }
 
-void Pssmlt::bootstrap(ChainGroup& group, std::uint32_t tile, PssmltThread& thread,
-                       ThreadServices& services) const {
+void Pssmlt::bootstrap(ChainGroup& group, std::uint32_t tile, PssmltThread& thread, ThreadServices& services) const {
     const std::size_t wanted = bootstrap_share(), room = thread.rows.size();
     while (group.bootstrap.size() < wanted) {
         const std::size_t first = group.bootstrap.size(), count = std::min(room, wanted - first);
@@ -132,9 +172,7 @@ void Pssmlt::start(ChainGroup& group, std::uint32_t tile, PssmltThread& thread, 
             chain.numbers.accept();
             chain.numbers.switch_stream(stream(of_chain, (std::uint64_t{tile} << 32) + first + i));
             chain.f = brought(thread, i);
-            chain.x = thread.rows[i].screen_x;
-            chain.y = thread.rows[i].screen_y;
-            take(thread, i, chain.values);
+            take(thread, i, chain.splats);
         }
     }
 }
@@ -153,8 +191,11 @@ void Pssmlt::step(ChainGroup& group, std::uint32_t tile, std::size_t count, Pssm
     for (std::size_t i = 0; i < count; ++i) {
         MarkovChain& chain = group.chains[chain_of(i)];
         const double f = brought(thread, i);
-        for (std::uint32_t refused = thread.table.invalid_count(static_cast<int>(i)); refused > 0; --refused) {
-            // Refused already and in none of the values; counted and logged (Law 6) with the splats, which the engine looks at.
+        for (std::uint32_t refused =
+                 thread.table.invalid_count(static_cast<int>(i)) + thread.proposal_splats.refused(i);
+             refused > 0; --refused) {
+            // Refused already and in none of the values; counted and logged (Law 6) with the splats, which the engine
+            // looks at.
             const display::Tracker tracker =
                 services.raster->begin(thread.rows[i].screen_x, thread.rows[i].screen_y, thread.rows[i]);
             services.raster->lpe().contribute(Rgb(std::numeric_limits<float>::quiet_NaN()), {}, tracker);
@@ -168,21 +209,16 @@ void Pssmlt::step(ChainGroup& group, std::uint32_t tile, std::size_t count, Pssm
         chain.weight += (1 - a) / (chain.f / mean_ + p);
         const bool accepted = static_cast<double>(chain.numbers.choose(accept_choice)) < a;
         if (accepted) {
-            display::CameraRow was = thread.rows[i];
-            was.screen_x = chain.x;
-            was.screen_y = chain.y;
-            if (chain.weight > 0) splat(*services.raster, was, chain.weight, chain.values.data());
+            if (chain.weight > 0) splat(*services.raster, thread.rows[i], chain.weight, chain.splats);
             chain.numbers.accept();
             chain.f = f;
-            chain.x = thread.rows[i].screen_x;
-            chain.y = thread.rows[i].screen_y;
             chain.weight = fresh;
-            take(thread, i, chain.values);
+            take(thread, i, chain.splats);
         } else {
             chain.numbers.reject();
-            if (!(f > 0)) continue;
+            if (!(fresh > 0)) continue;  // else large steps bring what the target takes nothing of
             take(thread, i, thread.proposal);
-            splat(*services.raster, thread.rows[i], fresh, thread.proposal.data());
+            splat(*services.raster, thread.rows[i], fresh, thread.proposal);
         }
     }
     group.next = chain_of(count);
@@ -208,9 +244,7 @@ void Pssmlt::integrate(const CameraBatch& batch, IntegratorThread& state, Thread
         display::CameraRow where;
         for (MarkovChain& chain : group.chains) {  // whoever looks at the image finds every step in it
             if (!(chain.weight > 0)) continue;
-            where.screen_x = chain.x;
-            where.screen_y = chain.y;
-            splat(*services.raster, where, chain.weight, chain.values.data());
+            splat(*services.raster, where, chain.weight, chain.splats);
             chain.weight = 0;
         }
     }

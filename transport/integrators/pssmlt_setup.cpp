@@ -1,6 +1,7 @@
 // The Metropolis integrator's parameters, and what it says of itself.
 #include <algorithm>
 
+#include "transport/integrators/bdpt.h"
 #include "transport/integrators/pssmlt_state.h"
 
 namespace raylex::transport {
@@ -11,29 +12,53 @@ Result<std::unique_ptr<Integrator>> make_pssmlt(const SceneEntity& entity, std::
     auto depth = read_max_depth(entity, max_depth);
     if (!depth) return depth.error();
     p.max_depth = *depth;
-    auto large = entity.parameters.real_or("largestepprobability", 0.3), sigma = entity.parameters.real_or("sigma", 0.01);
+    auto large = entity.parameters.real_or("largestepprobability", 0.3),
+         sigma = entity.parameters.real_or("sigma", 0.01);
     if (!large) return large.error();
     if (!sigma) return sigma.error();
     if (!(*large > 0 && *large <= 1))
-        return error_at(entity.location, "'largestepprobability' is " + std::to_string(*large) +
-                                             "; expected more than 0 and at most 1: without large steps a chain may never "
-                                             "leave where it began");
+        return error_at(entity.location,
+                        "'largestepprobability' is " + std::to_string(*large) +
+                            "; expected more than 0 and at most 1: without large steps a chain may never "
+                            "leave where it began");
     if (!(*sigma > 0 && *sigma <= 1))
-        return error_at(entity.location, "'sigma' is " + std::to_string(*sigma) + "; expected more than 0 and at most 1");
+        return error_at(entity.location,
+                        "'sigma' is " + std::to_string(*sigma) + "; expected more than 0 and at most 1");
     p.large_step_probability = static_cast<float>(*large);
     p.sigma = static_cast<float>(*sigma);
-    auto chains = entity.parameters.integer_or("chains", 1000), samples = entity.parameters.integer_or("bootstrapsamples", 100'000);
+    auto chains = entity.parameters.integer_or("chains", 1000),
+         samples = entity.parameters.integer_or("bootstrapsamples", 100'000);
     if (!chains) return chains.error();
     if (!samples) return samples.error();
     if (*chains < 1 || *chains > 1'000'000)
         return error_at(entity.location, "'chains' is " + std::to_string(*chains) + "; expected 1 to a million");
     if (*samples < 1 || *samples > 1'000'000'000)
-        return error_at(entity.location, "'bootstrapsamples' is " + std::to_string(*samples) + "; expected 1 to a thousand million");
+        return error_at(entity.location,
+                        "'bootstrapsamples' is " + std::to_string(*samples) + "; expected 1 to a thousand million");
     p.chains = static_cast<std::uint32_t>(*chains);
     p.bootstrap_samples = static_cast<std::uint32_t>(*samples);
     auto roulette = entity.parameters.boolean_or("roulette", true);
     if (!roulette) return roulette.error();
     p.roulette = *roulette;
+    auto integrator = entity.parameters.string_or("integrator", "path");
+    if (!integrator) return integrator.error();
+    const std::vector<std::string> known = {"path", "bdpt"};
+    if (std::find(known.begin(), known.end(), *integrator) == known.end())
+        return error_at(entity.location, "'integrator' is '" + *integrator + "'; expected path or bdpt",
+                        nearest_name(*integrator, known));
+    p.bidirectional = *integrator == "bdpt";
+    auto target = entity.parameters.string_or("target", "beauty");
+    if (!target) return target.error();
+    for (std::size_t begin = 0; begin <= target->size();) {
+        const std::size_t end = std::min(target->find(',', begin), target->size());
+        if (end == begin)
+            return error_at(entity.location,
+                            "'target' is '" + *target + "'; expected beauty, or names of channels between commas");
+        p.target.push_back(target->substr(begin, end - begin));
+        begin = end + 1;
+    }
+    if (*target == "beauty") p.target.clear();
+    p.location = entity.location;
     return std::unique_ptr<Integrator>(std::make_unique<Pssmlt>(p));
 }
 
@@ -42,13 +67,17 @@ Result<std::unique_ptr<Integrator>> make_pssmlt(const SceneEntity& entity, std::
 Registry<IntegratorFactory>::Entry pssmlt_entry() {
     using T = ParameterType;
     return {"pssmlt",
-            "Metropolis light transport in primary sample space, over the path tracer",
+            "Metropolis light transport in primary sample space, over path or bdpt",
             {{"maxdepth", T::integer, "5", "scattering events at most; emission seen after the last still counts"},
              {"largestepprobability", T::real, "0.3", "share of steps that draw a new path"},
              {"sigma", T::real, "0.01", "standard deviation of the other steps, in each number of the path"},
              {"chains", T::integer, "1000", "Markov chains; at least one is run for each 16 x 16 tile"},
-             {"bootstrapsamples", T::integer, "100000", "paths drawn before the image, for its brightness and where chains begin"},
-             {"roulette", T::boolean, "true", "end weak paths at random from the second bounce"}},
+             {"bootstrapsamples", T::integer, "100000",
+              "paths drawn before the image, for its brightness and where chains begin"},
+             {"roulette", T::boolean, "true", "end weak paths at random from the second bounce"},
+             {"integrator", T::string, "path", "whose paths the chains walk over: path or bdpt"},
+             {"target", T::string, "beauty",
+              "what chains spend their steps on: beauty, or channels of light path expressions between commas"}},
             make_pssmlt};
 }
 
@@ -59,7 +88,8 @@ Pssmlt::Pssmlt(const PssmltParameters& parameters) : parameters_(parameters) {
     found.max_depth = parameters.max_depth;
     found.first_depth = 1;
     found.roulette = parameters.roulette;
-    path_ = make_path_integrator(found);
+    path_ = parameters.bidirectional ? make_bdpt_integrator({{parameters.max_depth, parameters.roulette}, 1})
+                                     : make_path_integrator(found);
 }
 
 IntegratorTraits Pssmlt::traits() const {
@@ -74,8 +104,29 @@ Status Pssmlt::prepare(const IntegratorContext& context) {
     context_ = context;
     splatted_.clear();
     for (std::size_t i = 0; i < context.channels.size(); ++i)
-        if (context.channels[i].style == display::ChannelStyle::expression && display::takes_samples(context.channels[i]))
+        if (context.channels[i].style == display::ChannelStyle::expression &&
+            display::takes_samples(context.channels[i]))
             splatted_.push_back(static_cast<display::ChannelId>(i));
+    target_ = splatted_;
+    if (context.beauty) target_.resize(1);  // beauty stands first
+    if (!parameters_.target.empty()) {
+        target_.clear();
+        std::string names;
+        std::vector<std::string> known;
+        for (const display::ChannelId id : splatted_) {
+            known.push_back(context.channels[static_cast<std::size_t>(id)].name);
+            names += (names.empty() ? "" : ", ") + known.back();
+        }
+        for (const std::string& name : parameters_.target) {
+            const auto found = std::find(known.begin(), known.end(), name);
+            if (found == known.end())
+                return error_at(
+                    parameters_.location,
+                    "'target' names the channel '" + name + "', which takes no light here; expected some of: " + names,
+                    nearest_name(name, known));
+            target_.push_back(splatted_[static_cast<std::size_t>(found - known.begin())]);
+        }
+    }
     const Vec2 reach{std::max(context.filter_radius.x - 0.5f, 0.0f), std::max(context.filter_radius.y - 0.5f, 0.0f)};
     left_ = -reach.x;
     top_ = -reach.y;
@@ -94,7 +145,7 @@ Status Pssmlt::prepare(const IntegratorContext& context) {
 }
 
 std::unique_ptr<IntegratorThread> Pssmlt::make_thread_state() const {
-    return std::make_unique<PssmltThread>(context_, *camera_, *path_);
+    return std::make_unique<PssmltThread>(context_, *camera_, *path_, splatted_, target_);
 }
 
 }  // namespace raylex::transport
