@@ -25,7 +25,7 @@ TEST_CASE("every ready experiment can be planned") {
         CHECK(plan.code == 0);
         ++count;
     }
-    CHECK(count == 5);
+    CHECK(count == 6);
 }
 
 TEST_CASE("a planted mistake is found, and the first wrong path named", "[study][release-only]") {
@@ -41,6 +41,25 @@ TEST_CASE("a planted mistake is found, and the first wrong path named", "[study]
     // the paths with three scatterings, and of those with fewer nothing.
     CHECK(page.find("Declared unbiased but differs from the reference:</span> planted-error on cornell-grey.") != std::string::npos);
     CHECK(page.find("is first wrong at the path <code>C,- R,D R,D R,D L,-</code>") != std::string::npos);
+}
+
+TEST_CASE("methods that begin at the lights agree with the path tracer in every channel of a partition, fog and all",
+          "[study][release-only]") {
+    const Folder folder;
+    const Outcome run = run_raylex(folder, "experiment run '" + studies + "/agreement.toml' -o out --report "
+                                           "--set replicates=6 --set budget.samples=32 --set scene.*.resolution=24x24 "
+                                           "--set reference.spp=512");
+    INFO(run.out + run.err);
+    REQUIRE(run.code == 0);
+    for (const char* scene : {"cornell-color", "cornell-fog"})
+        for (const char* method : {"bdpt", "lighttracer", "metropolis"}) {
+            const std::string who = std::string(method) + " on " + scene + ": ";
+            const std::size_t at = run.out.find(who);
+            CAPTURE(who);
+            REQUIRE(at != std::string::npos);
+            CHECK(run.out.compare(at + who.size(), 13, "no bias found") == 0);
+        }
+    CHECK(run.out.find("BIASED") == std::string::npos);
 }
 
 TEST_CASE("one command passes the README's own integrator, and convicts it once it sees less than all", "[study][release-only]") {
