@@ -17,15 +17,22 @@
 #include <utility>
 #include <vector>
 
+#include <sys/mman.h>
+
 namespace raylex::display {
 
 /// A zeroed array whose untouched pages cost nothing. All-zero bits mean "nothing yet" for every T here.
+///
+/// Large ones ask the system for large pages: a tile of pixels touches some rows of every channel's plane, a page each, and with
+/// 45 layers on two threads a third of what asking for them cost were page faults and misses of the address cache.
 template <class T>
 class Plane {
   public:
     void allocate(std::size_t count) {
-        data_.reset(static_cast<T*>(std::calloc(count, sizeof(T))));
-        if (!data_) throw std::bad_alloc();
+        const std::size_t bytes = count * sizeof(T);
+        void* data = bytes >= large_page ? map(bytes) : std::calloc(std::max<std::size_t>(count, 1), sizeof(T));
+        if (data == nullptr) throw std::bad_alloc();
+        data_ = std::unique_ptr<T, Release>(static_cast<T*>(data), Release{bytes >= large_page ? bytes : 0});
         count_ = count;
     }
     [[nodiscard]] bool empty() const { return count_ == 0; }
@@ -40,8 +47,21 @@ class Plane {
     }
 
   private:
-    struct Free { void operator()(T* data) const { std::free(data); } };
-    std::unique_ptr<T, Free> data_;
+    static constexpr std::size_t large_page = std::size_t{2} << 20;
+    static void* map(std::size_t bytes) {
+        void* data = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+        if (data == MAP_FAILED) return nullptr;
+        madvise(data, bytes, MADV_HUGEPAGE);  // a wish: where it is refused, small pages do
+        return data;
+    }
+    struct Release {
+        std::size_t mapped = 0;   // bytes; 0: from the heap
+        void operator()(T* data) const {
+            if (mapped > 0) munmap(data, mapped);
+            else std::free(data);
+        }
+    };
+    std::unique_ptr<T, Release> data_;
     std::size_t count_ = 0;
 };
 
