@@ -23,8 +23,8 @@ namespace raylex::display {
 
 /// A zeroed array whose untouched pages cost nothing. All-zero bits mean "nothing yet" for every T here.
 ///
-/// Large ones ask the system for large pages: a tile of pixels touches some rows of every channel's plane, a page each, and with
-/// 45 layers on two threads a third of what asking for them cost were page faults and misses of the address cache.
+/// Large ones ask the system for large pages: a tile of pixels touches some rows of every channel's plane, a page each.
+/// With 45 layers on two threads three quarters of what asking for them cost were page faults and address-cache misses.
 template <class T>
 class Plane {
   public:
