@@ -136,8 +136,8 @@ void check_material() {
 }
 
 void check_shape() {
-    // Sky of 1 where the shape is not, half of it where it is: a triangle of radius 0.5 around the centre, its tip to the
-    // right; the image is 1.41 wide there. Seen from the front, +x is left.
+    // Sky of 1 where the shape is not, half of it where it is: a triangle of radius 0.5 around the centre, its tip to
+    // the right; the image is 1.41 wide there. Seen from the front, +x is left.
     write_scene("", "Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n"
                     "Rotate 180 0 0 1 Shape \"polygon\" \"integer sides\" 3 \"float radius\" .5\n");
     const std::vector<float> seen = render(plugin("polygon_shape") + "scene.pbrt --max-depth 1");
@@ -145,7 +145,8 @@ void check_shape() {
               seen[pixel(14, 8)] == 1 && std::abs(seen[pixel(10, 8)] - 0.5f) < 1e-5f,
           "polygon: a triangle with its tip to the right, placed by the current transformation");
     write_scene("", "Shape \"polygon\" \"integer sides\" 2\n");
-    check_refused("render " + plugin("polygon_shape") + "scene.pbrt -o out.exr", "scene.pbrt:8:", "'sides' is 2; expected");
+    check_refused("render " + plugin("polygon_shape") + "scene.pbrt -o out.exr", "scene.pbrt:8:",
+                  "'sides' is 2; expected");
     write_scene("", "Shape \"polygon\" \"integer side\" 4\n");
     check_refused("render " + plugin("polygon_shape") + "scene.pbrt -o out.exr", "scene.pbrt:8:",
                   "shape 'polygon' has no parameter 'side'; expected one of: sides, radius, alpha");
