@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <span>
 
-#include "experiments/cli/console.h"
+#include "experiments/program/console.h"
 #include "transport/render/clock.h"
 
 namespace raylex::experiments {

@@ -7,9 +7,8 @@
 #include <optional>
 #include <utility>
 
-#include "experiments/cli/command_line.h"
 #include "experiments/cli/commands.h"
-#include "experiments/cli/console.h"
+#include "experiments/program/console.h"
 #include "experiments/cli/output_options.h"
 #include "experiments/cli/plugin_options.h"
 #include "experiments/cli/render_run.h"

@@ -7,10 +7,10 @@
 #include "display/output/exr_layers.h"
 #include "display/output/exr_reader.h"
 #include "display/output/split_check.h"
-#include "experiments/cli/command_line.h"
 #include "experiments/cli/commands.h"
-#include "experiments/cli/console.h"
 #include "experiments/cli/judge.h"
+#include "experiments/program/console.h"
+#include "experiments/program/exit_codes.h"
 #include "experiments/verify/presets.h"
 
 namespace raylex::experiments {

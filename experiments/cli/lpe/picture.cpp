@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <map>
 
-#include "experiments/cli/console.h"
 #include "experiments/job/json.h"
+#include "experiments/program/console.h"
 #include "lpe/match.h"
 
 namespace raylex::experiments {

@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "experiments/cli/console.h"
+#include "experiments/program/console.h"
 #include "experiments/study/report/study.h"
 #include "lpe/algebra/paths.h"
 

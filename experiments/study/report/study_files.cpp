@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "experiments/cli/console.h"
 #include "experiments/job/json.h"
+#include "experiments/program/console.h"
 
 namespace raylex::experiments {
 namespace {

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 
-#include "experiments/cli/console.h"
 #include "experiments/job/json.h"
+#include "experiments/program/console.h"
 #include "experiments/report/html.h"
 #include "experiments/study/report/assets.h"
 #include "experiments/study/report/picture_viewers.h"
 #include "experiments/study/report/study_tables.h"
-#include "experiments/study/run/run_progress.h"
 
 namespace raylex::experiments {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "display/output/atomic_file.h"
 #include "display/services/parameters.h"
-#include "experiments/cli/console.h"
 #include "experiments/job/provenance.h"
+#include "experiments/program/console.h"
 #include "experiments/study/results_file.h"
 #include "experiments/study/run/cell_files.h"
 #include "experiments/study/run/cell_parts.h"

@@ -6,9 +6,9 @@
 
 #include "display/output/atomic_file.h"
 #include "display/services/hash64.h"
-#include "experiments/cli/console.h"
 #include "experiments/job/json.h"
 #include "experiments/job/provenance.h"
+#include "experiments/program/console.h"
 #include "experiments/study/file_records.h"
 #include "experiments/study/run/cell_files.h"
 #include "experiments/study/run/cell_runner.h"
