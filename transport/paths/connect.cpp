@@ -90,16 +90,16 @@ void Connections::report(const CameraSubpaths& subpaths, IntegratorCounters& cou
         Arrival arrival{pending.value, {}, blockable ? blockable_[i].unweighted : Rgb(), blocked_[i] ? 0.0f : 1.0f,
                         pending.end != no_end};
         if (straight && (!blocked_[i] || in_media_)) {
-            Rgb through(1);
+            Rgb transmittance(1);
             // Behind what blocks it, for the media there: what is in the way of light that is not blocked counts too.
             const bool to_the_end = in_media_ && blockable;
             arrival.visibility = straight_transmittance({scene_, record, counters, to_the_end}, shadow_rays_[i],
-                                                        arrival.visibility, pending.medium, tracker, through);
+                                                        arrival.visibility, pending.medium, tracker, transmittance);
             if (!(arrival.visibility > 0) && !blockable) continue;
             arrival.value *= arrival.visibility;
             if (in_media_) {
-                arrival.value *= through;
-                arrival.unweighted *= through;
+                arrival.value *= transmittance;
+                arrival.unweighted *= transmittance;
             }
         }
         if (!(arrival.visibility > 0)) arrival.value = Rgb();
