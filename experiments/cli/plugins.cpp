@@ -2,11 +2,11 @@
 #include <memory>
 #include <utility>
 
-#include "experiments/cli/command_line.h"
 #include "experiments/cli/commands.h"
-#include "experiments/cli/console.h"
 #include "experiments/cli/plugin_options.h"
 #include "experiments/job/job_tables.h"
+#include "experiments/program/console.h"
+#include "experiments/program/exit_codes.h"
 #include "experiments/report/png_driver.h"
 #include "transport/materials/pattern.h"
 #include "transport/media/medium.h"

@@ -271,7 +271,7 @@ Result<std::vector<SceneShape>> make_ply_mesh(const ParameterSet& set, const Sha
     std::vector<SceneShape> shapes;
     const bool both = !mesh->quads.empty() && !mesh->triangles.empty();
     if (!mesh->quads.empty()) {
-        SceneShape quads = both ? base : std::move(base);
+        SceneShape quads = base;
         quads.kind = ShapeKind::bilinear_mesh;
         quads.indices = std::move(mesh->quads);
         dropped += drop_degenerate(quads);

@@ -70,11 +70,11 @@ void CameraConnections::splat(const SceneView& scene, const EventTable& events,
         arrival.unweighted = p.unweighted;
         arrival.found_by_sampling = true;
         if (geometry.has_alpha() || scene.media->any()) {
-            Rgb through(1);
+            Rgb transmittance(1);
             arrival.visibility = straight_transmittance({scene, record, counters}, shadow_rays_[i], 1,
-                                                        scene.media->camera(), tracker, through);
-            arrival.value *= through * arrival.visibility;
-            arrival.unweighted *= through;
+                                                        scene.media->camera(), tracker, transmittance);
+            arrival.value *= transmittance * arrival.visibility;
+            arrival.unweighted *= transmittance;
         }
         record.reach(tracker, p.end);
         record.add(tracker, {p.light_vertices, 1}, arrival);
