@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "display/buffer/record_bytes.h"
-#include "transport/render/render_loop.h"
+#include "transport/render/render_state.h"
 
 namespace raylex::transport {
 namespace {
@@ -41,15 +41,17 @@ std::string channel_text(const display::ChannelDefinition& channel) {
             std::to_string(static_cast<int>(channel.rule));
     if (channel.statistics) text += ", statistics";
     if (!display::takes_samples(channel))
-        text += ", statistic " + std::to_string(static_cast<int>(channel.statistic)) + " of " + std::to_string(channel.source);
+        text += ", statistic " + std::to_string(static_cast<int>(channel.statistic)) + " of " +
+                std::to_string(channel.source);
     return text;
 }
 
 void write_statistics(RecordWriter& writer, const RenderStatistics& statistics) {
     // A binding that no longer fits says that there is a number which no record holds yet.
     const auto& [build_seconds, build_cpu_seconds, render_seconds, render_cpu_seconds, camera_samples, camera_rays,
-                 scattering_rays, shadow_rays, path_length_histogram, attribution_overflow, invalid_samples, invalid_by_channel,
-                 invalid_log, refused_services_calls, refusals, checkpoints, checkpoint_stall_seconds] = statistics;
+                 scattering_rays, shadow_rays, path_length_histogram, attribution_overflow, invalid_samples,
+                 invalid_by_channel, invalid_log, refused_services_calls, refusals, checkpoints,
+                 checkpoint_stall_seconds] = statistics;
     static_cast<void>(build_seconds), static_cast<void>(build_cpu_seconds);  // of this session alone
     static_cast<void>(checkpoints), static_cast<void>(checkpoint_stall_seconds);
     writer.number(render_seconds);
@@ -84,7 +86,8 @@ void read_statistics(RecordReader& reader, RenderStatistics& statistics) {
     const std::vector<std::uint64_t> refused = reader.numbers();
     constexpr std::size_t kinds = display::refusal_kinds;
     statistics.refusals.resize(refused.size() / kinds);
-    for (std::size_t i = 0; i < statistics.refusals.size() * kinds; ++i) statistics.refusals[i / kinds].by[i % kinds] = refused[i];
+    for (std::size_t i = 0; i < statistics.refusals.size() * kinds; ++i)
+        statistics.refusals[i / kinds].by[i % kinds] = refused[i];
     const auto logged = reader.number<std::uint64_t>();
     for (std::uint64_t i = 0; i < logged && reader.ok(); ++i) {
         display::InvalidSample each;
@@ -105,55 +108,61 @@ constexpr const char* start_again = "to begin again, remove this file and leave 
 
 }  // namespace
 
-RecordIdentity render_identity(const RenderJob& job, const RenderSettings& settings, const std::string& isa) {
+RecordIdentity render_identity(const ResolvedJob& job) {
+    const RenderSettings& settings = job.settings;
+    const CameraSampling& sampling = job.sampling;
     RecordIdentity identity = settings.checkpoint->identity;
     const auto add = [&](std::string name, std::string value) {
         identity.emplace_back(std::move(name), std::move(value));
     };
-    add("resolution", std::to_string(job.film.width) + "x" + std::to_string(job.film.height));
+    add("resolution", std::to_string(job.grid.width) + "x" + std::to_string(job.grid.height));
     if (settings.crop)
-        add("crop", std::to_string(job.region.x0) + "," + std::to_string(job.region.y0) + "," +
-                        std::to_string(job.region.x1) + "," + std::to_string(job.region.y1));
-    add("seed", std::to_string(job.seed));
-    add("samples per pixel", std::to_string(job.samples_per_pixel));
-    add("sampler", job.sampler == SamplerKind::sobol ? "sobol" : "independent");
-    add("pixel filter", job.filter->name() + (settings.filter ? " " + entity_text(*settings.filter) : std::string()));
-    add("filter mode", job.splat ? "splat" : "importance");
+        add("crop", std::to_string(job.grid.region.x0) + "," + std::to_string(job.grid.region.y0) + "," +
+                        std::to_string(job.grid.region.x1) + "," + std::to_string(job.grid.region.y1));
+    add("seed", std::to_string(sampling.seed));
+    add("samples per pixel", std::to_string(job.budget.samples_per_pixel));
+    add("sampler", sampling.sampler == SamplerKind::sobol ? "sobol" : "independent");
+    add("pixel filter",
+        sampling.filter->name() + (settings.filter ? " " + entity_text(*settings.filter) : std::string()));
+    add("filter mode", sampling.splat ? "splat" : "importance");
     if (settings.integrator) add("integrator", entity_text(*settings.integrator));
     if (settings.max_depth) add("max depth", std::to_string(*settings.max_depth));
     for (std::size_t i = 0; i < settings.sample_filters.size(); ++i)
         add("sample filter " + std::to_string(i + 1), entity_text(settings.sample_filters[i]));
     add("beauty", settings.beauty ? "true" : "false");
     add("lobes", settings.picked_lobes ? "picked" : "exact");
-    for (const display::ChannelDefinition& channel : job.channels) add("channel " + channel.name, channel_text(channel));
+    for (const display::ChannelDefinition& channel : job.channels.list)
+        add("channel " + channel.name, channel_text(channel));
     for (const geoaovs::MatteKind kind : settings.cryptomatte)
         add("cryptomatte " + geoaovs::matte_layer(kind), std::to_string(settings.cryptomatte_ranks) + " ranks");
     if (settings.adaptive) add("adaptive", describe(*settings.adaptive));
-    if (settings.limit) add("end", number_text(settings.limit->seconds) + " s, error " + number_text(settings.limit->error));
+    if (settings.limit)
+        add("end", number_text(settings.limit->seconds) + " s, error " + number_text(settings.limit->error));
     if (settings.first_sample > 0) add("first sample", std::to_string(settings.first_sample));
-    add("instruction set", isa);
+    add("instruction set", job.scene.isa());
     return identity;
 }
 
-Status check_checkpoint(const CheckpointSettings& settings, const RenderJob& job, const std::string& integrator) {
-    if (job.integrator->traits().saved_state == SavedState::unknown)
-        return error_at({}, "integrator '" + integrator + "' does not say how its state is saved, so a render with it has no "
+Status check_checkpoint(const CheckpointSettings& settings, const RenderState& state) {
+    const ResolvedJob& job = state.prepared.job;
+    if (job.integrator().traits().saved_state == SavedState::unknown)
+        return error_at({},
+                        "integrator '" + job.chosen.name +
+                            "' does not say how its state is saved, so a render with it has no "
                             "checkpoints",
                         "leave out --checkpoint and --resume, or choose another integrator, such as path");
-    for (const display::SampleSink* sink : job.sinks) {
-        const bool matte = std::any_of(job.cryptomatte.begin(), job.cryptomatte.end(),
-                                       [&](const geoaovs::Cryptomatte& each) { return &each.coverage() == sink; });
-        if (!matte)
-            return error_at({}, "what takes in raw samples beside the image, such as a deep image, is not saved in "
-                                "checkpoints",
-                            "leave out --checkpoint and --resume, or the deep image");
-    }
+    if (state.target.has_sinks_of_others())
+        return error_at({},
+                        "what takes in raw samples beside the image, such as a deep image, is not saved in checkpoints",
+                        "leave out --checkpoint and --resume, or the deep image");
     if (settings.file.empty()) return error_at({}, "a checkpoint without a file; expected its name");
     return success();
 }
 
-display::RecordFile make_checkpoint(const RecordIdentity& identity, const RenderPosition& position, const RenderJob& job,
-                                    const display::FrameBuffer& frame_buffer) {
+display::RecordFile make_checkpoint(const RecordIdentity& identity, const RenderPosition& position,
+                                    const RenderState& state) {
+    const RenderTarget& target = state.target;
+    const Integrator& integrator = state.prepared.job.integrator();
     display::RecordFile record;
     record.identity = identity;
     RecordWriter progress(record.add("progress"));
@@ -165,20 +174,21 @@ display::RecordFile make_checkpoint(const RecordIdentity& identity, const Render
         progress.number(each.done);
     }
     write_statistics(progress, position.statistics);
-    frame_buffer.append_record(record.add("frame buffer"));
-    for (const geoaovs::Cryptomatte& matte : job.cryptomatte) matte.coverage().append_record(record.add(matte.name()));
-    if (job.adaptive) job.adaptive->append_record(record.add("adaptive"));
-    if (job.integrator->traits().saved_state == SavedState::saved)
-        job.integrator->save_state(record.add("integrator"));
+    target.frame_buffer.append_record(record.add("frame buffer"));
+    for (const geoaovs::Cryptomatte& matte : target.mattes) matte.coverage().append_record(record.add(matte.name()));
+    const std::string section = state.schedule.section();
+    if (!section.empty()) state.schedule.append_record(record.add(section));
+    if (integrator.traits().saved_state == SavedState::saved) integrator.save_state(record.add("integrator"));
     return record;
 }
 
 Result<RenderPosition> restore_checkpoint(const CheckpointSettings& settings, const RecordIdentity& identity,
-                                          RenderJob& job, display::FrameBuffer& frame_buffer) {
+                                          RenderState& state) {
     const std::string& file = settings.file;
     std::error_code failed;
     if (!std::filesystem::exists(file, failed))
-        return resume_error(file, "there is no checkpoint to resume from; expected this file", "leave out --resume to begin");
+        return resume_error(file, "there is no checkpoint to resume from; expected this file",
+                            "leave out --resume to begin");
     auto record = display::read_record_file(file);
     if (!record) {
         Error error = record.error();
@@ -189,13 +199,15 @@ Result<RenderPosition> restore_checkpoint(const CheckpointSettings& settings, co
     if (const auto differences = display::identity_differences(record->identity, identity); !differences.empty()) {
         std::string message = "cannot resume: the checkpoint is of another render";
         for (const std::string& each : differences) message += "\n  " + each;
-        return resume_error(file, message, "render as it was begun, or, to begin again, remove this file and leave out --resume");
+        return resume_error(file, message,
+                            "render as it was begun, or, to begin again, remove this file and leave out --resume");
     }
-    return restore_record(*record, file, job, frame_buffer);
+    return restore_record(*record, file, state);
 }
 
-Result<RenderPosition> restore_record(const display::RecordFile& record, const std::string& file, RenderJob& job,
-                                      display::FrameBuffer& frame_buffer) {
+Result<RenderPosition> restore_record(const display::RecordFile& record, const std::string& file, RenderState& state) {
+    RenderTarget& target = state.target;
+    Integrator& integrator = state.prepared.job.integrator();
     const auto damaged = [&](const std::string& section) {
         return resume_error(file, "cannot resume: section '" + section + "' of the checkpoint does not fit this render",
                             start_again);
@@ -216,14 +228,15 @@ Result<RenderPosition> restore_record(const display::RecordFile& record, const s
     read_statistics(progress, position.statistics);
     if (!progress.at_end()) return damaged("progress");
     auto restored = display::FrameBuffer::from_record(content("frame buffer"));
-    if (!restored || !restored->difference_from(frame_buffer).empty()) return damaged("frame buffer");
-    restored->adopt_kernels(frame_buffer);
-    frame_buffer = *std::move(restored);
-    for (geoaovs::Cryptomatte& matte : job.cryptomatte)
+    if (!restored || !restored->difference_from(target.frame_buffer).empty()) return damaged("frame buffer");
+    restored->adopt_kernels(target.frame_buffer);
+    target.frame_buffer = *std::move(restored);
+    for (geoaovs::Cryptomatte& matte : target.mattes)
         if (!matte.coverage().restore_record(content(matte.name()))) return damaged(matte.name());
-    if (job.adaptive && !job.adaptive->restore_record(content("adaptive"))) return damaged("adaptive");
-    if (job.integrator->traits().saved_state == SavedState::saved)
-        if (Status state = job.integrator->restore_state(content("integrator")); !state) return state.error();
+    const std::string section = state.schedule.section();
+    if (!section.empty() && !state.schedule.restore_record(content(section))) return damaged(section);
+    if (integrator.traits().saved_state == SavedState::saved)
+        if (Status s = integrator.restore_state(content("integrator")); !s) return s.error();
     return position;
 }
 

@@ -1,13 +1,13 @@
-// Saving a render while it goes on, and going on after a crash: private to render.cpp and render_loop.cpp. What a render
+// Saving a render while it goes on, and going on after a crash: private to transport/render. What a render
 // is asked for stands in CheckpointSettings (render.h).
 //
-// A checkpoint is taken between tasks: the threads stop at the end of the task they are in, so the frame buffer holds tasks
-// [0, position) of the phase, whole, and no others; which is all that has to be remembered of the order, but for the tasks
-// that were left amid their batches when the render had to end at once. The record is copied while the threads stand still,
-// and checked, written and synced by a thread of its own while they go on.
+// A checkpoint is taken between tasks: the threads stop at the end of the task they are in, so the frame buffer holds
+// tasks [0, position) of the phase, whole, and no others; which is all that has to be remembered of the order, but for
+// the tasks that were left amid their batches when the render had to end at once. The record is copied while the
+// threads stand still, and checked, written and synced by a thread of its own while they go on.
 //
-// Sections of the record (display/checkpoint/record_file.h): "progress", "frame buffer", "adaptive" and "integrator" when
-// there is such a thing, and one for each set of mattes.
+// Sections of the record (display/checkpoint/record_file.h): "progress", "frame buffer", that of the schedule and
+// "integrator" when there is such a thing, and one for each set of mattes.
 #pragma once
 
 #include <atomic>
@@ -17,43 +17,30 @@
 #include <vector>
 
 #include "display/checkpoint/record_file.h"
-#include "transport/render/render.h"
+#include "transport/render/render_position.h"
+#include "transport/render/resolved_job.h"
 
 namespace raylex::transport {
 
-struct RenderJob;
-
-/// A task that its thread had to leave.
-struct UnfinishedTask {
-    std::uint64_t task = 0;
-    std::uint64_t done = 0;      ///< of the blocks of pixels that it goes through, so many first ones are in the frame buffer
-};
-
-/// Where a render stands.
-struct RenderPosition {
-    std::uint64_t phase = 0;     ///< a run of tasks that threads go through without meeting
-    std::uint64_t task = 0;      ///< the first task of the phase that no thread has taken
-    std::vector<UnfinishedTask> unfinished;   ///< before `task`: all others there are in the frame buffer, whole
-    RenderStatistics statistics; ///< of what is in the frame buffer
-};
+class RenderState;
 
 /// What a record must say for this render to go on from it: the caller's fields, then the render's own.
-display::RecordIdentity render_identity(const RenderJob& job, const RenderSettings& settings, const std::string& isa);
+display::RecordIdentity render_identity(const ResolvedJob& job);
 
 /// Whether this render can be saved at all; an Error names what cannot.
-Status check_checkpoint(const CheckpointSettings& settings, const RenderJob& job, const std::string& integrator);
-
-/// What restore_checkpoint() takes from a record, of this very render.
-Result<RenderPosition> restore_record(const display::RecordFile& record, const std::string& file, RenderJob& job,
-                                      display::FrameBuffer& frame_buffer);
+Status check_checkpoint(const CheckpointSettings& settings, const RenderState& state);
 
 display::RecordFile make_checkpoint(const display::RecordIdentity& identity, const RenderPosition& position,
-                                    const RenderJob& job, const display::FrameBuffer& frame_buffer);
+                                    const RenderState& state);
 
-/// Fills the frame buffer and the job's mattes, adaptive sampler and integrator from the record in the settings' file.
-/// Errors: no such file, damaged, of another render (all that differs is named).
+/// Fills the state's target, schedule and integrator from a record of this very render, and returns where it stood.
+/// `file` is for errors.
+Result<RenderPosition> restore_record(const display::RecordFile& record, const std::string& file, RenderState& state);
+
+/// As restore_record(), from the settings' file. Errors: no such file, damaged, of another render (all that differs is
+/// named).
 Result<RenderPosition> restore_checkpoint(const CheckpointSettings& settings, const display::RecordIdentity& identity,
-                                          RenderJob& job, display::FrameBuffer& frame_buffer);
+                                          RenderState& state);
 
 /// Writes one record at a time beside the render.
 class CheckpointWriter {

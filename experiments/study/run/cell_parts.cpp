@@ -8,12 +8,12 @@
 #include "experiments/job/json.h"
 #include "experiments/study/run/cell_files.h"
 #include "transport/integrators/integrator.h"
-#include "transport/render/render_loop.h"
+#include "transport/render/tiles.h"
 
 namespace raylex::experiments {
 namespace {
 
-constexpr auto block = static_cast<std::uint64_t>(transport::RenderLoop::block_size);
+constexpr auto block = static_cast<std::uint64_t>(transport::TileGrid::block_size);
 
 /// Why all cells of a method with budgets of this kind are kept whole; empty when they can be split.
 std::string reason_of_plan(const ExperimentConfig& config, const PlannedCell& planned) {

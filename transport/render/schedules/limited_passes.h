@@ -1,5 +1,5 @@
-// How many samples a render gets that ends by a clock or by its error: private to render.cpp and render_loop.cpp. What may
-// be asked for is SampleLimit (render.h).
+// How many samples a render gets that ends by a clock or by its error: the arithmetic of LimitedSchedule. What may be
+// asked for is SampleLimit (render.h).
 //
 // The render goes in passes over the whole image, each of whole blocks but the last. Between two passes nothing is in
 // flight, so the frame buffer and the clock say together what the next pass is: an eighth of what there is (as adaptive
@@ -18,7 +18,8 @@ inline constexpr std::uint64_t most_limited_samples = (std::uint64_t{1} << 31) -
 
 class LimitedPasses {
   public:
-    /// `block` samples are one step; `single` passes never have more than one. `layout` and `channels` are the frame buffer's.
+    /// `block` samples are one step; `single` passes never have more than one. `layout` and `channels` are the frame
+    /// buffer's.
     LimitedPasses(const SampleLimit& limit, std::uint64_t most, std::uint64_t block, bool single,
                   std::span<const display::ChannelDefinition> channels, display::ChannelId beauty,
                   const display::FrameBufferLayout& layout);
@@ -39,9 +40,9 @@ class LimitedPasses {
     SampleLimit limit_;
     std::uint64_t most_, block_, pixels_;
     bool single_;
-    std::optional<display::AdaptiveSampler> error_;   // measures alone: what it would open is not asked
+    std::optional<display::AdaptiveSampler> error_;  // measures alone: what it would open is not asked
     bool started_ = false;
-    std::uint64_t first_ = 0;                         // samples and seconds when the session began
+    std::uint64_t first_ = 0;  // samples and seconds when the session began
     double first_seconds_ = 0;
 };
 

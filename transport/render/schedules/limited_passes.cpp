@@ -1,4 +1,4 @@
-#include "transport/render/sample_limit.h"
+#include "transport/render/schedules/limited_passes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -53,16 +53,18 @@ std::uint64_t LimitedPasses::within_error(std::uint64_t done, std::uint64_t end,
     // No further than it takes, but by one block at least.
     const double wanted = display::samples_to_error(static_cast<double>(done), error, limit_.error);
     if (wanted >= static_cast<double>(end)) return end;
-    const auto blocks = static_cast<std::uint64_t>(std::ceil((wanted - static_cast<double>(done)) / static_cast<double>(block_)));
+    const auto blocks =
+        static_cast<std::uint64_t>(std::ceil((wanted - static_cast<double>(done)) / static_cast<double>(block_)));
     return std::min(done + std::max<std::uint64_t>(1, blocks) * block_, end);
 }
 
 std::uint64_t LimitedPasses::within_time(std::uint64_t done, std::uint64_t end, double seconds) const {
-    const double rate = done > first_ ? (seconds - first_seconds_) / static_cast<double>(done - first_) : limit_.seconds_per_sample;
+    const double rate =
+        done > first_ ? (seconds - first_seconds_) / static_cast<double>(done - first_) : limit_.seconds_per_sample;
     const double left = limit_.seconds - seconds;
     if (rate > 0) {
-        // What a sample takes varies, and a pass that ends late may be given up. While there is much time left, a twentieth of it
-        // stays for that; passes to come use it.
+        // What a sample takes varies, and a pass that ends late may be given up. While there is much time left, a
+        // twentieth of it stays for that; passes to come use it.
         const double planned = left > 4 ? 0.95 * left : left;
         const double most = std::floor(std::max(planned, 0.0) / rate);
         if (most < static_cast<double>(end - done)) end = done + static_cast<std::uint64_t>(most);

@@ -1,0 +1,33 @@
+// The third stage: what samples end up in, once the caller has seen the plan and memory is taken. Private to
+// transport/render.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "transport/render/prepared_job.h"
+
+namespace raylex::transport {
+
+class RenderTarget {
+  public:
+    /// Shows the caller the RenderPlan (RenderSettings::before_rendering) and allocates. Errors: the caller's, or that
+    /// memory does not suffice.
+    static Result<RenderTarget> allocate(const PreparedJob& prepared);
+
+    /// Whether some sink keeps raw samples, as deep images do: they cannot be saved, nor taken back.
+    [[nodiscard]] bool has_sinks_of_others() const { return sinks.size() > mattes.size(); }
+
+    display::FrameBuffer frame_buffer;
+    std::vector<geoaovs::Cryptomatte> mattes;
+    std::vector<display::SampleSink*> sinks;  ///< the caller's, then those of the mattes
+    /// Null: something looks at the samples of every channel one by one.
+    std::unique_ptr<const display::SplatSets> splat_sets;
+    std::vector<Error> warnings;
+
+  private:
+    explicit RenderTarget(display::FrameBuffer buffer) : frame_buffer(std::move(buffer)) {}
+    Status make_mattes(const ResolvedJob& job);
+};
+
+}  // namespace raylex::transport
