@@ -18,7 +18,7 @@
 #include "transport/geometry/bilinear.h"
 #include "transport/geometry/quadric.h"
 #include "transport/geometry/ray.h"
-#include "transport/materials/bsdf.h"
+#include "transport/geometry/surface_point.h"
 #include "transport/materials/texture.h"
 #include "transport/scene/scene_description.h"
 
