@@ -105,7 +105,7 @@ RTCRay to_embree(const Ray& ray, unsigned mask) {
     r.dir_x = ray.direction.x;
     r.dir_y = ray.direction.y;
     r.dir_z = ray.direction.z;
-    r.time = 0;
+    r.time = ray.time;
     r.tfar = ray.t_max;
     r.mask = mask;
     r.id = 0;
@@ -397,6 +397,8 @@ void EmbreeScene::intersect(std::span<const Ray> rays, std::span<Hit> hits) cons
         hit.primitive = rayhit.hit.primID;
         hit.shape = rayhit.hit.geomID;  // Embree's invalid id is Hit::none
         hit.instance = Hit::none;
+        hit.time = rays[i].time;
+        hit.cone = rays[i].cone.after(hit.t);
         if (rayhit.hit.instID[0] != RTC_INVALID_GEOMETRY_ID && hit.shape != Hit::none) {
             hit.instance = rayhit.hit.instID[0] - top;
             hit.shape += instances_[hit.instance].first_shape;
@@ -416,7 +418,8 @@ void EmbreeScene::intersect_alpha(const Ray& ray, Hit& hit) const {
     rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(device_->scene, &context, &rayhit);
-    hit = {rayhit.ray.tfar, rayhit.hit.u, rayhit.hit.v, rayhit.hit.geomID, rayhit.hit.primID, Hit::none};
+    hit = {rayhit.ray.tfar, rayhit.hit.u, rayhit.hit.v, rayhit.hit.geomID, rayhit.hit.primID, Hit::none,
+           ray.time,        ray.cone.after(rayhit.ray.tfar)};
     if (rayhit.hit.instID[0] != RTC_INVALID_GEOMETRY_ID && hit.shape != Hit::none) {
         hit.instance = rayhit.hit.instID[0] - static_cast<std::uint32_t>(top_level_shapes_);
         hit.shape += instances_[hit.instance].first_shape;

@@ -30,11 +30,21 @@ inline constexpr float largest_coordinate = 1e18f;
 /// end by a few ulps of the distance, which a grazing view of the light multiplies (pbrt-v4's ShadowEpsilon).
 inline constexpr float shadow_t_max = 1 - 1e-4f;
 
+/// How wide the beam is that a ray stands for (Amanatides 1984, "Ray Tracing with Cones"; for what filters look-ups
+/// where rays meet surfaces). Scattering leaves it as it is: neither curvature nor roughness widens it yet.
+struct RayCone {
+    float width = 0;   ///< at the ray's origin, or at the hit
+    float spread = 0;  ///< angle, radians: what a unit of distance adds to the width
+
+    [[nodiscard]] RayCone after(float distance) const { return {width + spread * distance, spread}; }
+};
+
 struct Ray {
     Vec3 origin;
     float t_max = infinity;
-    Vec3 direction;         ///< unit for scattering rays; origin to light for shadow rays, with t_max below 1
-    std::uint32_t tag = 0;  ///< for the caller
+    Vec3 direction;  ///< unit for scattering rays; origin to light for shadow rays, with t_max below 1
+    float time = 0;  ///< of the shutter's opening, 0 to 1
+    RayCone cone;    ///< of rays that light or importance is followed along; nobody asks shadow rays
 };
 
 struct Hit {
@@ -44,6 +54,8 @@ struct Hit {
     std::uint32_t shape = none;     ///< index into EmbreeScene::shapes()
     std::uint32_t primitive = 0;    ///< triangle or patch of a mesh
     std::uint32_t instance = none;  ///< index into EmbreeScene::instances()
+    float time = 0;                 ///< the ray's
+    RayCone cone;                   ///< the ray's, where it hit
 
     [[nodiscard]] bool valid() const { return shape != none; }
 };

@@ -115,6 +115,8 @@ class Walk {
     struct Collision {
         std::uint32_t row;
         Vec3 position, forward;  // forward: unit, the way the path came along
+        float time;
+        RayCone cone;
     };
     static bool is_camera_ray(const Subpath& path) { return mode == TransportMode::radiance && path.depth == 0; }
     template <class Visitor>
@@ -194,7 +196,9 @@ bool Walk<mode>::crosses_medium(std::uint32_t row, const Ray& ray, float distanc
     if (!flight.collided) return true;
     visitor.collides(row, flight.distance);
     if (path.depth >= options_.max_depth || path.beta.is_black()) finish(row);
-    else collisions_[collision_count_++] = {row, ray.origin + ray.direction * flight.distance, ray.direction};
+    else
+        collisions_[collision_count_++] = {row, ray.origin + ray.direction * flight.distance, ray.direction, ray.time,
+                                           ray.cone.after(flight.distance)};
     return false;
 }
 
@@ -228,6 +232,8 @@ void Walk<mode>::append_collisions(Visitor& visitor) {
         point.wo = -collision.forward;
         point.material = SurfacePoint::no_material;
         v.sources[j] = {0, events_.medium_label(medium), 0};
+        v.hits[j].time = collision.time;
+        v.hits[j].cone = collision.cone;
         v.bsdfs[j].set_phase((*scene_.media)[medium].g);
         arrive(collision.row, point, visitor);
     }

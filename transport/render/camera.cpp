@@ -63,6 +63,8 @@ Result<PerspectiveCamera> PerspectiveCamera::build(const SceneEntity& entity, co
     camera.step_x_ = DVec3{(screen[1] - screen[0]) * tangent / width, 0, 0}.to_float();
     camera.step_y_ = DVec3{0, (screen[2] - screen[3]) * tangent / height, 0}.to_float();
 
+    camera.pixel_angle_ = std::sqrt(std::abs(camera.step_x_.x * camera.step_y_.y));
+
     camera.world_to_camera_ = camera_to_world.inverse().matrix();
     camera.to_camera_ = Matrix34(camera.world_to_camera_);
     camera.raster_density_ = std::abs(camera.to_camera_.determinant() /
@@ -80,6 +82,7 @@ Result<PerspectiveCamera> PerspectiveCamera::build(const SceneEntity& entity, co
 Ray PerspectiveCamera::generate(float x, float y, const Vec2& lens) const {
     const Vec3 through{corner_.x + step_x_.x * x, corner_.y + step_y_.y * y, 1};
     Ray ray;
+    ray.cone.spread = pixel_angle_;
     if (!has_lens()) {
         ray.origin = origin_;
         ray.direction = normalize(camera_to_world_.vector(through));

@@ -26,7 +26,8 @@ class PerspectiveCamera {
     static Result<PerspectiveCamera> build(const SceneEntity& entity, const Transform& camera_to_world, int width,
                                            int height, std::vector<Error>& warnings);
 
-    /// The ray through raster position (x, y); `lens` in [0, 1)^2. Its direction is unit, in world space.
+    /// The ray through raster position (x, y); `lens` in [0, 1)^2. Its direction is unit, in world space; its cone spreads by
+    /// a pixel's angle in the middle of the image, and it flies at the time 0.
     [[nodiscard]] Ray generate(float x, float y, const Vec2& lens) const;
     /// How the camera sees a point in world space through `lens` in [0, 1)^2; false for what is not in front of it.
     [[nodiscard]] bool connect(const Vec3& point, const Vec2& lens, CameraConnection& connection) const;
@@ -48,7 +49,7 @@ class PerspectiveCamera {
     Transform camera_to_world_;
     Vec3 corner_, step_x_, step_y_;  // camera space, at z = 1: raster (0, 0) and one pixel right and down
     Vec3 origin_;                    // world
-    float lens_radius_ = 0, focal_distance_ = 1e6f;
+    float lens_radius_ = 0, focal_distance_ = 1e6f, pixel_angle_ = 0;
     Matrix34 to_camera_;
     double raster_density_ = 0;      // pixels for each area on the plane at distance 1, in volume units of the world
     Matrix4 world_to_camera_{}, world_to_screen_{};
