@@ -13,14 +13,14 @@ struct SurfacePoint {
     Vec3 position, geometric_normal, shading_normal;  ///< world; normals unit; geometric normal on the shape's outside
     Vec3 dpdu;
     Vec3 wo;  ///< unit, away from the surface, towards where the path came from
-    float u = 0, v = 0;
+    Real u = 0, v = 0;
     static constexpr std::int32_t no_material = -1;  ///< a point in a medium: no surface, the normals are zero
     std::int32_t material = 0;
     std::uint32_t random_key = 0;  ///< counter-based key for stochastic closures and `mix`
     std::int32_t row = -1;         ///< of the sample table where a camera ray hit first; else -1
 
     /// |cos| between a direction and the surface; 1 in a medium.
-    [[nodiscard]] float cosine(const Vec3& direction) const {
+    [[nodiscard]] Real cosine(const Vec3& direction) const {
         return material == no_material ? 1.0f : std::abs(dot(geometric_normal, direction));
     }
 };

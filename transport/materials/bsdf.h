@@ -9,7 +9,7 @@
 #include <optional>
 #include <span>
 
-#include "display/services/rgb.h"
+#include "transport/math/real.h"
 #include "lpe/event.h"
 #include "transport/math/vec.h"
 
@@ -59,16 +59,16 @@ struct LobeList {
 /// f(wo, wi) |cos theta_i| over all non-delta lobes, and the density with which sample() would choose wi (per steradian).
 struct BsdfEvaluation {
     Rgb value;
-    float pdf = 0;
+    Real pdf = 0;
     LobeList lobes;        ///< their values sum to `value`
 };
 
 struct BsdfSample {
     Vec3 wi;
     Rgb weight;            ///< f |cos| / pdf over all lobes that could have produced wi
-    float pdf = 0;         ///< per steradian; 0 marks failure (path ends); for delta lobes the discrete probability
+    Real pdf = 0;          ///< per steradian; 0 marks failure (path ends); for delta lobes the discrete probability
     LobeList lobes;        ///< the lobes' parts of f |cos|; for a delta lobe just that one
-    float eta = 1;         ///< relative index crossed; 1 unless transmitted through an interface
+    Real eta = 1;          ///< relative index crossed; 1 unless transmitted through an interface
     bool delta = false;
     bool transmitted = false;
     bool pdf_is_proportional = false;  ///< stochastic (layered) closures: `pdf` serves `weight` only, MIS asks pdf()

@@ -12,7 +12,7 @@ void Connections::clear() {
 }
 
 void Connections::add_light_sample(const CameraSubpaths& subpaths, std::size_t j, const LightSample& sample,
-                                   const BsdfEvaluation& f, float weight) {
+                                   const BsdfEvaluation& f, Real weight) {
     const VertexBatch& v = subpaths.vertices();
     const std::uint32_t row = v.rows[j];
     const Subpath& path = subpaths.path(row);

@@ -37,13 +37,14 @@ void SplatGate::take(const display::SampleTable& table) {
     ++taken_;
     const int tile = RenderLoop::tile_size;
     // Where a splat's footprint ends may be off by a rounding; half a pixel more makes up for it.
-    const float reach_x = job_.filter->radius_x() + 1, reach_y = job_.filter->radius_y() + 1;
+    const Real reach_x = job_.filter->radius_x() + 1, reach_y = job_.filter->radius_y() + 1;
     order_.clear();
     for (int row = 0; row < table.camera_row_count(); ++row) {
         const display::CameraRow& splat = table.camera_row(row);
         const int x = std::clamp(static_cast<int>(std::floor(splat.screen_x)), 0, job_.film.width - 1) + grid_.padding_x,
                   y = std::clamp(static_cast<int>(std::floor(splat.screen_y)), 0, job_.film.height - 1) + grid_.padding_y;
-        const float in_x = static_cast<float>(x % tile), in_y = static_cast<float>(y % tile), end = static_cast<float>(tile) - 1;
+        const Real in_x = static_cast<Real>(x % tile), in_y = static_cast<Real>(y % tile),
+                   end = static_cast<Real>(tile) - 1;
         const bool around = in_x < reach_x || in_y < reach_y || in_x > end - reach_x || in_y > end - reach_y;
         const std::uint64_t number = static_cast<std::uint64_t>(y / tile) * grid_.columns + static_cast<std::uint64_t>(x / tile);
         order_.emplace_back(2 * number + (around ? 1 : 0), row);
@@ -133,7 +134,8 @@ void RenderWorker::add_pixel(int x, int y, std::uint64_t first, int count, std::
         const PixelSampler sampler(job_.sampler, job_.seed, x, y, sample);
         const Vec2 u = sampler.get_2d(filter_dimension);
         const display::FilterSample offset =
-            job_.splat ? display::FilterSample{u.x - 0.5f, u.y - 0.5f, 1} : job_.filter->sample(u.x, u.y);
+            job_.splat ? display::FilterSample{to_float(u.x) - 0.5f, to_float(u.y) - 0.5f, 1}
+                       : job_.filter->sample(to_float(u.x), to_float(u.y));
         display::CameraRow& row = rows_[count_];
         row.pixel_x = x;
         row.pixel_y = y;
@@ -216,12 +218,12 @@ void RenderWorker::finish_samples(double begin) {
     if (job_.aovs->wants_rays()) {
         camera_rays_.origin_z.resize(count_);
         camera_rays_.direction_z.resize(count_);
-        float m[3][4];
+        Real m[3][4];
         job_.camera->rigid_world_to_camera(m);
         const Vec3 axis{m[2][0], m[2][1], m[2][2]};
         for (std::size_t i = 0; i < count_; ++i) {
-            camera_rays_.origin_z[i] = dot(axis, rays_[i].origin) + m[2][3];
-            camera_rays_.direction_z[i] = dot(axis, rays_[i].direction);
+            camera_rays_.origin_z[i] = to_float(dot(axis, rays_[i].origin) + m[2][3]);
+            camera_rays_.direction_z[i] = to_float(dot(axis, rays_[i].direction));
         }
         job_.aovs->write_rays(camera_rays_, table_, display_);
     }
