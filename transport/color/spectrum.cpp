@@ -19,7 +19,7 @@ struct SampledSpectrum {
 };
 
 Rgb to_rgb(const Triple& v) {
-    return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
+    return {static_cast<Real>(v[0]), static_cast<Real>(v[1]), static_cast<Real>(v[2])};
 }
 
 /// Takes scene-space RGB to the rendering space, within what the role allows.

@@ -22,7 +22,7 @@
 #include <string_view>
 
 #include "display/services/parameters.h"
-#include "display/services/rgb.h"
+#include "transport/math/real.h"
 #include "transport/scene/scene_description.h"
 
 namespace raylex::transport {

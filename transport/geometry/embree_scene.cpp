@@ -98,15 +98,15 @@ void occlude_user(const RTCOccludedFunctionNArguments* args) {
 
 RTCRay to_embree(const Ray& ray, unsigned mask) {
     RTCRay r;
-    r.org_x = ray.origin.x;
-    r.org_y = ray.origin.y;
-    r.org_z = ray.origin.z;
+    r.org_x = to_float(ray.origin.x);
+    r.org_y = to_float(ray.origin.y);
+    r.org_z = to_float(ray.origin.z);
     r.tnear = 0;
-    r.dir_x = ray.direction.x;
-    r.dir_y = ray.direction.y;
-    r.dir_z = ray.direction.z;
-    r.time = 0;
-    r.tfar = ray.t_max;
+    r.dir_x = to_float(ray.direction.x);
+    r.dir_y = to_float(ray.direction.y);
+    r.dir_z = to_float(ray.direction.z);
+    r.time = to_float(ray.time);
+    r.tfar = to_float(ray.t_max);
     r.mask = mask;
     r.id = 0;
     r.flags = 0;
@@ -201,7 +201,7 @@ Status EmbreeScene::add_shape(const SceneShape& shape, const SceneDescription& s
         if (!id) return id.error();
         g.alpha = *id;
     } else if (shape.alpha < 1) {
-        g.alpha = textures.add_constant(Rgb(std::max(shape.alpha, 0.0f)));
+        g.alpha = textures.add_constant(Rgb(std::max(shape.alpha, Real(0))));
     }
     has_alpha_ = has_alpha_ || g.alpha >= 0;
     g.hidden = !g.interface && g.alpha >= 0 && textures.is_constant(g.alpha) && textures.real(g.alpha, {}) <= 0;
@@ -224,17 +224,17 @@ Status EmbreeScene::add_shape(const SceneShape& shape, const SceneDescription& s
     RTCGeometry geometry = nullptr;
     if (g.primitive_count > 0 && shape.kind == ShapeKind::triangle_mesh) {
         geometry = rtcNewGeometry(device_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-        void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3),
-                                                 shape.positions.size());
+        void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                 sizeof(StoredVec3), shape.positions.size());
         void* indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                                 3 * sizeof(std::uint32_t), g.primitive_count);
         if (!vertices || !indices) {
             rtcReleaseGeometry(geometry);
             return error_at(shape.location, "not enough memory for the mesh");
         }
-        std::memcpy(vertices, shape.positions.data(), shape.positions.size() * sizeof(Vec3));
+        std::memcpy(vertices, shape.positions.data(), shape.positions.size() * sizeof(StoredVec3));
         std::memcpy(indices, shape.indices.data(), shape.indices.size() * sizeof(std::uint32_t));
-        g.positions = static_cast<const Vec3*>(vertices);
+        g.positions = static_cast<const StoredVec3*>(vertices);
         g.indices = static_cast<const std::uint32_t*>(indices);
     } else if (g.primitive_count > 0) {
         geometry = rtcNewGeometry(device_->device, RTC_GEOMETRY_TYPE_USER);
@@ -397,6 +397,8 @@ void EmbreeScene::intersect(std::span<const Ray> rays, std::span<Hit> hits) cons
         hit.primitive = rayhit.hit.primID;
         hit.shape = rayhit.hit.geomID;  // Embree's invalid id is Hit::none
         hit.instance = Hit::none;
+        hit.time = rays[i].time;
+        hit.cone = rays[i].cone.after(hit.t);
         if (rayhit.hit.instID[0] != RTC_INVALID_GEOMETRY_ID && hit.shape != Hit::none) {
             hit.instance = rayhit.hit.instID[0] - top;
             hit.shape += instances_[hit.instance].first_shape;
@@ -416,7 +418,8 @@ void EmbreeScene::intersect_alpha(const Ray& ray, Hit& hit) const {
     rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(device_->scene, &context, &rayhit);
-    hit = {rayhit.ray.tfar, rayhit.hit.u, rayhit.hit.v, rayhit.hit.geomID, rayhit.hit.primID, Hit::none};
+    hit = {rayhit.ray.tfar, rayhit.hit.u, rayhit.hit.v, rayhit.hit.geomID, rayhit.hit.primID, Hit::none,
+           ray.time,        ray.cone.after(rayhit.ray.tfar)};
     if (rayhit.hit.instID[0] != RTC_INVALID_GEOMETRY_ID && hit.shape != Hit::none) {
         hit.instance = rayhit.hit.instID[0] - static_cast<std::uint32_t>(top_level_shapes_);
         hit.shape += instances_[hit.instance].first_shape;

@@ -18,7 +18,7 @@
 #include "transport/geometry/bilinear.h"
 #include "transport/geometry/quadric.h"
 #include "transport/geometry/ray.h"
-#include "transport/materials/bsdf.h"
+#include "transport/geometry/surface_point.h"
 #include "transport/materials/texture.h"
 #include "transport/scene/scene_description.h"
 
@@ -27,12 +27,12 @@ namespace raylex::transport {
 /// One Shape directive as rendering sees it. Meshes point into vertex and index buffers that Embree owns.
 struct ShapeGeometry {
     ShapeKind kind = ShapeKind::triangle_mesh;
-    const Vec3* positions = nullptr;
+    const StoredVec3* positions = nullptr;
     const std::uint32_t* indices = nullptr;  ///< 3 per triangle, 4 per patch
     std::uint32_t primitive_count = 0;
-    std::vector<Vec3> normals;
-    std::vector<Vec2> uvs;
-    std::vector<Vec3> patch_positions;  ///< bilinear meshes keep their own
+    std::vector<StoredVec3> normals;
+    std::vector<StoredVec2> uvs;
+    std::vector<StoredVec3> patch_positions;  ///< bilinear meshes keep their own
     std::vector<std::uint32_t> patch_indices;
     Quadric quadric;
     Matrix34 to_object;                     ///< meshes: from where their vertices stand to the space they were written in
@@ -71,7 +71,7 @@ struct ShapeInstance {
 
 /// Where a surface point came from: what integrators need beside the SurfacePoint.
 struct SurfaceSource {
-    float offset = 0;            ///< how far a leaving ray starts off the surface; see ray.h
+    Real offset = 0;             ///< how far a leaving ray starts off the surface; see ray.h
     std::int32_t label = 0;      ///< index into object_labels()
     std::int32_t object_id = 0;  ///< 1-based: top-level shapes first, then instances
 };
@@ -80,7 +80,7 @@ struct SurfaceSource {
 struct SurfaceDetails {
     Vec3 dpdv;               ///< beside SurfacePoint::dpdu: by the second texture coordinate
     Vec3 object_position;    ///< in the space that the shape's parameters were written in
-    float curvature = 0;     ///< mean curvature; positive where the surface bulges towards SurfacePoint::wo
+    Real curvature = 0;      ///< mean curvature; positive where the surface bulges towards SurfacePoint::wo
     std::array<Vec3, 8> edges;  ///< of the triangle or patch: start and end by turns
     int edge_count = 0;         ///< 0 for quadrics
 };
@@ -89,7 +89,7 @@ struct SurfaceDetails {
 struct Bounds {
     Vec3 lower, upper;
     [[nodiscard]] Vec3 center() const { return (lower + upper) * 0.5f; }
-    [[nodiscard]] float radius() const { return length(upper - lower) * 0.5f; }
+    [[nodiscard]] Real radius() const { return length(upper - lower) * 0.5f; }
 };
 
 /// Rays in the order they were traced.
@@ -167,7 +167,8 @@ class EmbreeScene {
     std::vector<std::string> labels_;
     std::size_t top_level_shapes_ = 0;
     Bounds bounds_;
-    float ray_limit_ = largest_coordinate;  // of a ray's numbers, so that they stay in range in every instance's own space
+    Real ray_limit_ =
+        largest_coordinate;  // of a ray's numbers, so that they stay in range in every instance's own space
     std::string isa_;
     mutable RayLog* log_ = nullptr;     // one test a batch; never part of a result
     bool has_alpha_ = false, has_holdouts_ = false;

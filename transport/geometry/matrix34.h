@@ -12,12 +12,13 @@ struct DVec3 {
     double x = 0, y = 0, z = 0;
     DVec3() = default;
     constexpr DVec3(double a, double b, double c) : x(a), y(b), z(c) {}
-    constexpr explicit DVec3(const Vec3& v) : x(v.x), y(v.y), z(v.z) {}
+    template <class T>
+    constexpr explicit DVec3(const BasicVec3<T>& v) : x(v.x), y(v.y), z(v.z) {}
     friend constexpr DVec3 operator+(const DVec3& a, const DVec3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
     friend constexpr DVec3 operator-(const DVec3& a, const DVec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
     friend constexpr DVec3 operator*(const DVec3& a, double s) { return {a.x * s, a.y * s, a.z * s}; }
-    [[nodiscard]] Vec3 to_float() const {
-        return {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
+    [[nodiscard]] Vec3 to_real() const {
+        return {static_cast<Real>(x), static_cast<Real>(y), static_cast<Real>(z)};
     }
     // Friends, so that only DVec3 arguments find them: normalize({x, y, z}) keeps meaning a Vec3.
     friend constexpr double dot(const DVec3& a, const DVec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }

@@ -15,35 +15,47 @@
 
 namespace raylex::transport {
 
-inline constexpr float infinity = std::numeric_limits<float>::infinity();
-inline constexpr float unit_roundoff = 0x1p-24f;
+inline constexpr Real infinity = std::numeric_limits<Real>::infinity();
+inline constexpr Real unit_roundoff = 0x1p-24f;  ///< of float, in double too: Embree rounds there
 /// Bound on the relative error of n roundings (Higham 2002, lemma 3.1).
-constexpr float gamma_bound(int n) {
-    return (float(n) * unit_roundoff) / (1 - float(n) * unit_roundoff);
+constexpr Real gamma_bound(int n) {
+    return (Real(n) * unit_roundoff) / (1 - Real(n) * unit_roundoff);
 }
 
 /// Farther from the origin than this nothing is placed and no ray begins: squares of lengths must be floats, and Embree
 /// takes no number above 1.8e18.
-inline constexpr float largest_coordinate = 1e18f;
+inline constexpr Real largest_coordinate = Real(1e18);
 
 /// Shadow rays end this much short of the light, relative to their length: the direction's own rounding moves the far
 /// end by a few ulps of the distance, which a grazing view of the light multiplies (pbrt-v4's ShadowEpsilon).
-inline constexpr float shadow_t_max = 1 - 1e-4f;
+inline constexpr Real shadow_t_max = 1 - Real(1e-4);
+
+/// How wide the beam is that a ray stands for (Amanatides 1984, "Ray Tracing with Cones"; for what filters look-ups
+/// where rays meet surfaces). Scattering leaves it as it is: neither curvature nor roughness widens it yet.
+struct RayCone {
+    Real width = 0;    ///< at the ray's origin, or at the hit
+    Real spread = 0;   ///< angle, radians: what a unit of distance adds to the width
+
+    [[nodiscard]] RayCone after(Real distance) const { return {width + spread * distance, spread}; }
+};
 
 struct Ray {
     Vec3 origin;
-    float t_max = infinity;
-    Vec3 direction;         ///< unit for scattering rays; origin to light for shadow rays, with t_max below 1
-    std::uint32_t tag = 0;  ///< for the caller
+    Real t_max = infinity;
+    Vec3 direction;  ///< unit for scattering rays; origin to light for shadow rays, with t_max below 1
+    Real time = 0;   ///< of the shutter's opening, 0 to 1
+    RayCone cone{};    ///< of rays that light or importance is followed along; nobody asks shadow rays
 };
 
 struct Hit {
     static constexpr std::uint32_t none = 0xffffffffu;
-    float t = infinity;
-    float u = 0, v = 0;             ///< triangle: barycentrics of vertices 1 and 2; others: the shape's own (u, v)
+    Real t = infinity;
+    Real u = 0, v = 0;              ///< triangle: barycentrics of vertices 1 and 2; others: the shape's own (u, v)
     std::uint32_t shape = none;     ///< index into EmbreeScene::shapes()
     std::uint32_t primitive = 0;    ///< triangle or patch of a mesh
     std::uint32_t instance = none;  ///< index into EmbreeScene::instances()
+    Real time = 0;                  ///< the ray's
+    RayCone cone{};                   ///< the ray's, where it hit
 
     [[nodiscard]] bool valid() const { return shape != none; }
 };
@@ -61,11 +73,11 @@ inline float next_down(float v) {
 /// Origin of a ray that leaves `p` in `direction`: `offset` along the unit normal `n`, on the direction's side. Each
 /// coordinate that moves goes on by 2^-23 of itself, at least an ulp, so that rounding cannot take the step back. Which
 /// way it moves is as good as random from ray to ray: hence no branches.
-inline Vec3 offset_ray_origin(const Vec3& p, const Vec3& n, float offset, const Vec3& direction) {
+inline Vec3 offset_ray_origin(const Vec3& p, const Vec3& n, Real offset, const Vec3& direction) {
     const Vec3 shift = n * std::copysign(offset, dot(n, direction));
-    const auto step = [](float coordinate, float by) {
-        const float moved = coordinate + by;
-        const float further = std::copysign(moved * 0x1p-23f, by);
+    const auto step = [](Real coordinate, Real by) {
+        const Real moved = coordinate + by;
+        const Real further = std::copysign(moved * 0x1p-23f, by);
         return moved + (by != 0 ? further : 0.0f);
     };
     return {step(p.x, shift.x), step(p.y, shift.y), step(p.z, shift.z)};

@@ -59,7 +59,7 @@ double reach_of(const Matrix34& to_world, const Bounds& b) {
 double ShapeGeometry::extent() const {
     if (kind != ShapeKind::triangle_mesh && kind != ShapeKind::bilinear_mesh) return quadric.extent();
     double extent = 0;
-    for (const Vec3& position : patch_positions) extent = std::max(extent, largest_of(position));
+    for (const StoredVec3& position : patch_positions) extent = std::max(extent, largest_of(position));
     for (std::size_t i = 0; positions != nullptr && i < 3 * static_cast<std::size_t>(primitive_count); ++i)
         extent = std::max(extent, largest_of(positions[indices[i]]));
     return extent;
@@ -80,7 +80,7 @@ Status check_mesh(const SceneShape& shape, std::size_t per_primitive) {
         if (!finite(shape.positions[i]))
             return error_at(shape.location,
                             "vertex " + std::to_string(i) + " of the mesh is not finite; expected real numbers");
-    for (const Vec3& position : shape.positions)
+    for (const StoredVec3& position : shape.positions)
         if (!(largest_of(position) <= double{largest_coordinate})) return too_far(shape, largest_of(position));
     for (const std::uint32_t index : shape.indices)
         if (index >= shape.positions.size())
@@ -103,7 +103,7 @@ Status check_mesh(const SceneShape& shape, std::size_t per_primitive) {
 
 Status check_quadric(const SceneShape& shape) {
     if (!shape.object_to_world.invertible()) return error_at(shape.location, "the shape's transform has no inverse");
-    for (const float v : {shape.radius, shape.z_min, shape.z_max, shape.phi_max, shape.height, shape.inner_radius})
+    for (const Real v : {shape.radius, shape.z_min, shape.z_max, shape.phi_max, shape.height, shape.inner_radius})
         if (std::isnan(v)) return error_at(shape.location, "a parameter of the shape is not a number");
     if (!(shape.radius > 0) || !std::isfinite(shape.radius))
         return error_at(shape.location,
@@ -125,15 +125,15 @@ double extent_without_shapes(const SceneDescription& scene) {
     for (const SceneLight& light : scene.lights) {
         const Parameter* from = light.type == "point" || light.type == "spot" ? light.parameters.find("from") : nullptr;
         const bool moved = from != nullptr && from->numbers.size() == 3;
-        const auto at = [&](std::size_t i) { return moved ? static_cast<float>(from->numbers[i]) : 0.0f; };
+        const auto at = [&](std::size_t i) { return moved ? static_cast<Real>(from->numbers[i]) : 0.0f; };
         take(light.to_world.point({at(0), at(1), at(2)}));
     }
     return extent;
 }
 
-Result<float> limit_of_rays(const SceneDescription& scene, const PlacedShapes& placed, double extent) {
+Result<Real> limit_of_rays(const SceneDescription& scene, const PlacedShapes& placed, double extent) {
     const double most = double{largest_coordinate};
-    float limit = largest_coordinate;
+    Real limit = largest_coordinate;
     const auto usable = [&](const SceneInstance& instance) {
         return instance.object >= 0 && static_cast<std::size_t>(instance.object) < scene.objects.size() &&
                instance.to_world.invertible();
@@ -157,7 +157,7 @@ Result<float> limit_of_rays(const SceneDescription& scene, const PlacedShapes& p
                             "rays of the scene begin as far as " + short_number(rays) + " from the origin, and this shape can be "
                             "traced from " + short_number(reach) + " at most, in single precision",
                             "another unit of length, or smaller triangles, bring it into range");
-        limit = std::min(limit, static_cast<float>(reach));
+        limit = std::min(limit, static_cast<Real>(reach));
     }
     std::vector<double> reaches;   // [object]
     for (std::size_t k = 0, shape = scene.shapes.size(); k < scene.objects.size(); ++k) {
@@ -183,7 +183,7 @@ Result<float> limit_of_rays(const SceneDescription& scene, const PlacedShapes& p
             return error_at(instance.location, "in the space of the instance's object the scene reaches to " + short_number(reach) +
                                                    "; expected at most " + short_number(in_object),
                             "a less extreme transform brings it into range");
-        limit = std::min(limit, static_cast<float>((in_object - shift) / stretch));
+        limit = std::min(limit, static_cast<Real>((in_object - shift) / stretch));
     }
     return limit;
 }

@@ -25,6 +25,6 @@ struct PlacedShapes {
 };
 /// That each instance lies in range, and that rays of the scene do in the instances' own spaces. What no number of a ray may
 /// exceed. `extent`: how far from the origin rays begin, instances apart.
-Result<float> limit_of_rays(const SceneDescription& scene, const PlacedShapes& placed, double extent);
+Result<Real> limit_of_rays(const SceneDescription& scene, const PlacedShapes& placed, double extent);
 
 }  // namespace raylex::transport

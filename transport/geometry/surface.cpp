@@ -28,24 +28,24 @@ constexpr Vec3 smallest(const Vec3& a, const Vec3& b) {
 
 /// Shading normal from vertex normals, and the geometric normal turned to its side, as pbrt does.
 void apply_vertex_normal(const Vec3& interpolated, SurfacePoint& point) {
-    const float l2 = length_squared(interpolated);
+    const Real l2 = length_squared(interpolated);
     if (!(l2 > 0)) return;
     point.shading_normal = interpolated / std::sqrt(l2);
     point.geometric_normal = face_forward(point.geometric_normal, point.shading_normal);
 }
 
-void triangle_surface(const ShapeGeometry& shape, const Hit& hit, SurfacePoint& point, float& offset) {
+void triangle_surface(const ShapeGeometry& shape, const Hit& hit, SurfacePoint& point, Real& offset) {
     const std::uint32_t* index = shape.indices + 3 * static_cast<std::size_t>(hit.primitive);
     const Vec3 p0 = shape.positions[index[0]], p1 = shape.positions[index[1]], p2 = shape.positions[index[2]];
-    const float b1 = hit.u, b2 = hit.v, b0 = 1 - b1 - b2;
+    const Real b1 = hit.u, b2 = hit.v, b0 = 1 - b1 - b2;
     point.position = p0 * b0 + p1 * b1 + p2 * b2;
     const Vec3 e1 = p1 - p0, e2 = p2 - p0;
     // In double: a product of floats is exact there, so slivers keep their normal, and the length of the cross product
     // of edges of 1e-10 does not drown (its square is below the smallest float).
     const DVec3 n = cross(DVec3(e1), DVec3(e2));
     const double inverse = 1 / length(n);
-    const auto inverse_length = static_cast<float>(inverse);
-    const Vec3 unflipped = (n * inverse).to_float();
+    const auto inverse_length = static_cast<Real>(inverse);
+    const Vec3 unflipped = (n * inverse).to_real();
     point.geometric_normal = shape.flip_normal ? -unflipped : unflipped;
 
     const Vec3 top = largest(p0, largest(p1, p2)), bottom = smallest(p0, smallest(p1, p2));
@@ -58,7 +58,8 @@ void triangle_surface(const ShapeGeometry& shape, const Hit& hit, SurfacePoint& 
     point.shading_normal = point.geometric_normal;
     if (!shape.normals.empty()) {
         point.geometric_normal = point.shading_normal = unflipped;  // pbrt ignores the flip where vertex normals decide
-        apply_vertex_normal(shape.normals[index[0]] * b0 + shape.normals[index[1]] * b1 + shape.normals[index[2]] * b2,
+        apply_vertex_normal(Vec3(shape.normals[index[0]]) * b0 + Vec3(shape.normals[index[1]]) * b1 +
+                                Vec3(shape.normals[index[2]]) * b2,
                             point);
     }
     if (shape.uvs.empty()) {
@@ -71,8 +72,8 @@ void triangle_surface(const ShapeGeometry& shape, const Hit& hit, SurfacePoint& 
     point.u = t0.x * b0 + t1.x * b1 + t2.x * b2;
     point.v = t0.y * b0 + t1.y * b1 + t2.y * b2;
     const Vec2 d1{t1.x - t0.x, t1.y - t0.y}, d2{t2.x - t0.x, t2.y - t0.y};
-    const float determinant = d1.x * d2.y - d1.y * d2.x;
-    point.dpdu = std::abs(determinant) < 1e-9f ? Frame::from_normal(point.geometric_normal).s
+    const Real determinant = d1.x * d2.y - d1.y * d2.x;
+    point.dpdu = std::abs(determinant) < Real(1e-9) ? Frame::from_normal(point.geometric_normal).s
                                                : (e1 * d2.y - e2 * d1.y) / determinant;
 }
 
@@ -81,7 +82,7 @@ struct LocalRay {
     DVec3 origin, direction;
 };
 
-void quadric_surface(const Quadric& q, const LocalRay& ray, const Hit& hit, SurfacePoint& point, float& offset) {
+void quadric_surface(const Quadric& q, const LocalRay& ray, const Hit& hit, SurfacePoint& point, Real& offset) {
     // t is a float, so the point is put back on the surface, in double; what moves is only along the ray.
     DVec3 p = q.placement.to_object.point(ray.origin + ray.direction * hit.t);
     if (q.kind == ShapeKind::sphere) {
@@ -93,30 +94,30 @@ void quadric_surface(const Quadric& q, const LocalRay& ray, const Hit& hit, Surf
         p.z = q.height;
     }
     const DVec3 n = normalize(q.placement.to_object.normal_of_inverse(q.object_normal(p)));
-    point.position = q.placement.to_world.point(p).to_float();
-    point.geometric_normal = point.shading_normal = q.reversed ? -n.to_float() : n.to_float();
-    point.dpdu = q.placement.to_world.vector(q.object_dpdu(p)).to_float();
+    point.position = q.placement.to_world.point(p).to_real();
+    point.geometric_normal = point.shading_normal = q.reversed ? -n.to_real() : n.to_real();
+    point.dpdu = q.placement.to_world.vector(q.object_dpdu(p)).to_real();
     point.u = hit.u;
     point.v = hit.v;
     // One rounding to float each for the point and for the origin made from it; the intersection itself is in double.
     offset = gamma_bound(3) * dot(absolute(point.geometric_normal), absolute(point.position)) +
-             static_cast<float>(1e-13 * q.extent());
+             static_cast<Real>(1e-13 * q.extent());
 }
 
-void patch_surface(const ShapeGeometry& shape, const Hit& hit, SurfacePoint& point, float& offset) {
+void patch_surface(const ShapeGeometry& shape, const Hit& hit, SurfacePoint& point, Real& offset) {
     const BilinearPatch patch = shape.patch(hit.primitive);
     const double u = hit.u, v = hit.v;
     const DVec3 dpdu = patch.dpdu(v), dpdv = patch.dpdv(u);
-    point.position = patch.point(u, v).to_float();
-    Vec3 n = normalize(cross(dpdu, dpdv)).to_float();
-    if (!is_finite(n)) n = normalize(cross(patch.p10 - patch.p00, patch.p01 - patch.p00)).to_float();
+    point.position = patch.point(u, v).to_real();
+    Vec3 n = normalize(cross(dpdu, dpdv)).to_real();
+    if (!is_finite(n)) n = normalize(cross(patch.p10 - patch.p00, patch.p01 - patch.p00)).to_real();
     if (shape.flip_normal) n = -n;
     point.geometric_normal = point.shading_normal = n;
-    point.dpdu = dpdu.to_float();
+    point.dpdu = dpdu.to_real();
     point.u = hit.u;
     point.v = hit.v;
     const std::uint32_t* index = shape.patch_indices.data() + 4 * static_cast<std::size_t>(hit.primitive);
-    const float w00 = (1 - hit.u) * (1 - hit.v), w10 = hit.u * (1 - hit.v), w01 = (1 - hit.u) * hit.v,
+    const Real w00 = (1 - hit.u) * (1 - hit.v), w10 = hit.u * (1 - hit.v), w01 = (1 - hit.u) * hit.v,
                 w11 = hit.u * hit.v;
     if (!shape.uvs.empty()) {
         const Vec2 t00 = shape.uvs[index[0]], t10 = shape.uvs[index[1]], t01 = shape.uvs[index[2]],
@@ -129,22 +130,22 @@ void patch_surface(const ShapeGeometry& shape, const Hit& hit, SurfacePoint& poi
         const double tu = (t10.y - t00.y) * (1 - v) + (t11.y - t01.y) * v,
                      tv = (t01.y - t00.y) * (1 - u) + (t11.y - t10.y) * u;
         const double determinant = su * tv - sv * tu;
-        if (determinant != 0) point.dpdu = ((dpdu * tv - dpdv * tu) * (1 / determinant)).to_float();
+        if (determinant != 0) point.dpdu = ((dpdu * tv - dpdv * tu) * (1 / determinant)).to_real();
     }
     if (!shape.normals.empty()) {
         if (shape.flip_normal) point.geometric_normal = -n;
-        apply_vertex_normal(shape.normals[index[0]] * w00 + shape.normals[index[1]] * w10 +
-                                shape.normals[index[2]] * w01 + shape.normals[index[3]] * w11,
+        apply_vertex_normal(Vec3(shape.normals[index[0]]) * w00 + Vec3(shape.normals[index[1]]) * w10 +
+                                Vec3(shape.normals[index[2]]) * w01 + Vec3(shape.normals[index[3]]) * w11,
                             point);
     }
     Vec3 reach;
     for (int i = 0; i < 4; ++i) reach = largest(reach, absolute(shape.patch_positions[index[i]]));
-    offset = gamma_bound(3) * dot(absolute(n), absolute(point.position)) + 1e-13f * (reach.x + reach.y + reach.z);
+    offset = gamma_bound(3) * dot(absolute(n), absolute(point.position)) + Real(1e-13) * (reach.x + reach.y + reach.z);
 }
 
 /// Takes a point from its object's space to the world. Embree brings rays there in float: that rounding, seen along the
 /// normal, joins the bound, and both scale with the transform.
-void place(const Placement& placement, SurfacePoint& point, float& offset) {
+void place(const Placement& placement, SurfacePoint& point, Real& offset) {
     const DVec3 local_normal(point.geometric_normal);
     const DVec3 world = placement.to_world.point(DVec3(point.position));
     const DVec3 normal = placement.to_object.normal_of_inverse(local_normal);
@@ -157,12 +158,12 @@ void place(const Placement& placement, SurfacePoint& point, float& offset) {
                                std::abs(row[3]));
     }
     const DVec3 shading = normalize(placement.to_object.normal_of_inverse(DVec3(point.shading_normal)));
-    point.position = world.to_float();
-    point.geometric_normal = (normal * (1 / stretch)).to_float();
-    point.shading_normal = shading.to_float();
-    point.dpdu = placement.to_world.vector(DVec3(point.dpdu)).to_float();
+    point.position = world.to_real();
+    point.geometric_normal = (normal * (1 / stretch)).to_real();
+    point.shading_normal = shading.to_real();
+    point.dpdu = placement.to_world.vector(DVec3(point.dpdu)).to_real();
     // 6: the inverse's own rounding to float, the product's three terms and the sum.
-    offset = static_cast<float>((offset + gamma_bound(6) * rounding) / stretch) +
+    offset = static_cast<Real>((offset + gamma_bound(6) * rounding) / stretch) +
              gamma_bound(3) * dot(absolute(point.geometric_normal), absolute(point.position));
 }
 

@@ -55,17 +55,17 @@ struct DetailBuilder {
     }
     void add_edge(const DVec3& from, const DVec3& to) const {
         const auto at = static_cast<std::size_t>(2 * details.edge_count++);
-        details.edges[at] = world_point(from).to_float();
-        details.edges[at + 1] = world_point(to).to_float();
+        details.edges[at] = world_point(from).to_real();
+        details.edges[at + 1] = world_point(to).to_real();
     }
 
     void quadric() const {
         const Quadric& q = shape.quadric;
         const DVec3 p = q.placement.to_object.point(local_position());
-        details.object_position = p.to_float();
-        details.dpdv = world_vector(q.placement.to_world.vector(q.object_dpdv(p))).to_float();
+        details.object_position = p.to_real();
+        details.dpdv = world_vector(q.placement.to_world.vector(q.object_dpdv(p))).to_real();
         const Matrix34 none;
-        details.curvature = static_cast<float>(
+        details.curvature = static_cast<Real>(
             quadric_curvature(q, instance ? instance->to_object : none, p, DVec3(point.wo)));
     }
 
@@ -79,13 +79,13 @@ struct DetailBuilder {
         if (!shape.uvs.empty()) {
             const Vec2 t0 = shape.uvs[index[0]], t1 = shape.uvs[index[1]], t2 = shape.uvs[index[2]];
             const Vec2 d1{t1.x - t0.x, t1.y - t0.y}, d2{t2.x - t0.x, t2.y - t0.y};
-            const float determinant = d1.x * d2.y - d1.y * d2.x;
+            const Real determinant = d1.x * d2.y - d1.y * d2.x;
             // As for dpdu: coordinates that span nothing get some tangent of the plane.
-            dpdv = std::abs(determinant) < 1e-9f ? cross(normalize(cross(e1, e2)), normalize(e1))
+            dpdv = std::abs(determinant) < Real(1e-9) ? cross(normalize(cross(e1, e2)), normalize(e1))
                                                  : (e2 * d1.x - e1 * d2.x) * (1.0 / determinant);
         }
-        details.dpdv = world_vector(dpdv).to_float();
-        if (!shape.normals.empty()) details.curvature = static_cast<float>(normals_curvature(index, e1, e2));
+        details.dpdv = world_vector(dpdv).to_real();
+        if (!shape.normals.empty()) details.curvature = static_cast<Real>(normals_curvature(index, e1, e2));
     }
 
     /// From how the interpolated normal turns: half the trace of the shape operator.
@@ -115,7 +115,7 @@ struct DetailBuilder {
         add_edge(patch.p10, patch.p11);
         const double u = hit.u, v = hit.v;
         const DVec3 dpdu = patch.dpdu(v), dpdv = patch.dpdv(u);
-        details.dpdv = world_vector(dpdv).to_float();
+        details.dpdv = world_vector(dpdv).to_real();
         if (!shape.uvs.empty()) {
             const std::uint32_t* index = shape.patch_indices.data() + 4 * static_cast<std::size_t>(hit.primitive);
             const Vec2 t00 = shape.uvs[index[0]], t10 = shape.uvs[index[1]], t01 = shape.uvs[index[2]],
@@ -125,7 +125,7 @@ struct DetailBuilder {
             const double tu = (t10.y - t00.y) * (1 - v) + (t11.y - t01.y) * v,
                          tv = (t01.y - t00.y) * (1 - u) + (t11.y - t10.y) * u;
             const double determinant = su * tv - sv * tu;
-            if (determinant != 0) details.dpdv = world_vector((dpdv * su - dpdu * sv) * (1 / determinant)).to_float();
+            if (determinant != 0) details.dpdv = world_vector((dpdv * su - dpdu * sv) * (1 / determinant)).to_real();
         }
         const DVec3 a = world_vector(dpdu), b = world_vector(dpdv);
         const DVec3 twist = world_vector((patch.p00 - patch.p10) - (patch.p01 - patch.p11));
@@ -133,7 +133,7 @@ struct DetailBuilder {
         if (!(metric.determinant > 0)) return;
         const DVec3 n = cross(a, b) * (1 / std::sqrt(metric.determinant));
         const double h = dot(n, twist) * metric.f / metric.determinant;  // the other second derivatives are 0
-        details.curvature = static_cast<float>(dot(n, DVec3(point.wo)) < 0 ? -h : h);
+        details.curvature = static_cast<Real>(dot(n, DVec3(point.wo)) < 0 ? -h : h);
     }
 };
 
@@ -148,7 +148,7 @@ SurfaceDetails EmbreeScene::details(const Hit& hit, const SurfacePoint& point) c
     else if (shape.kind == ShapeKind::bilinear_mesh) builder.patch();
     else builder.quadric();
     if (shape.kind == ShapeKind::triangle_mesh || shape.kind == ShapeKind::bilinear_mesh)
-        details.object_position = shape.to_object.point(builder.local_position()).to_float();
+        details.object_position = shape.to_object.point(builder.local_position()).to_real();
     return details;
 }
 

@@ -28,11 +28,11 @@ const SourceLocation& location_of(const ParameterSet& set, std::string_view name
     return parameter != nullptr ? parameter->location : set.location;
 }
 
-Result<std::vector<Vec3>> triples(const ParameterSet& set, std::string_view name, ParameterType type,
+Result<std::vector<StoredVec3>> triples(const ParameterSet& set, std::string_view name, ParameterType type,
                                   const char* type_name) {
     const Result<std::vector<double>> numbers = array_of(set, name, type, type_name);
     if (!numbers) return numbers.error();
-    std::vector<Vec3> result(numbers->size() / 3);
+    std::vector<StoredVec3> result(numbers->size() / 3);
     for (std::size_t i = 0; i < result.size(); ++i) {
         const double* n = numbers->data() + 3 * i;
         result[i] = {static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2])};
@@ -72,13 +72,13 @@ Result<std::vector<std::uint32_t>> indices_of(const ParameterSet& set, std::size
     return indices;
 }
 
-Result<std::vector<Vec2>> uvs_of(const ParameterSet& set, std::size_t vertices) {
+Result<std::vector<StoredVec2>> uvs_of(const ParameterSet& set, std::size_t vertices) {
     const Result<std::vector<double>> numbers = array_of(set, "uv", ParameterType::point2, "point2");
     if (!numbers) return numbers.error();
     if (!numbers->empty() && numbers->size() != 2 * vertices)
         return error_at(location_of(set, "uv"), "'uv' has " + std::to_string(numbers->size() / 2) + " points for " +
                                                     std::to_string(vertices) + " vertices; expected as many");
-    std::vector<Vec2> uvs(numbers->size() / 2);
+    std::vector<StoredVec2> uvs(numbers->size() / 2);
     for (std::size_t i = 0; i < uvs.size(); ++i) {
         uvs[i] = {static_cast<float>((*numbers)[2 * i]), static_cast<float>((*numbers)[2 * i + 1])};
         if (!std::isfinite(uvs[i].x) || !std::isfinite(uvs[i].y))
@@ -88,8 +88,8 @@ Result<std::vector<Vec2>> uvs_of(const ParameterSet& set, std::size_t vertices) 
     return uvs;
 }
 
-Result<std::vector<Vec3>> normals_of(const ParameterSet& set, std::size_t vertices) {
-    Result<std::vector<Vec3>> normals = triples(set, "N", ParameterType::normal, "normal");
+Result<std::vector<StoredVec3>> normals_of(const ParameterSet& set, std::size_t vertices) {
+    Result<std::vector<StoredVec3>> normals = triples(set, "N", ParameterType::normal, "normal");
     if (normals && !normals->empty() && normals->size() != vertices)
         return error_at(location_of(set, "N"), "'N' has " + std::to_string(normals->size()) + " normals for " +
                                                    std::to_string(vertices) + " vertices; expected as many");
@@ -98,7 +98,7 @@ Result<std::vector<Vec3>> normals_of(const ParameterSet& set, std::size_t vertic
 
 /// Public meshes hold normals that are not finite numbers, mostly at vertices whose faces have no area. Such a normal
 /// becomes the mean of the faces around the vertex by area, or any direction where there is none: no light falls there.
-std::size_t repair_normals(std::vector<Vec3>& normals, const std::vector<Vec3>& positions,
+std::size_t repair_normals(std::vector<StoredVec3>& normals, const std::vector<StoredVec3>& positions,
                            const std::vector<std::uint32_t>& triangles, const std::vector<std::uint32_t>& quads) {
     std::vector<std::uint8_t> broken(normals.size(), 0);
     std::size_t count = 0;
@@ -120,7 +120,8 @@ std::size_t repair_normals(std::vector<Vec3>& normals, const std::vector<Vec3>& 
     for (std::size_t i = 0; i < normals.size(); ++i) {
         if (broken[i] == 0) continue;
         const double length = std::sqrt(dot(sums[i], sums[i]));
-        normals[i] = length > 0 && std::isfinite(length) ? (sums[i] * (1 / length)).to_float() : Vec3{0, 0, 1};
+        normals[i] =
+            length > 0 && std::isfinite(length) ? to_float((sums[i] * (1 / length)).to_real()) : StoredVec3{0, 0, 1};
     }
     return count;
 }
@@ -133,7 +134,7 @@ void warn_repaired(std::size_t count, const SceneShape& shape, const std::string
 
 /// Twice the area is exactly 0. In double the differences of float coordinates and their products are exact up to
 /// differences of 2^29 in magnitude, so a thin triangle is not mistaken for a degenerate one.
-bool has_no_area(const Vec3& a, const Vec3& b, const Vec3& c) {
+bool has_no_area(const StoredVec3& a, const StoredVec3& b, const StoredVec3& c) {
     const double ux = double(b.x) - a.x, uy = double(b.y) - a.y, uz = double(b.z) - a.z;
     const double vx = double(c.x) - a.x, vy = double(c.y) - a.y, vz = double(c.z) - a.z;
     return uy * vz - uz * vy == 0 && uz * vx - ux * vz == 0 && ux * vy - uy * vx == 0;
@@ -145,9 +146,9 @@ Status transform_vertices(SceneShape& shape, const ShapeContext& context) {
     shape.object_to_world = t;
     const bool identity = t.is_identity();
     if (!identity)
-        for (Vec3& p : shape.positions) p = t.point(p);
-    for (Vec3& n : shape.normals) {
-        if (!identity) n = t.normal(n);
+        for (StoredVec3& p : shape.positions) p = to_float(t.point(p));
+    for (StoredVec3& n : shape.normals) {
+        if (!identity) n = to_float(t.normal(n));
         if (context.reverse_orientation) n = -n;
     }
     for (std::size_t i = 0; i < shape.positions.size(); ++i)
@@ -164,7 +165,7 @@ std::size_t drop_degenerate(SceneShape& shape) {
     std::size_t kept = 0;
     for (std::size_t i = 0; i + group <= shape.indices.size(); i += group) {
         const std::uint32_t* k = shape.indices.data() + i;
-        const auto p = [&](std::size_t corner) -> const Vec3& { return shape.positions[k[corner]]; };
+        const auto p = [&](std::size_t corner) -> const StoredVec3& { return shape.positions[k[corner]]; };
         const bool degenerate =
             group == 3 ? has_no_area(p(0), p(1), p(2)) : has_no_area(p(0), p(1), p(2)) && has_no_area(p(1), p(3), p(2));
         if (degenerate) continue;
@@ -189,7 +190,7 @@ Result<std::vector<SceneShape>> make_inline_mesh(ShapeKind kind, const Parameter
     SceneShape shape;
     shape.kind = kind;
     shape.location = set.location;
-    Result<std::vector<Vec3>> positions = triples(set, "P", ParameterType::point3, "point3");
+    Result<std::vector<StoredVec3>> positions = triples(set, "P", ParameterType::point3, "point3");
     if (!positions) return positions.error();
     if (positions->empty()) return error_at(set.location, "mesh has no vertices; expected \"point3 P\"");
     shape.positions = std::move(*positions);
@@ -197,10 +198,10 @@ Result<std::vector<SceneShape>> make_inline_mesh(ShapeKind kind, const Parameter
     Result<std::vector<std::uint32_t>> indices = indices_of(set, shape.positions.size(), group);
     if (!indices) return indices.error();
     shape.indices = std::move(*indices);
-    Result<std::vector<Vec2>> uvs = uvs_of(set, shape.positions.size());
+    Result<std::vector<StoredVec2>> uvs = uvs_of(set, shape.positions.size());
     if (!uvs) return uvs.error();
     shape.uvs = std::move(*uvs);
-    Result<std::vector<Vec3>> normals = normals_of(set, shape.positions.size());
+    Result<std::vector<StoredVec3>> normals = normals_of(set, shape.positions.size());
     if (!normals) return normals.error();
     shape.normals = std::move(*normals);
     return finish_mesh(std::move(shape), "the mesh", context, warnings);

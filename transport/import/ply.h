@@ -12,8 +12,8 @@ namespace raylex::transport {
 
 /// Indices are in range. pbrt keeps quadrilaterals as bilinear patches; larger polygons become fans of triangles.
 struct PlyMesh {
-    std::vector<Vec3> positions, normals;  ///< normals: one per position, or none; some may not be finite
-    std::vector<Vec2> uvs;                 ///< one per position, or none
+    std::vector<StoredVec3> positions, normals;  ///< normals: one per position, or none; some may not be finite
+    std::vector<StoredVec2> uvs;                 ///< one per position, or none
     std::vector<std::uint32_t> triangles;  ///< 3 per triangle
     std::vector<std::uint32_t> quads;      ///< 4 per quadrilateral, p00 p10 p01 p11
     std::size_t short_faces = 0;           ///< faces of fewer than 3 vertices, left out

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "transport/import/mesh_shapes.h"
 
@@ -17,12 +18,12 @@ class RealReader {
   public:
     explicit RealReader(const ParameterSet& set) : set_(set) {}
 
-    float operator()(std::string_view name, double fallback) {
+    Real operator()(std::string_view name, double fallback) {
         const Result<double> value = set_.real_or(name, fallback);
         if (!value) return fail(value.error());
         if (!std::isfinite(static_cast<float>(*value)))
             return fail(error_at(set_.location, std::string(name).append(" is beyond the range of float")));
-        return static_cast<float>(*value);
+        return static_cast<Real>(*value);
     }
     void require(bool holds, const std::string& message) {
         if (!holds) fail(error_at(set_.location, message));
@@ -30,7 +31,7 @@ class RealReader {
     [[nodiscard]] const Status& status() const { return status_; }
 
   private:
-    float fail(Error error) {
+    Real fail(Error error) {
         if (status_) status_ = std::move(error);
         return 0;
     }
@@ -48,7 +49,7 @@ Result<std::vector<SceneShape>> make_quadric(ShapeKind kind, const ParameterSet&
     RealReader real(set);
     shape.radius = real("radius", 1);
     real.require(shape.radius > 0, "radius is not above 0");
-    shape.phi_max = std::clamp(real("phimax", 360), 0.0f, 360.0f);
+    shape.phi_max = std::clamp(real("phimax", 360), Real(0), Real(360));
     real.require(shape.phi_max > 0, "'phimax' leaves nothing; expected degrees above 0, at most 360");
     if (kind == ShapeKind::disk) {
         shape.height = real("height", 0);
@@ -57,8 +58,8 @@ Result<std::vector<SceneShape>> make_quadric(ShapeKind kind, const ParameterSet&
                      "'innerradius' leaves nothing; expected 0 up to below the radius");
     } else {
         const bool sphere = kind == ShapeKind::sphere;
-        const float a = real("zmin", sphere ? -shape.radius : -1), b = real("zmax", sphere ? shape.radius : 1);
-        const float reach = sphere ? shape.radius : HUGE_VALF;
+        const Real a = real("zmin", sphere ? -shape.radius : -1), b = real("zmax", sphere ? shape.radius : 1);
+        const Real reach = sphere ? shape.radius : std::numeric_limits<Real>::infinity();
         shape.z_min = std::clamp(std::min(a, b), -reach, reach);
         shape.z_max = std::clamp(std::max(a, b), -reach, reach);
         real.require(shape.z_min < shape.z_max, "'zmin' and 'zmax' leave nothing of the shape");
@@ -88,7 +89,7 @@ Status read_alpha(const ParameterSet& set, std::vector<SceneShape>& shapes) {
                         "'alpha' has the wrong type; expected one \"float alpha\" or \"texture alpha\"");
     for (SceneShape& shape : shapes) {
         if (texture) shape.alpha_texture = alpha->strings.front();
-        else shape.alpha = static_cast<float>(std::clamp(alpha->numbers.front(), 0.0, 1.0));
+        else shape.alpha = static_cast<Real>(std::clamp(alpha->numbers.front(), 0.0, 1.0));
     }
     return success();
 }

@@ -5,10 +5,10 @@
 
 namespace raylex::transport {
 
-void Bdpt::Ends::add(std::uint32_t row, const Rgb& emitted, const LightSample& at, float sampled, const Vec3& towards) {
+void Bdpt::Ends::add(std::uint32_t row, const Rgb& emitted, const LightSample& at, Real sampled, const Vec3& towards) {
     const Subpath& path = camera.path(row);
     if (path.depth < self.first_depth_) return;
-    float weight = 1;
+    Real weight = 1;
     if (path.depth > 0) {  // what the camera sees directly is found in no other way
         const SceneView& scene = self.context_.scene;
         const EmissionDensity emission =
@@ -36,7 +36,7 @@ void Bdpt::Ends::emits(std::size_t j) {
     const Rgb emitted = scene.lights->emitted(at.light, point.geometric_normal, point.wo);
     if (emitted.is_black()) return;
     const Subpath& path = camera.path(v.rows[j]);
-    const float sampled =
+    const Real sampled =
         path.depth > 0 ? scene.lights->density(LightChoice::mis, *scene.geometry, path.from, at) : 0.0f;
     add(v.rows[j], emitted, at, sampled, point.wo);
 }
@@ -105,7 +105,7 @@ void Bdpt::join_vertices(BdptThread& thread, std::size_t j) const {
         const LightVertex& y = thread.light_vertices[i];
         if (path.depth + y.depth + 2 > parameters_.max_depth) continue;
         const Vec3 between = y.point.position - point.position;
-        const float d2 = length_squared(between);
+        const Real d2 = length_squared(between);
         if (!(d2 > 0)) continue;
         const Vec3 direction = between / std::sqrt(d2);
         const JoinedScattering x = evaluate_scattering<TransportMode::radiance>(v.bsdfs[j], point, direction);

@@ -15,7 +15,7 @@ struct LightVertex {
     static constexpr std::uint32_t none = 0xffffffffu;
     SurfacePoint point;
     Bsdf bsdf;
-    float offset = 0;  ///< SurfaceSource::offset
+    Real offset = 0;  ///< SurfaceSource::offset
     std::uint32_t row = 0, depth = 0;
     LightEnd end;
     std::uint32_t previous = none;  ///< of the same subpath
@@ -89,7 +89,7 @@ struct Bdpt::Ends : CameraEnds {
     void glows(std::uint32_t row, const Rgb& emitted);
     /// `sampled`: the density with which a light sample would have found it; light leaves `at` in the direction
     /// `towards`.
-    void add(std::uint32_t row, const Rgb& emitted, const LightSample& at, float sampled, const Vec3& towards);
+    void add(std::uint32_t row, const Rgb& emitted, const LightSample& at, Real sampled, const Vec3& towards);
 };
 
 }  // namespace raylex::transport

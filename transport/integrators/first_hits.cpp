@@ -14,21 +14,21 @@ void fill(std::span<const std::uint32_t> which, std::vector<float> (&columns)[3]
     float *x = columns[0].data(), *y = columns[1].data(), *z = columns[2].data();
     for (std::size_t i = 0; i < which.size(); ++i) {
         const auto triple = value(which[i]);
-        x[i] = triple[0];
-        y[i] = triple[1];
-        z[i] = triple[2];
+        x[i] = to_float(triple[0]);
+        y[i] = to_float(triple[1]);
+        z[i] = to_float(triple[2]);
     }
 }
 template <class Number, class Value>
 void fill(std::span<const std::uint32_t> which, std::vector<Number>& column, Value value) {
     Number* const to = column.data();
-    for (std::size_t i = 0; i < which.size(); ++i) to[i] = value(which[i]);
+    for (std::size_t i = 0; i < which.size(); ++i) to[i] = static_cast<Number>(value(which[i]));
 }
 
 Vec3 camera_point(const IntegratorContext& context, const Vec3& p) {
     Vec3 result;
     for (int r = 0; r < 3; ++r) {
-        const float* m = context.world_to_camera[r];
+        const Real* m = context.world_to_camera[r];
         result[r] = m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3];
     }
     return result;
@@ -36,23 +36,23 @@ Vec3 camera_point(const IntegratorContext& context, const Vec3& p) {
 
 }  // namespace
 
-float edge_distance(const IntegratorContext& context, const Vec3& position, std::span<const Vec3> edges) {
+Real edge_distance(const IntegratorContext& context, const Vec3& position, std::span<const Vec3> edges) {
     const Vec3 p = camera_point(context, position);
     if (!(p.z > 0)) return infinity;
     const auto image = [&](const Vec3& q) {
         return Vec2{(q.x / q.z - p.x / p.z) / context.pixel_size.x, (q.y / q.z - p.y / p.z) / context.pixel_size.y};
     };
     // Lines stay lines in a perspective image, so the distance to the edge's image is exact.
-    const float near = 1e-3f * p.z;
-    float nearest = infinity;
+    const Real near = Real(1e-3) * p.z;
+    Real nearest = infinity;
     for (std::size_t i = 0; i + 1 < edges.size(); i += 2) {
         Vec3 a = camera_point(context, edges[i]), b = camera_point(context, edges[i + 1]);
         if (a.z < near && b.z < near) continue;
         if (a.z < near) a += (b - a) * ((near - a.z) / (b.z - a.z));
         if (b.z < near) b += (a - b) * ((near - b.z) / (a.z - b.z));
         const Vec2 from = image(a), to = image(b), along{to.x - from.x, to.y - from.y};
-        const float l2 = along.x * along.x + along.y * along.y;
-        const float t = l2 > 0 ? std::clamp(-(from.x * along.x + from.y * along.y) / l2, 0.0f, 1.0f) : 0.0f;
+        const Real l2 = along.x * along.x + along.y * along.y;
+        const Real t = l2 > 0 ? std::clamp(-(from.x * along.x + from.y * along.y) / l2, Real(0), Real(1)) : 0.0f;
         nearest = std::min(nearest, std::hypot(from.x + t * along.x, from.y + t * along.y));
     }
     return nearest;
@@ -121,13 +121,14 @@ void describe_first_hits(const IntegratorContext& context, const FirstHits& firs
         const std::size_t j = which[at];
         const SurfaceDetails details = geometry.details(first.hits[j], points[j]);
         for (int c = 0; c < 3; ++c) {
-            if (wanted & in::dpdv) batch.dpdv[c][at] = details.dpdv[c];
-            if (wanted & in::object_position) batch.object_position[c][at] = details.object_position[c];
+            if (wanted & in::dpdv) batch.dpdv[c][at] = to_float(details.dpdv[c]);
+            if (wanted & in::object_position) batch.object_position[c][at] = to_float(details.object_position[c]);
         }
-        if (wanted & in::curvature) batch.curvature[at] = details.curvature;
+        if (wanted & in::curvature) batch.curvature[at] = to_float(details.curvature);
         if (wanted & in::edges)
-            batch.edge_pixels[at] = edge_distance(
-                context, points[j].position, {details.edges.data(), 2 * static_cast<std::size_t>(details.edge_count)});
+            batch.edge_pixels[at] =
+                to_float(edge_distance(context, points[j].position,
+                                       {details.edges.data(), 2 * static_cast<std::size_t>(details.edge_count)}));
     }
 }
 

@@ -36,6 +36,6 @@ void describe_first_hits(const IntegratorContext& context, const FirstHits& firs
 
 /// How far `position` lies from the nearest of the edges (start and end by turns), in pixels of the image; infinity
 /// when there is none. Edges that pass behind the camera are cut.
-float edge_distance(const IntegratorContext& context, const Vec3& position, std::span<const Vec3> edges);
+Real edge_distance(const IntegratorContext& context, const Vec3& position, std::span<const Vec3> edges);
 
 }  // namespace raylex::transport

@@ -6,6 +6,7 @@
 #include "transport/integrators/light_tracer.h"
 #include "transport/integrators/path.h"
 #include "transport/integrators/pssmlt.h"
+#include "transport/render/camera.h"
 
 namespace raylex::transport {
 
@@ -27,7 +28,7 @@ Registry<IntegratorFactory>& integrator_registry() {
 
 void reject_power(ThreadServices& services, const display::CameraRow& row, const Rgb& power) {
     const display::Tracker tracker = services.raster->begin(0, 0, row);
-    services.raster->lpe().contribute(power, {}, tracker);
+    services.raster->lpe().contribute(to_float(power), {}, tracker);
 }
 
 Vec3 camera_position(const IntegratorContext& context) { return context.camera->generate(0, 0, {0.5f, 0.5f}).origin; }

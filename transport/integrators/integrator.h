@@ -59,7 +59,7 @@ struct IntegratorContext {
     const geoaovs::GeometricAovs* aovs = nullptr;
     std::span<const display::ChannelDefinition> channels;
     bool pattern_channels = false;     ///< somebody asks for a channel that patterns write to: first hits must be shaded
-    float world_to_camera[3][4] = {};  ///< rigid part, for geoaovs::ShadingBatch
+    Real world_to_camera[3][4] = {};   ///< rigid part, for geoaovs::ShadingBatch
     Vec2 pixel_size;                   ///< of a pixel on the plane at distance 1 before the camera
     bool beauty = true;                ///< false: what no channel can accept need not be simulated (Law 4)
     int batch_capacity = 0;            ///< most rays of one batch

@@ -46,7 +46,7 @@ class PathIntegrator final : public Integrator {
     struct Ends;
     void sample_light(PathThread& thread, std::size_t j) const;
     /// Whether light sampling finds the emitter too to which `light_pdf` belongs.
-    [[nodiscard]] bool sampled_too(const Subpath& path, float light_pdf) const {
+    [[nodiscard]] bool sampled_too(const Subpath& path, Real light_pdf) const {
         return !path.specular && light_pdf > 0 && parameters_.strategy != PathStrategy::scattering;
     }
     [[nodiscard]] LightChoice choice() const {
@@ -97,11 +97,11 @@ struct PathIntegrator::Ends : CameraEnds {
         const Rgb value = path.beta * emitted;
         camera.record().arrive(row, camera.record().events().emission(), {0, path.depth + 2}, {value, emitted, value});
     }
-    void add(std::uint32_t row, std::uint32_t light, const Rgb& emitted, float light_pdf) {
+    void add(std::uint32_t row, std::uint32_t light, const Rgb& emitted, Real light_pdf) {
         const Subpath& path = camera.path(row);
         if (path.depth < self.parameters_.first_depth) return;
         const bool sampled_too = self.sampled_too(path, light_pdf);
-        float weight = 1;
+        Real weight = 1;
         if (sampled_too)
             weight = self.parameters_.strategy == PathStrategy::light ? 0.0f : power_heuristic(path.pdf, light_pdf);
         if (!(weight > 0)) return;
@@ -137,7 +137,7 @@ void PathIntegrator::sample_light(PathThread& thread, std::size_t j) const {
     if (parameters_.strategy == PathStrategy::scattering && !sample.delta) return;
     const BsdfEvaluation f = camera.vertices().bsdfs[j].evaluate(point.wo, sample.wi);
     if (f.value.is_black()) return;
-    float weight = 1;
+    Real weight = 1;
     if (!sample.delta && parameters_.strategy == PathStrategy::mis) weight = power_heuristic(sample.pdf, f.pdf);
     thread.connections.add_light_sample(camera, j, sample, f, weight);
 }

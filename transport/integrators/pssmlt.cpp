@@ -33,8 +33,8 @@ void Pssmlt::begin_path(PssmltThread& thread, std::size_t row, PrimarySamples& n
     const Vec2 u = sampler.get_2d(filter_dimension);
     display::CameraRow& camera = thread.rows[row];
     camera = display::CameraRow();
-    camera.screen_x = left_ + across_ * u.x;
-    camera.screen_y = top_ + down_ * u.y;
+    camera.screen_x = to_float(left_ + across_ * u.x);
+    camera.screen_y = to_float(top_ + down_ * u.y);
     camera.pixel_x = static_cast<std::int32_t>(std::floor(camera.screen_x));
     camera.pixel_y = static_cast<std::int32_t>(std::floor(camera.screen_y));
     camera.sample = (std::uint64_t{tile} << 44) + (chain << 32) + numbers.mutations();
@@ -107,8 +107,8 @@ void Pssmlt::copy_splats(const PssmltThread& thread, std::size_t row, StateSplat
 void Pssmlt::splat(display::RasterSplats& raster, display::CameraRow where, double weight,
                    const StateSplats& splats) const {
     for (std::size_t i = 0; i < splats.positions.size(); ++i) {
-        where.screen_x = splats.positions[i].x;
-        where.screen_y = splats.positions[i].y;
+        where.screen_x = to_float(splats.positions[i].x);
+        where.screen_y = to_float(splats.positions[i].y);
         raster.add(where, i == 0 ? weight * area_share_ : weight, splatted_, &splats.values[3 * splatted_.size() * i]);
     }
 }
@@ -198,7 +198,7 @@ void Pssmlt::step(ChainGroup& group, std::uint32_t tile, std::size_t count, Pssm
             // looks at.
             const display::Tracker tracker =
                 services.raster->begin(thread.rows[i].screen_x, thread.rows[i].screen_y, thread.rows[i]);
-            services.raster->lpe().contribute(Rgb(std::numeric_limits<float>::quiet_NaN()), {}, tracker);
+            services.raster->lpe().contribute(raylex::Rgb(std::numeric_limits<float>::quiet_NaN()), {}, tracker);
         }
         if (chain.large) {
             group.large_sum += f;

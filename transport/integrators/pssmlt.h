@@ -33,8 +33,8 @@ namespace raylex::transport {
 
 struct PssmltParameters {
     std::uint32_t max_depth = 5;
-    float large_step_probability = 0.3f;
-    float sigma = 0.01f;          ///< standard deviation of a small step
+    Real large_step_probability = Real(0.3);
+    Real sigma = Real(0.01);          ///< standard deviation of a small step
     std::uint32_t chains = 1000;  ///< in all; at least one a tile
     std::uint32_t bootstrap_samples = 100'000;
     bool roulette = true;

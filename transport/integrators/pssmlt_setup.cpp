@@ -24,8 +24,8 @@ Result<std::unique_ptr<Integrator>> make_pssmlt(const SceneEntity& entity, std::
     if (!(*sigma > 0 && *sigma <= 1))
         return error_at(entity.location,
                         "'sigma' is " + std::to_string(*sigma) + "; expected more than 0 and at most 1");
-    p.large_step_probability = static_cast<float>(*large);
-    p.sigma = static_cast<float>(*sigma);
+    p.large_step_probability = static_cast<Real>(*large);
+    p.sigma = static_cast<Real>(*sigma);
     auto chains = entity.parameters.integer_or("chains", 1000),
          samples = entity.parameters.integer_or("bootstrapsamples", 100'000);
     if (!chains) return chains.error();
@@ -127,11 +127,12 @@ Status Pssmlt::prepare(const IntegratorContext& context) {
             target_.push_back(splatted_[static_cast<std::size_t>(found - known.begin())]);
         }
     }
-    const Vec2 reach{std::max(context.filter_radius.x - 0.5f, 0.0f), std::max(context.filter_radius.y - 0.5f, 0.0f)};
+    const Vec2 reach{std::max(context.filter_radius.x - Real(0.5), Real(0)),
+                     std::max(context.filter_radius.y - Real(0.5), Real(0))};
     left_ = -reach.x;
     top_ = -reach.y;
-    across_ = static_cast<float>(context.width) + 2 * reach.x;
-    down_ = static_cast<float>(context.height) + 2 * reach.y;
+    across_ = static_cast<Real>(context.width) + 2 * reach.x;
+    down_ = static_cast<Real>(context.height) + 2 * reach.y;
     area_share_ = static_cast<double>(across_) * static_cast<double>(down_) /
                   (static_cast<double>(context.width) * static_cast<double>(context.height));
     groups_ = std::vector<ChainGroup>(context.tiles);

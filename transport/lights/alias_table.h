@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "transport/math/sampling.h"
+
 namespace raylex::transport {
 
 class AliasTable {
@@ -21,13 +23,13 @@ class AliasTable {
         bins_.resize(n);
         for (std::size_t i = 0; i < n; ++i) {
             scaled[i] = weights[i] / total * static_cast<double>(n);
-            bins_[i].probability = static_cast<float>(weights[i] / total);
+            bins_[i].probability = static_cast<Real>(weights[i] / total);
             (scaled[i] < 1 ? small : large).push_back(static_cast<std::uint32_t>(i));
         }
         while (!small.empty() && !large.empty()) {
             const std::uint32_t s = small.back(), l = large.back();
             small.pop_back();
-            bins_[s].threshold = static_cast<float>(scaled[s]);
+            bins_[s].threshold = static_cast<Real>(scaled[s]);
             bins_[s].alias = l;
             scaled[l] -= 1 - scaled[s];
             if (scaled[l] < 1) {
@@ -44,30 +46,30 @@ class AliasTable {
 
     [[nodiscard]] bool empty() const { return bins_.empty(); }
     /// u in [0, 1).
-    [[nodiscard]] std::uint32_t choose(float u) const {
-        const float scaled = u * static_cast<float>(bins_.size());
+    [[nodiscard]] std::uint32_t choose(Real u) const {
+        const Real scaled = u * static_cast<Real>(bins_.size());
         std::size_t i = static_cast<std::size_t>(scaled);
         if (i >= bins_.size()) i = bins_.size() - 1;
-        return scaled - static_cast<float>(i) < bins_[i].threshold ? static_cast<std::uint32_t>(i) : bins_[i].alias;
+        return scaled - static_cast<Real>(i) < bins_[i].threshold ? static_cast<std::uint32_t>(i) : bins_[i].alias;
     }
     /// The same, and `u` becomes uniform in [0, 1) again. It loses log2(size) of its 24 bits: for small tables.
-    [[nodiscard]] std::uint32_t choose_and_remap(float& u) const {
-        const float scaled = u * static_cast<float>(bins_.size());
+    [[nodiscard]] std::uint32_t choose_and_remap(Real& u) const {
+        const Real scaled = u * static_cast<Real>(bins_.size());
         std::size_t i = static_cast<std::size_t>(scaled);
         if (i >= bins_.size()) i = bins_.size() - 1;
-        const float rest = scaled - static_cast<float>(i), threshold = bins_[i].threshold;
+        const Real rest = scaled - static_cast<Real>(i), threshold = bins_[i].threshold;
         const bool own = rest < threshold;
-        u = std::min(own ? rest / threshold : (rest - threshold) / (1 - threshold), 0x1.fffffep-1f);
+        u = std::min(own ? rest / threshold : (rest - threshold) / (1 - threshold), one_minus_epsilon);
         return own ? static_cast<std::uint32_t>(i) : bins_[i].alias;
     }
     [[nodiscard]] std::size_t size() const { return bins_.size(); }
-    [[nodiscard]] float probability(std::uint32_t i) const { return bins_.empty() ? 0.0f : bins_[i].probability; }
+    [[nodiscard]] Real probability(std::uint32_t i) const { return bins_.empty() ? 0.0f : bins_[i].probability; }
 
   private:
     struct Bin {
-        float threshold = 1;
+        Real threshold = 1;
         std::uint32_t alias = 0;
-        float probability = 0;
+        Real probability = 0;
     };
     static std::uint32_t heaviest_of(const std::vector<double>& weights) {
         std::size_t best = 0;

@@ -10,7 +10,7 @@
 
 namespace raylex::transport {
 
-inline float point_offset(const Vec3& n, const Vec3& p, const Vec3& extent) {
+inline Real point_offset(const Vec3& n, const Vec3& p, const Vec3& extent) {
     return gamma_bound(8) * (std::abs(n.x) * (std::abs(p.x) + extent.x) + std::abs(n.y) * (std::abs(p.y) + extent.y) +
                              std::abs(n.z) * (std::abs(p.z) + extent.z));
 }
@@ -19,7 +19,7 @@ inline Vec3 magnitudes(const Vec3& a, const Vec3& b) {
     return {std::abs(a.x) + std::abs(b.x), std::abs(a.y) + std::abs(b.y), std::abs(a.z) + std::abs(b.z)};
 }
 
-inline float sample_triangle_point(const Light& light, const Vec2& u, LightSample& s) {
+inline Real sample_triangle_point(const Light& light, const Vec2& u, LightSample& s) {
     const Vec2 b = sample_uniform_triangle(u);
     s.uv = {b.y, 1 - b.x - b.y};
     s.target = light.position + light.edge1 * b.y + light.edge2 * (1 - b.x - b.y);
@@ -29,30 +29,30 @@ inline float sample_triangle_point(const Light& light, const Vec2& u, LightSampl
 }
 
 /// 0 where the patch has no area.
-inline float sample_patch_point(const Light& light, const ShapeGeometry& shape, const Vec2& u, LightSample& s) {
+inline Real sample_patch_point(const Light& light, const ShapeGeometry& shape, const Vec2& u, LightSample& s) {
     const BilinearPatch patch = shape.patch(light.primitive);
     const DVec3 n = cross(patch.dpdu(u.y), patch.dpdv(u.x));
     const double area = length(n);
     if (!(area > 0)) return 0;
     s.uv = u;
-    s.target = patch.point(u.x, u.y).to_float();
-    s.target_normal = (n * ((shape.flip_normal && shape.normals.empty() ? -1 : 1) / area)).to_float();
+    s.target = patch.point(u.x, u.y).to_real();
+    s.target_normal = (n * ((shape.flip_normal && shape.normals.empty() ? -1 : 1) / area)).to_real();
     if (!shape.normals.empty())
         s.target_normal = face_forward(
             s.target_normal, shape.normals[shape.patch_indices[4 * static_cast<std::size_t>(light.primitive)]]);
     s.target_offset = point_offset(s.target_normal, s.target, {});
-    return static_cast<float>(1 / area);
+    return static_cast<Real>(1 / area);
 }
 
-inline float sample_quadric_point(const Quadric& quadric, const Vec2& u, LightSample& s) {
+inline Real sample_quadric_point(const Quadric& quadric, const Vec2& u, LightSample& s) {
     double a, b;
     quadric.sample_area(u.x, u.y, a, b);
     const Quadric::Point point = quadric.world_point(a, b);
-    s.uv = {static_cast<float>(a), static_cast<float>(b)};
-    s.target = point.position.to_float();
-    s.target_normal = point.normal.to_float();
+    s.uv = {static_cast<Real>(a), static_cast<Real>(b)};
+    s.target = point.position.to_real();
+    s.target_normal = point.normal.to_real();
     s.target_offset = point_offset(s.target_normal, s.target, {});
-    return static_cast<float>(1 / (quadric.object_area() * point.area_scale));
+    return static_cast<Real>(1 / (quadric.object_area() * point.area_scale));
 }
 
 }  // namespace raylex::transport

@@ -9,29 +9,29 @@ namespace raylex::transport {
 namespace {
 
 /// What a pixel is sampled by: the mean of its channels serves every primary alike.
-float weight_of(const Rgb& c) {
-    return std::max(c.average(), 0.0f);
+Real weight_of(const Rgb& c) {
+    return std::max(c.average(), Real(0));
 }
 
 /// Largest i with cumulative[i] <= u, and where u stands within that step.
-std::size_t find_step(const float* cumulative, std::size_t steps, float u, float& within) {
-    const float* upper = std::upper_bound(cumulative, cumulative + steps + 1, u);
+std::size_t find_step(const Real* cumulative, std::size_t steps, Real u, Real& within) {
+    const Real* upper = std::upper_bound(cumulative, cumulative + steps + 1, u);
     std::size_t i = upper == cumulative ? 0 : static_cast<std::size_t>(upper - cumulative) - 1;
     i = std::min(i, steps - 1);
-    const float width = cumulative[i + 1] - cumulative[i];
-    within = width > 0 ? std::clamp((u - cumulative[i]) / width, 0.0f, one_minus_epsilon) : 0.5f;
+    const Real width = cumulative[i + 1] - cumulative[i];
+    within = width > 0 ? std::clamp((u - cumulative[i]) / width, Real(0), one_minus_epsilon) : 0.5f;
     return i;
 }
 
 }  // namespace
 
 Vec2 octahedral_from_direction(const Vec3& d) {
-    const float x = std::abs(d.x), y = std::abs(d.y), z = std::abs(d.z);
-    const float r = safe_sqrt(1 - z);
-    const float a = std::max(x, y), b = std::min(x, y);
-    float phi = std::atan(a == 0 ? 0 : b / a) * (2 * inv_pi);
+    const Real x = std::abs(d.x), y = std::abs(d.y), z = std::abs(d.z);
+    const Real r = safe_sqrt(1 - z);
+    const Real a = std::max(x, y), b = std::min(x, y);
+    Real phi = std::atan(a == 0 ? 0 : b / a) * (2 * inv_pi);
     if (x < y) phi = 1 - phi;
-    float v = phi * r, u = r - v;
+    Real v = phi * r, u = r - v;
     if (d.z < 0) {
         std::swap(u, v);
         u = 1 - u;
@@ -41,13 +41,13 @@ Vec2 octahedral_from_direction(const Vec3& d) {
 }
 
 Vec3 direction_from_octahedral(const Vec2& uv) {
-    const float u = 2 * uv.x - 1, v = 2 * uv.y - 1;
-    const float up = std::abs(u), vp = std::abs(v);
-    const float signed_distance = 1 - (up + vp);
-    const float r = 1 - std::abs(signed_distance);
-    const float phi = (r == 0 ? 1 : (vp - up) / r + 1) * (pi / 4);
-    const float z = std::copysign(1 - r * r, signed_distance);
-    const float s = r * safe_sqrt(2 - r * r);
+    const Real u = 2 * uv.x - 1, v = 2 * uv.y - 1;
+    const Real up = std::abs(u), vp = std::abs(v);
+    const Real signed_distance = 1 - (up + vp);
+    const Real r = 1 - std::abs(signed_distance);
+    const Real phi = (r == 0 ? 1 : (vp - up) / r + 1) * (pi / 4);
+    const Real z = std::copysign(1 - r * r, signed_distance);
+    const Real s = r * safe_sqrt(2 - r * r);
     return {std::copysign(std::cos(phi), u) * s, std::copysign(std::sin(phi), v) * s, z};
 }
 
@@ -65,11 +65,11 @@ EnvironmentImage::EnvironmentImage(int resolution, std::vector<Rgb> pixels, cons
             luminance_sum += luminance(pixels_[y * n + x]);
         }
         double running = 0;
-        float* row = columns_.data() + y * (n + 1);
+        Real* row = columns_.data() + y * (n + 1);
         for (std::size_t x = 0; x < n; ++x) {
             running += weight_of(pixels_[y * n + x]);
             row[x + 1] =
-                sum > 0 ? static_cast<float>(running / sum) : static_cast<float>(x + 1) / static_cast<float>(n);
+                sum > 0 ? static_cast<Real>(running / sum) : static_cast<Real>(x + 1) / static_cast<Real>(n);
         }
         row[n] = 1;
         row_sums[y] = sum;
@@ -78,7 +78,7 @@ EnvironmentImage::EnvironmentImage(int resolution, std::vector<Rgb> pixels, cons
     double running = 0;
     for (std::size_t y = 0; y < n && total > 0; ++y) {
         running += row_sums[y];
-        rows_[y + 1] = static_cast<float>(running / total);
+        rows_[y + 1] = static_cast<Real>(running / total);
     }
     if (total > 0) rows_[n] = 1;
     mean_ = luminance_sum / (static_cast<double>(n) * static_cast<double>(n));
@@ -86,43 +86,43 @@ EnvironmentImage::EnvironmentImage(int resolution, std::vector<Rgb> pixels, cons
 
 std::size_t EnvironmentImage::pixel_of(const Vec3& world_direction) const {
     const DVec3 local = normalize(placement_.to_object.vector(DVec3(world_direction)));
-    const Vec2 uv = octahedral_from_direction(local.to_float());
-    const auto cell = [this](float v) {
+    const Vec2 uv = octahedral_from_direction(local.to_real());
+    const auto cell = [this](Real v) {
         return static_cast<std::size_t>(
-            std::clamp(static_cast<int>(v * static_cast<float>(resolution_)), 0, resolution_ - 1));
+            std::clamp(static_cast<int>(v * static_cast<Real>(resolution_)), 0, resolution_ - 1));
     };
     return cell(uv.y) * static_cast<std::size_t>(resolution_) + cell(uv.x);
 }
 
-float EnvironmentImage::density(std::size_t pixel) const {
+Real EnvironmentImage::density(std::size_t pixel) const {
     // From the stored cumulative shares and not from the pixel's value: what sample() really does.
     const auto n = static_cast<std::size_t>(resolution_);
     const std::size_t y = pixel / n, x = pixel % n;
-    const float* row = columns_.data() + y * (n + 1);
-    const float share = (rows_[y + 1] - rows_[y]) * (row[x + 1] - row[x]);
-    return share * static_cast<float>(n) * static_cast<float>(n) * uniform_sphere_pdf();
+    const Real* row = columns_.data() + y * (n + 1);
+    const Real share = (rows_[y + 1] - rows_[y]) * (row[x + 1] - row[x]);
+    return share * static_cast<Real>(n) * static_cast<Real>(n) * uniform_sphere_pdf();
 }
 
 Rgb EnvironmentImage::radiance(const Vec3& world_direction) const {
     return pixels_[pixel_of(world_direction)];
 }
-float EnvironmentImage::pdf(const Vec3& world_direction) const {
+Real EnvironmentImage::pdf(const Vec3& world_direction) const {
     return density(pixel_of(world_direction));
 }
 
-bool EnvironmentImage::sample(const Vec2& u, Vec3& world_direction, Rgb& radiance, float& pdf) const {
+bool EnvironmentImage::sample(const Vec2& u, Vec3& world_direction, Rgb& radiance, Real& pdf) const {
     const auto n = static_cast<std::size_t>(resolution_);
     if (!(rows_[n] > 0)) return false;
-    float within_x, within_y;
+    Real within_x, within_y;
     const std::size_t y = find_step(rows_.data(), n, u.y, within_y);
     const std::size_t x = find_step(columns_.data() + y * (n + 1), n, u.x, within_x);
     const std::size_t pixel = y * n + x;
     pdf = density(pixel);
     if (!(pdf > 0)) return false;
-    const float scale = 1 / static_cast<float>(n);
+    const Real scale = 1 / static_cast<Real>(n);
     const Vec3 local = direction_from_octahedral(
-        {(static_cast<float>(x) + within_x) * scale, (static_cast<float>(y) + within_y) * scale});
-    world_direction = normalize(placement_.to_world.vector(DVec3(local))).to_float();
+        {(static_cast<Real>(x) + within_x) * scale, (static_cast<Real>(y) + within_y) * scale});
+    world_direction = normalize(placement_.to_world.vector(DVec3(local))).to_real();
     radiance = pixels_[pixel];
     return true;
 }

@@ -7,7 +7,7 @@
 
 #include <vector>
 
-#include "display/services/rgb.h"
+#include "transport/math/real.h"
 #include "transport/geometry/matrix34.h"
 
 namespace raylex::transport {
@@ -23,18 +23,18 @@ class EnvironmentImage {
 
     [[nodiscard]] Rgb radiance(const Vec3& world_direction) const;
     /// Per steradian; 0 where the image is black.
-    [[nodiscard]] float pdf(const Vec3& world_direction) const;
+    [[nodiscard]] Real pdf(const Vec3& world_direction) const;
     /// A world direction, or false when the image is black everywhere.
-    bool sample(const Vec2& u, Vec3& world_direction, Rgb& radiance, float& pdf) const;
+    bool sample(const Vec2& u, Vec3& world_direction, Rgb& radiance, Real& pdf) const;
     [[nodiscard]] double mean_luminance() const { return mean_; }
 
   private:
     [[nodiscard]] std::size_t pixel_of(const Vec3& world_direction) const;
-    [[nodiscard]] float density(std::size_t pixel) const;
+    [[nodiscard]] Real density(std::size_t pixel) const;
     int resolution_ = 0;
     std::vector<Rgb> pixels_;
-    std::vector<float> rows_;     // [resolution + 1] cumulative share of the rows
-    std::vector<float> columns_;  // [resolution][resolution + 1] cumulative share within a row
+    std::vector<Real> rows_;      // [resolution + 1] cumulative share of the rows
+    std::vector<Real> columns_;   // [resolution][resolution + 1] cumulative share within a row
     Placement placement_;
     double mean_ = 0;
 };

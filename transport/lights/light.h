@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "display/services/rgb.h"
+#include "transport/math/real.h"
 #include "transport/geometry/ray.h"
 #include "transport/math/vec.h"
 
@@ -33,11 +33,11 @@ struct Light {
     Vec3 position;      ///< point, spot; triangle: vertex 0
     Vec3 direction;     ///< spot: its axis; distant: towards the light; triangle: unit normal, emitting side
     Vec3 edge1, edge2;  ///< triangle
-    float area = 0;     ///< triangle, patch: world; quadric: object space; sphere: world
-    float cos_full = 1, cos_zero = 0;        ///< spot: where the falloff begins and ends
+    Real area = 0;      ///< triangle, patch: world; quadric: object space; sphere: world
+    Real cos_full = 1, cos_zero = 0;         ///< spot: where the falloff begins and ends
     std::uint32_t shape = 0, primitive = 0;  ///< area lights
     std::int32_t environment = -1;           ///< index of the image
-    float power = 0;                         ///< watts-like estimate, the weight of its selection
+    Real power = 0;                          ///< watts-like estimate, the weight of its selection
 
     [[nodiscard]] bool is_delta() const { return hidden || (kind >= LightKind::point && kind <= LightKind::distant); }
     [[nodiscard]] bool is_environment() const { return kind >= LightKind::uniform_environment; }
@@ -45,10 +45,10 @@ struct Light {
 };
 
 /// What a spot light sends at this cosine to its axis, as a share of its intensity: a smoothstep between the two angles.
-inline float spot_falloff(const Light& light, float cosine) {
-    const float x = (cosine - light.cos_zero) / (light.cos_full - light.cos_zero);
+inline Real spot_falloff(const Light& light, Real cosine) {
+    const Real x = (cosine - light.cos_zero) / (light.cos_full - light.cos_zero);
     if (!(x > 0)) return 0;
-    const float t = std::min(x, 1.0f);
+    const Real t = std::min(x, Real(1));
     return t * t * (3 - 2 * t);
 }
 
@@ -56,10 +56,10 @@ inline float spot_falloff(const Light& light, float cosine) {
 struct LightSample {
     Rgb radiance;             ///< delta lights: intensity / d^2 or irradiance, to be divided by `pdf` like the others
     Vec3 wi;                  ///< unit, from the lit point
-    float pdf = 0;            ///< per steradian times the chance of the choice; delta lights: that chance
+    Real pdf = 0;             ///< per steradian times the chance of the choice; delta lights: that chance
     Vec3 target;              ///< the point on the light; unused when `infinite`
     Vec3 target_normal;       ///< zero for points
-    float target_offset = 0;  ///< rounding bound of `target`
+    Real target_offset = 0;   ///< rounding bound of `target`
     Vec2 uv;                  ///< area lights: where on the primitive, as Hit has it
     std::uint32_t light = 0;
     bool delta = false, infinite = false;
@@ -77,12 +77,12 @@ struct EmissionSample {
 struct EmissionDensity {
     /// Of the point, per area, times the chance of the light's choice; of a light at infinity the density of the direction,
     /// per steradian; of a point or a distant light the choice alone.
-    float position = 0;
-    float direction = 0;  ///< per steradian; of a light at infinity, of the ray across the beam, per area
+    Real position = 0;
+    Real direction = 0;   ///< per steradian; of a light at infinity, of the ray across the beam, per area
 };
 
 /// The ray that tests whether `sample` is visible from `position`.
-inline Ray shadow_ray(const Vec3& position, const Vec3& geometric_normal, float offset, const LightSample& sample) {
+inline Ray shadow_ray(const Vec3& position, const Vec3& geometric_normal, Real offset, const LightSample& sample) {
     Ray ray;
     ray.origin = offset_ray_origin(position, geometric_normal, offset, sample.wi);
     if (sample.infinite) {

@@ -9,11 +9,11 @@ namespace {
 
 /// Of the disk that covers the scene: a little more than the sphere about its bounds, so that rounding cuts nothing
 /// off.
-float covering_radius(const EmbreeScene& geometry) {
-    return std::max(geometry.bounds().radius(), 1e-30f) * (1 + 1e-5f);
+Real covering_radius(const EmbreeScene& geometry) {
+    return std::max(geometry.bounds().radius(), Real(1e-30)) * (1 + Real(1e-5));
 }
 
-bool emit_from_area(const Light& light, float area_density, Vec2 u, EmissionSample& s) {
+bool emit_from_area(const Light& light, Real area_density, Vec2 u, EmissionSample& s) {
     if (!(area_density > 0)) return false;
     Vec3 n = s.from.target_normal;
     if (light.two_sided) {
@@ -37,23 +37,23 @@ bool emit_from_point(const Light& light, const Vec2& u, EmissionSample& s) {
         s.power = light.emission * (4 * pi / s.from.pdf);
         return true;
     }
-    const float one_minus_cos = 1 - light.cos_zero;
+    const Real one_minus_cos = 1 - light.cos_zero;
     if (!(one_minus_cos > 0)) return false;
     const Vec3 local = sample_uniform_cone(u, one_minus_cos);
     s.direction = normalize(Frame::from_normal(light.direction).to_world(local));
-    const float falloff = spot_falloff(light, local.z);
+    const Real falloff = spot_falloff(light, local.z);
     s.power = light.emission * (falloff * 2 * pi * one_minus_cos / s.from.pdf);
     return falloff > 0;
 }
 
 /// Per world area, where sample_*_point() puts points on an area light.
-float area_density(const Light& light, const ShapeGeometry& shape, const Vec2& uv) {
+Real area_density(const Light& light, const ShapeGeometry& shape, const Vec2& uv) {
     if (light.kind == LightKind::triangle) return 1 / light.area;
     if (light.kind == LightKind::patch) {
         const BilinearPatch patch = shape.patch(light.primitive);
-        return static_cast<float>(1 / length(cross(patch.dpdu(uv.y), patch.dpdv(uv.x))));
+        return static_cast<Real>(1 / length(cross(patch.dpdu(uv.y), patch.dpdv(uv.x))));
     }
-    return static_cast<float>(1 / (shape.quadric.object_area() * shape.quadric.world_point(uv.x, uv.y).area_scale));
+    return static_cast<Real>(1 / (shape.quadric.object_area() * shape.quadric.world_point(uv.x, uv.y).area_scale));
 }
 
 }  // namespace
@@ -61,21 +61,21 @@ float area_density(const Light& light, const ShapeGeometry& shape, const Vec2& u
 EmissionDensity LightTable::emission_density(const EmbreeScene& geometry, const LightSample& at,
                                              const Vec3& direction) const {
     const Light& light = lights_[at.light];
-    const float chosen = selection(LightChoice::light_sampling).probability(at.light);
+    const Real chosen = selection(LightChoice::light_sampling).probability(at.light);
     if (light.is_area()) {
-        const float cosine = dot(at.target_normal, direction);
-        const float of_direction = light.two_sided ? 0.5f * std::abs(cosine) : std::max(cosine, 0.0f);
+        const Real cosine = dot(at.target_normal, direction);
+        const Real of_direction = light.two_sided ? 0.5f * std::abs(cosine) : std::max(cosine, Real(0));
         return {chosen * area_density(light, geometry.shapes()[light.shape], at.uv), of_direction * inv_pi};
     }
     if (light.kind == LightKind::point) return {chosen, uniform_sphere_pdf()};
     if (light.kind == LightKind::spot)
         return {chosen, dot(light.direction, direction) > light.cos_zero ? uniform_cone_pdf(1 - light.cos_zero) : 0.0f};
-    const float radius = covering_radius(geometry), across = 1 / (pi * radius * radius);
+    const Real radius = covering_radius(geometry), across = 1 / (pi * radius * radius);
     if (light.kind == LightKind::distant) return {chosen, across};
     return {environment_density(LightChoice::light_sampling, at.light, -direction), across};
 }
 
-float LightTable::sample_area_point(const EmbreeScene& geometry, const Light& light, const Vec2& u,
+Real LightTable::sample_area_point(const EmbreeScene& geometry, const Light& light, const Vec2& u,
                                     LightSample& s) const {
     if (light.kind == LightKind::triangle) return sample_triangle_point(light, u, s);
     const ShapeGeometry& shape = geometry.shapes()[light.shape];
@@ -89,7 +89,7 @@ Vec3 LightTable::some_point(const EmbreeScene& geometry, std::uint32_t light) co
     return sample.target;
 }
 
-bool LightTable::sample_emission(const EmbreeScene& geometry, float u_choice, Vec2 u_position, Vec2 u_direction,
+bool LightTable::sample_emission(const EmbreeScene& geometry, Real u_choice, Vec2 u_position, Vec2 u_direction,
                                  EmissionSample& s) const {
     const AliasTable& table = selection(LightChoice::light_sampling);
     if (table.empty()) return false;
@@ -117,7 +117,7 @@ bool LightTable::sample_emission(const EmbreeScene& geometry, float u_choice, Ve
             s.power = light.emission;
             break;
         case LightKind::image_environment: {
-            float pdf = 0;
+            Real pdf = 0;
             Rgb radiance;
             if (!images_[static_cast<std::size_t>(light.environment)].sample(u_direction, from.wi, radiance, pdf))
                 return false;
@@ -126,7 +126,7 @@ bool LightTable::sample_emission(const EmbreeScene& geometry, float u_choice, Ve
             break;
         }
     }
-    const float radius = covering_radius(geometry);
+    const Real radius = covering_radius(geometry);
     const Vec2 d = sample_disk(u_position);
     const Frame frame = Frame::from_normal(from.wi);
     from.infinite = true;

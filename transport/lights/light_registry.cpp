@@ -19,8 +19,8 @@ Result<Vec3> point_or(const ParameterSet& set, std::string_view name, const Vec3
     if (!p) return fallback;
     if (p->type != ParameterType::point3 || p->numbers.size() != 3)
         return error_at(p->location, quoted(name).append(" must be one point3"));
-    return Vec3{static_cast<float>(p->numbers[0]), static_cast<float>(p->numbers[1]),
-                static_cast<float>(p->numbers[2])};
+    return Vec3{static_cast<Real>(p->numbers[0]), static_cast<Real>(p->numbers[1]),
+                static_cast<Real>(p->numbers[2])};
 }
 
 Status refuse(const ParameterSet& set, std::string_view name, const std::string& why) {
@@ -34,11 +34,11 @@ Result<Rgb> scaled_emission(const SceneEntity& light, std::string_view name, con
     if (!emission) return emission;
     auto scale = light.parameters.real_or("scale", 1);
     if (!scale) return scale.error();
-    return *emission * static_cast<float>(*scale);
+    return *emission * static_cast<Real>(*scale);
 }
 
 Vec3 direction_in_world(const Transform& transform, const Vec3& v) {
-    return normalize(normalize(DVec3(transform.vector(v)))).to_float();
+    return normalize(normalize(DVec3(transform.vector(v)))).to_real();
 }
 
 Result<Light> make_point(const SceneLight& source, LightContext& context) {
@@ -50,7 +50,7 @@ Result<Light> make_point(const SceneLight& source, LightContext& context) {
     if (!power) return power.error();
     auto from = point_or(source.parameters, "from", {});
     if (!from) return from.error();
-    light.emission = *power > 0 ? *intensity * static_cast<float>(*power / (4 * static_cast<double>(pi))) : *intensity;
+    light.emission = *power > 0 ? *intensity * static_cast<Real>(*power / (4 * static_cast<double>(pi))) : *intensity;
     light.position = source.to_world.point(*from);
     light.power = 4 * pi * luminance(light.emission);
     return light;
@@ -71,14 +71,14 @@ Result<Light> make_spot(const SceneLight& source, LightContext& context) {
     if (*from == *to)
         return error_at(source.location, "spot light: 'from' and 'to' are the same point; expected a direction");
     const double degree = static_cast<double>(pi) / 180;
-    light.cos_zero = static_cast<float>(std::cos(*cone * degree));
-    light.cos_full = static_cast<float>(std::cos((*cone - *delta) * degree));
+    light.cos_zero = static_cast<Real>(std::cos(*cone * degree));
+    light.cos_full = static_cast<Real>(std::cos((*cone - *delta) * degree));
     if (!(light.cos_full > light.cos_zero)) light.cos_full = light.cos_zero + unit_roundoff;  // a hard edge
     light.position = source.to_world.point(*from);
     light.direction = direction_in_world(source.to_world, *to - *from);
     // pbrt's k_e for "power": full inside the falloff, half of it on average within.
-    const float solid_angle = 2 * pi * ((1 - light.cos_full) + (light.cos_full - light.cos_zero) / 2);
-    light.emission = *power > 0 ? *intensity * (static_cast<float>(*power) / solid_angle) : *intensity;
+    const Real solid_angle = 2 * pi * ((1 - light.cos_full) + (light.cos_full - light.cos_zero) / 2);
+    light.emission = *power > 0 ? *intensity * (static_cast<Real>(*power) / solid_angle) : *intensity;
     light.power = solid_angle * luminance(light.emission);
     return light;
 }
@@ -95,7 +95,7 @@ Result<Light> make_distant(const SceneLight& source, LightContext& context) {
     if (!to) return to.error();
     if (*from == *to)
         return error_at(source.location, "distant light: 'from' and 'to' are the same point; expected a direction");
-    light.emission = *illuminance > 0 ? *radiance * static_cast<float>(*illuminance) : *radiance;
+    light.emission = *illuminance > 0 ? *radiance * static_cast<Real>(*illuminance) : *radiance;
     light.direction = direction_in_world(source.to_world, *from - *to);
     return light;
 }
@@ -131,7 +131,7 @@ Result<EnvironmentImage> load_environment(const SceneLight& source, const std::s
         const auto& m = context.scene.color.rendering_from_scene;
         for (int r = 0; r < 3; ++r) {
             const auto& row = m[static_cast<std::size_t>(r)];
-            pixels[i][r] = std::max(0.0f, static_cast<float>(row[0] * c.r + row[1] * c.g + row[2] * c.b));
+            pixels[i][r] = std::max(Real(0), static_cast<Real>(row[0] * c.r + row[1] * c.g + row[2] * c.b));
         }
     }
     return EnvironmentImage(image->width, std::move(pixels), Placement(source.to_world));
@@ -152,7 +152,7 @@ Result<Light> make_infinite(const SceneLight& source, LightContext& context) {
         auto radiance = scaled_emission(source, "L", context);
         if (!radiance) return radiance.error();
         light.emission =
-            *illuminance > 0 ? *radiance * static_cast<float>(*illuminance / static_cast<double>(pi)) : *radiance;
+            *illuminance > 0 ? *radiance * static_cast<Real>(*illuminance / static_cast<double>(pi)) : *radiance;
         return light;
     }
     if (Status s = refuse(source.parameters, "L", "and 'filename' exclude each other in an infinite light"); !s)
@@ -164,7 +164,7 @@ Result<Light> make_infinite(const SceneLight& source, LightContext& context) {
     auto image = load_environment(source, *file, context);
     if (!image) return image.error();
     light.kind = LightKind::image_environment;
-    light.emission = Rgb(static_cast<float>(*scale));
+    light.emission = Rgb(static_cast<Real>(*scale));
     light.environment = static_cast<std::int32_t>(context.environments.size());
     context.environments.push_back(std::move(*image));
     return light;

@@ -12,12 +12,12 @@ namespace raylex::transport {
 namespace {
 
 /// Takes a point of an area light, drawn with `area_density` (per world area), to a direction from `from`.
-bool finish_area_sample(const Light& light, const Vec3& from, float area_density, LightSample& s) {
+bool finish_area_sample(const Light& light, const Vec3& from, Real area_density, LightSample& s) {
     const Vec3 d = s.target - from;
-    const float d2 = length_squared(d);
+    const Real d2 = length_squared(d);
     if (!(d2 > 0)) return false;
     s.wi = d / std::sqrt(d2);
-    float cosine = -dot(s.target_normal, s.wi);
+    Real cosine = -dot(s.target_normal, s.wi);
     if (light.two_sided) cosine = std::abs(cosine);
     if (!(cosine > 0)) return false;
     s.pdf *= area_density * d2 / cosine;
@@ -30,7 +30,7 @@ bool sample_triangle(const Light& light, const Vec3& from, const Vec2& u, LightS
 }
 
 bool sample_patch(const Light& light, const ShapeGeometry& shape, const Vec3& from, const Vec2& u, LightSample& s) {
-    const float density = sample_patch_point(light, shape, u, s);
+    const Real density = sample_patch_point(light, shape, u, s);
     return density > 0 && finish_area_sample(light, from, density, s);
 }
 
@@ -70,35 +70,35 @@ bool sample_sphere(const Light& light, const Quadric& quadric, bool cut_out, con
     const double ratio = std::min(sin2 / cone.sin2, 1.0);
     const double cos_alpha = sin2 / std::sqrt(cone.sin2) + cos_theta * std::sqrt(1 - ratio);
     const double sin_alpha = std::sqrt(std::max(0.0, 1 - cos_alpha * cos_alpha));
-    const Vec3 axis = (cone.to_center * (1 / cone.distance)).to_float();
+    const Vec3 axis = (cone.to_center * (1 / cone.distance)).to_real();
     const Frame frame = Frame::from_normal(axis);
-    const float phi = 2 * pi * u.y, c = std::cos(phi), sn = std::sin(phi);
-    const float sin_theta = static_cast<float>(std::sqrt(sin2));
-    s.wi = normalize(frame.s * (sin_theta * c) + frame.t * (sin_theta * sn) + axis * static_cast<float>(cos_theta));
+    const Real phi = 2 * pi * u.y, c = std::cos(phi), sn = std::sin(phi);
+    const Real sin_theta = static_cast<Real>(std::sqrt(sin2));
+    s.wi = normalize(frame.s * (sin_theta * c) + frame.t * (sin_theta * sn) + axis * static_cast<Real>(cos_theta));
     const Vec3 outward =
-        normalize(frame.s * (static_cast<float>(sin_alpha) * c) + frame.t * (static_cast<float>(sin_alpha) * sn) -
-                  axis * static_cast<float>(cos_alpha));
-    s.target = (DVec3(from) + cone.to_center + DVec3(outward) * cone.radius).to_float();
+        normalize(frame.s * (static_cast<Real>(sin_alpha) * c) + frame.t * (static_cast<Real>(sin_alpha) * sn) -
+                  axis * static_cast<Real>(cos_alpha));
+    s.target = (DVec3(from) + cone.to_center + DVec3(outward) * cone.radius).to_real();
     s.target_normal = outward;
     s.target_offset = point_offset(outward, s.target, {});
     if (cut_out) {
         double a, b;
         quadric.parameters(quadric.placement.to_object.point(DVec3(s.target)), a, b);
-        s.uv = {static_cast<float>(a), static_cast<float>(b)};
+        s.uv = {static_cast<Real>(a), static_cast<Real>(b)};
     }
-    s.pdf *= static_cast<float>(1 / (2 * 3.14159265358979323846 * cone.one_minus_cos));
+    s.pdf *= static_cast<Real>(1 / (2 * 3.14159265358979323846 * cone.one_minus_cos));
     s.radiance = light.emission;
     return true;
 }
 
 bool sample_point(const Light& light, const Vec3& from, LightSample& s) {
     const Vec3 d = light.position - from;
-    const float d2 = length_squared(d);
+    const Real d2 = length_squared(d);
     if (!(d2 > 0)) return false;
     s.wi = d / std::sqrt(d2);
     s.target = light.position;
     s.delta = true;
-    float falloff = 1;
+    Real falloff = 1;
     if (light.kind == LightKind::spot) {
         falloff = spot_falloff(light, -dot(light.direction, s.wi));
         if (!(falloff > 0)) return false;
@@ -121,7 +121,7 @@ bool sample_infinite(const Light& light, const std::vector<EnvironmentImage>& im
         s.pdf *= uniform_sphere_pdf();
         return true;
     }
-    float pdf = 0;
+    Real pdf = 0;
     Rgb radiance;
     if (!images[static_cast<std::size_t>(light.environment)].sample(u, s.wi, radiance, pdf)) return false;
     s.radiance = radiance * light.emission;
@@ -131,7 +131,7 @@ bool sample_infinite(const Light& light, const std::vector<EnvironmentImage>& im
 
 }  // namespace
 
-bool LightTable::sample(LightChoice choice, const EmbreeScene& geometry, const Vec3& from, float u_choice, Vec2 u,
+bool LightTable::sample(LightChoice choice, const EmbreeScene& geometry, const Vec3& from, Real u_choice, Vec2 u,
                         LightSample& s) const {
     const AliasTable& table = selection(choice);
     if (table.empty()) return false;
@@ -158,10 +158,10 @@ bool LightTable::sample(LightChoice choice, const EmbreeScene& geometry, const V
     }
 }
 
-float LightTable::density(LightChoice choice, const EmbreeScene& geometry, std::uint32_t index, const Vec3& from,
+Real LightTable::density(LightChoice choice, const EmbreeScene& geometry, std::uint32_t index, const Vec3& from,
                           const SurfacePoint& at, const Hit& hit) const {
     const Light& light = lights_[index];
-    const float chosen = selection(choice).probability(index);
+    const Real chosen = selection(choice).probability(index);
     if (!(chosen > 0)) return 0;
     const ShapeGeometry& shape = geometry.shapes()[light.shape];
     double area_density = 0;
@@ -176,17 +176,17 @@ float LightTable::density(LightChoice choice, const EmbreeScene& geometry, std::
             // The cone's samples lie on the near side; the far side is seen only through holes in it.
             const DVec3 out = DVec3(at.position) - shape.quadric.placement.to_world.point({0, 0, 0});
             if (cone.outside && shape.alpha >= 0 && dot(out, DVec3(from) - DVec3(at.position)) < 0) return 0;
-            if (cone.outside) return chosen * static_cast<float>(1 / (2 * 3.14159265358979323846 * cone.one_minus_cos));
+            if (cone.outside) return chosen * static_cast<Real>(1 / (2 * 3.14159265358979323846 * cone.one_minus_cos));
         }
         area_density = 1 / (shape.quadric.object_area() * shape.quadric.world_point(hit.u, hit.v).area_scale);
     }
     const Vec3 d = at.position - from;
-    const float d2 = length_squared(d);
-    const float cosine = std::abs(dot(at.geometric_normal, d)) / std::sqrt(d2);
-    return cosine > 0 ? chosen * static_cast<float>(area_density) * d2 / cosine : infinity;
+    const Real d2 = length_squared(d);
+    const Real cosine = std::abs(dot(at.geometric_normal, d)) / std::sqrt(d2);
+    return cosine > 0 ? chosen * static_cast<Real>(area_density) * d2 / cosine : infinity;
 }
 
-float LightTable::density(LightChoice choice, const EmbreeScene& geometry, const Vec3& from,
+Real LightTable::density(LightChoice choice, const EmbreeScene& geometry, const Vec3& from,
                           const LightSample& at) const {
     const Light& light = lights_[at.light];
     if (light.is_area()) {
@@ -202,9 +202,9 @@ float LightTable::density(LightChoice choice, const EmbreeScene& geometry, const
     return selection(choice).probability(at.light);
 }
 
-float LightTable::environment_density(LightChoice choice, std::uint32_t index, const Vec3& direction) const {
+Real LightTable::environment_density(LightChoice choice, std::uint32_t index, const Vec3& direction) const {
     const Light& light = lights_[index];
-    const float chosen = selection(choice).probability(index);
+    const Real chosen = selection(choice).probability(index);
     if (!(chosen > 0)) return 0;
     return chosen * (light.kind == LightKind::uniform_environment
                          ? uniform_sphere_pdf()

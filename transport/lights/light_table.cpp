@@ -25,8 +25,8 @@ Light make_triangle(const ShapeGeometry& shape, std::uint32_t primitive) {
     light.edge2 = p2 - p0;
     const DVec3 n = cross(DVec3(light.edge1), DVec3(light.edge2));
     const double twice_area = length(n);
-    light.area = static_cast<float>(0.5 * twice_area);
-    Vec3 normal = twice_area > 0 ? (n * (1 / twice_area)).to_float() : Vec3{0, 0, 1};
+    light.area = static_cast<Real>(0.5 * twice_area);
+    Vec3 normal = twice_area > 0 ? (n * (1 / twice_area)).to_real() : Vec3{0, 0, 1};
     if (!shape.normals.empty()) {
         const Vec3 shading = shape.normals[i[0]] + shape.normals[i[1]] + shape.normals[i[2]];
         normal = face_forward(normal, shading);
@@ -42,11 +42,11 @@ Light make_quadric(const ShapeGeometry& shape) {
     const Quadric& q = shape.quadric;
     double scale = 1;
     light.kind = LightKind::quadric;
-    light.area = static_cast<float>(q.object_area());
+    light.area = static_cast<Real>(q.object_area());
     if (q.kind == ShapeKind::sphere && !q.partial && q.similarity(scale)) {
         light.kind = LightKind::sphere;
-        light.position = q.placement.to_world.point({0, 0, 0}).to_float();
-        light.area = static_cast<float>(q.object_area() * scale * scale);
+        light.position = q.placement.to_world.point({0, 0, 0}).to_real();
+        light.area = static_cast<Real>(q.object_area() * scale * scale);
     }
     return light;
 }
@@ -103,7 +103,7 @@ Status LightTable::add_area_lights(const SceneDescription& scene, EmbreeScene& g
                 light = make_triangle(shape, i);
             } else if (shape.kind == ShapeKind::bilinear_mesh) {
                 light.kind = LightKind::patch;
-                light.area = static_cast<float>(shape.patch(i).area());
+                light.area = static_cast<Real>(shape.patch(i).area());
             } else {
                 light = make_quadric(shape);
             }
@@ -113,7 +113,7 @@ Status LightTable::add_area_lights(const SceneDescription& scene, EmbreeScene& g
             light.group = group;
             light.shape = s;
             light.primitive = i;
-            light.power = luminance(light.emission) * pi * static_cast<float>(world_area(shape, light)) *
+            light.power = luminance(light.emission) * pi * static_cast<Real>(world_area(shape, light)) *
                           (light.two_sided ? 2.0f : 1.0f);
             lights_.push_back(light);
         }
@@ -122,7 +122,7 @@ Status LightTable::add_area_lights(const SceneDescription& scene, EmbreeScene& g
 }
 
 void LightTable::finish(const EmbreeScene& geometry) {
-    const float radius = std::max(geometry.bounds().radius(), 1e-30f);
+    const Real radius = std::max(geometry.bounds().radius(), Real(1e-30));
     double total = 0;
     std::size_t lit = 0;
     for (std::uint32_t i = 0; i < lights_.size(); ++i) {
@@ -130,18 +130,19 @@ void LightTable::finish(const EmbreeScene& geometry) {
         if (light.kind == LightKind::distant) light.power = luminance(light.emission) * pi * radius * radius;
         if (light.is_environment()) {
             environment_lights_.push_back(i);
-            const float mean =
+            const Real mean =
                 light.environment >= 0
-                    ? static_cast<float>(images_[static_cast<std::size_t>(light.environment)].mean_luminance())
+                    ? static_cast<Real>(images_[static_cast<std::size_t>(light.environment)].mean_luminance())
                     : 1.0f;
             light.power = luminance(light.emission) * mean * 4 * pi * pi * radius * radius;
         }
         // Powers only weigh the choice of a light: one beyond float is as good as the largest.
-        if (light.power > std::numeric_limits<float>::max()) light.power = std::numeric_limits<float>::max();
+        if (light.power > std::numeric_limits<Real>::max()) light.power = std::numeric_limits<Real>::max();
         if (!(light.power > 0) && !light.emission.is_black())
             light.power = light.emission.max();  // colours of negative luminance
         if (light.is_area() && !(light.area > 0)) light.power = 0;
-        light.power = std::min(light.power, std::numeric_limits<float>::max());  // what there is to choose by must be a number
+        light.power =
+            std::min(light.power, std::numeric_limits<Real>::max());  // what there is to choose by must be a number
         if (light.power > 0) ++lit;
         any_to_hit_ = any_to_hit_ || (light.power > 0 && !light.is_delta());
         total += light.power;

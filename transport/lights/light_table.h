@@ -55,13 +55,13 @@ class LightTable {
         return selection(choice).size() > shared_choice_limit;
     }
     /// False when nothing can arrive at `from`. u in [0, 1)^2; u_choice in [0, 1), read only if needs_choice_number().
-    bool sample(LightChoice choice, const EmbreeScene& geometry, const Vec3& from, float u_choice, Vec2 u,
+    bool sample(LightChoice choice, const EmbreeScene& geometry, const Vec3& from, Real u_choice, Vec2 u,
                 LightSample& sample) const;
     /// Draws where and in what direction light leaves: a light by its power, then a point and a cosine-weighted direction of an
     /// area light, a direction of a point or spot, a direction of an infinite light and a point of the disk that covers the
     /// scene across it. False when nothing leaves. All u in [0, 1); u_choice is read only if
     /// needs_choice_number(LightChoice::light_sampling).
-    bool sample_emission(const EmbreeScene& geometry, float u_choice, Vec2 u_position, Vec2 u_direction,
+    bool sample_emission(const EmbreeScene& geometry, Real u_choice, Vec2 u_position, Vec2 u_direction,
                          EmissionSample& sample) const;
     /// The density with which sample_emission() lets light leave a light in `direction` from `at`: target, target_normal and
     /// uv; of infinite lights, from where `direction` comes.
@@ -73,13 +73,13 @@ class LightTable {
     [[nodiscard]] bool any_to_hit() const { return any_to_hit_; }
 
     /// Density with which sample() would have found the point `at` (hit by `hit`) of an area light from `from`.
-    [[nodiscard]] float density(LightChoice choice, const EmbreeScene& geometry, std::uint32_t light, const Vec3& from,
+    [[nodiscard]] Real density(LightChoice choice, const EmbreeScene& geometry, std::uint32_t light, const Vec3& from,
                                 const SurfacePoint& at, const Hit& hit) const;
     /// Density with which sample() would have found `at` (target, target_normal, uv; of infinite lights wi) from `from`, per
     /// steradian; of lights that no ray finds as LightSample::pdf has it.
-    [[nodiscard]] float density(LightChoice choice, const EmbreeScene& geometry, const Vec3& from,
+    [[nodiscard]] Real density(LightChoice choice, const EmbreeScene& geometry, const Vec3& from,
                                 const LightSample& at) const;
-    [[nodiscard]] float environment_density(LightChoice choice, std::uint32_t light, const Vec3& direction) const;
+    [[nodiscard]] Real environment_density(LightChoice choice, std::uint32_t light, const Vec3& direction) const;
 
     /// Radiance that an area light sends from a point with oriented normal `n` towards `wo`.
     [[nodiscard]] Rgb emitted(std::uint32_t light, const Vec3& n, const Vec3& wo) const {
@@ -104,7 +104,7 @@ class LightTable {
         return selections_[static_cast<std::size_t>(choice)];
     }
     /// What sample_*_point() of area_points.h does for this kind of area light.
-    float sample_area_point(const EmbreeScene& geometry, const Light& light, const Vec2& u, LightSample& s) const;
+    Real sample_area_point(const EmbreeScene& geometry, const Light& light, const Vec2& u, LightSample& s) const;
     Status add_area_lights(const SceneDescription& scene, EmbreeScene& geometry, LightContext& context,
                            std::vector<Error>& warnings);
     void finish(const EmbreeScene& geometry);

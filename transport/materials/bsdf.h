@@ -4,13 +4,12 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
 
-#include "display/services/rgb.h"
+#include "transport/math/real.h"
 #include "lpe/event.h"
 #include "transport/math/vec.h"
 
@@ -60,36 +59,19 @@ struct LobeList {
 /// f(wo, wi) |cos theta_i| over all non-delta lobes, and the density with which sample() would choose wi (per steradian).
 struct BsdfEvaluation {
     Rgb value;
-    float pdf = 0;
+    Real pdf = 0;
     LobeList lobes;        ///< their values sum to `value`
 };
 
 struct BsdfSample {
     Vec3 wi;
     Rgb weight;            ///< f |cos| / pdf over all lobes that could have produced wi
-    float pdf = 0;         ///< per steradian; 0 marks failure (path ends); for delta lobes the discrete probability
+    Real pdf = 0;          ///< per steradian; 0 marks failure (path ends); for delta lobes the discrete probability
     LobeList lobes;        ///< the lobes' parts of f |cos|; for a delta lobe just that one
-    float eta = 1;         ///< relative index crossed; 1 unless transmitted through an interface
+    Real eta = 1;          ///< relative index crossed; 1 unless transmitted through an interface
     bool delta = false;
     bool transmitted = false;
     bool pdf_is_proportional = false;  ///< stochastic (layered) closures: `pdf` serves `weight` only, MIS asks pdf()
-};
-
-/// What geometry knows of a hit; materials turn a batch of these into closures.
-struct SurfacePoint {
-    Vec3 position, geometric_normal, shading_normal;   ///< world; normals unit; geometric normal on the shape's outside
-    Vec3 dpdu;
-    Vec3 wo;                                            ///< unit, away from the surface, towards where the path came from
-    float u = 0, v = 0;
-    static constexpr std::int32_t no_material = -1;     ///< a point in a medium: no surface, the normals are zero
-    std::int32_t material = 0;
-    std::uint32_t random_key = 0;                       ///< counter-based key for stochastic closures and `mix`
-    std::int32_t row = -1;                              ///< of the sample table where a camera ray hit first; else -1
-
-    /// |cos| between a direction and the surface; 1 in a medium.
-    [[nodiscard]] float cosine(const Vec3& direction) const {
-        return material == no_material ? 1.0f : std::abs(dot(geometric_normal, direction));
-    }
 };
 
 }  // namespace raylex::transport

@@ -17,7 +17,7 @@ std::vector<LobeKind>& all_lobes() {
     return kinds;
 }
 
-BsdfEvaluation one_lobe(LobeId lobe, const Rgb& value, float pdf) {
+BsdfEvaluation one_lobe(LobeId lobe, const Rgb& value, Real pdf) {
     BsdfEvaluation result;
     if (!(pdf > 0)) return result;
     result.value = value;
@@ -27,7 +27,7 @@ BsdfEvaluation one_lobe(LobeId lobe, const Rgb& value, float pdf) {
 }
 
 /// The one place where lobes become a value: their sum, in order (Law 5's bookkeeping).
-BsdfEvaluation two_lobes(LobeId first, const Rgb& a, LobeId second, const Rgb& b, float pdf) {
+BsdfEvaluation two_lobes(LobeId first, const Rgb& a, LobeId second, const Rgb& b, Real pdf) {
     BsdfEvaluation result;
     if (!(pdf > 0)) return result;
     result.value = a + b;
@@ -68,7 +68,7 @@ LobeId base_lobe(bool delta) {
 template <class Base>
 BsdfEvaluation evaluate_layered(const LayeredClosure<Base>& layered, const Vec3& wo, const Vec3& wi,
                                 std::uint32_t key) {
-    const float pdf = layered.pdf(wo, wi);
+    const Real pdf = layered.pdf(wo, wi);
     if (!(pdf > 0)) return {};
     const Rgb entered = layered.base_value(wo, wi, key);
     if (layered.coat.interface.is_delta()) return one_lobe(base_lobe<Base>(false), entered, pdf);
@@ -76,7 +76,7 @@ BsdfEvaluation evaluate_layered(const LayeredClosure<Base>& layered, const Vec3&
 }
 
 template <class Base>
-BsdfSample sample_layered(const Frame& frame, const LayeredClosure<Base>& layered, const Vec3& wo, float u_lobe,
+BsdfSample sample_layered(const Frame& frame, const LayeredClosure<Base>& layered, const Vec3& wo, Real u_lobe,
                           const Vec2& u, std::uint32_t key) {
     const LayeredSample walk = layered.sample(wo, u_lobe, u, key);
     const bool delta = walk.scatter.delta;
@@ -87,14 +87,14 @@ BsdfSample sample_layered(const Frame& frame, const LayeredClosure<Base>& layere
 }
 
 BsdfEvaluation evaluate_additive(const AdditiveClosure& closure, const Vec3& wo, const Vec3& wi) {
-    float specular_pdf;
+    Real specular_pdf;
     const Rgb specular = closure.specular.value_and_pdf(wo, wi, specular_pdf);
-    const float p = closure.diffuse_probability();
-    const float pdf = p * LambertClosure::pdf(wo, wi) + (1 - p) * specular_pdf;
+    const Real p = closure.diffuse_probability();
+    const Real pdf = p * LambertClosure::pdf(wo, wi) + (1 - p) * specular_pdf;
     return two_lobes(lobes::diffuse, closure.diffuse.value(wo, wi), lobes::specular_glossy, specular, pdf);
 }
 
-BsdfSample sample_additive(const Frame& frame, const AdditiveClosure& closure, const Vec3& wo, float u_lobe,
+BsdfSample sample_additive(const Frame& frame, const AdditiveClosure& closure, const Vec3& wo, Real u_lobe,
                            const Vec2& u) {
     BsdfSample result;
     Vec3 wi;
@@ -108,14 +108,14 @@ BsdfSample sample_additive(const Frame& frame, const AdditiveClosure& closure, c
     return result;
 }
 
-BsdfSample sample_ideal(const Frame& frame, const IdealClosure& closure, const Vec3& wo, float u_lobe, const Vec2& u) {
+BsdfSample sample_ideal(const Frame& frame, const IdealClosure& closure, const Vec3& wo, Real u_lobe, const Vec2& u) {
     static constexpr LobeId lobe_of[] = {lobes::diffuse, lobes::mirror, lobes::sheet};
     int lobe = 0;
     const LocalSample s = closure.sample(wo, u_lobe, u, lobe);
     return to_sample(frame, s, lobe_of[lobe]);
 }
 
-float ideal_pdf(const IdealClosure& closure, const Vec3& wo, const Vec3& wi) {
+Real ideal_pdf(const IdealClosure& closure, const Vec3& wo, const Vec3& wi) {
     if (closure.diffuse.is_black() || std::abs(wo.z) < min_cosine) return 0;
     return closure.diffuse_probability() * LambertClosure::pdf(wo, wi);
 }
@@ -140,13 +140,13 @@ std::optional<LobeId> add_lobe(const LobeKind& lobe) {
 BsdfEvaluation Bsdf::evaluate_other(const Vec3& wo_world, const Vec3& wi_world) const {
     if (!has_density_) return {};
     if (kind_ == Kind::phase) {
-        const float phase = phase_pdf(phase_g_, -wo_world, wi_world);
+        const Real phase = phase_pdf(phase_g_, -wo_world, wi_world);
         return one_lobe(lobes::diffuse, Rgb(phase), phase);
     }
     const Vec3 wo = frame_.to_local(wo_world), wi = frame_.to_local(wi_world);
     switch (kind_) {
         case Kind::conductor: {
-            float pdf;
+            Real pdf;
             const Rgb value = conductor_.value_and_pdf(wo, wi, pdf);
             return one_lobe(lobes::conductor_glossy, value, pdf);
         }
@@ -173,7 +173,7 @@ BsdfEvaluation Bsdf::evaluate_other(const Vec3& wo_world, const Vec3& wi_world) 
     return {};
 }
 
-float Bsdf::pdf_other(const Vec3& wo_world, const Vec3& wi_world) const {
+Real Bsdf::pdf_other(const Vec3& wo_world, const Vec3& wi_world) const {
     if (!has_density_) return 0;
     if (kind_ == Kind::phase) return phase_pdf(phase_g_, -wo_world, wi_world);
     const Vec3 wo = frame_.to_local(wo_world), wi = frame_.to_local(wi_world);
@@ -202,7 +202,7 @@ float Bsdf::pdf_other(const Vec3& wo_world, const Vec3& wi_world) const {
     return 0;
 }
 
-BsdfSample Bsdf::sample_other(const Vec3& wo_world, float u_lobe, const Vec2& u) const {
+BsdfSample Bsdf::sample_other(const Vec3& wo_world, Real u_lobe, const Vec2& u) const {
     if (kind_ == Kind::black || kind_ == Kind::pass_through) return {};
     if (kind_ == Kind::phase) {
         const PhaseSample phase = sample_phase(phase_g_, -wo_world, u);
@@ -248,7 +248,7 @@ BsdfSample Bsdf::sample_other(const Vec3& wo_world, float u_lobe, const Vec2& u)
 }
 
 Rgb Bsdf::albedo(const Vec3& wo) const {
-    const float cos_o = std::abs(dot(wo, frame_.n));
+    const Real cos_o = std::abs(dot(wo, frame_.n));
     switch (kind_) {
         case Kind::lambert:
             return lambert_.reflectance;

@@ -35,15 +35,15 @@ class Bsdf {
     /// Sum over non-delta lobes of f |cos|, each lobe apart, and the density of sample().
     [[nodiscard]] BsdfEvaluation evaluate(const Vec3& wo, const Vec3& wi) const;
     /// u_lobe and u in [0, 1). A failed sample has pdf 0.
-    [[nodiscard]] BsdfSample sample(const Vec3& wo, float u_lobe, const Vec2& u) const;
-    [[nodiscard]] float pdf(const Vec3& wo, const Vec3& wi) const;
+    [[nodiscard]] BsdfSample sample(const Vec3& wo, Real u_lobe, const Vec2& u) const;
+    [[nodiscard]] Real pdf(const Vec3& wo, const Vec3& wi) const;
     /// Whether any lobe has a density: false means that light sampling is of no use here.
     [[nodiscard]] bool has_density() const { return has_density_; }
     /// Rough estimate of the directional albedo, for the albedo AOV.
     [[nodiscard]] Rgb albedo(const Vec3& wo) const;
 
     /// Refractive index on the inner side, 1 for what light does not enter.
-    [[nodiscard]] float inside_ior() const { return kind_ == Kind::dielectric ? dielectric_.eta : 1.0f; }
+    [[nodiscard]] Real inside_ior() const { return kind_ == Kind::dielectric ? dielectric_.eta : 1.0f; }
 
     /// No surface: the integrator continues the ray in its direction, without an event (`s` in the osl dialect). All
     /// other functions answer as for `black`.
@@ -102,7 +102,7 @@ class Bsdf {
         set_kind(Kind::ideal, !ideal.diffuse.is_black());
     }
     /// Henyey-Greenstein's phase function of asymmetry g. Its lobe says nothing: the event is the medium's.
-    void set_phase(float g) {
+    void set_phase(Real g) {
         std::construct_at(&phase_g_, g);
         set_kind(Kind::phase, true);
     }
@@ -120,8 +120,8 @@ class Bsdf {
         has_density_ = has_density;
     }
     [[nodiscard]] BsdfEvaluation evaluate_other(const Vec3& wo, const Vec3& wi) const;
-    [[nodiscard]] BsdfSample sample_other(const Vec3& wo, float u_lobe, const Vec2& u) const;
-    [[nodiscard]] float pdf_other(const Vec3& wo, const Vec3& wi) const;
+    [[nodiscard]] BsdfSample sample_other(const Vec3& wo, Real u_lobe, const Vec2& u) const;
+    [[nodiscard]] Real pdf_other(const Vec3& wo, const Vec3& wi) const;
 
     Frame frame_;
     std::uint32_t key_ = 0;
@@ -137,7 +137,7 @@ class Bsdf {
         AdditiveClosure additive_;
         IdealClosure ideal_;
         CustomClosure custom_;
-        float phase_g_;
+        Real phase_g_;
     };
 };
 
@@ -147,7 +147,7 @@ class Bsdf {
 inline BsdfEvaluation Bsdf::evaluate(const Vec3& wo, const Vec3& wi) const {
     if (kind_ != Kind::lambert) [[unlikely]] return evaluate_other(wo, wi);
     BsdfEvaluation result;
-    const float cos_i = dot(wi, frame_.n);
+    const Real cos_i = dot(wi, frame_.n);
     if (!(cos_i * dot(wo, frame_.n) > 0)) return result;
     result.pdf = std::abs(cos_i) * inv_pi;
     result.value = lambert_.reflectance * result.pdf;
@@ -155,16 +155,16 @@ inline BsdfEvaluation Bsdf::evaluate(const Vec3& wo, const Vec3& wi) const {
     return result;
 }
 
-inline float Bsdf::pdf(const Vec3& wo, const Vec3& wi) const {
+inline Real Bsdf::pdf(const Vec3& wo, const Vec3& wi) const {
     if (kind_ != Kind::lambert) [[unlikely]] return pdf_other(wo, wi);
-    const float cos_i = dot(wi, frame_.n);
+    const Real cos_i = dot(wi, frame_.n);
     return cos_i * dot(wo, frame_.n) > 0 ? std::abs(cos_i) * inv_pi : 0.0f;
 }
 
-inline BsdfSample Bsdf::sample(const Vec3& wo, float u_lobe, const Vec2& u) const {
+inline BsdfSample Bsdf::sample(const Vec3& wo, Real u_lobe, const Vec2& u) const {
     if (kind_ != Kind::lambert) [[unlikely]] return sample_other(wo, u_lobe, u);
     BsdfSample result;
-    const float cos_o = dot(wo, frame_.n);
+    const Real cos_o = dot(wo, frame_.n);
     if (cos_o == 0) return result;
     const Vec3 local = sample_cosine_hemisphere(u);
     result.wi = frame_.s * local.x + frame_.t * local.y + frame_.n * (cos_o > 0 ? local.z : -local.z);

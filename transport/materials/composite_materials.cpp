@@ -34,7 +34,7 @@ class MixMaterial final : public Material {
     void shade(const TextureTable& textures, HitIndices hits, std::span<const SurfacePoint> points,
                std::span<Bsdf> closures) const override {
         for (const std::uint32_t& i : hits) {
-            const float amount = amount_.at(textures, points[i]);
+            const Real amount = amount_.at(textures, points[i]);
             const Material& chosen = draw(points[i].random_key) < amount ? second_ : first_;
             chosen.shade(textures, {&i, 1}, points, closures);
         }
@@ -45,7 +45,7 @@ class MixMaterial final : public Material {
 
   private:
     /// In [0, 1): amount 0 never takes the second, amount 1 always. A mix inside a mix has another salt.
-    [[nodiscard]] float draw(std::uint32_t key) const {
+    [[nodiscard]] Real draw(std::uint32_t key) const {
         return unit_float(mix_bits(std::uint64_t{salt_} << 32 ^ mix_bits(key + 0x6d6978ull)));
     }
     const Material& first_;

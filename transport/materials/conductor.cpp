@@ -10,27 +10,27 @@ bool to_upper_side(Vec3& wo, Vec3& wi) {
     return wo.z >= min_cosine && wi.z >= min_cosine;
 }
 
-Rgb ConductorClosure::value_and_pdf(Vec3 wo, Vec3 wi, float& pdf) const {
+Rgb ConductorClosure::value_and_pdf(Vec3 wo, Vec3 wi, Real& pdf) const {
     pdf = 0;
     if (is_delta() || !to_upper_side(wo, wi)) return {};
     const Vec3 m = normalize(wo + wi);
-    const float d = facets.d(m), lambda_o = facets.lambda(wo), lambda_i = facets.lambda(wi);
-    const float scale = d / (4 * wo.z);                       // Jacobian 1 / (4 wo.m) and the cosines cancelled
+    const Real d = facets.d(m), lambda_o = facets.lambda(wo), lambda_i = facets.lambda(wi);
+    const Real scale = d / (4 * wo.z);                        // Jacobian 1 / (4 wo.m) and the cosines cancelled
     pdf = scale / (1 + lambda_o);
     return fresnel(dot(wo, m)) * (scale / (1 + lambda_o + lambda_i));
 }
 
 Rgb ConductorClosure::value(Vec3 wo, Vec3 wi) const {
-    float unused;
+    Real unused;
     return value_and_pdf(wo, wi, unused);
 }
 
-float ConductorClosure::pdf(Vec3 wo, Vec3 wi) const {
+Real ConductorClosure::pdf(Vec3 wo, Vec3 wi) const {
     if (is_delta() || !to_upper_side(wo, wi)) return 0;
     return facets.g1(wo) * facets.d(normalize(wo + wi)) / (4 * wo.z);
 }
 
-LocalSample ConductorClosure::sample(Vec3 wo, float, const Vec2& u) const {
+LocalSample ConductorClosure::sample(Vec3 wo, Real, const Vec2& u) const {
     LocalSample s;
     if (std::abs(wo.z) < min_cosine) return s;
     if (is_delta()) {
@@ -45,7 +45,7 @@ LocalSample ConductorClosure::sample(Vec3 wo, float, const Vec2& u) const {
     const Vec3 m = facets.sample_visible_normal(wo, u);
     const Vec3 wi = reflect(wo, m);
     if (wi.z < min_cosine) return s;
-    const float lambda_o = facets.lambda(wo), lambda_i = facets.lambda(wi);
+    const Real lambda_o = facets.lambda(wo), lambda_i = facets.lambda(wi);
     s.wi = below ? -wi : wi;
     s.pdf = facets.d(m) / (4 * wo.z * (1 + lambda_o));
     // Everything but Fresnel and the masking of wi cancels: the weight is at most 1 at any angle.

@@ -17,17 +17,17 @@ struct ConductorClosure {
     Rgb eta, k;                        ///< complex index relative to the outside
     bool constant_reflectance;         ///< `eta` is the reflectance itself, at every angle
 
-    [[nodiscard]] Rgb fresnel(float cos_theta) const {
+    [[nodiscard]] Rgb fresnel(Real cos_theta) const {
         return constant_reflectance ? eta : fresnel_conductor(cos_theta, eta, k);
     }
     [[nodiscard]] bool is_delta() const { return facets.smooth(); }
     /// f |cos theta_i|; 0 for a delta.
     [[nodiscard]] Rgb value(Vec3 wo, Vec3 wi) const;
-    [[nodiscard]] float pdf(Vec3 wo, Vec3 wi) const;
+    [[nodiscard]] Real pdf(Vec3 wo, Vec3 wi) const;
     /// Both at once, for half the work.
-    [[nodiscard]] Rgb value_and_pdf(Vec3 wo, Vec3 wi, float& pdf) const;
-    [[nodiscard]] LocalSample sample(Vec3 wo, float u_lobe, const Vec2& u) const;
-    [[nodiscard]] Rgb albedo(float cos_theta) const { return fresnel(cos_theta); }
+    [[nodiscard]] Rgb value_and_pdf(Vec3 wo, Vec3 wi, Real& pdf) const;
+    [[nodiscard]] LocalSample sample(Vec3 wo, Real u_lobe, const Vec2& u) const;
+    [[nodiscard]] Rgb albedo(Real cos_theta) const { return fresnel(cos_theta); }
 };
 
 }  // namespace raylex::transport

@@ -27,10 +27,10 @@ namespace raylex::transport {
 /// Lobes are ids of lobes.h or of PluginHost::add_lobe. Their values must sum to `value` (Law 5).
 template <class Closure>
 concept ScatteringClosure =
-    std::is_trivially_copyable_v<Closure> && requires(const Closure& c, const Vec3& v, float number, const Vec2& u) {
+    std::is_trivially_copyable_v<Closure> && requires(const Closure& c, const Vec3& v, Real number, const Vec2& u) {
         { c.evaluate(v, v) } -> std::same_as<BsdfEvaluation>;
         { c.sample(v, number, u) } -> std::same_as<BsdfSample>;
-        { c.pdf(v, v) } -> std::same_as<float>;
+        { c.pdf(v, v) } -> std::same_as<Real>;
         { c.albedo(number) } -> std::same_as<Rgb>;
         { c.has_density() } -> std::same_as<bool>;
     };
@@ -40,9 +40,9 @@ struct CustomClosure {
     static constexpr std::size_t room = 72;  ///< with `calls` as much as the largest in-tree closure takes
     struct Calls {
         BsdfEvaluation (*evaluate)(const void*, const Vec3&, const Vec3&);
-        BsdfSample (*sample)(const void*, const Vec3&, float, const Vec2&);
-        float (*pdf)(const void*, const Vec3&, const Vec3&);
-        Rgb (*albedo)(const void*, float);
+        BsdfSample (*sample)(const void*, const Vec3&, Real, const Vec2&);
+        Real (*pdf)(const void*, const Vec3&, const Vec3&);
+        Rgb (*albedo)(const void*, Real);
     };
 
     template <ScatteringClosure Closure>
@@ -63,9 +63,11 @@ struct CustomClosure {
     template <class Closure>
     static constexpr Calls calls_of{
         [](const void* data, const Vec3& wo, const Vec3& wi) { return as<Closure>(data).evaluate(wo, wi); },
-        [](const void* data, const Vec3& wo, float u_lobe, const Vec2& u) { return as<Closure>(data).sample(wo, u_lobe, u); },
+        [](const void* data, const Vec3& wo, Real u_lobe, const Vec2& u) {
+            return as<Closure>(data).sample(wo, u_lobe, u);
+        },
         [](const void* data, const Vec3& wo, const Vec3& wi) { return as<Closure>(data).pdf(wo, wi); },
-        [](const void* data, float cos_o) { return as<Closure>(data).albedo(cos_o); }};
+        [](const void* data, Real cos_o) { return as<Closure>(data).albedo(cos_o); }};
 };
 
 }  // namespace raylex::transport

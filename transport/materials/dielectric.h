@@ -12,33 +12,34 @@ namespace raylex::transport {
 
 struct DielectricClosure {
     Ggx facets;
-    float eta;                         ///< inside over outside
+    Real eta;                          ///< inside over outside
 
     /// Index-matched interfaces are ideal whatever their roughness: refraction turns no direction, and the half vector
     /// of a transmitted pair, wo + eta wi, drowns in rounding (pbrt-v4 does so at eta = 1 exactly).
-    static constexpr float matched_within = 1e-4f;
+    static constexpr Real matched_within = Real(1e-4);
 
     [[nodiscard]] bool is_delta() const { return facets.smooth() || std::abs(eta - 1) < matched_within; }
     /// f |cos theta_i|; 0 for a delta.
-    [[nodiscard]] float value(Vec3 wo, Vec3 wi, TransportMode mode) const;
-    [[nodiscard]] float pdf(Vec3 wo, Vec3 wi, Sides sides) const;
-    [[nodiscard]] LocalSample sample(Vec3 wo, float u_lobe, const Vec2& u, TransportMode mode, Sides sides) const;
+    [[nodiscard]] Real value(Vec3 wo, Vec3 wi, TransportMode mode) const;
+    [[nodiscard]] Real pdf(Vec3 wo, Vec3 wi, Sides sides) const;
+    [[nodiscard]] LocalSample sample(Vec3 wo, Real u_lobe, const Vec2& u, TransportMode mode, Sides sides) const;
 
   private:
-    [[nodiscard]] LocalSample sample_ideal(const Vec3& wo, float u_lobe, TransportMode mode, Sides sides) const;
-    [[nodiscard]] LocalSample sample_rough(const Vec3& wo, float u_lobe, const Vec2& u, TransportMode mode, Sides sides) const;
+    [[nodiscard]] LocalSample sample_ideal(const Vec3& wo, Real u_lobe, TransportMode mode, Sides sides) const;
+    [[nodiscard]] LocalSample sample_rough(const Vec3& wo, Real u_lobe, const Vec2& u, TransportMode mode,
+                                           Sides sides) const;
 };
 
 /// Two parallel ideal interfaces with all reflections between them: R = F + (1-F)^2 F / (1 - F^2), T = 1 - R; light
 /// leaves in the direction it came.
 struct ThinDielectricClosure {
-    float eta;
+    Real eta;
 
-    [[nodiscard]] float reflectance(float cos_theta) const {
-        const float f = fresnel_dielectric(cos_theta, eta);
+    [[nodiscard]] Real reflectance(Real cos_theta) const {
+        const Real f = fresnel_dielectric(cos_theta, eta);
         return f < 1 ? 2 * f / (1 + f) : 1.0f;
     }
-    [[nodiscard]] LocalSample sample(const Vec3& wo, float u_lobe) const;
+    [[nodiscard]] LocalSample sample(const Vec3& wo, Real u_lobe) const;
 };
 
 }  // namespace raylex::transport

@@ -2,12 +2,12 @@
 
 namespace raylex::transport {
 
-LocalSample IdealClosure::sample(const Vec3& wo, float u_lobe, const Vec2& u, int& lobe) const {
+LocalSample IdealClosure::sample(const Vec3& wo, Real u_lobe, const Vec2& u, int& lobe) const {
     LocalSample s;
     lobe = 0;
-    const float sum = total();
+    const Real sum = total();
     if (!(sum > 0) || std::abs(wo.z) < min_cosine) return s;
-    const float p_diffuse = diffuse.average() / sum, p_mirror = mirror.average() / sum;
+    const Real p_diffuse = diffuse.average() / sum, p_mirror = mirror.average() / sum;
     if (u_lobe < p_diffuse) {
         s = LambertClosure{diffuse}.sample(wo, 0, u);
         s.pdf *= p_diffuse;
@@ -32,12 +32,12 @@ LocalSample IdealClosure::sample(const Vec3& wo, float u_lobe, const Vec2& u, in
     return s;
 }
 
-float AdditiveClosure::diffuse_probability() const {
-    const float kd = diffuse.reflectance.average(), ks = specular.fresnel(1).average();
+Real AdditiveClosure::diffuse_probability() const {
+    const Real kd = diffuse.reflectance.average(), ks = specular.fresnel(1).average();
     return kd + ks > 0 ? kd / (kd + ks) : 1.0f;
 }
 
-bool AdditiveClosure::sample_direction(const Vec3& wo, float u_lobe, const Vec2& u, Vec3& wi) const {
+bool AdditiveClosure::sample_direction(const Vec3& wo, Real u_lobe, const Vec2& u, Vec3& wi) const {
     if (std::abs(wo.z) < min_cosine) return false;
     const LocalSample s = u_lobe < diffuse_probability() ? diffuse.sample(wo, 0, u) : specular.sample(wo, 0, u);
     wi = s.wi;

@@ -12,10 +12,10 @@ namespace raylex::transport {
 struct IdealClosure {
     Rgb diffuse, mirror, sheet;
 
-    [[nodiscard]] float total() const { return diffuse.average() + mirror.average() + sheet.average(); }
-    [[nodiscard]] float diffuse_probability() const { return diffuse.average() / total(); }
+    [[nodiscard]] Real total() const { return diffuse.average() + mirror.average() + sheet.average(); }
+    [[nodiscard]] Real diffuse_probability() const { return diffuse.average() / total(); }
     /// `lobe` tells which was taken: 0 diffuse, 1 mirror, 2 sheet. Failure when all three are black.
-    [[nodiscard]] LocalSample sample(const Vec3& wo, float u_lobe, const Vec2& u, int& lobe) const;
+    [[nodiscard]] LocalSample sample(const Vec3& wo, Real u_lobe, const Vec2& u, int& lobe) const;
 };
 
 /// The sum of a Lambert and a GGX lobe that overlap everywhere: a direction is drawn from one of them, both are
@@ -25,9 +25,9 @@ struct AdditiveClosure {
     ConductorClosure specular;         ///< never smooth
 
     /// Chance of drawing from the Lambert lobe.
-    [[nodiscard]] float diffuse_probability() const;
+    [[nodiscard]] Real diffuse_probability() const;
     /// Draws a direction only: values and density follow from evaluating both lobes. False on failure.
-    [[nodiscard]] bool sample_direction(const Vec3& wo, float u_lobe, const Vec2& u, Vec3& wi) const;
+    [[nodiscard]] bool sample_direction(const Vec3& wo, Real u_lobe, const Vec2& u, Vec3& wi) const;
 };
 
 }  // namespace raylex::transport

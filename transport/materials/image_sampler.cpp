@@ -42,24 +42,24 @@ bool place(const Image& image, WrapMode wrap, int& x, int& y) {
 
 /// Texture to pixel coordinates, kept where integers are safe: a period apart is the same place for `repeat`, and all
 /// places farther than an image away are alike for the other modes.
-float to_pixels(float s, int n, WrapMode wrap) {
+Real to_pixels(Real s, int n, WrapMode wrap) {
     if (!std::isfinite(s)) s = 0;
-    s = wrap == WrapMode::repeat ? s - std::floor(s) : std::clamp(s, -1.0f, 2.0f);
-    return s * static_cast<float>(n) - 0.5f;
+    s = wrap == WrapMode::repeat ? s - std::floor(s) : std::clamp(s, Real(-1), Real(2));
+    return s * static_cast<Real>(n) - 0.5f;
 }
 
 /// Calls `use(x, y, weight)` for up to four texels whose weights sum to 1 (less where the image ends in black).
 template <class Use>
 void for_texels(const ImageSampler& sampler, const Vec2& st, const Use& use) {
     const Image& image = *sampler.image;
-    const float x = to_pixels(st.x, image.width, sampler.wrap), y = to_pixels(st.y, image.height, sampler.wrap);
+    const Real x = to_pixels(st.x, image.width, sampler.wrap), y = to_pixels(st.y, image.height, sampler.wrap);
     if (sampler.nearest) {
         int xi = static_cast<int>(std::floor(x + 0.5f)), yi = static_cast<int>(std::floor(y + 0.5f));
         if (place(image, sampler.wrap, xi, yi)) use(xi, yi, 1.0f);
         return;
     }
-    const float x0 = std::floor(x), y0 = std::floor(y), dx = x - x0, dy = y - y0;
-    const std::array<float, 4> weight{(1 - dx) * (1 - dy), dx * (1 - dy), (1 - dx) * dy, dx * dy};
+    const Real x0 = std::floor(x), y0 = std::floor(y), dx = x - x0, dy = y - y0;
+    const std::array<Real, 4> weight{(1 - dx) * (1 - dy), dx * (1 - dy), (1 - dx) * dy, dx * dy};
     for (int i = 0; i < 4; ++i) {
         int xi = static_cast<int>(x0) + (i & 1), yi = static_cast<int>(y0) + (i >> 1);
         if (place(image, sampler.wrap, xi, yi)) use(xi, yi, weight[static_cast<std::size_t>(i)]);
@@ -71,18 +71,18 @@ void for_texels(const ImageSampler& sampler, const Vec2& st, const Use& use) {
 Rgb ImageSampler::rgb(const Vec2& st) const {
     Rgb sum;
     const bool colour = image->channels >= 3;
-    for_texels(*this, st, [&](int x, int y, float weight) {
-        const float r = image->at(x, y, 0);
+    for_texels(*this, st, [&](int x, int y, Real weight) {
+        const Real r = image->at(x, y, 0);
         sum += (colour ? Rgb(r, image->at(x, y, 1), image->at(x, y, 2)) : Rgb(r)) * weight;
     });
     return sum;
 }
 
-float ImageSampler::real(const Vec2& st) const {
-    float sum = 0;
+Real ImageSampler::real(const Vec2& st) const {
+    Real sum = 0;
     const bool alpha = image->channels == 4 && alpha_varies, mean = image->channels >= 3 && !alpha;
-    for_texels(*this, st, [&](int x, int y, float weight) {
-        const float value = image->at(x, y, alpha ? 3 : 0);
+    for_texels(*this, st, [&](int x, int y, Real weight) {
+        const Real value = image->at(x, y, alpha ? 3 : 0);
         sum += weight * (mean ? (value + image->at(x, y, 1) + image->at(x, y, 2)) / 3 : value);
     });
     return sum;

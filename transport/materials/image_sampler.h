@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "display/services/rgb.h"
+#include "transport/math/real.h"
 #include "transport/import/image.h"
 #include "transport/math/vec.h"
 
@@ -20,7 +20,7 @@ struct ImageSampler {
 
     [[nodiscard]] Rgb rgb(const Vec2& st) const;
     /// What a float texture reads: the only channel, the mean of three, or the alpha of four where it varies.
-    [[nodiscard]] float real(const Vec2& st) const;
+    [[nodiscard]] Real real(const Vec2& st) const;
 };
 
 /// Whether the fourth channel of `image` differs from 1 anywhere.

@@ -10,10 +10,10 @@ struct LambertClosure {
     Rgb reflectance;
 
     [[nodiscard]] Rgb value(const Vec3& wo, const Vec3& wi) const { return reflectance * pdf(wo, wi); }
-    [[nodiscard]] static float pdf(const Vec3& wo, const Vec3& wi) {
+    [[nodiscard]] static Real pdf(const Vec3& wo, const Vec3& wi) {
         return wo.z * wi.z > 0 ? std::abs(wi.z) * inv_pi : 0.0f;
     }
-    [[nodiscard]] LocalSample sample(const Vec3& wo, float, const Vec2& u) const {
+    [[nodiscard]] LocalSample sample(const Vec3& wo, Real, const Vec2& u) const {
         LocalSample s;
         s.wi = sample_cosine_hemisphere(u);
         s.pdf = s.wi.z * inv_pi;
@@ -23,7 +23,7 @@ struct LambertClosure {
         return s;
     }
     [[nodiscard]] static constexpr bool is_delta() { return false; }
-    [[nodiscard]] Rgb albedo(float) const { return reflectance; }
+    [[nodiscard]] Rgb albedo(Real) const { return reflectance; }
 };
 
 }  // namespace raylex::transport

@@ -18,42 +18,43 @@ class WalkRandom {
         absorb(a.z, b.x);
         absorb(b.y, b.z);
     }
-    float one() { return unit_float(mix_bits(state_ += 0x9e3779b97f4a7c15ull)); }
+    Real one() { return unit_float(mix_bits(state_ += 0x9e3779b97f4a7c15ull)); }
     Vec2 two() {
-        const float x = one();
+        const Real x = one();
         return {x, one()};
     }
 
   private:
-    void absorb(float a, float b) {
+    void absorb(Real a, Real b) {
         state_ =
-            mix_bits(state_ ^ (std::uint64_t{std::bit_cast<std::uint32_t>(a)} << 32 | std::bit_cast<std::uint32_t>(b)));
+            mix_bits(state_ ^ (std::uint64_t{std::bit_cast<std::uint32_t>(to_float(a))} << 32 |
+                          std::bit_cast<std::uint32_t>(to_float(b))));
     }
     std::uint64_t state_;
 };
 
 /// Henyey-Greenstein in terms of 1 - cos of the turn, without cancellation for |g| near 1 or 0.
-float phase_pdf(const Vec3& from, const Vec3& to, float g) {
+Real phase_pdf(const Vec3& from, const Vec3& to, Real g) {
     // |from - to|^2 / 2 is 1 - cos of unit vectors.
-    const float one_minus_cos = length_squared(from - to) * 0.5f;
-    const float denominator = square(1 - g) + 2 * g * one_minus_cos;
+    const Real one_minus_cos = length_squared(from - to) * 0.5f;
+    const Real denominator = square(1 - g) + 2 * g * one_minus_cos;
     return (1 - g * g) / (4 * pi * denominator * safe_sqrt(denominator));
 }
 
-Vec3 sample_phase(const Vec3& along, const Vec2& u, float g) {
-    const float a = std::abs(g);
-    float one_minus_cos = 2 * square(1 - a) * u.x * (1 + a - a * u.x) / square(1 - a + 2 * a * (1 - u.x));
-    one_minus_cos = std::min(one_minus_cos, 2.0f);
-    const float sin_theta = safe_sqrt(one_minus_cos * (2 - one_minus_cos)), phi = 2 * pi * u.y;
+Vec3 sample_phase(const Vec3& along, const Vec2& u, Real g) {
+    const Real a = std::abs(g);
+    Real one_minus_cos = 2 * square(1 - a) * u.x * (1 + a - a * u.x) / square(1 - a + 2 * a * (1 - u.x));
+    one_minus_cos = std::min(one_minus_cos, Real(2));
+    const Real sin_theta = safe_sqrt(one_minus_cos * (2 - one_minus_cos)), phi = 2 * pi * u.y;
     const Vec3 local{sin_theta * std::cos(phi), sin_theta * std::sin(phi), 1 - one_minus_cos};
     return Frame::from_normal(g < 0 ? -along : along).to_world(local);
 }
 
-float transmittance(float depth, const Vec3& w) { return std::exp(-std::abs(depth / w.z)); }
+Real transmittance(Real depth, const Vec3& w) { return std::exp(-std::abs(depth / w.z)); }
 
 /// Where a walk stands: height above the base, direction of travel.
 struct WalkPoint {
-    float z;
+    Real z;
     Vec3 w;
 };
 
@@ -62,13 +63,13 @@ enum class Advance : std::uint8_t { interface, scattered, stuck };
 /// To the next interface or, in a scattering medium, perhaps to an event before it. `beta` takes the absorption.
 Advance advance(const CoatLayer& coat, WalkPoint& at, Rgb& beta, WalkRandom& random) {
     if (at.w.z == 0) return Advance::stuck;
-    const float boundary = at.w.z > 0 ? coat.thickness : 0;
+    const Real boundary = at.w.z > 0 ? coat.thickness : 0;
     if (coat.albedo.is_black()) {
         beta *= transmittance(coat.thickness, at.w);
         at.z = boundary;
         return Advance::interface;
     }
-    const float z = at.z - std::log1p(-random.one()) * at.w.z;     // w is unit: distance times w.z is height
+    const Real z = at.z - std::log1p(-random.one()) * at.w.z;      // w is unit: distance times w.z is height
     if (z == at.z) return Advance::stuck;
     if (z > 0 && z < coat.thickness) {
         at.z = z;
@@ -79,8 +80,8 @@ Advance advance(const CoatLayer& coat, WalkPoint& at, Rgb& beta, WalkRandom& ran
 }
 
 /// Ends weak walks after the fourth layer. False when it did.
-bool survives(int depth, Rgb& beta, float& pdf, WalkRandom& random) {
-    const float strongest = beta.max();
+bool survives(int depth, Rgb& beta, Real& pdf, WalkRandom& random) {
+    const Real strongest = beta.max();
     if (depth <= 3 || strongest >= 0.25f) return strongest > 0;
     if (random.one() >= strongest) return false;
     beta *= 1 / strongest;
@@ -92,7 +93,7 @@ bool survives(int depth, Rgb& beta, float& pdf, WalkRandom& random) {
 struct Exit {
     Vec3 wi;                 // outside
     LocalSample inside;      // refracted: points down, away from the coat
-    float scale;             // f / pdf |cos wi|, from inside.wi to wi
+    Real scale;              // f / pdf |cos wi|, from inside.wi to wi
 };
 
 template <class Base>
@@ -102,20 +103,20 @@ class Evaluation {
         : coat_(layered.coat), base_(layered.base), random_(random), coat_delta_(coat_.interface.is_delta()),
           base_delta_(base_.is_delta()) {
         exit_.wi = wi;
-        const float u_lobe = random_.one();
+        const Real u_lobe = random_.one();
         exit_.inside =
             coat_.interface.sample(wi, u_lobe, random_.two(), TransportMode::importance, Sides::transmission);
         if (exit_.inside.pdf > 0) exit_.scale = exit_.inside.weight.r * std::abs(wi.z / exit_.inside.wi.z);
     }
 
     Rgb walk(const Vec3& wo) {
-        const float u_lobe = random_.one();
+        const Real u_lobe = random_.one();
         const LocalSample in =
             coat_.interface.sample(wo, u_lobe, random_.two(), TransportMode::radiance, Sides::transmission);
         if (!(in.pdf > 0) || !(exit_.inside.pdf > 0)) return {};
         at_ = {coat_.thickness, in.wi};
         beta_ = in.weight;
-        float unused = 1;
+        Real unused = 1;
         for (int depth = 0; depth < coat_.max_depth; ++depth) {
             if (!survives(depth, beta_, unused, random_)) break;
             const Advance step = advance(coat_, at_, beta_, random_);
@@ -128,9 +129,9 @@ class Evaluation {
 
   private:
     void in_medium() {
-        const float g = coat_.g, phase = phase_pdf(at_.w, -exit_.inside.wi, g);
-        const float weight = coat_delta_ ? 1.0f : power_heuristic(exit_.inside.pdf, phase);
-        const float rise = coat_.thickness - at_.z;
+        const Real g = coat_.g, phase = phase_pdf(at_.w, -exit_.inside.wi, g);
+        const Real weight = coat_delta_ ? 1.0f : power_heuristic(exit_.inside.pdf, phase);
+        const Real rise = coat_.thickness - at_.z;
         beta_ *= coat_.albedo;
         result_ += beta_ * (phase * weight * transmittance(rise, exit_.inside.wi) * exit_.scale);
         const Vec3 from = at_.w;
@@ -139,7 +140,7 @@ class Evaluation {
     }
 
     bool below_coat() {
-        const float u_lobe = random_.one();
+        const Real u_lobe = random_.one();
         return follow(
             coat_.interface.sample(-at_.w, u_lobe, random_.two(), TransportMode::radiance, Sides::reflection));
     }
@@ -147,11 +148,11 @@ class Evaluation {
     bool at_base() {
         const Vec3 up = -exit_.inside.wi;
         if (!base_delta_) {
-            const float weight = coat_delta_ ? 1.0f : power_heuristic(exit_.inside.pdf, base_.pdf(-at_.w, up));
+            const Real weight = coat_delta_ ? 1.0f : power_heuristic(exit_.inside.pdf, base_.pdf(-at_.w, up));
             result_ += beta_ * base_.value(-at_.w, up) *
                        (weight * transmittance(coat_.thickness, up) * exit_.scale);
         }
-        const float u_lobe = random_.one();
+        const Real u_lobe = random_.one();
         const LocalSample s = base_.sample(-at_.w, u_lobe, random_.two());
         if (!follow(s)) return false;
         if (!coat_delta_) leave(coat_.thickness, s.pdf, base_delta_);
@@ -159,11 +160,11 @@ class Evaluation {
     }
 
     /// The other strategy: from a sampled direction straight through the rough coat to wi.
-    void leave(float rise, float pdf, bool only_strategy) {
-        const float value = coat_.interface.value(-at_.w, exit_.wi, TransportMode::radiance);
+    void leave(Real rise, Real pdf, bool only_strategy) {
+        const Real value = coat_.interface.value(-at_.w, exit_.wi, TransportMode::radiance);
         if (!(value > 0)) return;
         // The competitor refracts from wi inwards; pbrt-v4 takes the density of the way out (see layered.h).
-        const float other = coat_.as_pbrt ? coat_.interface.pdf(-at_.w, exit_.wi, Sides::transmission)
+        const Real other = coat_.as_pbrt ? coat_.interface.pdf(-at_.w, exit_.wi, Sides::transmission)
                                           : coat_.interface.pdf(exit_.wi, -at_.w, Sides::transmission);
         result_ += beta_ * (value * transmittance(rise, at_.w) * (only_strategy ? 1.0f : power_heuristic(pdf, other)));
     }
@@ -185,31 +186,31 @@ class Evaluation {
 };
 
 /// The refracted direction inside, from a direction above, through the unperturbed surface.
-Vec3 refract_down(const Vec3& w, float eta) {
-    const float cos_t = safe_sqrt(1 - (1 - w.z * w.z) / (eta * eta));
+Vec3 refract_down(const Vec3& w, Real eta) {
+    const Real cos_t = safe_sqrt(1 - (1 - w.z * w.z) / (eta * eta));
     return {-w.x / eta, -w.y / eta, -cos_t};
 }
 
 /// Density of what entered, through one reflection at a rough conductor. A tilt of the coat's facets bends a refracted
 /// ray by (1 - 1/eta) of it, a tilt of the base's facets by 2: slopes' variances add up with those factors.
-float conductor_density(const CoatLayer& coat, const ConductorClosure& base, const Vec3& wo, const Vec3& wi) {
-    const float eta = coat.interface.eta;
+Real conductor_density(const CoatLayer& coat, const ConductorClosure& base, const Vec3& wo, const Vec3& wi) {
+    const Real eta = coat.interface.eta;
     const Vec3 in = -refract_down(wo, eta), out = -refract_down(wi, eta);
-    if (!(in.z > 0.01f) || !(out.z > 0.01f)) return 0;          // beyond the critical angle, for eta < 1
-    const float bend = 0.5f * square(1 - 1 / eta);
-    const auto widened = [&](float of_base, float of_coat) {
+    if (!(in.z > Real(0.01)) || !(out.z > Real(0.01))) return 0;          // beyond the critical angle, for eta < 1
+    const Real bend = 0.5f * square(1 - 1 / eta);
+    const auto widened = [&](Real of_base, Real of_coat) {
         return std::max(std::sqrt(square(of_base) + bend * square(of_coat)), Ggx::smooth_below);
     };
     const Ggx facets{widened(base.facets.alpha_x, coat.interface.facets.alpha_x),
                      widened(base.facets.alpha_y, coat.interface.facets.alpha_y)};
-    const float inside = facets.g1(in) * facets.d(normalize(in + out)) / (4 * in.z);
+    const Real inside = facets.g1(in) * facets.d(normalize(in + out)) / (4 * in.z);
     return inside * wi.z / (eta * eta * out.z);                  // d(out) / d(wi)
 }
 
 }  // namespace
 
 template <class Base>
-float LayeredClosure<Base>::coat_value(Vec3 wo, Vec3 wi) const {
+Real LayeredClosure<Base>::coat_value(Vec3 wo, Vec3 wi) const {
     if (!to_upper_side(wo, wi)) return 0;
     return coat.interface.value(wo, wi, TransportMode::radiance);
 }
@@ -220,33 +221,33 @@ Rgb LayeredClosure<Base>::base_value(Vec3 wo, Vec3 wi, std::uint32_t key) const 
     WalkRandom random(key, wo, wi);
     Rgb sum;
     for (int i = 0; i < coat.sample_count; ++i) sum += Evaluation<Base>(*this, wi, random).walk(wo);
-    return coat.sample_count > 1 ? sum / static_cast<float>(coat.sample_count) : sum;
+    return coat.sample_count > 1 ? sum / static_cast<Real>(coat.sample_count) : sum;
 }
 
 template <class Base>
-float LayeredClosure<Base>::pdf(Vec3 wo, Vec3 wi) const {
+Real LayeredClosure<Base>::pdf(Vec3 wo, Vec3 wi) const {
     if (is_delta() || !to_upper_side(wo, wi)) return 0;
-    const float enters = 1 - fresnel_dielectric(wo.z, coat.interface.eta);
-    float entered = LambertClosure::pdf(wo, wi);       // what a Lambert base gives through any number of reflections
+    const Real enters = 1 - fresnel_dielectric(wo.z, coat.interface.eta);
+    Real entered = LambertClosure::pdf(wo, wi);        // what a Lambert base gives through any number of reflections
     if constexpr (std::is_same_v<Base, ConductorClosure>) {
         // A smooth base under a smooth coat has a density only by the medium; else most of it is one reflection.
         if (!coat.interface.is_delta() || !base.is_delta())
-            entered = 0.2f * entered + 0.8f * conductor_density(coat, base, wo, wi);
+            entered = Real(0.2) * entered + Real(0.8) * conductor_density(coat, base, wo, wi);
     }
     // Where next to nothing enters, a little is left to what does, so that no direction of it is weighed as impossible.
-    const float share = std::max(enters, 0.02f);
-    return share * entered + (1 - share) / std::max(1 - enters, 1e-6f) * coat.interface.pdf(wo, wi, Sides::both);
+    const Real share = std::max(enters, Real(0.02));
+    return share * entered + (1 - share) / std::max(1 - enters, Real(1e-6)) * coat.interface.pdf(wo, wi, Sides::both);
 }
 
 template <class Base>
-LayeredSample LayeredClosure<Base>::sample(Vec3 wo, float u_lobe, const Vec2& u, std::uint32_t key) const {
+LayeredSample LayeredClosure<Base>::sample(Vec3 wo, Real u_lobe, const Vec2& u, std::uint32_t key) const {
     LayeredSample result;
     const bool below = wo.z < 0;
     if (below) wo = -wo;
     LocalSample s = coat.interface.sample(wo, u_lobe, u, TransportMode::radiance, Sides::both);
     if (!(s.pdf > 0)) return result;
     Rgb beta = s.weight;
-    float pdf = s.pdf;
+    Real pdf = s.pdf;
     bool delta = s.delta;
     result.entered = s.transmitted;
     if (s.transmitted) {
@@ -265,7 +266,7 @@ LayeredSample LayeredClosure<Base>::sample(Vec3 wo, float u_lobe, const Vec2& u,
                 delta = false;
                 continue;
             }
-            const float u_next = random.one();
+            const Real u_next = random.one();
             const bool at_coat = at.z > 0;
             s = at_coat ? coat.interface.sample(-at.w, u_next, random.two(), TransportMode::radiance, Sides::both)
                         : base.sample(-at.w, u_next, random.two());
@@ -280,20 +281,20 @@ LayeredSample LayeredClosure<Base>::sample(Vec3 wo, float u_lobe, const Vec2& u,
     }
     result.scatter.wi = below ? -s.wi : s.wi;
     result.scatter.weight = beta;
-    result.scatter.pdf = std::clamp(pdf, 1e-30f, 1e30f);
+    result.scatter.pdf = std::clamp(pdf, Real(1e-30), Real(1e30));
     result.scatter.delta = delta;
     return result;
 }
 
 template <class Base>
-Rgb LayeredClosure<Base>::albedo(float cos_theta) const {
-    const float eta = coat.interface.eta, outside = fresnel_dielectric(cos_theta, eta);
+Rgb LayeredClosure<Base>::albedo(Real cos_theta) const {
+    const Real eta = coat.interface.eta, outside = fresnel_dielectric(cos_theta, eta);
     // Diffuse reflectance from inside, Egan and Hilgeman's fit as in Jensen et al. 2001, "A Practical Model for
     // Subsurface Light Transport".
-    const float fit = 0.6681f + 0.0636f * eta + (0.7099f - 1.4399f / eta) / eta;
-    const float inside = eta > 1 ? std::clamp(fit, 0.0f, 0.99f) : 0.0f;
+    const Real fit = Real(0.6681) + Real(0.0636) * eta + (Real(0.7099) - Real(1.4399) / eta) / eta;
+    const Real inside = eta > 1 ? std::clamp(fit, Real(0), Real(0.99)) : 0.0f;
     const Rgb below = base.albedo(cos_theta);
-    const auto one = [&](float r) { return outside + (1 - outside) * (1 - inside) * r / (1 - inside * r); };
+    const auto one = [&](Real r) { return outside + (1 - outside) * (1 - inside) * r / (1 - inside * r); };
     return {one(below.r), one(below.g), one(below.b)};
 }
 

@@ -34,8 +34,8 @@ namespace raylex::transport {
 /// The coat and the slab below it.
 struct CoatLayer {
     DielectricClosure interface;
-    float thickness;                   ///< optical: the medium's extinction is 1 per unit
-    float g;                           ///< Henyey-Greenstein asymmetry of the medium
+    Real thickness;                    ///< optical: the medium's extinction is 1 per unit
+    Real g;                            ///< Henyey-Greenstein asymmetry of the medium
     Rgb albedo;                        ///< of the medium; black: it only absorbs
     std::uint16_t max_depth;           ///< layers visited per walk
     std::uint16_t sample_count;        ///< walks averaged per evaluation
@@ -58,14 +58,14 @@ struct LayeredClosure {
         return coat.interface.is_delta() && base.is_delta() && coat.albedo.is_black();
     }
     /// The coat's part of f |cos theta_i|: exact.
-    [[nodiscard]] float coat_value(Vec3 wo, Vec3 wi) const;
+    [[nodiscard]] Real coat_value(Vec3 wo, Vec3 wi) const;
     /// The part that entered: an unbiased estimate.
     [[nodiscard]] Rgb base_value(Vec3 wo, Vec3 wi, std::uint32_t key) const;
     /// An approximate density for multiple importance sampling, positive over the whole hemisphere, whose integral is
     /// at most 1 (but for a rough coat's own small error).
-    [[nodiscard]] float pdf(Vec3 wo, Vec3 wi) const;
-    [[nodiscard]] LayeredSample sample(Vec3 wo, float u_lobe, const Vec2& u, std::uint32_t key) const;
-    [[nodiscard]] Rgb albedo(float cos_theta) const;
+    [[nodiscard]] Real pdf(Vec3 wo, Vec3 wi) const;
+    [[nodiscard]] LayeredSample sample(Vec3 wo, Real u_lobe, const Vec2& u, std::uint32_t key) const;
+    [[nodiscard]] Rgb albedo(Real cos_theta) const;
 };
 
 }  // namespace raylex::transport

@@ -11,7 +11,7 @@ struct CoatInput {
     RoughnessInput roughness;
     RealInput thickness, g;
     RgbInput albedo;
-    float eta = 1.5f;
+    Real eta = 1.5f;
     std::uint16_t max_depth = 10, sample_count = 1;
     bool as_pbrt = true;
 
@@ -20,7 +20,7 @@ struct CoatInput {
         CoatInput coat;
         const std::string p(prefix);
         coat.roughness = reader.roughness(prefix, 0);
-        coat.thickness = reader.real_texture("thickness", 0.01f);
+        coat.thickness = reader.real_texture("thickness", Real(0.01));
         coat.eta = reader.index_of_refraction(p + "eta", 1.5f);
         coat.g = reader.real_texture("g", 0);
         coat.albedo = reader.rgb("albedo", Rgb(0));
@@ -33,8 +33,8 @@ struct CoatInput {
         CoatLayer layer;
         layer.interface = {roughness.at(textures, p), eta};
         // A slab without thickness would leave a walk nowhere to be (pbrt-v4 keeps it above the least float).
-        layer.thickness = std::max(thickness.at(textures, p), 1e-30f);
-        layer.g = std::clamp(g.at(textures, p), -0.999f, 0.999f);
+        layer.thickness = std::max(thickness.at(textures, p), Real(1e-30));
+        layer.g = std::clamp(g.at(textures, p), -Real(0.999), Real(0.999));
         layer.albedo = clamp_to_unit(albedo.at(textures, p));
         layer.max_depth = max_depth;
         layer.sample_count = sample_count;

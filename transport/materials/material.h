@@ -13,6 +13,7 @@
 
 #include "display/services/display_services.h"
 #include "display/services/registry.h"
+#include "transport/geometry/surface_point.h"
 #include "transport/materials/bsdf.h"
 #include "transport/materials/closure.h"
 #include "transport/materials/texture.h"

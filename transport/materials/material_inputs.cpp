@@ -29,7 +29,7 @@ bool RoughnessInput::may_be_rough() const {
     return high(u) || high(v);
 }
 
-ConductorClosure ConductorInput::at(const TextureTable& textures, const SurfacePoint& p, float outside_eta) const {
+ConductorClosure ConductorInput::at(const TextureTable& textures, const SurfacePoint& p, Real outside_eta) const {
     ConductorClosure closure;
     closure.facets = roughness.at(textures, p);
     closure.eta = by_reflectance ? Rgb(1) : eta.at(textures, p);
@@ -60,14 +60,14 @@ RgbInput MaterialReader::rgb(std::string_view name, const Rgb& fallback, Spectru
     return {fallback, id};
 }
 
-RealInput MaterialReader::real_texture(std::string_view name, float fallback) {
+RealInput MaterialReader::real_texture(std::string_view name, Real fallback) {
     const TextureId id = take(context_.textures.real_parameter(set(), name, fallback), TextureId{-1});
     if (id < 0) return {fallback, -1};
     if (context_.textures.is_constant(id)) return {context_.textures.real(id, {}), -1};
     return {fallback, id};
 }
 
-RoughnessInput MaterialReader::roughness(std::string_view prefix, float fallback) {
+RoughnessInput MaterialReader::roughness(std::string_view prefix, Real fallback) {
     const std::string p(prefix);
     RoughnessInput result;
     const RealInput both = real_texture(p + "roughness", fallback);
@@ -104,7 +104,7 @@ ConductorInput MaterialReader::conductor(std::string_view prefix) {
     return result;
 }
 
-float MaterialReader::index_of_refraction(std::string_view name, float fallback) {
+Real MaterialReader::index_of_refraction(std::string_view name, Real fallback) {
     const Parameter* parameter = set().find(name);
     if (parameter == nullptr) return fallback;
     if (parameter->type == ParameterType::texture) {
@@ -112,7 +112,7 @@ float MaterialReader::index_of_refraction(std::string_view name, float fallback)
         return fallback;
     }
     const Rgb value = take(resolve_spectrum(*parameter, SpectrumRole::unbounded, context_.scene.color), Rgb(fallback));
-    const float eta = value.r == value.g && value.g == value.b ? value.r : value.average();
+    const Real eta = value.r == value.g && value.g == value.b ? value.r : value.average();
     if (eta == 0) return 1;            // as pbrt-v4: no index given means no interface
     if (eta > 0 && eta < 100) return eta;
     fail(error_at(where(*parameter), quoted("", name) + " is " + std::to_string(eta) +

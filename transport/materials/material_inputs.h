@@ -14,7 +14,7 @@ namespace raylex::transport {
 inline TexturePoint texture_point(const SurfacePoint& p) { return {p.u, p.v, p.position, p.row}; }
 
 inline Rgb clamp_to_unit(const Rgb& c) {
-    return {std::clamp(c.r, 0.0f, 1.0f), std::clamp(c.g, 0.0f, 1.0f), std::clamp(c.b, 0.0f, 1.0f)};
+    return {std::clamp(c.r, Real(0), Real(1)), std::clamp(c.g, Real(0), Real(1)), std::clamp(c.b, Real(0), Real(1))};
 }
 
 struct RgbInput {
@@ -27,10 +27,10 @@ struct RgbInput {
 };
 
 struct RealInput {
-    float value = 0;
+    Real value = 0;
     TextureId texture = -1;
 
-    [[nodiscard]] float at(const TextureTable& textures, const SurfacePoint& p) const {
+    [[nodiscard]] Real at(const TextureTable& textures, const SurfacePoint& p) const {
         return texture < 0 ? value : textures.real(texture, texture_point(p));
     }
 };
@@ -40,7 +40,7 @@ struct RoughnessInput {
     bool remap = true;                 ///< alpha = sqrt(roughness), as pbrt-v4
 
     [[nodiscard]] Ggx at(const TextureTable& textures, const SurfacePoint& p) const {
-        const float x = u.at(textures, p), y = v.at(textures, p);
+        const Real x = u.at(textures, p), y = v.at(textures, p);
         return remap ? Ggx::from_alpha(Ggx::alpha_from_roughness(x), Ggx::alpha_from_roughness(y)) : Ggx::from_alpha(x, y);
     }
     /// Whether the facets can be smooth, or rough, somewhere: what lobes the material must announce.
@@ -55,7 +55,7 @@ struct ConductorInput {
     bool by_reflectance = false;
 
     /// Seen from inside a medium of index `outside_eta`.
-    [[nodiscard]] ConductorClosure at(const TextureTable& textures, const SurfacePoint& p, float outside_eta) const;
+    [[nodiscard]] ConductorClosure at(const TextureTable& textures, const SurfacePoint& p, Real outside_eta) const;
 };
 
 /// A ParameterReader for materials. Every factory begins with one and ends by asking for error().
@@ -65,13 +65,13 @@ class MaterialReader : public ParameterReader {
     MaterialReader(const SceneEntity& entity, const MaterialContext& context);
 
     RgbInput rgb(std::string_view name, const Rgb& fallback, SpectrumRole role = SpectrumRole::albedo);
-    RealInput real_texture(std::string_view name, float fallback);
+    RealInput real_texture(std::string_view name, Real fallback);
     /// `prefix` + "roughness", "uroughness", "vroughness", and "remaproughness".
-    RoughnessInput roughness(std::string_view prefix, float fallback);
+    RoughnessInput roughness(std::string_view prefix, Real fallback);
     /// "eta", "k" and roughness under `prefix`, or "reflectance" instead of both; copper when nothing is given.
     ConductorInput conductor(std::string_view prefix);
     /// A real index of refraction: a number, or a spectrum, of which the mean over the RGB channels counts.
-    float index_of_refraction(std::string_view name, float fallback);
+    Real index_of_refraction(std::string_view name, Real fallback);
 
   private:
     RgbInput named_spectrum_or(std::string_view name, std::string_view fallback);

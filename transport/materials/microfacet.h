@@ -14,45 +14,45 @@
 namespace raylex::transport {
 
 /// Directions nearer to the horizon than this are refused by sample, pdf and evaluate alike.
-inline constexpr float min_cosine = 1e-7f;
+inline constexpr Real min_cosine = Real(1e-7);
 
 struct Ggx {
     /// Both alphas below this: an ideal, delta interface (pbrt-v4's EffectivelySmooth).
-    static constexpr float smooth_below = 1e-3f;
+    static constexpr Real smooth_below = Real(1e-3);
 
-    float alpha_x, alpha_y;
+    Real alpha_x, alpha_y;
 
     /// A rough axis beside a smooth one is kept at 1e-4, where the density still has digits to spare in float.
-    static constexpr Ggx from_alpha(float x, float y) {
+    static constexpr Ggx from_alpha(Real x, Real y) {
         if (!(std::max(x, y) >= smooth_below)) return {0, 0};
-        return {std::clamp(x, 1e-4f, 1e3f), std::clamp(y, 1e-4f, 1e3f)};
+        return {std::clamp(x, Real(1e-4), Real(1e3)), std::clamp(y, Real(1e-4), Real(1e3))};
     }
     /// pbrt-v4's remapping of the user's roughness.
-    static float alpha_from_roughness(float roughness) { return safe_sqrt(roughness); }
+    static Real alpha_from_roughness(Real roughness) { return safe_sqrt(roughness); }
 
     [[nodiscard]] constexpr bool smooth() const { return alpha_x == 0; }
 
     /// Density of normals per steradian: integral of D cos = 1. In a form without cancellation around the pole.
-    [[nodiscard]] float d(const Vec3& m) const {
-        const float s = square(m.x / alpha_x) + square(m.y / alpha_y) + square(m.z);
+    [[nodiscard]] Real d(const Vec3& m) const {
+        const Real s = square(m.x / alpha_x) + square(m.y / alpha_y) + square(m.z);
         return 1 / (pi * alpha_x * alpha_y * s * s);
     }
     /// Smith's Lambda: masked over visible area; w.z >= min_cosine.
-    [[nodiscard]] float lambda(const Vec3& w) const {
-        const float a2_tan2 = (square(alpha_x * w.x) + square(alpha_y * w.y)) / square(w.z);
+    [[nodiscard]] Real lambda(const Vec3& w) const {
+        const Real a2_tan2 = (square(alpha_x * w.x) + square(alpha_y * w.y)) / square(w.z);
         return (std::sqrt(1 + a2_tan2) - 1) * 0.5f;
     }
-    [[nodiscard]] float g1(const Vec3& w) const { return 1 / (1 + lambda(w)); }
+    [[nodiscard]] Real g1(const Vec3& w) const { return 1 / (1 + lambda(w)); }
     /// Height-correlated masking and shadowing.
-    [[nodiscard]] float g2(const Vec3& wo, const Vec3& wi) const { return 1 / (1 + lambda(wo) + lambda(wi)); }
+    [[nodiscard]] Real g2(const Vec3& wo, const Vec3& wi) const { return 1 / (1 + lambda(wo) + lambda(wi)); }
 
     /// A normal visible from `w`, with density g1(w) d(m) max(0, w.m) / w.z.
     [[nodiscard]] Vec3 sample_visible_normal(const Vec3& w, const Vec2& u) const {
         const Vec3 stretched = normalize({alpha_x * w.x, alpha_y * w.y, w.z});
-        const float z = (1 - u.x) * (1 + stretched.z) - stretched.z;      // uniform on the cap z in (-stretched.z, 1]
-        const float r = safe_sqrt(1 - z * z), phi = 2 * pi * u.y;
+        const Real z = (1 - u.x) * (1 + stretched.z) - stretched.z;       // uniform on the cap z in (-stretched.z, 1]
+        const Real r = safe_sqrt(1 - z * z), phi = 2 * pi * u.y;
         const Vec3 h = Vec3{r * std::cos(phi), r * std::sin(phi), z} + stretched;
-        return normalize({alpha_x * h.x, alpha_y * h.y, std::max(1e-6f * length(h), h.z)});
+        return normalize({alpha_x * h.x, alpha_y * h.y, std::max(Real(1e-6) * length(h), h.z)});
     }
 };
 

@@ -20,10 +20,10 @@ int ParameterReader::integer(std::string_view name, int fallback, int least, int
     return fallback;
 }
 
-float ParameterReader::real(std::string_view name, float fallback, float least, float most) {
-    const float value = real(name, fallback);
+Real ParameterReader::real(std::string_view name, Real fallback, Real least, Real most) {
+    const Real value = real(name, fallback);
     if (value >= least && value <= most) return value;
-    const auto shown = [](float number) {
+    const auto shown = [](Real number) {
         std::array<char, 32> text{};
         return std::string(text.data(), std::to_chars(text.data(), text.data() + text.size(), number).ptr);
     };

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "display/services/parameters.h"
+#include "transport/math/real.h"
 
 namespace raylex::transport {
 
@@ -28,11 +29,12 @@ class ParameterReader {
         return fallback;
     }
 
-    float real(std::string_view name, float fallback) {
-        return static_cast<float>(take(set_.real_or(name, static_cast<double>(fallback)), static_cast<double>(fallback)));
+    Real real(std::string_view name, Real fallback) {
+        return static_cast<Real>(
+            take(set_.real_or(name, static_cast<double>(fallback)), static_cast<double>(fallback)));
     }
     /// Between `least` and `most`, or an Error that names the range.
-    float real(std::string_view name, float fallback, float least, float most);
+    Real real(std::string_view name, Real fallback, Real least, Real most);
     int integer(std::string_view name, int fallback, int least, int most);
     bool boolean(std::string_view name, bool fallback) { return take(set_.boolean_or(name, fallback), fallback); }
     std::string string(std::string_view name, std::string_view fallback) {

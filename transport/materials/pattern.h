@@ -23,7 +23,7 @@ class TextureLookup {
   public:
     virtual ~TextureLookup() = default;
     [[nodiscard]] virtual Rgb rgb(TextureId id, const TexturePoint& at) const = 0;
-    [[nodiscard]] virtual float real(TextureId id, const TexturePoint& at) const = 0;
+    [[nodiscard]] virtual Real real(TextureId id, const TexturePoint& at) const = 0;
 };
 
 /// The display services of the thread that is shading, null outside of MaterialTable::shade: for materials, whose rows are
@@ -39,7 +39,7 @@ class PatternPoint {
 
     /// An input, as PatternReader made it, at this point.
     [[nodiscard]] Rgb rgb(TextureId input) const { return textures_.rgb(input, at); }
-    [[nodiscard]] float real(TextureId input) const { return textures_.real(input, at); }
+    [[nodiscard]] Real real(TextureId input) const { return textures_.real(input, at); }
     /// Null where nothing can be written; else `at.row` is the row to write to.
     [[nodiscard]] display::DisplayServices* display() const { return at.row < 0 ? nullptr : shading_display(); }
 
@@ -52,7 +52,7 @@ class Pattern {
   public:
     virtual ~Pattern() = default;
     [[nodiscard]] virtual Rgb rgb(const PatternPoint& point) const = 0;
-    [[nodiscard]] virtual float real(const PatternPoint& point) const = 0;
+    [[nodiscard]] virtual Real real(const PatternPoint& point) const = 0;
 };
 
 /// A ParameterReader for patterns: numbers, colours and textures become inputs. Every factory asks for error() in the end.
@@ -65,11 +65,11 @@ class PatternReader : public ParameterReader {
     const SceneTexture& texture;
 
     TextureId rgb_input(std::string_view name, const Rgb& fallback) { return take(resolve_(name, fallback, true), TextureId{0}); }
-    TextureId real_input(std::string_view name, float fallback) {
+    TextureId real_input(std::string_view name, Real fallback) {
         return take(resolve_(name, Rgb(fallback), false), TextureId{0});
     }
     /// A colour in a spectrum texture, a number in a float one.
-    TextureId input(std::string_view name, float fallback) {
+    TextureId input(std::string_view name, Real fallback) {
         return texture.spectrum ? rgb_input(name, Rgb(fallback)) : real_input(name, fallback);
     }
 

@@ -51,7 +51,7 @@ class ConductorMaterial final : public Material {
 
 class DielectricMaterial final : public Material {
   public:
-    DielectricMaterial(const RoughnessInput& roughness, float eta) : roughness_(roughness), eta_(eta) {}
+    DielectricMaterial(const RoughnessInput& roughness, Real eta) : roughness_(roughness), eta_(eta) {}
     void shade(const TextureTable& textures, HitIndices hits, std::span<const SurfacePoint> points,
                std::span<Bsdf> closures) const override {
         for (const std::uint32_t i : hits) {
@@ -69,12 +69,12 @@ class DielectricMaterial final : public Material {
 
   private:
     RoughnessInput roughness_;
-    float eta_;
+    Real eta_;
 };
 
 class ThinDielectricMaterial final : public Material {
   public:
-    explicit ThinDielectricMaterial(float eta) : eta_(eta) {}
+    explicit ThinDielectricMaterial(Real eta) : eta_(eta) {}
     void shade(const TextureTable&, HitIndices hits, std::span<const SurfacePoint> points,
                std::span<Bsdf> closures) const override {
         for (const std::uint32_t i : hits)
@@ -85,7 +85,7 @@ class ThinDielectricMaterial final : public Material {
     }
 
   private:
-    float eta_;
+    Real eta_;
 };
 
 class InterfaceMaterial final : public Material {
@@ -114,14 +114,14 @@ Built make_conductor(const SceneEntity& entity, const MaterialContext& context) 
 Built make_dielectric(const SceneEntity& entity, const MaterialContext& context) {
     MaterialReader reader(entity, context);
     const RoughnessInput roughness = reader.roughness("", 0);
-    const float eta = reader.index_of_refraction("eta", 1.5f);
+    const Real eta = reader.index_of_refraction("eta", 1.5f);
     if (reader.error()) return *reader.error();
     return std::unique_ptr<Material>(std::make_unique<DielectricMaterial>(roughness, eta));
 }
 
 Built make_thin_dielectric(const SceneEntity& entity, const MaterialContext& context) {
     MaterialReader reader(entity, context);
-    const float eta = reader.index_of_refraction("eta", 1.5f);
+    const Real eta = reader.index_of_refraction("eta", 1.5f);
     if (reader.error()) return *reader.error();
     return std::unique_ptr<Material>(std::make_unique<ThinDielectricMaterial>(eta));
 }

@@ -72,7 +72,7 @@ Built make_ideal(const SceneEntity& entity, const MaterialContext& context, cons
 Built make_additive(const SceneEntity& entity, const MaterialContext& context) {
     MaterialReader reader(entity, context);
     const RgbInput diffuse = reader.rgb("diffuse", Rgb(0.5f)), specular = reader.rgb("specular", Rgb(0.5f));
-    const RoughnessInput roughness = reader.roughness("", 0.3f);
+    const RoughnessInput roughness = reader.roughness("", Real(0.3));
     const bool constant = reader.boolean("constantreflectance", false);
     if (reader.error()) return *reader.error();
     return std::unique_ptr<Material>(std::make_unique<AdditiveMaterial>(diffuse, specular, roughness, constant));

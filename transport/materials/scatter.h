@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "display/services/rgb.h"
+#include "transport/math/real.h"
 #include "transport/math/vec.h"
 
 namespace raylex::transport {
@@ -12,8 +12,8 @@ namespace raylex::transport {
 struct LocalSample {
     Vec3 wi;
     Rgb weight;                 ///< f |cos| / pdf
-    float pdf = 0;              ///< per steradian; a probability when `delta`
-    float eta = 1;              ///< transmitted over incident index; 1 unless transmitted through an interface
+    Real pdf = 0;               ///< per steradian; a probability when `delta`
+    Real eta = 1;               ///< transmitted over incident index; 1 unless transmitted through an interface
     bool delta = false;
     bool transmitted = false;
 };

@@ -18,8 +18,8 @@ class Tee final : public Pattern {
         if (display::DisplayServices* display = point.display()) write(*display, point.at.row, value);
         return value;
     }
-    [[nodiscard]] float real(const PatternPoint& point) const override {
-        const float value = point.real(input_);
+    [[nodiscard]] Real real(const PatternPoint& point) const override {
+        const Real value = point.real(input_);
         if (display::DisplayServices* display = point.display()) write(*display, point.at.row, value);
         return value;
     }
@@ -28,7 +28,7 @@ class Tee final : public Pattern {
     template <class Value>
     void write(display::DisplayServices& display, int row, const Value& value) const {
         const display::ChannelId id = find(display.get_display_channels());
-        if (id != display::invalid_channel) display.write(id, row, value);
+        if (id != display::invalid_channel) display.write(id, row, to_float(value));
     }
     /// A scene outlives renders, whose channels differ: where the name stood last time is looked at first, and
     /// verified.

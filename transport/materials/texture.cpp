@@ -21,15 +21,15 @@ namespace {
 /// What an image's values go through after interpolation.
 struct ImageStage {
     ImageSampler sampler;
-    float scale = 1;
+    Real scale = 1;
     bool invert = false;
     bool clamp_to_one = false;                                  ///< albedo
     bool convert = false;                                       ///< to the rendering space
-    std::array<std::array<float, 3>, 3> matrix{};
+    std::array<std::array<Real, 3>, 3> matrix{};
 
-    [[nodiscard]] float real(const Vec2& st) const {
-        const float value = scale * sampler.real(st);
-        return invert ? std::max(0.0f, 1 - value) : value;
+    [[nodiscard]] Real real(const Vec2& st) const {
+        const Real value = scale * sampler.real(st);
+        return invert ? std::max(Real(0), 1 - value) : value;
     }
     [[nodiscard]] Rgb rgb(const Vec2& st) const {
         Rgb c = sampler.rgb(st) * scale;
@@ -43,8 +43,8 @@ struct ImageStage {
 
   private:
     [[nodiscard]] Rgb limit(const Rgb& c) const {
-        const float top = clamp_to_one ? 1.0f : INFINITY;
-        return {std::clamp(c.r, 0.0f, top), std::clamp(c.g, 0.0f, top), std::clamp(c.b, 0.0f, top)};
+        const Real top = clamp_to_one ? 1.0f : INFINITY;
+        return {std::clamp(c.r, Real(0), top), std::clamp(c.g, Real(0), top), std::clamp(c.b, Real(0), top)};
     }
 };
 
@@ -71,8 +71,8 @@ struct LookupCost {
     }
 };
 
-bool odd(float x) {
-    const float half = std::floor(x) * 0.5f;
+bool odd(Real x) {
+    const Real half = std::floor(x) * 0.5f;
     return half != std::floor(half);
 }
 
@@ -98,7 +98,7 @@ struct TextureTable::Storage final : TextureLookup {
                                 SpectrumRole role, std::size_t visible);
     Result<TextureId> rgb_input(const ParameterSet& set, std::string_view name, const Rgb& fallback, SpectrumRole role,
                                 std::size_t visible);
-    Result<TextureId> real_input(const ParameterSet& set, std::string_view name, float fallback, std::size_t visible);
+    Result<TextureId> real_input(const ParameterSet& set, std::string_view name, Real fallback, std::size_t visible);
     Result<TextureId> compile(std::size_t index, SpectrumRole role);
     Result<Node> compile_node(const SceneTexture& source, SpectrumRole role, std::size_t visible);
     Result<Node> compile_image(const SceneTexture& source, SpectrumRole role);
@@ -113,7 +113,7 @@ struct TextureTable::Storage final : TextureLookup {
         return static_cast<TextureId>(nodes.size() - 1);
     }
     [[nodiscard]] Rgb rgb(TextureId id, const TexturePoint& at) const override { return evaluate<Rgb>(id, at); }
-    [[nodiscard]] float real(TextureId id, const TexturePoint& at) const override { return evaluate<float>(id, at); }
+    [[nodiscard]] Real real(TextureId id, const TexturePoint& at) const override { return evaluate<Real>(id, at); }
     [[nodiscard]] const Node& node(TextureId id) const { return nodes[static_cast<std::size_t>(id)]; }
     [[nodiscard]] LookupCost cost_of(const Node& node) const;
     [[nodiscard]] Status check_cost(const Node& node, const SceneTexture& source) const;
@@ -126,9 +126,9 @@ struct TextureTable::Storage final : TextureLookup {
             case Node::Kind::constant:
                 if constexpr (std::is_same_v<T, Rgb>) return n.value;
                 else return n.value.r;
-            case Node::Kind::scale: return evaluate<T>(n.a, at) * evaluate<float>(n.amount, at);
+            case Node::Kind::scale: return evaluate<T>(n.a, at) * evaluate<Real>(n.amount, at);
             case Node::Kind::mix: {
-                const float amount = evaluate<float>(n.amount, at);
+                const Real amount = evaluate<Real>(n.amount, at);
                 T sum{};
                 if (amount != 1) sum += evaluate<T>(n.a, at) * (1 - amount);
                 if (amount != 0) sum += evaluate<T>(n.b, at) * amount;
@@ -265,7 +265,7 @@ Result<Node> TextureTable::Storage::compile_image(const SceneTexture& source, Sp
     const auto& m = color.rendering_from_scene;
     stage.convert = source.spectrum && role != SpectrumRole::unbounded && m != ColorContext{}.rendering_from_scene;
     for (std::size_t r = 0; r < 3; ++r)
-        for (std::size_t c = 0; c < 3; ++c) stage.matrix[r][c] = static_cast<float>(m[r][c]);
+        for (std::size_t c = 0; c < 3; ++c) stage.matrix[r][c] = static_cast<Real>(m[r][c]);
     mappings.push_back(mapping);
     stages.push_back(stage);
     Node node;
@@ -300,11 +300,11 @@ Result<Node> TextureTable::Storage::compile_node(const SceneTexture& source, Spe
     if (!known) return known.error();
     if ((*known)->factory) return compile_pattern(source, (*known)->factory, role, visible);
     ParameterReader reader(source.parameters);
-    const auto child = [&](std::string_view name, float fallback) {
+    const auto child = [&](std::string_view name, Real fallback) {
         return source.spectrum ? reader.take(rgb_input(source.parameters, name, Rgb(fallback), role, visible), 0)
                                : reader.take(real_input(source.parameters, name, fallback, visible), 0);
     };
-    const auto amount = [&](std::string_view name, float fallback) {
+    const auto amount = [&](std::string_view name, Real fallback) {
         return reader.take(real_input(source.parameters, name, fallback, visible), 0);
     };
     Node node;
@@ -397,7 +397,7 @@ Result<TextureId> TextureTable::Storage::rgb_input(const ParameterSet& set, std:
     return add(constant);
 }
 
-Result<TextureId> TextureTable::Storage::real_input(const ParameterSet& set, std::string_view name, float fallback,
+Result<TextureId> TextureTable::Storage::real_input(const ParameterSet& set, std::string_view name, Real fallback,
                                                     std::size_t visible) {
     const Parameter* parameter = set.find(name);
     if (parameter != nullptr && parameter->type == ParameterType::texture) {
@@ -407,7 +407,7 @@ Result<TextureId> TextureTable::Storage::real_input(const ParameterSet& set, std
     Result<double> value = set.real_or(name, static_cast<double>(fallback));
     if (!value) return std::move(value).error();
     Node constant;
-    constant.value = Rgb(static_cast<float>(*value));
+    constant.value = Rgb(static_cast<Real>(*value));
     return add(constant);
 }
 
@@ -445,7 +445,7 @@ Result<TextureId> TextureTable::rgb_parameter(const ParameterSet& set, std::stri
     return storage_->rgb_input(set, name, fallback, role, storage_->sources.size());
 }
 
-Result<TextureId> TextureTable::real_parameter(const ParameterSet& set, std::string_view name, float fallback) {
+Result<TextureId> TextureTable::real_parameter(const ParameterSet& set, std::string_view name, Real fallback) {
     return storage_->real_input(set, name, fallback, storage_->sources.size());
 }
 
@@ -463,6 +463,6 @@ Result<TextureId> TextureTable::named_real(std::string_view name, const SourceLo
 
 bool TextureTable::is_constant(TextureId id) const { return storage_->node(id).kind == Node::Kind::constant; }
 Rgb TextureTable::rgb(TextureId id, const TexturePoint& at) const { return storage_->evaluate<Rgb>(id, at); }
-float TextureTable::real(TextureId id, const TexturePoint& at) const { return storage_->evaluate<float>(id, at); }
+Real TextureTable::real(TextureId id, const TexturePoint& at) const { return storage_->evaluate<Real>(id, at); }
 
 }  // namespace raylex::transport

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "display/services/registry.h"
-#include "display/services/rgb.h"
+#include "transport/math/real.h"
 #include "transport/color/spectrum.h"
 #include "transport/scene/scene_description.h"
 
@@ -25,7 +25,7 @@ using TextureId = std::int32_t;
 
 /// Where a texture is looked up.
 struct TexturePoint {
-    float u = 0, v = 0;
+    Real u = 0, v = 0;
     Vec3 position;          ///< world
     std::int32_t row = -1;  ///< of the sample table where the camera sees this point directly; else -1
 };
@@ -43,14 +43,14 @@ class TextureTable {
     /// The texture behind a "texture"-typed parameter, or a constant from its value, or from `fallback` when absent.
     Result<TextureId> rgb_parameter(const ParameterSet& set, std::string_view name, const Rgb& fallback, SpectrumRole role,
                                     const ColorContext& color);
-    Result<TextureId> real_parameter(const ParameterSet& set, std::string_view name, float fallback);
+    Result<TextureId> real_parameter(const ParameterSet& set, std::string_view name, Real fallback);
     /// By the float texture's own name (SceneShape::alpha_texture).
     Result<TextureId> named_real(std::string_view name, const SourceLocation& where) const;
 
     /// The same value everywhere: read it once.
     [[nodiscard]] bool is_constant(TextureId id) const;
     [[nodiscard]] Rgb rgb(TextureId id, const TexturePoint& at) const;
-    [[nodiscard]] float real(TextureId id, const TexturePoint& at) const;
+    [[nodiscard]] Real real(TextureId id, const TexturePoint& at) const;
 
   private:
     struct Storage;

@@ -9,8 +9,8 @@ Vec2 TextureMapping::map(const TexturePoint& at) const {
     const Vec3 p = texture_from_world.point(at.position);
     if (kind == Kind::planar) return {offset_u + dot(p, axis_u), offset_v + dot(p, axis_v)};
     if (kind == Kind::cylindrical) return {(pi + std::atan2(p.y, p.x)) * (0.5f * inv_pi), p.z};
-    const float l = length(p), phi = std::atan2(p.y, p.x);
-    const float theta = l > 0 ? std::acos(std::clamp(p.z / l, -1.0f, 1.0f)) : 0.0f;
+    const Real l = length(p), phi = std::atan2(p.y, p.x);
+    const Real theta = l > 0 ? std::acos(std::clamp(p.z / l, Real(-1), Real(1))) : 0.0f;
     return {theta * inv_pi, (phi < 0 ? phi + 2 * pi : phi) * (0.5f * inv_pi)};
 }
 
@@ -24,7 +24,7 @@ Vec3 read_vector(ParameterReader& reader, std::string_view name, const Vec3& fal
         return fallback;
     }
     const auto& n = parameter->numbers;
-    return {static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2])};
+    return {static_cast<Real>(n[0]), static_cast<Real>(n[1]), static_cast<Real>(n[2])};
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ struct TextureMapping {
     enum class Kind : std::uint8_t { uv, spherical, cylindrical, planar };
 
     Kind kind = Kind::uv;
-    float scale_u = 1, scale_v = 1, offset_u = 0, offset_v = 0;
+    Real scale_u = 1, scale_v = 1, offset_u = 0, offset_v = 0;
     Vec3 axis_u{1, 0, 0}, axis_v{0, 1, 0};     ///< planar
     Transform texture_from_world;              ///< all but uv
 

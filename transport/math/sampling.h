@@ -7,24 +7,26 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "transport/math/vec.h"
 
 namespace raylex::transport {
 
-inline constexpr float one_minus_epsilon = 0x1.fffffep-1f;   ///< the largest float below 1
+inline constexpr Real one_minus_epsilon = 1 - std::numeric_limits<Real>::epsilon() / 2;  ///< the largest number below 1
 
-inline float safe_sqrt(float x) { return std::sqrt(std::max(0.0f, x)); }
-constexpr float square(float x) { return x * x; }
-constexpr float lerp(float t, float a, float b) { return (1 - t) * a + t * b; }
+inline Real safe_sqrt(Real x) { return std::sqrt(std::max(Real(0), x)); }
+constexpr Real square(Real x) { return x * x; }
+constexpr Real lerp(Real t, Real a, Real b) { return (1 - t) * a + t * b; }
 
 /// Sine and cosine on [-pi/4, pi/4] by their Taylor series, cut where the error (2e-9) is below float's rounding. Cheaper
-/// than the library's, and the same bits on every machine.
+/// than the library's, and the same bits on every machine. In double the library's.
 struct SinCos {
-    float sin, cos;
+    Real sin, cos;
 
-    static constexpr SinCos of_eighth(float x) {
-        const float x2 = x * x;
+    static SinCos of_eighth(Real x) {
+        if constexpr (real_is_double) return {std::sin(x), std::cos(x)};
+        const Real x2 = x * x;
         return {x * (1 + x2 * (-1 / 6.0f + x2 * (1 / 120.0f + x2 * (-1 / 5040.0f + x2 / 362880.0f)))),
                 1 + x2 * (-0.5f + x2 * (1 / 24.0f + x2 * (-1 / 720.0f + x2 * (1 / 40320.0f - x2 / 3628800.0f))))};
     }
@@ -33,19 +35,19 @@ struct SinCos {
 /// Unit disk, concentric: squares map to rings, so strata stay compact (Shirley and Chiu 1997, "A Low Distortion Map
 /// Between Disk and Square"). Density 1/pi per unit area.
 inline Vec2 sample_disk(const Vec2& u) {
-    const float a = 2 * u.x - 1, b = 2 * u.y - 1;
+    const Real a = 2 * u.x - 1, b = 2 * u.y - 1;
     // Within a quarter of the ring the angle is measured from the nearer axis: at most pi/4. Selections, not branches:
     // which quarter it is cannot be predicted.
     const bool wide = std::abs(a) > std::abs(b);
-    const float radius = wide ? a : b, other = wide ? b : a;
+    const Real radius = wide ? a : b, other = wide ? b : a;
     const SinCos angle = SinCos::of_eighth(radius == 0 ? 0.0f : (pi / 4) * (other / radius));
-    const float along = radius * angle.cos, across = radius * angle.sin;
+    const Real along = radius * angle.cos, across = radius * angle.sin;
     return {wide ? along : across, wide ? across : along};
 }
 
 /// Unit disk by polar coordinates: u.x is the squared radius, u.y the angle. Density 1/pi.
 inline Vec2 sample_disk_polar(const Vec2& u) {
-    const float r = std::sqrt(u.x), phi = 2 * pi * u.y;
+    const Real r = std::sqrt(u.x), phi = 2 * pi * u.y;
     return {r * std::cos(phi), r * std::sin(phi)};
 }
 
@@ -54,30 +56,30 @@ inline Vec3 sample_cosine_hemisphere(const Vec2& u) {
     const Vec2 d = sample_disk(u);
     return {d.x, d.y, safe_sqrt(1 - d.x * d.x - d.y * d.y)};
 }
-constexpr float cosine_hemisphere_pdf(float cos_theta) { return cos_theta > 0 ? cos_theta * inv_pi : 0.0f; }
+constexpr Real cosine_hemisphere_pdf(Real cos_theta) { return cos_theta > 0 ? cos_theta * inv_pi : 0.0f; }
 
 inline Vec3 sample_uniform_hemisphere(const Vec2& u) {
-    const float r = safe_sqrt(1 - u.x * u.x), phi = 2 * pi * u.y;
+    const Real r = safe_sqrt(1 - u.x * u.x), phi = 2 * pi * u.y;
     return {r * std::cos(phi), r * std::sin(phi), u.x};
 }
-constexpr float uniform_hemisphere_pdf() { return inv_pi * 0.5f; }
+constexpr Real uniform_hemisphere_pdf() { return inv_pi * 0.5f; }
 
 inline Vec3 sample_uniform_sphere(const Vec2& u) {
-    const float z = 1 - 2 * u.x, phi = 2 * pi * u.y;
-    const float r = 2 * std::sqrt(u.x * (1 - u.x));     // sqrt(1 - z^2) without the cancellation at the poles
+    const Real z = 1 - 2 * u.x, phi = 2 * pi * u.y;
+    const Real r = 2 * std::sqrt(u.x * (1 - u.x));      // sqrt(1 - z^2) without the cancellation at the poles
     return {r * std::cos(phi), r * std::sin(phi), z};
 }
-constexpr float uniform_sphere_pdf() { return inv_pi * 0.25f; }
+constexpr Real uniform_sphere_pdf() { return inv_pi * 0.25f; }
 
 /// Cone about +z. It is given by 1 - cos(theta_max), which stays exact for tiny cones (see one_minus_cos_of_sin2).
-inline Vec3 sample_uniform_cone(const Vec2& u, float one_minus_cos_max) {
-    const float h = u.x * one_minus_cos_max;            // 1 - cos(theta)
-    const float sin_theta = safe_sqrt(h * (2 - h)), phi = 2 * pi * u.y;
+inline Vec3 sample_uniform_cone(const Vec2& u, Real one_minus_cos_max) {
+    const Real h = u.x * one_minus_cos_max;             // 1 - cos(theta)
+    const Real sin_theta = safe_sqrt(h * (2 - h)), phi = 2 * pi * u.y;
     return {sin_theta * std::cos(phi), sin_theta * std::sin(phi), 1 - h};
 }
-inline float uniform_cone_pdf(float one_minus_cos_max) { return 1 / (2 * pi * one_minus_cos_max); }
+inline Real uniform_cone_pdf(Real one_minus_cos_max) { return 1 / (2 * pi * one_minus_cos_max); }
 /// 1 - cos(theta) from sin^2(theta), theta in [0, pi/2]: the plain difference has lost all digits at 1e-4 rad.
-inline float one_minus_cos_of_sin2(float sin2) { return sin2 / (1 + safe_sqrt(1 - sin2)); }
+inline Real one_minus_cos_of_sin2(Real sin2) { return sin2 / (1 + safe_sqrt(1 - sin2)); }
 
 /// Barycentrics (b0, b1), b2 = 1 - b0 - b1, uniform over a triangle by folding, which keeps strata compact
 /// (Heitz 2019, "A Low-Distortion Map Between Triangle and Square").
@@ -87,39 +89,41 @@ inline Vec2 sample_uniform_triangle(const Vec2& u) {
 }
 
 /// Density proportional to lerp(x, a, b) on [0, 1]; a, b >= 0, not both 0.
-inline float linear_pdf(float x, float a, float b) { return x < 0 || x > 1 ? 0.0f : 2 * lerp(x, a, b) / (a + b); }
-inline float sample_linear(float u, float a, float b) {
+inline Real linear_pdf(Real x, Real a, Real b) { return x < 0 || x > 1 ? 0.0f : 2 * lerp(x, a, b) / (a + b); }
+inline Real sample_linear(Real u, Real a, Real b) {
     if (u == 0 && a == 0) return 0;
-    const float x = u * (a + b) / (a + std::sqrt(lerp(u, a * a, b * b)));
+    const Real x = u * (a + b) / (a + std::sqrt(lerp(u, a * a, b * b)));
     return std::min(x, one_minus_epsilon);
 }
 
 /// Density proportional to the bilinear interpolation of corner weights w00 (x=0,y=0), w10 (x=1,y=0), w01, w11.
-inline float bilinear_pdf(const Vec2& p, float w00, float w10, float w01, float w11) {
+inline Real bilinear_pdf(const Vec2& p, Real w00, Real w10, Real w01, Real w11) {
     if (p.x < 0 || p.x > 1 || p.y < 0 || p.y > 1) return 0;
-    const float sum = w00 + w10 + w01 + w11;
+    const Real sum = w00 + w10 + w01 + w11;
     if (!(sum > 0)) return 1;
     return 4 * lerp(p.y, lerp(p.x, w00, w10), lerp(p.x, w01, w11)) / sum;
 }
-inline Vec2 sample_bilinear(const Vec2& u, float w00, float w10, float w01, float w11) {
+inline Vec2 sample_bilinear(const Vec2& u, Real w00, Real w10, Real w01, Real w11) {
     if (!(w00 + w10 + w01 + w11 > 0)) return u;
-    const float y = sample_linear(u.y, w00 + w10, w01 + w11);
+    const Real y = sample_linear(u.y, w00 + w10, w01 + w11);
     return {sample_linear(u.x, lerp(y, w00, w01), lerp(y, w10, w11)), y};
 }
 
 /// Weight of a sample drawn with density `a` when another strategy has density `b`: the power heuristic with exponent 2
 /// (Veach 1997, section 9.2.4), as a ratio so that densities near the limits of float neither overflow nor give NaN.
 /// a = inf (a delta) gives 1; a = 0 gives 0.
-inline float power_heuristic(float a, float b) {
+inline Real power_heuristic(Real a, Real b) {
     if (!(a > 0)) return 0;
     if (std::isinf(a)) return 1;
-    const float ratio = b / a;
+    const Real ratio = b / a;
     return 1 / (1 + ratio * ratio);
 }
 
 /// Re-uses a number that was compared with `threshold` (the chance of the first branch): uniform in [0, 1) again.
-inline float remap_below(float u, float threshold) { return std::min(u / threshold, one_minus_epsilon); }
-inline float remap_above(float u, float threshold) { return std::min((u - threshold) / (1 - threshold), one_minus_epsilon); }
+inline Real remap_below(Real u, Real threshold) { return std::min(u / threshold, one_minus_epsilon); }
+inline Real remap_above(Real u, Real threshold) {
+    return std::min((u - threshold) / (1 - threshold), one_minus_epsilon);
+}
 
 /// 64-bit finaliser (Stafford's variant 13 of MurmurHash3's; Steele et al. 2014, "SplitMix"): a counter to random bits.
 constexpr std::uint64_t mix_bits(std::uint64_t v) {
@@ -128,6 +132,6 @@ constexpr std::uint64_t mix_bits(std::uint64_t v) {
     return v ^ (v >> 31);
 }
 /// The upper 24 bits as a float in [0, 1): never 1.
-constexpr float unit_float(std::uint64_t bits) { return static_cast<float>(bits >> 40) * 0x1p-24f; }
+constexpr Real unit_float(std::uint64_t bits) { return static_cast<Real>(bits >> 40) * 0x1p-24f; }
 
 }  // namespace raylex::transport

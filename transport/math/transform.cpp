@@ -79,7 +79,7 @@ Double3 unit(const Double3& v) {
 }
 
 Vec3 narrow(double x, double y, double z) {
-    return {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
+    return {static_cast<Real>(x), static_cast<Real>(y), static_cast<Real>(z)};
 }
 
 }  // namespace

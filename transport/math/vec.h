@@ -3,60 +3,77 @@
 
 #include <cmath>
 
-#include "display/services/rgb.h"
+#include "transport/math/real.h"
 
 namespace raylex::transport {
 
-struct Vec3 {
-    float x = 0, y = 0, z = 0;
+template <class T>
+struct BasicVec3 {
+    T x = 0, y = 0, z = 0;
 
-    constexpr float operator[](int i) const { return i == 0 ? x : i == 1 ? y : z; }
-    constexpr float& operator[](int i) { return i == 0 ? x : i == 1 ? y : z; }
-    constexpr Vec3 operator-() const { return {-x, -y, -z}; }
-    constexpr Vec3& operator+=(const Vec3& o) { x += o.x; y += o.y; z += o.z; return *this; }
-    constexpr Vec3& operator*=(float s) { x *= s; y *= s; z *= s; return *this; }
-    friend constexpr Vec3 operator+(Vec3 a, const Vec3& b) { return a += b; }
-    friend constexpr Vec3 operator-(const Vec3& a, const Vec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-    friend constexpr Vec3 operator*(Vec3 a, float s) { return a *= s; }
-    friend constexpr Vec3 operator*(float s, Vec3 a) { return a *= s; }
-    friend constexpr Vec3 operator/(const Vec3& a, float s) { return a * (1.0f / s); }
-    constexpr bool operator==(const Vec3&) const = default;
+    constexpr T operator[](int i) const { return i == 0 ? x : i == 1 ? y : z; }
+    constexpr T& operator[](int i) { return i == 0 ? x : i == 1 ? y : z; }
+    constexpr BasicVec3 operator-() const { return {-x, -y, -z}; }
+    constexpr BasicVec3& operator+=(const BasicVec3& o) { x += o.x; y += o.y; z += o.z; return *this; }
+    constexpr BasicVec3& operator*=(T s) { x *= s; y *= s; z *= s; return *this; }
+    friend constexpr BasicVec3 operator+(BasicVec3 a, const BasicVec3& b) { return a += b; }
+    friend constexpr BasicVec3 operator-(const BasicVec3& a, const BasicVec3& b) {
+        return {a.x - b.x, a.y - b.y, a.z - b.z};
+    }
+    friend constexpr BasicVec3 operator*(BasicVec3 a, T s) { return a *= s; }
+    friend constexpr BasicVec3 operator*(T s, BasicVec3 a) { return a *= s; }
+    friend constexpr BasicVec3 operator/(const BasicVec3& a, T s) { return a * (1 / s); }
+    constexpr bool operator==(const BasicVec3&) const = default;
+    constexpr operator BasicVec3<double>() const requires std::is_same_v<T, float> { return {x, y, z}; }
 };
 
-struct Vec2 {
-    float x = 0, y = 0;
-    constexpr bool operator==(const Vec2&) const = default;
+template <class T>
+struct BasicVec2 {
+    T x = 0, y = 0;
+    constexpr bool operator==(const BasicVec2&) const = default;
+    constexpr operator BasicVec2<double>() const requires std::is_same_v<T, float> { return {x, y}; }
 };
 
-constexpr float dot(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+using Vec3 = BasicVec3<Real>;
+using Vec2 = BasicVec2<Real>;
+/// As meshes are stored and Embree reads them.
+using StoredVec3 = BasicVec3<float>;
+using StoredVec2 = BasicVec2<float>;
+
+constexpr const StoredVec3& to_float(const StoredVec3& v) { return v; }
+constexpr const StoredVec2& to_float(const StoredVec2& v) { return v; }
+constexpr StoredVec3 to_float(const BasicVec3<double>& v) { return {to_float(v.x), to_float(v.y), to_float(v.z)}; }
+constexpr StoredVec2 to_float(const BasicVec2<double>& v) { return {to_float(v.x), to_float(v.y)}; }
+
+constexpr Real dot(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 constexpr Vec3 cross(const Vec3& a, const Vec3& b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-constexpr float length_squared(const Vec3& v) { return dot(v, v); }
-inline float length(const Vec3& v) { return std::sqrt(length_squared(v)); }
+constexpr Real length_squared(const Vec3& v) { return dot(v, v); }
+inline Real length(const Vec3& v) { return std::sqrt(length_squared(v)); }
 inline Vec3 normalize(const Vec3& v) { return v / length(v); }
-inline float abs_dot(const Vec3& a, const Vec3& b) { return std::abs(dot(a, b)); }
+inline Real abs_dot(const Vec3& a, const Vec3& b) { return std::abs(dot(a, b)); }
 constexpr Vec3 face_forward(const Vec3& n, const Vec3& v) { return dot(n, v) < 0 ? -n : n; }
 inline bool is_finite(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
-inline constexpr float pi = 3.14159265358979323846f;
-inline constexpr float inv_pi = 0.31830988618379067154f;
+inline constexpr Real pi = Real(3.14159265358979323846);
+inline constexpr Real inv_pi = Real(0.31830988618379067154);
 
 /// Orthonormal frame around a unit normal (Duff et al. 2017, "Building an Orthonormal Basis, Revisited", JCGT 6(1)).
 struct Frame {
     Vec3 s, t, n;
 
     static Frame from_normal(const Vec3& n) {
-        const float sign = std::copysign(1.0f, n.z);
-        const float a = -1.0f / (sign + n.z);
-        const float b = n.x * n.y * a;
+        const Real sign = std::copysign(1.0f, n.z);
+        const Real a = -1.0f / (sign + n.z);
+        const Real b = n.x * n.y * a;
         return {{1 + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
     }
     /// `tangent` is made orthogonal to `n`; falls back to from_normal when they are parallel.
     static Frame from_normal_and_tangent(const Vec3& n, const Vec3& tangent) {
         const Vec3 s = tangent - n * dot(n, tangent);
-        const float l2 = length_squared(s);
-        if (!(l2 > 1e-20f * length_squared(tangent)) || !(l2 > 0)) return from_normal(n);
+        const Real l2 = length_squared(s);
+        if (!(l2 > Real(1e-20) * length_squared(tangent)) || !(l2 > 0)) return from_normal(n);
         const Vec3 unit = s / std::sqrt(l2);
         return {unit, cross(n, unit), n};
     }

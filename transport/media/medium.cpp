@@ -9,11 +9,11 @@ namespace {
 
 /// One colour's share of a choice among all, in proportion to `weights`; equal shares of a black one.
 Rgb shares(const Rgb& weights) {
-    const float sum = weights.r + weights.g + weights.b;
-    return sum > 0 && std::isfinite(sum) ? weights * (1 / sum) : Rgb(1 / 3.0f);
+    const Real sum = weights.r + weights.g + weights.b;
+    return sum > 0 && std::isfinite(sum) ? weights * (1 / sum) : Rgb(1 / Real(3));
 }
 
-int pick(const Rgb& share, float u) {
+int pick(const Rgb& share, Real u) {
     if (u < share.r) return 0;
     if (u < share.r + share.g) return 1;
     return share.b > 0 ? 2 : share.g > 0 ? 1 : 0;
@@ -21,20 +21,20 @@ int pick(const Rgb& share, float u) {
 
 /// exp(-(sigma - least) distance): what is left when all colours are scaled by exp(least distance), which cancels in
 /// every ratio and keeps them from vanishing together.
-float relative_transmittance(float sigma, float least, float distance) {
+Real relative_transmittance(Real sigma, Real least, Real distance) {
     return sigma > least ? std::exp(-(sigma - least) * distance) : 1.0f;
 }
 
 }  // namespace
 
-Rgb transmittance(const Medium& medium, float distance) {
-    const auto beam_transmittance = [&](float sigma) { return sigma > 0 ? std::exp(-sigma * distance) : 1.0f; };
+Rgb transmittance(const Medium& medium, Real distance) {
+    const auto beam_transmittance = [&](Real sigma) { return sigma > 0 ? std::exp(-sigma * distance) : Real(1); };
     if (medium.grey) return Rgb(beam_transmittance(medium.sigma_t.r));
     return {beam_transmittance(medium.sigma_t.r), beam_transmittance(medium.sigma_t.g),
             beam_transmittance(medium.sigma_t.b)};
 }
 
-Rgb emission_along(const Medium& medium, float distance) {
+Rgb emission_along(const Medium& medium, Real distance) {
     Rgb result;
     for (int c = 0; c < 3; ++c)
         if (medium.emission[c] > 0)  // what emits absorbs: sigma_t is above 0
@@ -42,26 +42,26 @@ Rgb emission_along(const Medium& medium, float distance) {
     return result;
 }
 
-FreeFlight sample_free_flight(const Medium& medium, const Rgb& throughput, float end, const Vec2& u) {
+FreeFlight sample_free_flight(const Medium& medium, const Rgb& throughput, Real end, const Vec2& u) {
     FreeFlight flight;
-    const float depth = -std::log1p(-u.y);  // optical
+    const Real depth = -std::log1p(-u.y);   // optical
     if (medium.grey) {
-        const float sigma = medium.sigma_t.r;
+        const Real sigma = medium.sigma_t.r;
         flight.distance = sigma > 0 ? depth / sigma : infinity;
         flight.collided = flight.distance < end;
         flight.weight = flight.collided ? medium.sigma_s / sigma : Rgb(1);
         return flight;
     }
     const Rgb share = shares(throughput);
-    const float chosen = medium.sigma_t[pick(share, u.x)];
+    const Real chosen = medium.sigma_t[pick(share, u.x)];
     flight.distance = chosen > 0 ? depth / chosen : infinity;
     flight.collided = flight.distance < end;
-    const float distance = flight.collided ? flight.distance : end;
-    float least = infinity;
+    const Real distance = flight.collided ? flight.distance : end;
+    Real least = infinity;
     for (int c = 0; c < 3; ++c)
         if (share[c] > 0) least = std::min(least, medium.sigma_t[c]);
     Rgb left;
-    float density = 0;
+    Real density = 0;
     for (int c = 0; c < 3; ++c) {
         if (!(share[c] > 0)) continue;  // the throughput is black there, and stays so
         left[c] = relative_transmittance(medium.sigma_t[c], least, distance);
@@ -72,7 +72,7 @@ FreeFlight sample_free_flight(const Medium& medium, const Rgb& throughput, float
     return flight;
 }
 
-float sample_absorption(const Medium& medium, float end, const Vec2& u) {
+Real sample_absorption(const Medium& medium, Real end, const Vec2& u) {
     Rgb lost = Rgb(1) - transmittance(medium, end);
     const int c = pick(shares(lost), u.x);
     return std::min(-std::log1p(-u.y * lost[c]) / medium.sigma_t[c], end);

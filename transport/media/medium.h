@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "display/services/registry.h"
-#include "display/services/rgb.h"
+#include "transport/math/real.h"
 #include "lpe/result.h"
 #include "transport/scene/scene_description.h"
 
@@ -24,32 +24,32 @@ namespace raylex::transport {
 struct Medium {
     Rgb sigma_a, sigma_s, sigma_t;
     Rgb emission;           ///< radiance added per unit length: sigma_a Le
-    float g = 0;            ///< Henyey-Greenstein asymmetry
+    Real g = 0;             ///< Henyey-Greenstein asymmetry
     bool grey = true;       ///< sigma_t is the same in all colours
     bool scatters = false;  ///< sigma_s is not black
     bool emits = false;
 };
 
 /// exp(-sigma_t distance). Colours without extinction pass whole, over an infinite distance too.
-Rgb transmittance(const Medium& medium, float distance);
+Rgb transmittance(const Medium& medium, Real distance);
 
 /// Radiance that the medium emits along a segment towards its beginning.
-Rgb emission_along(const Medium& medium, float distance);
+Rgb emission_along(const Medium& medium, Real distance);
 
 /// How far a path flies.
 struct FreeFlight {
-    float distance = 0;     ///< of the collision
+    Real distance = 0;      ///< of the collision
     bool collided = false;  ///< false: the segment's end was reached
     Rgb weight;             ///< transmittance (and sigma_s for a collision) over the chance of what happened
 };
 
 /// Samples a collision in front of `end` (infinity allowed). `throughput` decides the odds of the colours; it must not be
 /// black. u in [0, 1)^2.
-FreeFlight sample_free_flight(const Medium& medium, const Rgb& throughput, float end, const Vec2& u);
+FreeFlight sample_free_flight(const Medium& medium, const Rgb& throughput, Real end, const Vec2& u);
 
 /// Where a medium that only absorbs takes light away on a segment of length `end`: a distance whose density is the mean
 /// over the colours of what they lose there. For deep images.
-float sample_absorption(const Medium& medium, float end, const Vec2& u);
+Real sample_absorption(const Medium& medium, Real end, const Vec2& u);
 
 using MediumFactory = std::function<Result<Medium>(const SceneEntity&, const ColorContext&)>;
 /// homogeneous.

@@ -14,31 +14,32 @@ namespace raylex::transport {
 
 struct PhaseSample {
     Vec3 wi;
-    float pdf = 0;  ///< per steradian; the phase function itself has the same value
+    Real pdf = 0;   ///< per steradian; the phase function itself has the same value
 };
 
 namespace phase_detail {
 
 /// (1 - g^2) / (4 pi (1 + g^2 - 2 g cos)^(3/2)), for g >= 0.
-inline float value(float g, float h) {
-    const float d = (1 - g) * (1 - g) + 2 * g * h;
+inline Real value(Real g, Real h) {
+    const Real d = (1 - g) * (1 - g) + 2 * g * h;
     return (0.25f * inv_pi) * ((1 - g) * (1 + g)) / (d * std::sqrt(d));
 }
 
 }  // namespace phase_detail
 
 /// Value and density, per steradian, of scattering light that travels along `forward` into `wi`; both unit. -1 < g < 1.
-inline float phase_pdf(float g, const Vec3& forward, const Vec3& wi) {
+inline Real phase_pdf(Real g, const Vec3& forward, const Vec3& wi) {
     const Vec3 axis = g < 0 ? -forward : forward;
-    return phase_detail::value(std::abs(g), std::min(0.5f * length_squared(wi - axis), 2.0f));
+    return phase_detail::value(std::abs(g), std::min(Real(0.5) * length_squared(wi - axis), Real(2)));
 }
 
 /// Draws wi in proportion to the phase function, so that its weight is 1. u in [0, 1)^2.
-inline PhaseSample sample_phase(float g, const Vec3& forward, const Vec2& u) {
-    const float a = std::abs(g);
-    const float denominator = (1 - a) + 2 * a * (1 - u.x);
-    const float h = std::clamp(2 * (1 - a) * (1 - a) * u.x * (1 + a - a * u.x) / (denominator * denominator), 0.0f, 2.0f);
-    const float sine = std::sqrt(h * (2 - h)), phi = 2 * pi * u.y;
+inline PhaseSample sample_phase(Real g, const Vec3& forward, const Vec2& u) {
+    const Real a = std::abs(g);
+    const Real denominator = (1 - a) + 2 * a * (1 - u.x);
+    const Real h =
+        std::clamp(2 * (1 - a) * (1 - a) * u.x * (1 + a - a * u.x) / (denominator * denominator), Real(0), Real(2));
+    const Real sine = std::sqrt(h * (2 - h)), phi = 2 * pi * u.y;
     const Frame frame = Frame::from_normal(g < 0 ? -forward : forward);
     return {normalize(frame.to_world({sine * std::cos(phi), sine * std::sin(phi), 1 - h})), phase_detail::value(a, h)};
 }

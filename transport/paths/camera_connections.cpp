@@ -10,8 +10,8 @@ void CameraConnections::add(const CameraView& view, const LightSubpathEnd& end, 
     const SurfacePoint& point = *end.point;
     CameraConnection seen;
     if (!end.bsdf->has_density() || !view.camera->connect(point.position, lens, seen)) return;
-    const auto reached = [](float position, float radius, int size) {
-        return position > 0.5f - radius && position < static_cast<float>(size) - 0.5f + radius;
+    const auto reached = [](Real position, Real radius, int size) {
+        return position > 0.5f - radius && position < static_cast<Real>(size) - 0.5f + radius;
     };
     if (!reached(seen.x, view.filter_radius.x, view.width) || !reached(seen.y, view.filter_radius.y, view.height))
         return;
@@ -20,11 +20,11 @@ void CameraConnections::add(const CameraView& view, const LightSubpathEnd& end, 
         evaluate_scattering<TransportMode::importance, false>(*end.bsdf, point, to_camera);
     const BsdfEvaluation& f = scattering.f;
     if (f.value.is_black()) return;
-    const float image_share = 1 / (static_cast<float>(view.width) * static_cast<float>(view.height));
+    const Real image_share = 1 / (static_cast<Real>(view.width) * static_cast<Real>(view.height));
     const Rgb unweighted = end.power * f.value * (seen.importance * image_share);
     Rgb value = unweighted;
     if (end.sums != nullptr) {
-        const float cosine = point.cosine(to_camera);
+        const Real cosine = point.cosine(to_camera);
         value *= StrategySums::weight(
             end.sums->others(view.density(seen.importance, cosine), static_cast<double>(scattering.pdf_reverse)));
     }
@@ -63,7 +63,7 @@ void CameraConnections::splat(const SceneView& scene, const EventTable& events,
     for (std::size_t i = 0; i < count; ++i) {
         if (blocked_[i]) continue;
         const Pending& p = pending_[i];
-        display::Tracker tracker = raster.begin(p.x, p.y, rows[p.row]);
+        display::Tracker tracker = raster.begin(to_float(p.x), to_float(p.y), rows[p.row]);
         if (p.holdout) record.hold_out(tracker);
         Arrival arrival;
         arrival.value = p.value;

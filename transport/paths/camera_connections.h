@@ -20,7 +20,7 @@ struct CameraView {
 
     /// Density per area with which a camera ray through a raster position drawn evenly over the image meets a point
     /// whose raster area for each area is `importance`, |cosine| its own.
-    [[nodiscard]] double density(float importance, float cosine) const {
+    [[nodiscard]] double density(Real importance, Real cosine) const {
         return static_cast<double>(importance) * static_cast<double>(cosine) /
                (static_cast<double>(width) * static_cast<double>(height));
     }
@@ -32,7 +32,7 @@ struct LightSubpathEnd {
     std::uint32_t depth = 0;  ///< scattering events before it
     const SurfacePoint* point = nullptr;
     const Bsdf* bsdf = nullptr;
-    float offset = 0;  ///< SurfaceSource::offset
+    Real offset = 0;  ///< SurfaceSource::offset
     bool holdout = false;  ///< what the camera sees there is one
     Rgb power;
     LightEnd end;                         ///< its lobes are filled in here
@@ -54,7 +54,7 @@ class CameraConnections {
   private:
     struct Pending {
         std::uint32_t row = 0;
-        float x = 0, y = 0;
+        Real x = 0, y = 0;
         std::uint32_t light_vertices = 0;
         bool holdout = false;
         Rgb value, unweighted;

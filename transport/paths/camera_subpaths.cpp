@@ -27,16 +27,16 @@ void CameraSubpaths::pass(display::DisplayServices& display, std::size_t j) {
     record_.pass_straight(row, v.sources[j].label);
     path.travelled += v.hits[j].t;
     // This ray went through, so its own opacity at the cutout is 0: over many rays the mean is the cutout's alpha.
-    if (path.depth == 0) display.add_sample(static_cast<int>(row), {path.travelled, RgbD(0.0), false});
+    if (path.depth == 0) display.add_sample(static_cast<int>(row), {to_float(path.travelled), RgbD(0.0), false});
 }
 
 void CameraSubpaths::record_first_hit(display::DisplayServices& display, std::size_t j) {
     const VertexBatch& v = vertices();
     const EmbreeScene& geometry = *scene_.geometry;
     const auto row = static_cast<int>(v.rows[j]);
-    display.write_distance(row, path(v.rows[j]).travelled + v.hits[j].t);
+    display.write_distance(row, to_float(path(v.rows[j]).travelled + v.hits[j].t));
     const bool holdout = geometry.has_holdouts() && geometry.is_holdout(v.hits[j]);
-    display.write_opacity(row, Rgb(holdout ? 0.0f : 1.0f));
+    display.write_opacity(row, holdout ? 0.0f : 1.0f);
     display.write_surface(row, geometry.surface_number(v.hits[j]));
     if (holdout) record_.hold_out(v.rows[j]);
 }
@@ -52,7 +52,7 @@ void CameraSubpaths::report_surfaces() {
             const Vec3 n = face_forward(point.shading_normal, point.wo);
             Rgb value;
             for (int i = 0; i < 3; ++i) {
-                const float* m = options_.world_to_camera[i];
+                const Real* m = options_.world_to_camera[i];
                 value[i] = m[0] * n.x + m[1] * n.y + m[2] * n.z;
             }
             return value;

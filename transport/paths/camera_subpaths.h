@@ -24,7 +24,7 @@ struct CameraSubpathOptions {
         false;  ///< somebody reads AOVs or patterns there: the first hit is shaded whatever the light
     bool light_can_be_hit = true;      ///< by a ray: if not, a path's last scattering need not be traced
     CameraView view;                   ///< for densities
-    float world_to_camera[3][4] = {};  ///< rigid part, for surfaces that say their normal
+    Real world_to_camera[3][4] = {};   ///< rigid part, for surfaces that say their normal
 };
 
 /// What an integrator makes of the light that camera subpaths meet. Derive and hide.
@@ -124,17 +124,17 @@ struct CameraSubpaths::Visitor : WalkVisitor {
         if (path.depth == 0) return true;  // the camera ray's depth and opacity are to be found
         return path.depth < self.options_.walk.max_depth && self.record_.worth_colliding(row, path.medium);
     }
-    void absorbs(std::uint32_t row, float distance, const Rgb& passed, const Vec2& u) {
+    void absorbs(std::uint32_t row, Real distance, const Rgb& passed, const Vec2& u) {
         const Subpath& path = self.path(row);
         if (path.depth > 0 || !(passed.average() < 1)) return;
-        const float lost_at = path.travelled + sample_absorption((*self.scene_.media)[path.medium], distance, u);
-        display.add_sample(static_cast<int>(row), {lost_at, RgbD(Rgb(1) - passed), true});
+        const Real lost_at = path.travelled + sample_absorption((*self.scene_.media)[path.medium], distance, u);
+        display.add_sample(static_cast<int>(row), {to_float(lost_at), RgbD(Rgb(1) - passed), true});
     }
-    void collides(std::uint32_t row, float distance) {
+    void collides(std::uint32_t row, Real distance) {
         const Subpath& path = self.path(row);
         if (path.depth > 0) return;
-        display.write_distance(static_cast<int>(row), path.travelled + distance, true);
-        display.write_opacity(static_cast<int>(row), Rgb(1));
+        display.write_distance(static_cast<int>(row), to_float(path.travelled + distance), true);
+        display.write_opacity(static_cast<int>(row), raylex::Rgb(1));
     }
 };
 

@@ -12,7 +12,7 @@ void Connections::clear() {
 }
 
 void Connections::add_light_sample(const CameraSubpaths& subpaths, std::size_t j, const LightSample& sample,
-                                   const BsdfEvaluation& f, float weight) {
+                                   const BsdfEvaluation& f, Real weight) {
     const VertexBatch& v = subpaths.vertices();
     const std::uint32_t row = v.rows[j];
     const Subpath& path = subpaths.path(row);
@@ -29,6 +29,7 @@ void Connections::add_light_sample(const CameraSubpaths& subpaths, std::size_t j
                         no_end, display::Technique{1, path.depth + 2}, value, f.lobes});
     if (!record.takes_all(row) && !is_worth_a_ray(record)) return;
     shadow_rays_.push_back(shadow_ray(v.points[j].position, v.points[j].geometric_normal, v.sources[j].offset, sample));
+    shadow_rays_.back().time = v.hits[j].time;
 }
 
 void Connections::add_join(const CameraSubpaths& subpaths, const VertexJoin& join) {
@@ -45,6 +46,7 @@ void Connections::add_join(const CameraSubpaths& subpaths, const VertexJoin& joi
                           display::Technique{join.light_vertices, subpaths.path(row).depth + 2}, value, join.f->lobes);
     if (!record.takes_all(row) && !is_worth_a_ray(record)) return;
     shadow_rays_.push_back(join.shadow_ray);
+    shadow_rays_.back().time = v.hits[join.j].time;
 }
 
 bool Connections::is_worth_a_ray(const Record& record) {

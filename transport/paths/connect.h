@@ -19,7 +19,7 @@ inline bool draw_light_sample(const SceneView& scene, LightChoice choice, const 
     const PixelSampler& sampler = subpaths.sampler(row);
     constexpr const SubpathDimensions& dimensions = subpath_dimensions<TransportMode::radiance>;
     const std::uint32_t depth = subpaths.path(row).depth;
-    const float u_choice =
+    const Real u_choice =
         lights.needs_choice_number(choice) ? sampler.get_1d(dimensions.of(depth, light_choice_dimension)) : 0.0f;
     const Vec2 u = sampler.get_2d(dimensions.of(depth, light_sample_dimension));
     if (!lights.sample(choice, *scene.geometry, from, u_choice, u, sample)) return false;
@@ -32,7 +32,7 @@ struct VertexJoin {
     std::size_t j = 0;                  ///< in the camera subpaths' vertices
     const BsdfEvaluation* f = nullptr;  ///< the scattering there
     Rgb unweighted;                     ///< that it brings to the camera if nothing is in between
-    float weight = 1;                   ///< of it, by multiple importance sampling
+    Real weight = 1;                    ///< of it, by multiple importance sampling
     LightEnd end;
     std::uint32_t light_vertices = 2;  ///< made from the light: s of its technique
     Ray shadow_ray;                    ///< from vertex j
@@ -46,7 +46,7 @@ class Connections {
     /// A light sample, `f` being what its vertex scatters towards it: throughput x f x radiance x weight / pdf. Left
     /// out if nothing comes of it (Law 4).
     void add_light_sample(const CameraSubpaths& subpaths, std::size_t j, const LightSample& sample,
-                          const BsdfEvaluation& f, float weight);
+                          const BsdfEvaluation& f, Real weight);
     void add_join(const CameraSubpaths& subpaths, const VertexJoin& join);
     /// Traces all shadow rays, reports what arrives, and forgets it.
     void report(const CameraSubpaths& subpaths, IntegratorCounters& counters);

@@ -35,7 +35,7 @@ struct Arrival {
     Rgb value;                       ///< what beauty takes
     Rgb emitted;                     ///< what leaves the emitter towards the path
     Rgb unweighted;                  ///< `value` with nothing in the way, and without the MIS weight
-    float visibility = 1;            ///< fraction that arrives
+    Real visibility = 1;             ///< fraction that arrives
     bool found_by_sampling = false;  ///< light sampling finds the same emitter there too
 };
 
@@ -45,7 +45,7 @@ inline std::span<const display::LobePart> lobe_parts(const EventTable& events, s
                                                      const LobeList& lobes, LobeParts& parts) {
     const auto count = static_cast<std::size_t>(lobes.count);
     for (std::size_t i = 0; i < count; ++i)
-        parts[i] = {events.scatter(label, lobes.entry[i].lobe), lobes.entry[i].value};
+        parts[i] = {events.scatter(label, lobes.entry[i].lobe), to_float(lobes.entry[i].value)};
     return {parts.data(), count};
 }
 
@@ -73,7 +73,9 @@ class Record {
     void arrive(std::uint32_t row, lpe::EventClass terminal, display::Technique technique,
                 const Arrival& arrival) const;
     /// Its throughput is no number: counted and logged (Law 6).
-    void reject(std::uint32_t row, const Rgb& throughput) const { lpe_->contribute(throughput, {}, trackers_[row]); }
+    void reject(std::uint32_t row, const Rgb& throughput) const {
+        lpe_->contribute(to_float(throughput), {}, trackers_[row]);
+    }
     /// What the surface says of itself, if a channel takes it: `throughput` leads there, `value()` is asked for only
     /// then.
     template <class Value>
@@ -193,9 +195,10 @@ class LightRecord {
 };
 
 inline void Record::add(const display::Tracker& at_light, display::Technique technique, const Arrival& arrival) const {
-    if (!lpe_->wants_emitter_samples()) return lpe_->contribute(arrival.value, technique, at_light);
-    lpe_->contribute(arrival.value, technique, at_light,
-                     {arrival.emitted, arrival.unweighted, arrival.visibility, arrival.found_by_sampling});
+    if (!lpe_->wants_emitter_samples()) return lpe_->contribute(to_float(arrival.value), technique, at_light);
+    lpe_->contribute(to_float(arrival.value), technique, at_light,
+                     {to_float(arrival.emitted), to_float(arrival.unweighted), to_float(arrival.visibility),
+                      arrival.found_by_sampling});
 }
 
 inline void Record::arrive(std::uint32_t row, lpe::EventClass terminal, display::Technique technique,
@@ -211,7 +214,7 @@ void Record::say(std::uint32_t row, std::int32_t label, UserLobe lobe, const Rgb
     display::Tracker tracker = trackers_[row];
     lpe_->move(tracker, events_->user(label, lobe));
     lpe_->move(tracker, events_->user_terminal());
-    if (lpe_->channels_follow(tracker)) lpe_->contribute_user(value(), throughput, tracker);
+    if (lpe_->channels_follow(tracker)) lpe_->contribute_user(to_float(value()), to_float(throughput), tracker);
 }
 
 }  // namespace raylex::transport

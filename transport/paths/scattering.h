@@ -20,25 +20,25 @@ namespace raylex::transport {
 /// times |cos| at the point, which leaves 1 / distance^2 of the geometry term, or for light subpaths that too.
 struct JoinedScattering {
     BsdfEvaluation f;       ///< its pdf: with which the subpath would have gone there, per steradian
-    float pdf_reverse = 0;  ///< with which one from there would have gone back
+    Real pdf_reverse = 0;   ///< with which one from there would have gone back
 };
 
 /// One sample of a closure for a subpath that came from point.wo, `pdf` being the density whatever the closure. u_lobe
 /// and u in [0, 1). The radiance's 1 / eta^2 is in a camera subpath's weight and not in a light subpath's.
 template <TransportMode mode>
-[[gnu::always_inline]] inline BsdfSample sample_scattering(const Bsdf& bsdf, const SurfacePoint& point, float u_lobe,
+[[gnu::always_inline]] inline BsdfSample sample_scattering(const Bsdf& bsdf, const SurfacePoint& point, Real u_lobe,
                                                            const Vec2& u) {
     BsdfSample s = bsdf.sample(point.wo, u_lobe, u);
     if (!(s.pdf > 0)) return s;
-    const float drawn_with = s.pdf;
+    const Real drawn_with = s.pdf;
     if (s.pdf_is_proportional && !s.delta) s.pdf = bsdf.pdf(point.wo, s.wi);
     if constexpr (mode == TransportMode::importance) {
-        const float g_in = point.cosine(point.wo), g_out = point.cosine(s.wi);
+        const Real g_in = point.cosine(point.wo), g_out = point.cosine(s.wi);
         if (!(g_in > 0)) {
             s.pdf = 0;
         } else if (bsdf.kind() == Bsdf::Kind::lambert || s.delta || s.pdf_is_proportional) {
             const Vec3& n = bsdf.frame().n;
-            const float s_in = std::abs(dot(n, point.wo)), s_out = std::abs(dot(n, s.wi));
+            const Real s_in = std::abs(dot(n, point.wo)), s_out = std::abs(dot(n, s.wi));
             s.weight *= (s_in / s_out) * (g_out / g_in) * (s.transmitted ? s.eta * s.eta : 1.0f);
         } else {
             const BsdfEvaluation f = bsdf.evaluate(s.wi, point.wo);
@@ -58,7 +58,7 @@ JoinedScattering evaluate_scattering(const Bsdf& bsdf, const SurfacePoint& point
         if (both && !result.f.value.is_black()) result.pdf_reverse = bsdf.pdf(to, point.wo);
         return result;
     } else {
-        const float g_in = point.cosine(point.wo);
+        const Real g_in = point.cosine(point.wo);
         if (!(g_in > 0)) return {};
         JoinedScattering result{bsdf.evaluate(to, point.wo), 0};
         result.pdf_reverse = result.f.pdf;

@@ -39,7 +39,7 @@ struct StrategySums {
         return r * r;
     }
     /// The weight of a strategy beside `others`.
-    static float weight(Wide others) { return static_cast<float>(1 / (1 + others)); }
+    static Real weight(Wide others) { return static_cast<Real>(1 / (1 + others)); }
 
     /// What all strategies that join nearer to this subpath's beginning weigh, as a share of the one that joins behind this
     /// vertex. `reverse`: density per area of this vertex as made from behind the join; `reverse_to_previous`: of the

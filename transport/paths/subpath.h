@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "display/services/rgb.h"
+#include "transport/math/real.h"
 #include "transport/materials/scatter.h"
 #include "transport/math/vec.h"
 
@@ -14,14 +14,14 @@ inline constexpr std::uint32_t filter_dimension = 0, lens_dimension = 1, time_di
 
 struct Subpath {
     Rgb beta{1};  ///< throughput: product of scattering weights; of a light subpath the power it carries
-    float roulette_scale =
+    Real roulette_scale =
         1;          ///< what roulette sets beta against: of a camera subpath times the product of eta^2 over
                     ///< transmissions, which takes their radiance scaling out; of a light subpath over its first power
-    float pdf = 0;  ///< of the last direction, per steradian (from a light at infinity per area across the
+    Real pdf = 0;   ///< of the last direction, per steradian (from a light at infinity per area across the
                     ///< beam); of a specular one the lobe's probability
-    float cosine = 1;         ///< of that direction to the geometric normal where it was left; kept for densities only
+    Real cosine = 1;          ///< of that direction to the geometric normal where it was left; kept for densities only
     Vec3 from;                ///< the vertex it left; the camera or the light at first
-    float travelled = 0;      ///< along the camera ray, over cutouts passed
+    Real travelled = 0;       ///< along the camera ray, over cutouts passed
     std::uint32_t depth = 0;  ///< scattering events so far
     std::uint32_t segment = 0;  ///< rays so far, those beyond cutouts included: keys choices made once a ray
     std::uint32_t light = 0;    ///< a light subpath's

@@ -4,7 +4,7 @@
 
 namespace raylex::transport {
 
-float emitter_opacity(const SceneView& scene, const LightSample& sample, const Vec3& from) {
+Real emitter_opacity(const SceneView& scene, const LightSample& sample, const Vec3& from) {
     const Light& light = scene.lights->lights()[sample.light];
     if (!light.is_area() || light.hidden) return 1;
     const ShapeGeometry& shape = scene.geometry->shapes()[light.shape];
@@ -12,14 +12,14 @@ float emitter_opacity(const SceneView& scene, const LightSample& sample, const V
     Ray ray[1];
     ray[0].origin = from;
     ray[0].direction = sample.target - from;
-    const Hit hit[1] = {{1, sample.uv.x, sample.uv.y, light.shape, light.primitive, Hit::none}};
+    const Hit hit[1] = {{1, sample.uv.x, sample.uv.y, light.shape, light.primitive, Hit::none, 0, {}}};
     SurfacePoint point[1];
     SurfaceSource source[1];
     scene.geometry->surfaces(ray, hit, point, source);
-    return std::clamp(scene.textures->real(shape.alpha, {point[0].u, point[0].v, point[0].position}), 0.0f, 1.0f);
+    return std::clamp(scene.textures->real(shape.alpha, {point[0].u, point[0].v, point[0].position}), Real(0), Real(1));
 }
 
-float straight_transmittance(const StraightWalk& walk, Ray ray, float visible, std::int32_t medium,
+Real straight_transmittance(const StraightWalk& walk, Ray ray, Real visible, std::int32_t medium,
                              display::Tracker& tracker, Rgb& through) {
     const EmbreeScene& geometry = *walk.scene.geometry;
     const bool finite_end = ray.t_max < infinity;
@@ -31,8 +31,8 @@ float straight_transmittance(const StraightWalk& walk, Ray ray, float visible, s
             ++walk.counters.shadow_rays;
         }
         if (medium >= 0) {
-            const float whole = finite_end ? length(ray.direction) : infinity;
-            const float distance = !hit.valid() ? whole : finite_end ? hit.t * whole : hit.t;
+            const Real whole = finite_end ? length(ray.direction) : infinity;
+            const Real distance = !hit.valid() ? whole : finite_end ? hit.t * whole : hit.t;
             through *= transmittance((*walk.scene.media)[medium], distance);
         }
         if (!hit.valid()) return visible;
@@ -43,7 +43,7 @@ float straight_transmittance(const StraightWalk& walk, Ray ray, float visible, s
         geometry.surfaces(rays, hits, point, source);
         const ShapeGeometry& shape = geometry.shapes()[hit.shape];
         visible *= 1 - std::clamp(walk.scene.textures->real(shape.alpha, {point[0].u, point[0].v, point[0].position}),
-                                  0.0f, 1.0f);
+                                  Real(0), Real(1));
         if (visible > 0) walk.record.pass_straight(tracker, source[0].label);
         else if (!walk.to_the_end) return 0;
         if (shape.interface) medium = shape.medium_towards(point[0].geometric_normal, ray.direction, medium);

@@ -8,7 +8,7 @@ namespace raylex::transport {
 
 /// What an emitter with a cutout keeps at the sampled point: as much as scattering finds there on average. `from` is
 /// where the light goes; only its direction matters.
-[[nodiscard]] float emitter_opacity(const SceneView& scene, const LightSample& sample, const Vec3& from);
+[[nodiscard]] Real emitter_opacity(const SceneView& scene, const LightSample& sample, const Vec3& from);
 
 struct StraightWalk {
     const SceneView& scene;
@@ -20,7 +20,7 @@ struct StraightWalk {
 /// What the cutouts along a shadow ray let through of `visible`, 0 behind an opaque surface; moves `tracker` past them.
 /// `through` takes what the media on the way let pass, `medium` being the first (-1: none); opaque surfaces are no
 /// borders to it.
-float straight_transmittance(const StraightWalk& walk, Ray ray, float visible, std::int32_t medium,
+Real straight_transmittance(const StraightWalk& walk, Ray ray, Real visible, std::int32_t medium,
                              display::Tracker& tracker, Rgb& through);
 
 /// The medium at `point`, found by going there from `camera` past all surfaces, cutouts and opaque ones alike: where a

@@ -26,8 +26,8 @@ struct RayQueue {
 };
 
 /// Entry j of every array is one subpath: surface hits first, then collisions with particles of media. Of the latter
-/// only rows, points (SurfacePoint::no_material), sources (the medium's label) and bsdfs (the phase function) mean
-/// something.
+/// only rows, points (SurfacePoint::no_material), sources (the medium's label), bsdfs (the phase function) and time and
+/// cone of hits mean something.
 struct VertexBatch {
     std::vector<std::uint32_t> rows;
     std::vector<Ray> rays;
@@ -56,11 +56,13 @@ struct VertexBatch {
     }
 };
 
-/// A ray that leaves vertex j.
+/// A ray that leaves vertex j, at the time and as wide as the one that led there.
 inline Ray ray_from(const VertexBatch& vertices, std::size_t j, const Vec3& direction) {
     const SurfacePoint& point = vertices.points[j];
     Ray ray;
     ray.direction = direction;
+    ray.time = vertices.hits[j].time;
+    ray.cone = vertices.hits[j].cone;
     ray.origin = point.material == SurfacePoint::no_material
                      ? point.position
                      : offset_ray_origin(point.position, point.geometric_normal, vertices.sources[j].offset, direction);

@@ -50,9 +50,9 @@ struct WalkVisitor {
     /// Whether what the medium around the ray scatters could count at all: if not, it only takes light away.
     bool worth_colliding(std::uint32_t /*row*/) { return true; }
     /// The ray flew `distance` through a medium that could only take light away and left `passed`.
-    void absorbs(std::uint32_t /*row*/, float /*distance*/, const Rgb& /*passed*/, const Vec2& /*u*/) {}
+    void absorbs(std::uint32_t /*row*/, Real /*distance*/, const Rgb& /*passed*/, const Vec2& /*u*/) {}
     /// It met a particle after `distance`.
-    void collides(std::uint32_t /*row*/, float /*distance*/) {}
+    void collides(std::uint32_t /*row*/, Real /*distance*/) {}
     /// The subpath is scattered at vertex j, by these lobes.
     void scatters(std::size_t /*j*/, const LobeList& /*lobes*/) {}
     /// Its throughput is no number: it ends.
@@ -115,12 +115,14 @@ class Walk {
     struct Collision {
         std::uint32_t row;
         Vec3 position, forward;  // forward: unit, the way the path came along
+        Real time;
+        RayCone cone;
     };
     static bool is_camera_ray(const Subpath& path) { return mode == TransportMode::radiance && path.depth == 0; }
     template <class Visitor>
     void trace(Visitor& visitor);
     template <class Visitor>
-    bool crosses_medium(std::uint32_t row, const Ray& ray, float distance, Visitor& visitor);
+    bool crosses_medium(std::uint32_t row, const Ray& ray, Real distance, Visitor& visitor);
     template <class Visitor>
     void arrive(std::uint32_t row, const SurfacePoint& point, Visitor& visitor);
     template <class Visitor>
@@ -175,7 +177,7 @@ void Walk<mode>::trace(Visitor& visitor) {
 /// A flight towards a hit or miss at `distance`. False if the subpath ends or collides before.
 template <TransportMode mode>
 template <class Visitor>
-bool Walk<mode>::crosses_medium(std::uint32_t row, const Ray& ray, float distance, Visitor& visitor) {
+bool Walk<mode>::crosses_medium(std::uint32_t row, const Ray& ray, Real distance, Visitor& visitor) {
     Subpath& path = paths_[row];
     const Medium& medium = (*scene_.media)[path.medium];
     if (mode == TransportMode::radiance && medium.emits) visitor.glows(row, emission_along(medium, distance));
@@ -194,7 +196,9 @@ bool Walk<mode>::crosses_medium(std::uint32_t row, const Ray& ray, float distanc
     if (!flight.collided) return true;
     visitor.collides(row, flight.distance);
     if (path.depth >= options_.max_depth || path.beta.is_black()) finish(row);
-    else collisions_[collision_count_++] = {row, ray.origin + ray.direction * flight.distance, ray.direction};
+    else
+        collisions_[collision_count_++] = {row, ray.origin + ray.direction * flight.distance, ray.direction, ray.time,
+                                           ray.cone.after(flight.distance)};
     return false;
 }
 
@@ -228,6 +232,8 @@ void Walk<mode>::append_collisions(Visitor& visitor) {
         point.wo = -collision.forward;
         point.material = SurfacePoint::no_material;
         v.sources[j] = {0, events_.medium_label(medium), 0};
+        v.hits[j].time = collision.time;
+        v.hits[j].cone = collision.cone;
         v.bsdfs[j].set_phase((*scene_.media)[medium].g);
         arrive(collision.row, point, visitor);
     }
@@ -239,7 +245,7 @@ bool Walk<mode>::passes_cutout(std::size_t j) const {
     const std::uint32_t row = vertices_.rows[j];
     const SurfacePoint& point = vertices_.points[j];
     const TextureId alpha = scene_.geometry->shapes()[vertices_.hits[j].shape].alpha;
-    const float u = samplers_[row].get_random(dimensions.cutouts + paths_[row].segment);
+    const Real u = samplers_[row].get_random(dimensions.cutouts + paths_[row].segment);
     return !(u < scene_.textures->real(alpha, {point.u, point.v, point.position}));
 }
 
@@ -289,7 +295,7 @@ template <TransportMode mode>
 bool Walk<mode>::survives_roulette(std::uint32_t row, std::uint32_t dimension) {
     Subpath& path = paths_[row];
     if (!options_.roulette || path.depth < 2) return true;
-    const float keep =
+    const Real keep =
         mode == TransportMode::radiance ? path.beta.max() * path.roulette_scale : path.beta.max() / path.roulette_scale;
     if (!(keep < 1)) return true;
     if (samplers_[row].get_random(dimension) >= keep) return false;
@@ -315,7 +321,7 @@ void Walk<mode>::scatter(Visitor& visitor) {
         const Bsdf& bsdf = v.bsdfs[j];
         const SurfacePoint& point = v.points[j];
         const std::uint32_t depth = path.depth;
-        const float u_lobe = bsdf.chooses_lobes() ? sampler.get_1d(dimensions.of(depth, dimensions.lobe)) : 0.0f;
+        const Real u_lobe = bsdf.chooses_lobes() ? sampler.get_1d(dimensions.of(depth, dimensions.lobe)) : 0.0f;
         const BsdfSample s =
             sample_scattering<mode>(bsdf, point, u_lobe, sampler.get_2d(dimensions.of(depth, dimensions.scatter)));
         if (!(s.pdf > 0) || s.weight.is_black()) {

@@ -56,12 +56,14 @@ Result<PerspectiveCamera> PerspectiveCamera::build(const SceneEntity& entity, co
     PerspectiveCamera camera;
     camera.camera_to_world_ = camera_to_world;
     camera.origin_ = camera_to_world.point({0, 0, 0});
-    camera.lens_radius_ = static_cast<float>(std::max(*lens, 0.0));
-    camera.focal_distance_ = static_cast<float>(*focus);
+    camera.lens_radius_ = static_cast<Real>(std::max(*lens, 0.0));
+    camera.focal_distance_ = static_cast<Real>(*focus);
     const double tangent = std::tan(*fov * 3.14159265358979323846 / 360);
-    camera.corner_ = DVec3{screen[0] * tangent, screen[3] * tangent, 1}.to_float();
-    camera.step_x_ = DVec3{(screen[1] - screen[0]) * tangent / width, 0, 0}.to_float();
-    camera.step_y_ = DVec3{0, (screen[2] - screen[3]) * tangent / height, 0}.to_float();
+    camera.corner_ = DVec3{screen[0] * tangent, screen[3] * tangent, 1}.to_real();
+    camera.step_x_ = DVec3{(screen[1] - screen[0]) * tangent / width, 0, 0}.to_real();
+    camera.step_y_ = DVec3{0, (screen[2] - screen[3]) * tangent / height, 0}.to_real();
+
+    camera.pixel_angle_ = std::sqrt(std::abs(camera.step_x_.x * camera.step_y_.y));
 
     camera.world_to_camera_ = camera_to_world.inverse().matrix();
     camera.to_camera_ = Matrix34(camera.world_to_camera_);
@@ -77,9 +79,10 @@ Result<PerspectiveCamera> PerspectiveCamera::build(const SceneEntity& entity, co
     return camera;
 }
 
-Ray PerspectiveCamera::generate(float x, float y, const Vec2& lens) const {
+Ray PerspectiveCamera::generate(Real x, Real y, const Vec2& lens) const {
     const Vec3 through{corner_.x + step_x_.x * x, corner_.y + step_y_.y * y, 1};
     Ray ray;
+    ray.cone.spread = pixel_angle_;
     if (!has_lens()) {
         ray.origin = origin_;
         ray.direction = normalize(camera_to_world_.vector(through));
@@ -112,26 +115,26 @@ bool PerspectiveCamera::connect(const Vec3& point, const Vec2& lens, CameraConne
         at_x = seen.x / seen.z + static_cast<double>(on_lens.x) / focal;
         at_y = seen.y / seen.z + static_cast<double>(on_lens.y) / focal;
     }
-    connection.x = static_cast<float>((at_x - static_cast<double>(corner_.x)) / static_cast<double>(step_x_.x));
-    connection.y = static_cast<float>((at_y - static_cast<double>(corner_.y)) / static_cast<double>(step_y_.y));
+    connection.x = static_cast<Real>((at_x - static_cast<double>(corner_.x)) / static_cast<double>(step_x_.x));
+    connection.y = static_cast<Real>((at_y - static_cast<double>(corner_.y)) / static_cast<double>(step_y_.y));
     connection.importance = importance_at(seen.z, point, connection.position);
     return true;
 }
 
-float PerspectiveCamera::importance_at(double depth, const Vec3& point, const Vec3& position) const {
-    return static_cast<float>(raster_density_ * length(DVec3(point) - DVec3(position)) / (depth * depth * depth));
+Real PerspectiveCamera::importance_at(double depth, const Vec3& point, const Vec3& position) const {
+    return static_cast<Real>(raster_density_ * length(DVec3(point) - DVec3(position)) / (depth * depth * depth));
 }
 
-float PerspectiveCamera::importance(const Vec3& point, const Vec3& position) const {
+Real PerspectiveCamera::importance(const Vec3& point, const Vec3& position) const {
     const double depth = to_camera_.point(DVec3(point)).z;  // the lens is at depth 0
     return depth > 0 ? importance_at(depth, point, position) : 0.0f;
 }
 
-void PerspectiveCamera::rigid_world_to_camera(float (&matrix)[3][4]) const {
+void PerspectiveCamera::rigid_world_to_camera(Real (&matrix)[3][4]) const {
     const Matrix34 m(world_to_camera_);
     const double scale = 1 / std::cbrt(std::abs(m.determinant()));
     for (int r = 0; r < 3; ++r)
-        for (int c = 0; c < 4; ++c) matrix[r][c] = static_cast<float>(m.m[r][c] * scale);
+        for (int c = 0; c < 4; ++c) matrix[r][c] = static_cast<Real>(m.m[r][c] * scale);
 }
 
 Result<FilmSettings> read_film(const SceneEntity& film, const std::optional<std::array<int, 2>>& resolution,

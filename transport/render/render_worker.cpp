@@ -11,15 +11,15 @@ void SplatGate::take(const display::SampleTable& table) {
     ++taken_;
     const int tile = TileGrid::tile_size;
     // Where a splat's footprint ends may be off by a rounding; half a pixel more makes up for it.
-    const float reach_x = filter_.radius_x() + 1, reach_y = filter_.radius_y() + 1;
+    const Real reach_x = filter_.radius_x() + 1, reach_y = filter_.radius_y() + 1;
     const std::uint64_t columns = grid_.columns();
     order_.clear();
     for (int row = 0; row < table.camera_row_count(); ++row) {
         const display::CameraRow& splat = table.camera_row(row);
         const int x = std::clamp(static_cast<int>(std::floor(splat.screen_x)), 0, grid_.width - 1) + grid_.padding_x,
                   y = std::clamp(static_cast<int>(std::floor(splat.screen_y)), 0, grid_.height - 1) + grid_.padding_y;
-        const float in_x = static_cast<float>(x % tile), in_y = static_cast<float>(y % tile),
-                    end = static_cast<float>(tile) - 1;
+        const Real in_x = static_cast<Real>(x % tile), in_y = static_cast<Real>(y % tile),
+                   end = static_cast<Real>(tile) - 1;
         const bool around = in_x < reach_x || in_y < reach_y || in_x > end - reach_x || in_y > end - reach_y;
         const std::uint64_t number =
             static_cast<std::uint64_t>(y / tile) * columns + static_cast<std::uint64_t>(x / tile);
@@ -88,7 +88,8 @@ void RenderWorker::add_pixel(int x, int y, std::uint64_t first, int count, std::
         const PixelSampler sampler(from.sampler, from.seed, x, y, sample);
         const Vec2 u = sampler.get_2d(filter_dimension);
         const display::FilterSample offset =
-            from.splat ? display::FilterSample{u.x - 0.5f, u.y - 0.5f, 1} : from.filter->sample(u.x, u.y);
+            from.splat ? display::FilterSample{to_float(u.x) - 0.5f, to_float(u.y) - 0.5f, 1}
+                       : from.filter->sample(to_float(u.x), to_float(u.y));
         display::CameraRow& row = rows_[count_];
         row.pixel_x = x;
         row.pixel_y = y;
@@ -173,12 +174,12 @@ void RenderWorker::finish_samples(double begin) {
     if (aovs_.wants_rays()) {
         camera_rays_.origin_z.resize(count_);
         camera_rays_.direction_z.resize(count_);
-        float m[3][4];
+        Real m[3][4];
         job_.sampling.camera->rigid_world_to_camera(m);
         const Vec3 axis{m[2][0], m[2][1], m[2][2]};
         for (std::size_t i = 0; i < count_; ++i) {
-            camera_rays_.origin_z[i] = dot(axis, rays_[i].origin) + m[2][3];
-            camera_rays_.direction_z[i] = dot(axis, rays_[i].direction);
+            camera_rays_.origin_z[i] = to_float(dot(axis, rays_[i].origin) + m[2][3]);
+            camera_rays_.direction_z[i] = to_float(dot(axis, rays_[i].direction));
         }
         aovs_.write_rays(camera_rays_, table_, display_);
     }

@@ -60,8 +60,8 @@ constexpr std::uint64_t mix(std::uint64_t v) {
     return v ^ (v >> 31);
 }
 
-constexpr float unit_float(std::uint32_t bits) {
-    return static_cast<float>(bits >> 8) * 0x1p-24f;
+constexpr Real unit_float(std::uint32_t bits) {
+    return static_cast<Real>(bits >> 8) * 0x1p-24f;
 }
 
 }  // namespace sampler_detail
@@ -85,7 +85,7 @@ class PixelSampler {
         : key_(reinterpret_cast<std::uintptr_t>(&chain)), source_(Source::chain) {}
 
     /// `dimension` names a use (lens, light choice of the third vertex, ...): the same name, the same number.
-    [[nodiscard]] float get_1d(std::uint32_t dimension) const {
+    [[nodiscard]] Real get_1d(std::uint32_t dimension) const {
         if (source_ != Source::sobol) [[unlikely]] return plain_1d(dimension);
         const std::uint64_t h = hash(dimension);
         using namespace sampler_detail;
@@ -103,14 +103,15 @@ class PixelSampler {
                 unit_float(reverse_bits(owen_hash(second, (low ^ (high * 0x9e3779b9u)) + 0x7f4a7c15u)))};
     }
     /// Independent of every other number, whatever the sampler: for choices of which few are made per path.
-    [[nodiscard]] float get_random(std::uint32_t dimension) const {
+    [[nodiscard]] Real get_random(std::uint32_t dimension) const {
         if (source_ == Source::chain) [[unlikely]] return chain().get(dimension, false);
         return sampler_detail::unit_float(static_cast<std::uint32_t>(
             sampler_detail::mix(hash(dimension) ^ reversed_index_) >> 32));
     }
     /// A key for somebody else's hash: distinct per (pixel, sample, dimension), not itself random enough to use.
     [[nodiscard]] std::uint32_t key(std::uint32_t dimension) const {
-        if (source_ == Source::chain) [[unlikely]] return std::bit_cast<std::uint32_t>(chain().get(dimension, false));
+        if (source_ == Source::chain) [[unlikely]]
+            return std::bit_cast<std::uint32_t>(to_float(chain().get(dimension, false)));
         return static_cast<std::uint32_t>(
             ((key_ ^ reversed_index_) + dimension * 0x9e3779b97f4a7c15ull) * 0xbf58476d1ce4e5b9ull >> 32);
     }
@@ -120,13 +121,13 @@ class PixelSampler {
     [[nodiscard]] PrimarySamples& chain() const {
         return *reinterpret_cast<PrimarySamples*>(static_cast<std::uintptr_t>(key_));
     }
-    [[nodiscard]] float plain_1d(std::uint32_t dimension) const {
+    [[nodiscard]] Real plain_1d(std::uint32_t dimension) const {
         if (source_ == Source::chain) return chain().get(dimension, false);
         return sampler_detail::unit_float(static_cast<std::uint32_t>(hash(dimension) >> 32));
     }
     [[nodiscard]] Vec2 plain_2d(std::uint32_t dimension) const {
         if (source_ == Source::chain) {
-            const float first = chain().get(dimension, false);
+            const Real first = chain().get(dimension, false);
             return {first, chain().get(dimension, true)};
         }
         const std::uint64_t h = hash(dimension);

@@ -11,14 +11,14 @@ namespace {
 constexpr std::uint64_t choices = std::uint64_t{1} << 40;   // names no dimension has
 
 /// A standard normal number (Box and Muller) of 64 random bits.
-float normal_number(std::uint64_t bits) {
-    const float u = (static_cast<float>(bits >> 40) + 0.5f) * 0x1p-24f,
-                v = static_cast<float>(bits & 0xffffff) * 0x1p-24f;
+Real normal_number(std::uint64_t bits) {
+    const Real u = (static_cast<Real>(bits >> 40) + 0.5f) * 0x1p-24f,
+                v = static_cast<Real>(bits & 0xffffff) * 0x1p-24f;
     return std::sqrt(-2 * std::log(u)) * std::cos(2 * pi * v);
 }
 
 /// Back into [0, 1), as if its ends were joined.
-float wrap(float x) {
+Real wrap(Real x) {
     x -= std::floor(x);
     return std::min(x, one_minus_epsilon);
 }
@@ -33,7 +33,7 @@ void PrimarySamples::restart(std::uint64_t stream) {
     std::fill(slots_.begin(), slots_.end(), 0u);
 }
 
-void PrimarySamples::propose(bool large, float sigma) {
+void PrimarySamples::propose(bool large, Real sigma) {
     ++mutation_;
     ++step_;
     large_ = large;
@@ -57,7 +57,7 @@ std::uint64_t PrimarySamples::bits(std::uint64_t name) const {
     return mix_bits(mix_bits(stream_ + mutation_ * 0x9e3779b97f4a7c15ull) ^ (name * 0xd1342543de82ef95ull));
 }
 
-float PrimarySamples::choose(std::uint32_t use) const { return unit_float(bits(2 * choices + use)); }
+Real PrimarySamples::choose(std::uint32_t use) const { return unit_float(bits(2 * choices + use)); }
 
 void PrimarySamples::grow() {
     slots_.assign(std::max<std::size_t>(64, 2 * slots_.size()), 0u);
@@ -79,7 +79,7 @@ PrimarySamples::Number& PrimarySamples::find(std::uint64_t name) {
     return fresh;
 }
 
-float PrimarySamples::get(std::uint32_t dimension, bool second) {
+Real PrimarySamples::get(std::uint32_t dimension, bool second) {
     const std::uint64_t name = 2 * std::uint64_t{dimension} + (second ? 2 : 1);
     Number& number = find(name);
     if (number.changed == step_) return number.value;
@@ -94,7 +94,7 @@ float PrimarySamples::get(std::uint32_t dimension, bool second) {
     if (large_) {
         number.value = unit_float(bits(name));
     } else {
-        const auto missed = static_cast<float>(step_ - number.changed);
+        const auto missed = static_cast<Real>(step_ - number.changed);
         number.value = wrap(number.value + normal_number(bits(name)) * sigma_ * std::sqrt(missed));
     }
     number.changed = step_;

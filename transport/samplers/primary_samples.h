@@ -22,21 +22,21 @@ class PrimarySamples {
     void switch_stream(std::uint64_t stream) { stream_ = stream; }
 
     /// Begins a mutation: all numbers anew (`large`), or each a little (normal steps of `sigma`, around the unit interval).
-    void propose(bool large, float sigma);
+    void propose(bool large, Real sigma);
     /// The mutation becomes the state, or the state is what it was.
     void accept();
     void reject();
 
     /// The number of that dimension in the mutation; `second` for the other one of a pair. In [0, 1).
-    [[nodiscard]] float get(std::uint32_t dimension, bool second);
+    [[nodiscard]] Real get(std::uint32_t dimension, bool second);
     /// A number for the chain's own choices, `use` telling apart those of one mutation.
-    [[nodiscard]] float choose(std::uint32_t use) const;
+    [[nodiscard]] Real choose(std::uint32_t use) const;
     [[nodiscard]] std::uint64_t mutations() const { return mutation_; }
 
   private:
     struct Number {
         std::uint64_t name = 0;              // dimension and which of the pair
-        float value = 0, kept = 0;
+        Real value = 0, kept = 0;
         std::uint64_t changed = 0, kept_changed = 0;   // the step of the chain in which it was last brought up to date
     };
     Number& find(std::uint64_t name);
@@ -47,7 +47,7 @@ class PrimarySamples {
     std::uint64_t mutation_ = 0;             // proposals so far: the counter of the draws
     std::uint64_t step_ = 0, last_large_ = 0;   // accepted proposals and the one at hand; the last accepted large one
     bool large_ = true;
-    float sigma_ = 0;
+    Real sigma_ = 0;
     std::vector<Number> numbers_;
     std::vector<std::uint32_t> slots_;       // open addressing by name: index + 1; 0 is free
 };

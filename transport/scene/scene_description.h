@@ -42,19 +42,19 @@ struct SceneShape {
     std::string source_file;                    ///< base name of a plymesh file; else empty
     SourceLocation location;
 
-    std::vector<Vec3> positions, normals;       ///< normals: one per position, or none
-    std::vector<Vec2> uvs;                      ///< one per position, or none
+    std::vector<StoredVec3> positions, normals; ///< normals: one per position, or none
+    std::vector<StoredVec2> uvs;                ///< one per position, or none
     std::vector<std::uint32_t> indices;         ///< 3 per triangle, 4 per patch (p00 p10 p01 p11)
 
-    float radius = 1, z_min = -1, z_max = 1, phi_max = 360;    ///< sphere, cylinder; degrees
-    float height = 0, inner_radius = 0;                        ///< disk
+    Real radius = 1, z_min = -1, z_max = 1, phi_max = 360;     ///< sphere, cylinder; degrees
+    Real height = 0, inner_radius = 0;                         ///< disk
     Transform object_to_world;                  ///< quadrics; meshes: where their vertices came from, for AOVs
 
     bool flip_normal = false;                   ///< ReverseOrientation xor a transform that swaps handedness
     int material = -1;                          ///< index into materials
     int area_light = -1;                        ///< index into area_lights
     int inside_medium = -1, outside_medium = -1;  ///< indices into media, -1 = none; alike: the surface is no border
-    float alpha = 1;                            ///< constant opacity
+    Real alpha = 1;                             ///< constant opacity
     std::string alpha_texture;                  ///< name of a float texture; overrides alpha
     std::string label;                          ///< LPE object label; as imported: the named material's name
     bool holdout = false;                       ///< set by a label rule; see LabelRule

@@ -24,7 +24,8 @@ class SceneHash {
     void add(const std::string& text) { bytes(text); }
     template <class Item>
     void add(const std::vector<Item>& items) {
-        if constexpr (std::is_arithmetic_v<Item> || std::is_same_v<Item, Vec3> || std::is_same_v<Item, Vec2>) {
+        if constexpr (std::is_arithmetic_v<Item> || std::is_same_v<Item, StoredVec3> ||
+                      std::is_same_v<Item, StoredVec2>) {
             bytes({reinterpret_cast<const char*>(items.data()), items.size() * sizeof(Item)});
         } else {
             add(items.size());
@@ -83,7 +84,7 @@ class SceneHash {
         add(normals);
         add(uvs);
         add(indices);
-        for (const float number : {radius, z_min, z_max, phi_max, height, inner_radius}) add(number);
+        for (const Real number : {radius, z_min, z_max, phi_max, height, inner_radius}) add(number);
         add(object_to_world);
         add(flip_normal);
         add(material);
@@ -127,6 +128,8 @@ std::uint64_t scene_hash(const SceneDescription& scene) {
                  textures, media, shapes, objects, instances, lights, area_lights, warnings] = scene;
     static_cast<void>(file), static_cast<void>(warnings);
     SceneHash hash;
+    // Records of renders in float and in double are not to be added up.
+    if (real_is_double) hash.add(real_is_double);
     for (const SceneEntity* entity : {&camera, &film, &filter, &sampler, &integrator}) hash.add(*entity);
     hash.add(camera_to_world);
     hash.add(camera_medium);

@@ -1,0 +1,28 @@
+// A point of a surface as scattering and lights see it: what geometry makes of a hit.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "transport/math/vec.h"
+
+namespace raylex::transport {
+
+/// What geometry knows of a hit; materials turn a batch of these into closures.
+struct SurfacePoint {
+    Vec3 position, geometric_normal, shading_normal;  ///< world; normals unit; geometric normal on the shape's outside
+    Vec3 dpdu;
+    Vec3 wo;  ///< unit, away from the surface, towards where the path came from
+    Real u = 0, v = 0;
+    static constexpr std::int32_t no_material = -1;  ///< a point in a medium: no surface, the normals are zero
+    std::int32_t material = 0;
+    std::uint32_t random_key = 0;  ///< counter-based key for stochastic closures and `mix`
+    std::int32_t row = -1;         ///< of the sample table where a camera ray hit first; else -1
+
+    /// |cos| between a direction and the surface; 1 in a medium.
+    [[nodiscard]] Real cosine(const Vec3& direction) const {
+        return material == no_material ? 1.0f : std::abs(dot(geometric_normal, direction));
+    }
+};
+
+}  // namespace raylex::transport
