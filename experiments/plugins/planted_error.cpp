@@ -9,6 +9,7 @@ namespace {
 
 using namespace raylex;
 using namespace raylex::transport;
+using raylex::transport::Rgb;  // in double it is not display's
 
 class PlantedError final : public Integrator {
   public:
@@ -54,7 +55,7 @@ class PlantedError final : public Integrator {
             }
             scene.geometry->surfaces({&ray, 1}, hit, point, source);
             if (depth == 0) {
-                services.display.write_distance(row, hit->t);
+                services.display.write_distance(row, to_float(hit->t));
                 services.display.write_opacity(row, 1.0f);
             }
             const ShapeGeometry& shape = scene.geometry->shapes()[hit->shape];
@@ -81,7 +82,9 @@ class PlantedError final : public Integrator {
             certain = s.delta;
             move(path, *source, s.lobes, services);
             if (!services.lpe.live(path)) return;
-            ray = {offset_ray_origin(point->position, point->geometric_normal, source->offset, s.wi), infinity, s.wi};
+            ray = Ray();
+            ray.origin = offset_ray_origin(point->position, point->geometric_normal, source->offset, s.wi);
+            ray.direction = s.wi;
             ++counters.scattering_rays;
         }
     }
@@ -112,13 +115,13 @@ class PlantedError final : public Integrator {
         std::array<display::LobePart, max_lobes> parts;
         const auto count = static_cast<std::size_t>(lobes.count);
         for (std::size_t i = 0; i < count; ++i)
-            parts[i] = {context_.events->scatter(source.label, lobes.entry[i].lobe), lobes.entry[i].value};
+            parts[i] = {context_.events->scatter(source.label, lobes.entry[i].lobe), to_float(lobes.entry[i].value)};
         services.lpe.move(path, {parts.data(), count});
     }
 
     void add(const Rgb& value, std::uint32_t light, display::Tracker path, ThreadServices& services) const {
         services.lpe.move(path, context_.events->terminal(light));
-        services.lpe.contribute(value, display::Technique{1, 2}, path);
+        services.lpe.contribute(to_float(value), display::Technique{1, 2}, path);
     }
 
     bool mistake_;
