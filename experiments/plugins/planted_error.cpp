@@ -82,11 +82,9 @@ class PlantedError final : public Integrator {
             specular_bounce = s.delta;
             move(path, *source, s.lobes, services);
             if (!services.lpe.live(path)) return;
-            ray = {offset_ray_origin(point->position, point->geometric_normal, source->offset, s.wi),
-                   infinity,
-                   s.wi,
-                   0,
-                   {}};
+            ray = Ray();
+            ray.origin = offset_ray_origin(point->position, point->geometric_normal, source->offset, s.wi);
+            ray.direction = s.wi;
             ++counters.scattering_rays;
         }
     }

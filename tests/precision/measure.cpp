@@ -56,7 +56,7 @@ WorldBegin
 MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_a" [0.1 0.2 0.3] "rgb sigma_s" [0.5 0.4 0.3] "float g" 0.3
 AttributeBegin
   AreaLightSource "diffuse" "rgb L" [10 9 8]
-  Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-0.4 1.99 -0.4 0.4 1.99 -0.4 0.4 1.99 0.4 -0.4 1.99 0.4]
+  Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-0.4 1.9 -0.4 0.4 1.9 -0.4 0.4 1.9 0.4 -0.4 1.9 0.4]
 AttributeEnd
 Material "diffuse" "rgb reflectance" [0.7 0.7 0.7]
 Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-1 0 1 1 0 1 1 0 -1 -1 0 -1]

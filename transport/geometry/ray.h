@@ -44,7 +44,7 @@ struct Ray {
     Real t_max = infinity;
     Vec3 direction;  ///< unit for scattering rays; origin to light for shadow rays, with t_max below 1
     Real time = 0;   ///< of the shutter's opening, 0 to 1
-    RayCone cone{};    ///< of rays that light or importance is followed along; nobody asks shadow rays
+    RayCone cone{};   ///< of rays that light or importance is followed along; nobody asks shadow rays
 };
 
 struct Hit {

@@ -1,8 +1,8 @@
 // The number that light transport computes in, and what is made of it. Float, unless RAYLEX_TRANSPORT_DOUBLE is defined
 // (transport/README.md).
 //
-// What comes from outside or goes there is float in both: image and mesh files, Embree, display/ and geoaovs/. It is taken
-// in as it is, every float being a double, and leaves by to_float(), which does nothing in the float build.
+// What comes from outside or goes there is float in both: image and mesh files, Embree, display/ and geoaovs/. It is
+// taken in as it is, every float being a double, and leaves by to_float(), which does nothing in the float build.
 //
 // So that one source means both: a literal that float rounds is written Real(0.1), and so is one whose quotient float
 // would round (1 / Real(3)); literals like 0.5f are exact and may stay.
