@@ -186,7 +186,7 @@ TEST_CASE("the lobes of a value sum to it exactly", "[law5]") {
             several += e.lobes.count > 1 && sum != e.lobes.entry[0].value;
         }
     CHECK(seen > 2000);
-    CHECK(several > 200);  // of 900 pairs of directions, half of them on one side: sums that are none would prove little
+    CHECK(several > 200);  // of 900 pairs of directions, half of them on one side: sums of one would prove little
 }
 
 TEST_CASE("opaque closures are reciprocal, glass up to the square of its index") {
