@@ -8,8 +8,8 @@
 // neither taken from the difference that is judged. Our variance of the mean is that of independent replicates, pooled
 // over 9 neighbouring blocks. The reference's is published over the image (its RMSE) and spread over pixels as our
 // sampler's would be, by the frame buffer's variances under independent samples: the shape is ours, the size theirs.
-// Over B blocks the two-sided Sidak threshold at 0.01 is asked of max |z|, from Student's t with R - 1 degrees of freedom,
-// approximated by the normal distribution for pooled variances (9 (R - 1) >= 63).
+// Over B blocks the two-sided Sidak threshold at 0.01 is asked of max |z|, from Student's t with R - 1 degrees of
+// freedom, approximated by the normal distribution for pooled variances (9 (R - 1) >= 63).
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
