@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint32_t none = 0xFFFFFFFFU;
 
-/// A state has one symbol edge, or up to two edges that read nothing, or (embedded automata) a list of symbol edges.
+/// A state has one symbol edge, or up to two edges that read nothing.
 struct NfaState {
     std::uint32_t symbol = none;  // index into Nfa::symbols
     std::uint32_t target = none;

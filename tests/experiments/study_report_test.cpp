@@ -59,28 +59,32 @@ TEST_CASE("a study's report says what is true of it", "[study][report]") {
     const std::string jsonl = folder.read("study/results.jsonl");
 
     // Only the method with the planted error is accused, in its channel and not in the one that is right.
-    int skewed = 0;
-    for (const Json& line : lines_of(jsonl, "bias")) {
+    int skewed = 0, differing = 0;
+    const std::vector<Json> bias = lines_of(jsonl, "bias");
+    REQUIRE(bias.size() == 3 * 3);  // variants x channels
+    for (const Json& line : bias) {
         CAPTURE(line.dump());
         REQUIRE(line["tested"] == true);
         const bool wrong =
             line["variant"] == "clamped" || (line["variant"] == "skewed" && line["channel"] != "bounce1");
         CHECK(line["differs"] == wrong);
+        differing += wrong ? 1 : 0;
         if (line["variant"] == "skewed" && line["channel"] == "bounce2") {
             ++skewed;
             CHECK(line["mean_difference"].get<double>() == Approx(0.05).margin(0.005));
         }
     }
     CHECK(skewed == 1);
-    bool named = false;
+    CHECK(differing == 3 + 2);
+    int named = 0;
     for (const Json& line : lines_of(jsonl, "first_words"))
         if (line["variant"] == "skewed") {
-            named = true;
+            ++named;
             CHECK(line["channel"] == "bounce2");
             // Camera, two scatterings, light: four events.
             CHECK(raylex::test::matches(line["path"].get<std::string>(), "C\\S* \\S+ \\S+ [LO]\\S*"));
         }
-    CHECK(named);
+    CHECK(named == 1);
 
     // One sample's deviation is 0.4 of its pixel, so relmse-mean is 0.16 / n times what the floor leaves of dark
     // pixels.
@@ -99,22 +103,25 @@ TEST_CASE("a study's report says what is true of it", "[study][report]") {
             CHECK_FALSE(line["relative_error"].contains("note"));
         }
     CHECK(points == 1);
-    int slopes = 0, shallow = 0, clamped = 0;
+    int slopes = 0, shallow = 0, clamped = 0, against_seconds = 0;
     for (const Json& line : lines_of(jsonl, "slope")) {
         CAPTURE(line.dump());
         slopes += line["variant"] == "path max_depth=4" ? 1 : 0;
         shallow += line["variant"] == "skewed" && line["channel"] == "bounce2" ? 1 : 0;
         clamped += line["variant"] == "clamped" ? 1 : 0;
-        if (line["variant"] == "path max_depth=4" && line["channel"] == "bounce1")
+        if (line["variant"] == "path max_depth=4" && line["channel"] == "bounce1") {
+            ++against_seconds;
             CHECK(line["against_seconds"]["slope"].get<double>() == Approx(-1).margin(0.05));  // less the time to prepare
+        }
         if (line["variant"] == "path max_depth=4")
             CHECK(line["against_samples"]["slope"].get<double>() == Approx(-1).margin(0.05));
         if (line["variant"] == "skewed" && line["channel"] == "bounce2") CHECK(line["too_shallow"] == true);
         if (line["variant"] == "clamped") CHECK(line["too_shallow"] == false);  // it never claimed otherwise
     }
-    CHECK(slopes >= 2);
+    CHECK(slopes == 3);  // channels
     CHECK(shallow == 1);
-    CHECK(clamped >= 1);
+    CHECK(clamped == 3);
+    CHECK(against_seconds == 1);
     int extrapolated = 0;
     for (const Json& line : lines_of(jsonl, "time_to_error"))
         if (line["variant"] == "path max_depth=4" && line["channel"] == "bounce1" && line["relative_error"] == 0.01) {
@@ -127,10 +134,13 @@ TEST_CASE("a study's report says what is true of it", "[study][report]") {
     // Methods are compared where they differ in one setting, swept or not: what it buys in every channel.
     const std::vector<Json> settings = lines_of(jsonl, "setting");
     REQUIRE(settings.size() == 2 * 3);
+    int speed_ups = 0, costs = 0;
     for (const Json& line : settings) {
         CAPTURE(line.dump());
         CHECK(line["others"] == "path max_depth=4");
         const bool strategy = line["setting"] == "integrator.strategy";
+        speed_ups += strategy && line["channel"] == "bounce1" ? 1 : 0;
+        costs += strategy ? 0 : 1;
         CHECK(line["from"] == (strategy ? "default" : "none"));
         CHECK(line["to"] == (strategy ? "light" : "clamp (luminance=10)"));
         // The same error in 1.1 times the time, and 0.06 s of setup; replicates differ in their noise.
@@ -138,6 +148,8 @@ TEST_CASE("a study's report says what is true of it", "[study][report]") {
             CHECK(line["speed_up"]["value"].get<double>() == Approx(1 / 1.1).epsilon(0.02));
         if (!strategy) CHECK(line["speed_up"]["high"] < 1);  // a bias of a tenth costs most of the efficiency
     }
+    CHECK(speed_ups == 1);
+    CHECK(costs == 3);
     REQUIRE(lines_of(jsonl, "omission").size() == 3);
     CHECK(lines_of(jsonl, "run").size() == 4 * 5 * 3 + 1);
 

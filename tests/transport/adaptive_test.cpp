@@ -103,10 +103,12 @@ TEST_CASE("the predicted number of samples is near what is spent", "[render][ada
     REQUIRE(output.ok());
     REQUIRE(first > 0);
     const double ratio = static_cast<double>(output->statistics.camera_samples) / static_cast<double>(first);
-    // Errors of early decisions are rough where light is rare, and pixels reach the tolerance at a block's end.
+    // The first prediction rests on variances of 64 samples a pixel, known to a quarter each at best where light is
+    // rare and one-sidedly so, and to far less in their sum over 2304 pixels; pixels reach the tolerance at a block's
+    // end, up to a tenth late. A later prediction, when the first progress report comes late, is nearer.
     CAPTURE(ratio);
-    CHECK(ratio > 0.5);
-    CHECK(ratio < 2);
+    CHECK(ratio > 0.8);
+    CHECK(ratio < 1.25);
 }
 
 TEST_CASE("metrics that cannot be are refused before rendering", "[render][adaptive][law7]") {

@@ -1,6 +1,6 @@
-// A closed enclosure in which the light of every word is known: walls of radiance 1 that scatter kd diffusely and ks as a
-// mirror. Radiance is the same along every ray, so a word of d diffuse and s mirror reflections carries kd^d ks^s wherever
-// the camera stands and wherever it looks.
+// A closed enclosure in which the light of every word is known: walls of radiance 1 that scatter kd diffusely and ks as
+// a mirror. Radiance is the same along every ray, so a word of d diffuse and s mirror reflections carries kd^d ks^s
+// wherever the camera stands and wherever it looks.
 #pragma once
 
 #include "transport/replicates.h"

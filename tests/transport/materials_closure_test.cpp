@@ -1,6 +1,8 @@
 // Every closure against itself: what sample() draws, what pdf() says of it, and what evaluate() says it is worth.
 #include <catch2/catch.hpp>
 
+#include <set>
+#include <tuple>
 #include <type_traits>
 
 #include "materials_support.h"
@@ -126,9 +128,9 @@ TEST_CASE("sample draws from the density that pdf states, for every closure, rou
             const double p = chi_square_p(c, local_direction(cosine), seed++, integral);
             INFO(c.name << ", cos " << cosine << ": p " << p << ", integral of the pdf " << integral);
             CHECK(p > alpha);
-            // Midpoint rule on 240 x 288 points: 3e-3 where the horizon cuts through cells.
-            CHECK(integral < 1 + 3e-3);
-            if (c.never_fails) CHECK(integral == Approx(1).margin(3e-3));
+            // Midpoint rule on 240 x 288 points: 3e-4 where the horizon cuts through cells.
+            CHECK(integral < 1 + 5e-4);
+            if (c.never_fails) CHECK(integral == Approx(1).margin(5e-4));
         }
 }
 
@@ -149,10 +151,10 @@ TEST_CASE("a sample's weight is its value over its density, and evaluate agrees 
             CHECK_FALSE(s.delta);
             CHECK(s.transmitted == (dot(s.wi, c.bsdf.frame().n) * dot(wo, c.bsdf.frame().n) < 0));
             const BsdfEvaluation e = c.bsdf.evaluate(wo, s.wi);
-            // The half vector is found anew from rounded directions: its error, some ulp and more at grazing angles,
-            // counts in units of alpha; refraction at eta near 1 divides it by |eta - 1| once more.
-            const float spread = std::abs(c.eta - 1) < 0.1f ? 20.0f : 1.0f;
-            const double tolerance = std::min(1e-4 + 1.5e-5 * spread / c.least_alpha, 0.08);
+            // The half vector is found anew from directions rounded by 2^-24, and more at grazing angles, where it is
+            // a difference: up to 100 times that at the cosines below. Its error counts in units of alpha, twice since
+            // the density falls with the square of the slope. At 1e-4 directions are all but used up.
+            const double tolerance = std::min(5e-6 + 1.6e-5 / static_cast<double>(c.least_alpha), 0.05);
             const float cos_i = std::abs(dot(s.wi, c.bsdf.frame().n)), cos_o = std::abs(dot(wo, c.bsdf.frame().n));
             if (cos_i < 1e-2f || cos_o < 1e-2f) continue;
             CHECK(e.pdf == Approx(s.pdf).epsilon(tolerance));
@@ -170,7 +172,7 @@ TEST_CASE("the lobes of a value sum to it exactly", "[law5]") {
                         {{Ggx::from_alpha(0.2f, 0.2f), 1.5f}, 0.01f, 0, Rgb(0), 10, 1, false}, {Rgb(0.5f)}},
                     3);
     cases.push_back(coated);
-    int seen = 0;
+    int seen = 0, several = 0;
     for (const Case& c : cases)
         for (int i = 0; i < 300; ++i) {
             const Vec3 wo = c.bsdf.frame().to_world(sample_uniform_sphere(random.two()));
@@ -181,8 +183,10 @@ TEST_CASE("the lobes of a value sum to it exactly", "[law5]") {
             CHECK(sum == e.value);
             CHECK((e.pdf > 0 || e.value.is_black()));
             seen += e.pdf > 0;
+            several += e.lobes.count > 1 && sum != e.lobes.entry[0].value;
         }
     CHECK(seen > 2000);
+    CHECK(several > 200);  // of 900 pairs of directions, half of them on one side: sums of one would prove little
 }
 
 TEST_CASE("opaque closures are reciprocal, glass up to the square of its index") {
@@ -200,7 +204,7 @@ TEST_CASE("opaque closures are reciprocal, glass up to the square of its index")
             // The half vector of a far-off pair through nearly matched glass is a difference of large numbers; the
             // margin is for facets seen edge-on from one side, whose 1 - F is a root of what the other side's rounding
             // leaves.
-            CHECK(ab * index_b * index_b == Approx(ba * index_a * index_a).epsilon(2e-3).margin(2e-5));
+            CHECK(ab * index_b * index_b == Approx(ba * index_a * index_a).epsilon(2e-4).margin(2e-6));
         }
 }
 
@@ -333,5 +337,10 @@ TEST_CASE("closures are small values that batches may copy") {
     border.set_pass_through();
     CHECK(border.passes_through());
     CHECK(border.sample({0, 0, 1}, 0.5f, {0.5f, 0.5f}).pdf == 0);
-    for (std::size_t i = 0; i < lobe_kinds().size(); ++i) CHECK(std::string(lobe_kinds()[i].name) != "");
+    // Channels tell lobes apart by event and name.
+    std::set<std::tuple<lpe::EventType, lpe::Scatter, std::string>> kinds;
+    for (const LobeKind& kind : lobe_kinds()) {
+        CHECK(std::string(kind.name) != "");
+        CHECK(kinds.emplace(kind.type, kind.scatter, kind.name).second);
+    }
 }

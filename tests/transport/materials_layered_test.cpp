@@ -247,7 +247,12 @@ TEST_CASE("the bias kept for agreement with pbrt is there under rough coats and 
         const MeanAndError pbrt = evaluated_albedo(closure, 0.95f, 60'000, 31);
         INFO(exact.mean << " " << pbrt.mean);
         if (alpha == 0) CHECK(pbrt.mean == exact.mean);
-        else CHECK(pbrt.mean / exact.mean == Approx(1.09).margin(0.03));      // measured with 4e5 samples: 1.090
+        else {
+            // Measured with 4e5 samples: 1.090, to 0.0015. Four standard errors of all three.
+            const double error = 1.09 * std::hypot(pbrt.standard_error / pbrt.mean, exact.standard_error / exact.mean);
+            CHECK(std::abs(pbrt.mean / exact.mean - 1.09) < 4 * std::hypot(error, 0.0015));
+            CHECK(error < 0.005);  // so that 1 is far away
+        }
     }
 }
 
@@ -302,14 +307,20 @@ TEST_CASE("the coated densities cover the hemisphere and stay within 1") {
                 const Bsdf metallic = make(CoatedMetal{coat(coat_alpha), metal(base_alpha)}, 1);
                 const bool singular = coat_alpha == 0 && base_alpha == 0;
                 CHECK(metallic.has_density() == !singular);
-                for (const Bsdf& bsdf : {diffuse, metallic}) {
+                const std::array<Bsdf, 2> both{diffuse, metallic};
+                for (const Bsdf& bsdf : both) {
                     if (!bsdf.has_density()) continue;
                     const double integral = integrate_hemisphere([&](const Vec3& w) {
                         const float pdf = bsdf.pdf(wo, frame.to_world(w));
                         CHECK(pdf > 0);
                         return static_cast<double>(pdf); }, 200);
                     INFO(coat_alpha << " " << base_alpha << " " << cosine << ": " << integral);
-                    CHECK(integral < 1.05);  // an approximation; rough coats refract a little otherwise
+                    CHECK(integral < 1 + 1e-3);  // the quadrature's error
+                    // What a smooth coat over a Lambert base does not reflect at once is spread over the hemisphere.
+                    if (coat_alpha == 0 && &bsdf == &both[0]) {
+                        const double entered = 1 - fresnel_by_snell(static_cast<double>(cosine), 1, 1.5);
+                        CHECK(integral == Approx(entered).margin(1e-3));
+                    }
                 }
             }
 }

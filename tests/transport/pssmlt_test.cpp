@@ -10,21 +10,6 @@ using transport::PrimarySamples;
 
 namespace {
 
-Parameter number_parameter(const std::string& name, double value) {
-    Parameter p;
-    p.name = name;
-    p.type = ParameterType::integer;
-    p.numbers = {value};
-    return p;
-}
-
-transport::SceneEntity metropolis(int chains, int bootstrap_samples) {
-    transport::SceneEntity entity = integrator_named("pssmlt");
-    entity.parameters.parameters = {number_parameter("chains", chains),
-                                    number_parameter("bootstrapsamples", bootstrap_samples)};
-    return entity;
-}
-
 const std::string foggy_ball = film + R"(
 PixelFilter "gaussian" "float xradius" 2 "float yradius" 2 "float sigma" 0.7
 LookAt 0 0 4  0 0 0  0 1 0

@@ -1,6 +1,7 @@
 // The laws of the design, on one small room that holds every kind of event.
 #include "transport/render_support.h"
 
+#include <algorithm>
 #include <atomic>
 
 using namespace render_test;
@@ -344,11 +345,45 @@ TEST_CASE("settings replace the scene's, and what is not there is a warning or a
 }
 
 TEST_CASE("a scene's alphabet names its labels, groups, lobes and terminals", "[render]") {
-    auto alphabet = transport::scene_alphabet(scene_of(room));
+    using raylex::lpe::EventType;
+    using raylex::lpe::Scatter;
+    transport::SceneDescription scene = scene_of(room);
+    scene.shapes[0].label = "floor";
+    REQUIRE(scene.area_lights.size() == 1);
+    scene.area_lights[0].group = "ceiling";
+    const auto alphabet = transport::scene_alphabet(scene);
     REQUIRE(alphabet.ok());
     CHECK(alphabet->has_lights);
     CHECK(alphabet->has_background);
     CHECK_FALSE(alphabet->has_straight);
-    CHECK(alphabet->terminals.size() == 2);
-    CHECK(alphabet->scattering.size() >= 5);
+    const auto named = [](const std::vector<std::string>& names, const std::string& name) {
+        return std::count(names.begin(), names.end(), name) == 1;
+    };
+    CHECK(named(alphabet->object_labels, "floor"));
+    CHECK_FALSE(named(alphabet->object_labels, "ceiling"));
+    CHECK(named(alphabet->light_groups, "ceiling"));
+    CHECK_FALSE(named(alphabet->light_groups, "floor"));
+    const auto terminals = [&](EventType type, const std::string& group) {
+        return std::count_if(alphabet->terminals.begin(), alphabet->terminals.end(), [&](const raylex::lpe::Event& e) {
+            return e.type == type && e.labels == std::vector<std::string>{group};
+        });
+    };
+    CHECK(alphabet->terminals.size() == 3);
+    CHECK(terminals(EventType::light, "ceiling") == 1);
+    CHECK(terminals(EventType::light, "") == 1);  // the spot light
+    CHECK(terminals(EventType::background, "") == 1);
+    const auto scatters = [&](EventType type, Scatter scatter, const std::string& object, const std::string& lobe) {
+        return std::count_if(
+            alphabet->scattering.begin(), alphabet->scattering.end(), [&](const raylex::lpe::Event& e) {
+                return e.type == type && e.scatter == scatter && e.labels == std::vector<std::string>{object, lobe};
+            });
+    };
+    // The floor has the walls' material and a label of its own; a conductor, smooth glass, a coat over a base.
+    CHECK(scatters(EventType::reflection, Scatter::diffuse, "floor", "diffuse") == 1);
+    CHECK(scatters(EventType::reflection, Scatter::diffuse, "", "diffuse") == 1);
+    CHECK(scatters(EventType::reflection, Scatter::glossy, "", "conductor") == 1);
+    CHECK(scatters(EventType::reflection, Scatter::singular, "", "glass") == 1);
+    CHECK(scatters(EventType::transmission, Scatter::singular, "", "glass") == 1);
+    CHECK(scatters(EventType::reflection, Scatter::glossy, "", "coat") == 1);
+    CHECK(alphabet->scattering.size() == 6);
 }

@@ -51,6 +51,13 @@ inline Parameter text_parameter(const std::string& name, const std::string& valu
     p.strings = {value};
     return p;
 }
+inline Parameter number_parameter(const std::string& name, double value) {
+    Parameter p;
+    p.name = name;
+    p.type = ParameterType::integer;
+    p.numbers = {value};
+    return p;
+}
 inline Parameter flag_parameter(const std::string& name, bool value) {
     Parameter p;
     p.name = name;

@@ -125,14 +125,14 @@ inline void check_agreement(Replicates a, Replicates b, const std::vector<std::s
 /// beyond sqrt(dof) tan(x) is an integral of cos^(dof - 1) from x to pi / 2.
 inline double student_threshold(int dof, std::size_t tests) {
     const double each = -std::expm1(std::log1p(-0.001) / static_cast<double>(tests));
-    const double scale = 2 / std::sqrt(std::acos(-1.0)) * std::exp(std::lgamma((dof + 1) / 2.0) - std::lgamma(dof / 2.0));
     const double right = std::acos(0.0);
+    const double scale = std::sqrt(2 / right) * std::exp(std::lgamma((dof + 1) / 2.0) - std::lgamma(dof / 2.0));
     const auto tail = [&](double from) {
         constexpr int steps = 2000;
         double sum = 0;
         for (int i = 0; i < steps; ++i)
-            sum += std::pow(std::cos(from + (i + 0.5) * (right - from) / steps), dof - 1) * (right - from) / steps;
-        return scale * sum;
+            sum += std::pow(std::cos(from + (i + 0.5) * (right - from) / steps), dof - 1);
+        return scale * sum * (right - from) / steps;
     };
     double low = 0, high = right;
     for (int i = 0; i < 50; ++i) {
@@ -171,6 +171,13 @@ inline void check_closed_forms(const Replicates& found, const std::vector<Closed
 inline transport::SceneEntity integrator_named(const std::string& type) {
     transport::SceneEntity entity;
     entity.type = type;
+    return entity;
+}
+
+inline transport::SceneEntity metropolis(int chains, int bootstrap_samples) {
+    transport::SceneEntity entity = integrator_named("pssmlt");
+    entity.parameters.parameters = {number_parameter("chains", chains),
+                                    number_parameter("bootstrapsamples", bootstrap_samples)};
     return entity;
 }
 

@@ -62,7 +62,8 @@ struct BiasVerdict {
 };
 
 /// Welch's statistic per block and for the whole image, two-sided, each at the level that Sidak's correction leaves,
-/// with Cochran's critical values. Blocks in which both sides are the same and without noise are not tests.
+/// with the quantiles of Student's t at the fewer degrees of freedom of the two sides. Blocks in which both sides are
+/// the same and without noise are not tests.
 BiasVerdict test_bias(const BiasSide& method, const BiasSide& reference, const BiasOptions& options = {});
 
 /// A channel in which a method was found to differ, or not.
