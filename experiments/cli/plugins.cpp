@@ -59,6 +59,7 @@ void print_in_tree() {
     print_registry(transport::material_registry());
     print_registry(transport::pattern_registry());
     print_registry(transport::medium_registry());
+    print_registry(transport::shape_registry());
     print_registry(transport::light_registry());
     print_registry(transport::area_light_registry());
     print_registry(display::pixel_filter_registry());

@@ -5,6 +5,7 @@
 #include <charconv>
 
 #include "display/buffer/pixel_filter.h"
+#include "transport/import/shapes.h"
 #include "transport/integrators/integrator.h"
 #include "transport/lights/light_table.h"
 #include "transport/materials/material.h"
@@ -98,10 +99,7 @@ std::vector<Row> method_rows() {
 std::vector<Row> content_rows() {
     using enum EntityKind;
     const std::string bilinear = "images are interpolated without regard to the footprint of a pixel";
-    const Names bumps{"displacement", "normalmap"}, band{"radius", "zmin", "zmax", "phimax", "alpha"};
-    const Names mesh{"P", "N", "uv", "indices", "faceIndices", "alpha"};
-    Names patches = mesh;
-    patches.push_back("emissionfilename");
+    const Names bumps{"displacement", "normalmap"};
     return {
         {area_light, "diffuse", {"power", "filename"}, {}},
         {light, "infinite", {"portal"}, {}},
@@ -111,12 +109,9 @@ std::vector<Row> content_rows() {
         {material, "dielectric", bumps, {}},
         {material, "diffuse", bumps, {{"sigma", {"0"}, "the surface is Lambert's"}}},
         {material, "thindielectric", bumps, {}},
-        {shape, "bilinearmesh", patches, {}},
-        {shape, "cylinder", band, {}},
-        {shape, "disk", {"height", "radius", "innerradius", "phimax", "alpha"}, {}},
-        {shape, "plymesh", {"filename", "displacement", "edgelength", "alpha"}, {}},
-        {shape, "sphere", band, {}},
-        {shape, "trianglemesh", mesh, {{"S", {}, "anisotropic materials follow the texture coordinates"}}},
+        {shape, "bilinearmesh", {"faceIndices", "emissionfilename"}, {}},
+        {shape, "plymesh", {"displacement", "edgelength"}, {}},
+        {shape, "trianglemesh", {"faceIndices"}, {{"S", {}, "anisotropic materials follow the texture coordinates"}}},
         {texture, "imagemap", {"maxanisotropy"}, {{"filter", {"bilinear", "point"}, bilinear}}},
     };
 }
@@ -158,6 +153,8 @@ const std::vector<ParameterDescription>* declared(EntityKind kind, const std::st
             return declared_by(display::pixel_filter_registry(), type);
         case EntityKind::sampler:
             return declared_by(sampler_registry(), type);
+        case EntityKind::shape:
+            return declared_by(shape_registry(), type);
         case EntityKind::texture:
             return declared_by(pattern_registry(), type);
         default:
@@ -208,6 +205,7 @@ Status ParameterChecker::check(EntityKind kind, const std::string& type, const P
     if (entry != nullptr)
         for (const ParameterDescription& each : *entry) read.push_back(each.name);
     if (row != nullptr) read.insert(read.end(), row->taken.begin(), row->taken.end());
+    if (kind == EntityKind::shape) read.emplace_back("alpha");  // of every shape: make_shapes()
     known = read;
     if (row != nullptr)
         for (const Ignored& each : row->ignored)

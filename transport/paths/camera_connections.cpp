@@ -29,14 +29,8 @@ void CameraConnections::add(const CameraView& view, const LightSubpathEnd& end, 
             end.sums->others(view.density(seen.importance, cosine), static_cast<double>(scattering.pdf_reverse)));
     }
     if (value.is_black()) return;
-    pending_.push_back({end.row,
-                        seen.x,
-                        seen.y,
-                        end.depth + 2,
-                        end.holdout,
-                        value,
-                        unweighted,
-                        {end.label, f.lobes, end.events, end.light}});
+    pending_.push_back({end.row, seen.x, seen.y, end.depth + 2, end.holdout, value, unweighted, end.end});
+    pending_.back().end.lobes = f.lobes;
     // From the camera, so that cutouts come in the order in which its word reads them.
     Ray ray;
     ray.origin = seen.position;

@@ -29,6 +29,7 @@ void PluginHost::add_integrator(Registry<IntegratorFactory>::Entry entry) {
 void PluginHost::add_material(Registry<MaterialFactory>::Entry entry) { add(material_registry(), std::move(entry)); }
 void PluginHost::add_pattern(Registry<PatternFactory>::Entry entry) { add(pattern_registry(), std::move(entry)); }
 void PluginHost::add_medium(Registry<MediumFactory>::Entry entry) { add(medium_registry(), std::move(entry)); }
+void PluginHost::add_shape(Registry<ShapeFactory>::Entry entry) { add(shape_registry(), std::move(entry)); }
 void PluginHost::add_light(Registry<LightFactory>::Entry entry) { add(light_registry(), std::move(entry)); }
 void PluginHost::add_pixel_filter(Registry<display::PixelFilterFactory>::Entry entry) {
     add(display::pixel_filter_registry(), std::move(entry));
