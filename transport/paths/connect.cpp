@@ -40,10 +40,10 @@ void Connections::add_join(const CameraSubpaths& subpaths, const VertexJoin& joi
     if (record.wants_blocked_light()) blockable_.push_back({Rgb(), join.unweighted});
     else if (value.is_black()) return;
     ends_.push_back(join.end);
-    pending_.emplace_back(row, no_light, v.sources[join.j].label,
-                          in_media_ ? subpaths.medium_towards(join.j, join.shadow_ray.direction) : -1,
-                          static_cast<std::uint32_t>(ends_.size() - 1),
-                          display::Technique{join.light_vertices, subpaths.path(row).depth + 2}, value, join.f->lobes);
+    pending_.push_back({row, no_light, v.sources[join.j].label,
+                        in_media_ ? subpaths.medium_towards(join.j, join.shadow_ray.direction) : -1,
+                        static_cast<std::uint32_t>(ends_.size() - 1),
+                        display::Technique{join.light_vertices, subpaths.path(row).depth + 2}, value, join.f->lobes});
     if (!record.takes_all(row) && !is_worth_a_ray(record)) return;
     shadow_rays_.push_back(join.shadow_ray);
     shadow_rays_.back().time = v.hits[join.j].time;
