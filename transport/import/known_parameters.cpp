@@ -5,6 +5,7 @@
 #include <charconv>
 
 #include "display/buffer/pixel_filter.h"
+#include "transport/cameras/camera.h"
 #include "transport/integrators/integrator.h"
 #include "transport/lights/light_table.h"
 #include "transport/materials/material.h"
@@ -63,7 +64,7 @@ std::vector<Row> make_table() {
         {area_light, "diffuse", {"power", "filename"}, {}},
         {camera,
          "perspective",
-         {"fov", "lensradius", "focaldistance", "frameaspectratio", "screenwindow"},
+         {},
          {{"shutteropen", {"0"}, "nothing moves, and " + plain},
           {"shutterclose", {"1"}, "nothing moves, and " + plain}}},
         {film, "gbuffer", every_film, geometry},
@@ -125,6 +126,8 @@ const std::vector<ParameterDescription>* declared(EntityKind kind, const std::st
     switch (kind) {
         case EntityKind::area_light:
             return declared_by(area_light_registry(), type);
+        case EntityKind::camera:
+            return declared_by(camera_registry(), type);
         case EntityKind::integrator:
             return declared_by(integrator_registry(), type);
         case EntityKind::light:

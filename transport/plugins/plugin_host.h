@@ -11,6 +11,7 @@
 #include "display/drivers/display_driver.h"
 #include "display/filters/display_filter.h"
 #include "display/services/sample_filter.h"
+#include "transport/cameras/camera.h"
 #include "transport/integrators/integrator.h"
 #include "transport/lights/light_table.h"
 #include "transport/materials/material.h"
@@ -27,15 +28,16 @@ struct PluginEntry {
     bool shadows = false;  ///< takes the place of an in-tree object of that name
 };
 
-/// Handed to a plugin's entry point, once, before anything is parsed or rendered. An entry is a name, one line of help, the
-/// typed parameters, and a factory; its parameters are judged as those of in-tree objects are. A name that is taken in-tree
-/// is replaced; one that another plugin has taken is refused, and the whole plugin with it.
+/// Handed to a plugin's entry point, once, before anything is parsed or rendered. An entry is a name, one line of help,
+/// the typed parameters, and a factory; its parameters are judged as those of in-tree objects are. A name that is taken
+/// in-tree is replaced; one that another plugin has taken is refused, and the whole plugin with it.
 class PluginHost {
   public:
     /// `taken` is what the plugins before this one registered.
     explicit PluginHost(std::vector<PluginEntry> taken);
 
     void add_integrator(Registry<IntegratorFactory>::Entry entry);
+    void add_camera(Registry<CameraFactory>::Entry entry);
     void add_material(Registry<MaterialFactory>::Entry entry);
     void add_pattern(Registry<PatternFactory>::Entry entry);
     void add_medium(Registry<MediumFactory>::Entry entry);
@@ -44,8 +46,8 @@ class PluginHost {
     void add_sample_filter(Registry<display::SampleFilterFactory>::Entry entry);
     void add_display_filter(Registry<display::DisplayFilterFactory>::Entry entry);
     void add_display_driver(Registry<display::DisplayDriverFactory>::Entry entry);
-    /// A row of the event table for a material's own lobe: what light path expressions match it by. `lobe.name` must live
-    /// as long as the program. The same row again gives the same id.
+    /// A row of the event table for a material's own lobe: what light path expressions match it by. `lobe.name` must
+    /// live as long as the program. The same row again gives the same id.
     LobeId add_lobe(const LobeKind& lobe);
     /// Says why this plugin cannot work here. Everything it registered is taken back.
     void refuse(std::string reason);
