@@ -1,5 +1,5 @@
 #include "experiments/cli/command_line.h"
-#include "experiments/cli/interrupt.h"
+#include "experiments/program/interrupt.h"
 
 int main(int argc, char** argv) {
     raylex::experiments::install_interrupt_handler();

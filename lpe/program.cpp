@@ -195,9 +195,9 @@ bool Program::follows(EventClass event) const {
     if (!has_lanes) {
         return false;
     }
-    const State underway = view_.first_ended - 1;
+    const State last_interior = view_.first_ended - 1;
     const std::uint32_t* image = view_.lane_image + std::size_t{event} * view_.image_stride;
-    return (view_.next(underway - 1, event) != dead || view_.next(underway, event) != dead) &&
+    return (view_.next(last_interior - 1, event) != dead || view_.next(last_interior, event) != dead) &&
            std::any_of(image, image + view_.image_stride - 2, [](std::uint32_t word) { return word != 0; });
 }
 

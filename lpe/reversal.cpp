@@ -30,19 +30,7 @@ struct ReversedProgram::Builder {
     const ProgramView& view;
     const ReverseOptions& options;
     ReversedProgram& result;
-    std::map<std::vector<std::uint16_t>, std::uint32_t> list_index{{{}, 0}};
     std::size_t bytes = 0;
-
-    std::uint32_t list_of(State row) {
-        const std::span<const std::uint16_t> channels = view.accepted(row);
-        const auto [place, fresh] = list_index.emplace(std::vector<std::uint16_t>(channels.begin(), channels.end()),
-                                                       static_cast<std::uint32_t>(list_index.size()));
-        if (fresh) {
-            result.lists_.insert(result.lists_.end(), channels.begin(), channels.end());
-            result.list_begin_.push_back(static_cast<std::uint32_t>(result.lists_.size()));
-        }
-        return place->second;
-    }
 
     /// The rows of one table: all that can be reached from its start, which stand together.
     Table rows_of(State start) const {
@@ -71,13 +59,18 @@ struct ReversedProgram::Builder {
         return table;
     }
 
-    /// `of_phase`: the outcome of a state is itself, not what it accepts.
+    /// `of_phase`: the outcome of a state is itself, not one that accepts the same.
     Table reverse(State start, bool of_phase) {
         Table table = rows_of(start);
         const auto row_state = [&table](std::uint32_t row) { return row == 0 ? 0 : table.first_row + row - 1; };
-        std::vector<std::uint32_t> values(table.rows, 0);
+        std::vector<State> values(table.rows, 0);
+        std::map<std::vector<std::uint16_t>, State> first_that_accepts{{{}, 0}};
         for (std::uint32_t row = 1; row < table.rows; ++row) {
-            values[row] = of_phase ? row_state(row) : list_of(row_state(row));
+            const State state = row_state(row);
+            const std::span<const std::uint16_t> channels = view.accepted(state);
+            values[row] = of_phase ? state
+                                   : first_that_accepts.try_emplace({channels.begin(), channels.end()}, state)
+                                         .first->second;
         }
         std::unordered_map<std::vector<std::uint32_t>, State, VectorHash> number;
         std::vector<const std::vector<std::uint32_t>*> order;
@@ -88,7 +81,7 @@ struct ReversedProgram::Builder {
                 if (order.size() >= options.state_cap || bytes > options.byte_cap) {
                     fail("reversing this program takes more than " + std::to_string(order.size()) + " states or " +
                              std::to_string(options.byte_cap >> 20) + " MiB",
-                         "join light subpaths with LightWord, which needs no tables");
+                         "ask for fewer channels at once, or for ones that count fewer events behind a `.*`");
                 }
                 order.push_back(&place->first);
             }
@@ -112,6 +105,19 @@ struct ReversedProgram::Builder {
         return table;
     }
 
+    void find_zero_codes() {
+        for (std::uint32_t terminal = 0; view.first_ended + terminal < view.state_count; ++terminal) {
+            const std::uint32_t* accept = view.lane_accept + std::size_t{terminal} * view.accept_stride;
+            bool any = false;
+            for (std::uint32_t kind = 0; kind < ProgramView::lane_kinds; ++kind) {
+                const std::uint32_t words = view.lane_words[kind];
+                any = any || std::any_of(accept, accept + words, [](std::uint32_t lanes) { return lanes != 0; });
+                accept += words << (kind + 1);
+            }
+            result.zero_accepts_.push_back(any);
+        }
+    }
+
     void run() {
         const std::size_t tables = view.table_count - (view.has_lanes() ? 1 : 0);
         for (std::size_t g = 0; g < tables; ++g) {
@@ -120,12 +126,8 @@ struct ReversedProgram::Builder {
         if (!view.has_lanes()) {
             return;
         }
-        if (view.word_count - view.table_count > most_lane_words) {
-            fail("reversing this program takes more than " + std::to_string(most_lane_words) +
-                     " words of packed channels",
-                 "join light subpaths with LightWord");
-        }
         result.phase_ = reverse(view.starts[tables], true);
+        find_zero_codes();
         // The empty end maps every code to itself: bit p of code c in the word of code c and plane p.
         for (std::uint32_t kind = 0; kind < ProgramView::lane_kinds; ++kind) {
             for (std::uint32_t code = 0; code < (2U << kind); ++code) {
@@ -141,14 +143,14 @@ struct ReversedProgram::Builder {
 Result<ReversedProgram> ReversedProgram::build(const Program& program, const ReverseOptions& options) {
     return guarded([&] {
         ReversedProgram reversed;
-        reversed.program_ = &program;
+        reversed.program_ = program.view();
         Builder{program.view(), options, reversed}.run();
         return reversed;
     });
 }
 
 bool ReversedProgram::prepend(const State* from, EventClass event, State* to) const noexcept {
-    const ProgramView& program = program_->view();
+    const ProgramView& program = program_;
     State alive = 0;
     const std::size_t words = tables_.size() + (program.has_lanes() ? 1 : 0);
     for (std::size_t g = 0; g < words; ++g) {
@@ -161,12 +163,28 @@ bool ReversedProgram::prepend(const State* from, EventClass event, State* to) co
     return alive != 0;
 }
 
+bool ReversedProgram::join(const State* camera, const State* light, State* whole) const noexcept {
+    const std::size_t phase = tables_.size();
+    State alive = 0;
+    for (std::size_t g = 0; g < phase; ++g) {
+        whole[g] = outcome(g, camera[g], light[g]);
+        alive |= whole[g];
+    }
+    if (!program_.has_lanes()) {
+        return alive != 0;
+    }
+    whole[phase] = outcome(phase, camera[phase], light[phase]);
+    const std::uint32_t mask = whole[phase] >= program_.first_ended ? ~0U : 0U;
+    const std::uint32_t any = program_.move_lanes(camera + phase + 1, light + phase + 1, mask, whole + phase + 1);
+    return alive != 0 || any != 0 || (mask != 0 && zero_accepts_[whole[phase] - program_.first_ended] != 0);
+}
+
 std::size_t ReversedProgram::bytes() const noexcept {
-    std::size_t words = phase_.next.size() + phase_.outcome.size() + list_begin_.size();
+    std::size_t words = phase_.next.size() + phase_.outcome.size();
     for (const Table& table : tables_) {
         words += table.next.size() + table.outcome.size();
     }
-    return 4 * words + 2 * lists_.size();
+    return sizeof(State) * words;
 }
 
 }  // namespace raylex::lpe

@@ -12,8 +12,12 @@
 #   bash tests/run.sh --full          adds the long half: statistical figures, reference images, exhaustive comparison, fuzzing
 #   bash tests/run.sh --release-only  skips the sanitizer build
 #   bash tests/run.sh --benchmark lpe|exr|rays [GOOGLE BENCHMARK'S OPTIONS]   builds and runs one benchmark
-#   bash tests/run.sh --format [REVISION]   checks the lines changed since a revision (default main): at most 120
-#                                       columns, no tabs, no blanks at the end
+#   bash tests/run.sh --format [REVISION|all]   checks the lines changed since a revision (default main): at most 120
+#                                       columns, no tabs, no blanks at the end; all: every source is as clang-format
+#                                       14 writes it
+#   bash tests/run.sh --tidy [REVISION|FOLDER...|all]   runs clang-tidy 14, with the checks of .clang-tidy, over what is
+#                                       compiled from the sources changed since a revision (default main), from those
+#                                       of the folders, or from all but tests
 #
 # Ends with "N passed, N failed, N skipped"; exit 1 if anything failed, 2 for bad usage or a missing tool.
 set -uo pipefail
@@ -36,8 +40,45 @@ run_benchmark() {
     exec "build/bench/$program" "$@"
 }
 
-# Only changed lines: the tree as a whole is older than the rule.
+needs_tool() {
+    command -v "$1" >/dev/null || usage "$1 is not installed (Debian: $1)"
+}
+
+# Raw strings in tests may be longer than a line: they are what another program reads.
+check_format_of_all() {
+    needs_tool clang-format-14
+    git ls-files -z '*.cpp' '*.h' | xargs -0 clang-format-14 --dry-run 2>&1 |
+        awk -F: '/warning: code should be clang-formatted/ { ++places[$1] }
+                 END {
+                     for (file in places) print file ": clang-format-14 writes " places[file] " places otherwise"
+                     exit length(places) > 0
+                 }'
+}
+
+# What is compiled stands in compile_commands.json: mostly the sources of one folder together, each as an #include.
+check_tidy() {
+    needs_tool clang-tidy-14
+    local base wanted unit units=()
+    if [ "$1" = all ]; then wanted=$(git ls-files lpe display geoaovs transport experiments)
+    elif [ -d "$1" ]; then wanted=$(git ls-files "$@")
+    else
+        base=$(git merge-base "$1" HEAD 2>/dev/null) || usage "no revision and no folder '$1'"
+        wanted=$(git diff --name-only --diff-filter=d "$base")
+    fi
+    wanted=$(grep '\.cpp$' <<<"$wanted") || { echo "no source to look at"; return 0; }
+    cmake --preset release >/dev/null || exit 2
+    while read -r unit; do
+        if { echo "${unit#"$root"/}"; sed -n 's/^#include "\(.*\)"$/\1/p' "$unit"; } | grep -qxF -- "$wanted"; then
+            units+=("$unit")
+        fi
+    done < <(sed -n 's/^ *"file": "\(.*\)",\{0,1\}$/\1/p' build/release/compile_commands.json)
+    printf '%s\0' "${units[@]}" |
+        xargs -0 -n 1 -P "$(nproc)" clang-tidy-14 -p build/release --quiet 2>/dev/null
+}
+
+# Changed lines of every kind of file; sources as a whole are check_format_of_all's.
 check_format() {
+    [ "$1" != all ] || { check_format_of_all; return; }
     local base
     base=$(git merge-base "$1" HEAD 2>/dev/null) || usage "no revision '$1' to compare with"
     git diff -U0 "$base" -- '*.cpp' '*.h' '*.sh' '*.cmake' '*CMakeLists.txt' '*.js' | LC_ALL=C.UTF-8 awk '
@@ -60,6 +101,7 @@ while [ $# -gt 0 ]; do
         --sanitize) sanitize=2 ;;
         --benchmark) shift; run_benchmark "$@" ;;
         --format) check_format "${2:-main}"; exit ;;
+        --tidy) shift; check_tidy "${@:-main}"; exit ;;
         -h | --help) sed -n '2,/^set /{/^#/s/^# \{0,1\}//p}' "${BASH_SOURCE[0]}"; exit 0 ;;
         -*) usage "unknown option '$1'" ;;
         *) [ -z "$name" ] || usage "two names, '$name' and '$1'; expected at most one"; name=$1 ;;

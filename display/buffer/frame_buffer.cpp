@@ -11,11 +11,11 @@ namespace raylex::display {
 namespace {
 
 double sample_alpha(const SampleTable& table, int row, std::span<const int> extra) {
-    RgbD through{1.0};
-    const auto pass = [&](int r) { through *= RgbD(1.0) - table.opacity[static_cast<std::size_t>(r)]; };
+    RgbD transmittance{1.0};
+    const auto pass = [&](int r) { transmittance *= RgbD(1.0) - table.opacity[static_cast<std::size_t>(r)]; };
     pass(row);
     for (const int r : extra) pass(r);
-    return 1.0 - through.average();
+    return 1.0 - transmittance.average();
 }
 
 Status check_layout(const FrameBufferLayout& layout) {
@@ -126,19 +126,20 @@ FrameBuffer::FrameBuffer(const FrameBufferLayout& layout, std::span<const Channe
             }
         }
         const auto place = [&](const auto& plane) {
-            return plane.empty() ? Storage::Taker::Place{}
-                                 : Storage::Taker::Place{plane.bytes().data(), static_cast<std::uint32_t>(plane.bytes().size() / pixels)};
+            return plane.empty() ? Storage::Accumulator::Place{}
+                                 : Storage::Accumulator::Place{
+                                       plane.bytes().data(), static_cast<std::uint32_t>(plane.bytes().size() / pixels)};
         };
-        using Places = std::array<Storage::Taker::Place, 3>;
-        storage.takers.push_back({static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(channel.samples_of),
-                                  kernel ? fill != 0 && std::isfinite(fill) : expression && rule != FilterRule::sum,
-                                  kernel && std::isfinite(fill) && !kept.moments && !kept.halves && splat == nullptr,
-                                  static_cast<std::uint32_t>(channel.components),
-                                  channel.picked.empty()
-                                      ? Places{place(channel.sum), place(channel.plain_sum), place(channel.square_sum)}
-                                      : Places{place(channel.picked), place(channel.depth), place(channel.seen)}});
+        using Places = std::array<Storage::Accumulator::Place, 3>;
+        storage.accumulators.push_back(
+            {static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(channel.samples_of),
+             kernel ? fill != 0 && std::isfinite(fill) : expression && rule != FilterRule::sum,
+             kernel && std::isfinite(fill) && !kept.moments && !kept.halves && splat == nullptr,
+             static_cast<std::uint32_t>(channel.components),
+             channel.picked.empty() ? Places{place(channel.sum), place(channel.plain_sum), place(channel.square_sum)}
+                                    : Places{place(channel.picked), place(channel.depth), place(channel.seen)}});
     }
-    storage.own_takers = storage.takers.size();
+    storage.own_accumulators = storage.accumulators.size();
     for (Channel& channel : storage.channels) storage.sum_of.push_back(channel.sum.empty() ? nullptr : &channel.sum[0]);
     if (raster != nullptr) storage.light_paths.allocate(1);
     storage.rejected = std::make_unique<std::atomic<std::uint64_t>[]>(channels.size() + 1);
@@ -266,10 +267,10 @@ void FrameBuffer::accumulate_run(const SampleTable& table, const Run& run) {
 
 /// What add_filtered() comes to where nothing but the weighted sum is kept and no sample has further rows.
 template <std::size_t components>
-inline void FrameBuffer::Storage::add_sum(const Taker& taker, const SampleTable& table, const Run& run) {
-    const double* const values = table.values(static_cast<ChannelId>(taker.from));
+inline void FrameBuffer::Storage::add_sum(const Accumulator& accumulator, const SampleTable& table, const Run& run) {
+    const double* const values = table.values(static_cast<ChannelId>(accumulator.from));
     add_blocks<components>(
-        sum_of[taker.channel] + run.pixel * components, run, layout.quantum_exponent, taker.channel,
+        sum_of[accumulator.channel] + run.pixel * components, run, layout.quantum_exponent, accumulator.channel,
         [&](int first, int last) {
             return weighted_sum<components>(values + static_cast<std::size_t>(first) * components, run.sum_weights(first),
                                             static_cast<std::size_t>(last - first));
@@ -283,37 +284,38 @@ void FrameBuffer::accumulate_channels(const SampleTable& table, const Run& run) 
         for (int row = run.begin; row < run.end; ++row)
             for (const int extra : run.extra_of(row)) stripes |= table.stripes_of(extra, extra + 1);
     const std::span<const std::uint64_t> touched = table.touched_stripes();
-    const auto takes = [&](const Storage::Taker& taker) {
-        return (touched[taker.from] & stripes) != 0 || taker.reads_untouched;
+    const auto accumulates = [&](const Storage::Accumulator& accumulator) {
+        return (touched[accumulator.from] & stripes) != 0 || accumulator.reads_untouched;
     };
     const bool by_sets = table.sets() != nullptr;
     if (by_sets) storage.add_sets(table, run);
-    const std::span<const Storage::Taker> takers(
-        storage.takers.data(), by_sets && !table.sent_apart() ? storage.own_takers : storage.takers.size());
+    const std::span<const Storage::Accumulator> accumulators(
+        storage.accumulators.data(),
+        by_sets && !table.sent_apart() ? storage.own_accumulators : storage.accumulators.size());
     // A pixel of each channel lies on a memory page of its own: asked for one run ahead it is there in time. The next run
     // mostly reaches the same channels.
-    const auto prefetch = [&](const Storage::Taker& taker, std::size_t pixel) {
-        for (const Storage::Taker::Place& place : taker.places) {
+    const auto prefetch = [&](const Storage::Accumulator& accumulator, std::size_t pixel) {
+        for (const Storage::Accumulator::Place& place : accumulator.places) {
             if (place.first == nullptr) continue;
             const char* const first = place.first + pixel * place.pixel_bytes;
             __builtin_prefetch(first, 1);
             __builtin_prefetch(first + place.pixel_bytes - 1, 1);
         }
     };
-    for (const Storage::Taker& taker : takers) {
-        if (!takes(taker)) continue;
-        if (run.begin == 0) prefetch(taker, run.pixel);
-        if (run.next_pixel != Run::no_pixel) prefetch(taker, run.next_pixel);
+    for (const Storage::Accumulator& accumulator : accumulators) {
+        if (!accumulates(accumulator)) continue;
+        if (run.begin == 0) prefetch(accumulator, run.pixel);
+        if (run.next_pixel != Run::no_pixel) prefetch(accumulator, run.next_pixel);
     }
-    for (const Storage::Taker& taker : takers) {
-        if (!takes(taker)) continue;
-        if (taker.sums_only && run.extra == nullptr) {
-            if (taker.components == 3) storage.add_sum<3>(taker, table, run);
-            else storage.add_sum<1>(taker, table, run);
+    for (const Storage::Accumulator& accumulator : accumulators) {
+        if (!accumulates(accumulator)) continue;
+        if (accumulator.sums_only && run.extra == nullptr) {
+            if (accumulator.components == 3) storage.add_sum<3>(accumulator, table, run);
+            else storage.add_sum<1>(accumulator, table, run);
             continue;
         }
-        Channel& channel = storage.channels[taker.channel];
-        const std::size_t from = taker.from;
+        Channel& channel = storage.channels[accumulator.channel];
+        const std::size_t from = accumulator.from;
         if (channel.definition.rule == FilterRule::filter) storage.add_filtered(channel, from, table, run);
         else if (!run.inside) continue;
         else if (channel.definition.rule == FilterRule::average || channel.definition.rule == FilterRule::sum)

@@ -16,18 +16,18 @@ void fold_sample(const SampleTable& table, ChannelId id, int components, int row
     const bool plain = table.channel(id).style == ChannelStyle::name;
     const double fill = table.fill_value(id);
     std::fill_n(out, components, 0.0);
-    double through = 1;
+    double transmittance = 1;
     bool any_set = false;
     const auto take = [&](int r) {
         const double opacity = table.opacity[static_cast<std::size_t>(r)].average();
         const RowState state = plain ? table.row_state(id, r) : RowState::untouched;
         const double* v = values + static_cast<std::size_t>(r) * static_cast<std::size_t>(components);
         double weight = 1;
-        if (state == RowState::written) weight = extra.empty() ? 1.0 : through * opacity;
+        if (state == RowState::written) weight = extra.empty() ? 1.0 : transmittance * opacity;
         else if (state == RowState::untouched && fill != 0)
             weight = 0;  // v holds the miss value; it counts once, below
         any_set = any_set || state != RowState::untouched;
-        through *= 1 - opacity;
+        transmittance *= 1 - opacity;
         if (weight == 0) return;
         for (int c = 0; c < components; ++c) out[c] += weight * v[c];
     };

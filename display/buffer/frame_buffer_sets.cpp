@@ -22,9 +22,9 @@ std::vector<std::uint8_t> FrameBuffer::sums_only() const {
 
 void FrameBuffer::expect(const SplatSets& sets) {
     Storage& storage = *storage_;
-    const auto own = [&](const Storage::Taker& taker) { return sets.shared()[taker.from] == 0; };
-    const auto end = std::stable_partition(storage.takers.begin(), storage.takers.end(), own);
-    storage.own_takers = static_cast<std::size_t>(end - storage.takers.begin());
+    const auto own = [&](const Storage::Accumulator& accumulator) { return sets.shared()[accumulator.from] == 0; };
+    const auto end = std::stable_partition(storage.accumulators.begin(), storage.accumulators.end(), own);
+    storage.own_accumulators = static_cast<std::size_t>(end - storage.accumulators.begin());
 }
 
 void FrameBuffer::Storage::add_sets(const SampleTable& table, const Run& run) {

@@ -205,7 +205,7 @@ struct FrameBuffer::Storage {
     std::vector<Channel> channels;
     /// The channels that take samples in, close together: every run of samples goes through all of them, and most of many
     /// channels get nothing from it.
-    struct Taker {
+    struct Accumulator {
         std::uint32_t channel, from;      // whose samples
         bool reads_untouched;             // whether samples of which nothing was sent to it still change it
         bool sums_only;                   // whether a block's weighted sum is all that is kept of it, in importance mode
@@ -217,8 +217,8 @@ struct FrameBuffer::Storage {
         };
         std::array<Place, 3> places;
     };
-    std::vector<Taker> takers;       // those of channels that sets stand for come last
-    std::size_t own_takers = 0;      // the others
+    std::vector<Accumulator> accumulators;  // those of channels that sets stand for come last
+    std::size_t own_accumulators = 0;       // the others
     std::vector<Int128*> sum_of;       // [channel] null where its rule keeps none
     Plane<std::uint64_t> samples;       // [pixel]
     Plane<Int128> weight, alpha;        // [pixel] sums of weight, weight x alpha
@@ -326,7 +326,7 @@ struct FrameBuffer::Storage {
     void add_set(const SampleTable& table, const Run& run, std::size_t place, std::span<const ChannelId> set);
     void add_waiting(SetSums& sums);
     template <std::size_t components>
-    void add_sum(const Taker& taker, const SampleTable& table, const Run& run);
+    void add_sum(const Accumulator& accumulator, const SampleTable& table, const Run& run);
     template <std::size_t components>
     void add_moments(Channel& channel, std::size_t index, const Run& run, const double* values);
     void splat_weights(const Run& run);

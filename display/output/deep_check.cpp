@@ -118,15 +118,15 @@ void judge_pixel(const DeepRow& row, const Comparison& comparison, int x, int y,
     const float *z = row.values(0, column), *z_back = row.values(1, column), *a = row.values(2, column);
     verdict.samples += n;
     verdict.most_samples = std::max(verdict.most_samples, n);
-    double through = 1;
+    double transmittance = 1;
     for (std::size_t k = 0; k < n; ++k) {
-        through *= 1 - static_cast<double>(a[k]);
+        transmittance *= 1 - static_cast<double>(a[k]);
         if (!(z[k] >= 0) || z_back[k] < z[k] || (k > 0 && z[k] < z[k - 1])) verdict.sorted = false;
     }
     bool exceeds = false;
     const double count = static_cast<double>(n);
     if (comparison.alpha != nullptr) {
-        const double error = std::abs(1 - through - static_cast<double>(comparison.alpha->values[pixel]));
+        const double error = std::abs(1 - transmittance - static_cast<double>(comparison.alpha->values[pixel]));
         exceeds = !(error <= (count + 1) * unit);
         if (error > verdict.largest_alpha) {
             verdict.largest_alpha = error;

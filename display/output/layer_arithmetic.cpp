@@ -61,7 +61,7 @@ class SumParser {
         return error;
     }
 
-    Error located(Error error, std::size_t position) const {
+    Error located(const Error& error, std::size_t position) const {
         return error_here(error.message + " (" + image_.path + ")", position, error.hint);
     }
 

@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <bit>
 #include <cstddef>
-#include <limits>
-#include <numeric>
 #include <string>
 #include <utility>
 
+#include "display/services/branches.h"
 #include "display/services/parameters.h"
 
 namespace raylex::display {
@@ -51,102 +50,7 @@ Result<std::vector<lpe::ChannelSource>> collect_sources(std::span<const ChannelD
     return sources;
 }
 
-/// Finaliser of SplitMix64 (S. Vigna, public domain description): a bijection that mixes every bit.
-std::uint64_t mix(std::uint64_t x) {
-    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
-    x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
-    return x ^ (x >> 31);
-}
-
-double next_random(std::uint64_t& state) {
-    state += 0x9e3779b97f4a7c15ull;
-    return static_cast<double>(mix(state) >> 11) * 0x1p-53;
-}
-
-/// What fraction of a scattering each part carries, per colour: proportional, or all to one drawn part.
-class Fractions {
-  public:
-    explicit Fractions(std::span<const LobePart> parts) : parts_(parts) {
-        for (const LobePart& part : parts) total_ += RgbD(part.value);
-        for (int c = 0; c < 3; ++c) {
-            proportional_[c] = total_[c] > 0 && std::isfinite(total_[c]);
-            scale_[c] = 1 / total_[c];  // of floats: never beyond the range of double where it is used
-        }
-    }
-    /// Draws one part per colour, in proportion to what it carries, by the same number for every colour.
-    void pick(double random) {
-        for (int c = 0; c < 3; ++c) {
-            if (!proportional_[c]) continue;
-            double below = 0;
-            for (std::size_t j = 0; j < parts_.size(); ++j) {
-                const double value = static_cast<double>(parts_[j].value[c]);
-                if (value <= 0) continue;
-                picked_[c] = j;  // the last part with a value, should rounding leave the sum below the target
-                below += value;
-                if (random * total_[c] < below) break;
-            }
-            proportional_[c] = false;
-        }
-    }
-    [[nodiscard]] RgbD of(std::size_t part) const {
-        RgbD fraction;
-        for (int c = 0; c < 3; ++c)
-            fraction[c] = proportional_[c] ? static_cast<double>(parts_[part].value[c]) * scale_[c]
-                                           : (part == picked_[c] ? 1.0 : 0.0);
-        return fraction;
-    }
-
-  private:
-    std::span<const LobePart> parts_;
-    RgbD total_, scale_;
-    std::array<std::size_t, 3> picked_{};  // part 0 for a colour to which nothing is given
-    std::array<bool, 3> proportional_{};
-};
-
 }  // namespace
-
-/// The branches of a tracker in the middle of a move, equal states merged.
-struct LpeServices::BranchList {
-    static constexpr std::size_t room = 96;
-    std::size_t count = 0;
-    std::size_t words;   // of a state
-    std::array<lpe::State, room * Tracker::group_limit> state;
-    std::array<Tracker::Share, room> share;
-
-    explicit BranchList(std::size_t state_words) : words(state_words) {}  // leaves the arrays uninitialised
-
-    [[nodiscard]] bool has_room_for(std::size_t more) const { return count + more <= room; }
-    /// Where candidates for further branches are written, side by side.
-    [[nodiscard]] lpe::State* candidates() { return &state[count * words]; }
-    [[nodiscard]] static bool same(const lpe::State* a, const lpe::State* b, std::size_t words) {
-        for (std::size_t i = 0; i < words; ++i)
-            if (a[i] != b[i]) return false;
-        return true;
-    }
-    /// Makes a candidate a branch. It and those behind it stay where they are: branches take no more room than candidates.
-    void add(const lpe::State* candidate, const RgbD& amount) {
-        std::size_t at = 0;
-        while (at < count && !same(candidate, &state[at * words], words)) ++at;
-        if (at < count) {
-            share[at] = {share[at].r + amount.r, share[at].g + amount.g, share[at].b + amount.b};
-            return;
-        }
-        for (std::size_t i = 0; i < words; ++i) state[at * words + i] = candidate[i];
-        share[at] = {amount.r, amount.g, amount.b};
-        ++count;
-    }
-    [[nodiscard]] double size(std::size_t i) const { return share[i].r + share[i].g + share[i].b; }
-    /// Drops branches whose shares are all 0.
-    void compact() {
-        std::size_t kept = 0;
-        for (std::size_t i = 0; i < count; ++i) {
-            if (size(i) == 0) continue;
-            std::copy_n(&state[i * words], words, &state[kept * words]);
-            share[kept++] = share[i];
-        }
-        count = kept;
-    }
-};
 
 Result<LpeSetup> LpeSetup::build(std::span<const ChannelDefinition> channels, ChannelId beauty,
                                  const lpe::CompileOptions& options) {
@@ -189,8 +93,8 @@ LpeServices::LpeServices(const LpeSetup& setup, SampleTable& table, std::uint64_
 /// Two moves of one path, and two directions tried at one vertex, draw independent numbers.
 std::uint64_t LpeServices::random_key(const Tracker& tracker, const LobePart& first) const {
     const CameraRow& row = table_.camera_row(tracker.row_);
-    std::uint64_t key = mix(seed_ + 0x9e3779b97f4a7c15ull);
-    const auto absorb = [&key](std::uint64_t word) { key = mix(key ^ word) + 0x9e3779b97f4a7c15ull; };
+    std::uint64_t key = mix64(seed_ + 0x9e3779b97f4a7c15ull);
+    const auto absorb = [&key](std::uint64_t word) { key = mix64(key ^ word) + 0x9e3779b97f4a7c15ull; };
     absorb((static_cast<std::uint64_t>(static_cast<std::uint32_t>(row.pixel_x)) << 32) |
            static_cast<std::uint32_t>(row.pixel_y));
     absorb(row.sample);
@@ -200,6 +104,23 @@ std::uint64_t LpeServices::random_key(const Tracker& tracker, const LobePart& fi
     return key;
 }
 
+Branches LpeServices::branches_of(const Tracker& tracker) {
+    return {tracker.state_.data(), tracker.whole_ ? nullptr : tracker.share_.data(), tracker.count_, tracker.groups_};
+}
+
+std::size_t LpeServices::branch_limit(const Tracker& tracker) {
+    return std::min<std::size_t>(Tracker::capacity, std::size_t{Tracker::state_room} / tracker.groups_);
+}
+
+void LpeServices::take(Tracker& tracker, const BranchList& branches) {
+    if (branches.overflow) ++overflow_count_;
+    tracker.whole_ = branches.whole;
+    tracker.count_ = static_cast<std::uint8_t>(branches.count);
+    const std::size_t states = branches.count * tracker.groups_;
+    for (std::size_t i = 0; i < states; ++i) tracker.state_[i] = branches.state[i];
+    for (std::size_t i = 0; i < branches.count && !branches.whole; ++i) tracker.share_[i] = branches.share[i];
+}
+
 /// Branch by branch, merging as they come.
 void LpeServices::split(Tracker& tracker, std::span<const LobePart> parts) {
     if (parts.empty()) {
@@ -207,87 +128,16 @@ void LpeServices::split(Tracker& tracker, std::span<const LobePart> parts) {
         return;
     }
     ++tracker.moves_;
+    ChoiceNumbers numbers([&] { return random_key(tracker, parts[0]); });
     Fractions fractions(parts);
-    std::uint64_t random_state = 0;
-    bool has_key = false;
-    const auto require_key = [&] {
-        if (!has_key) random_state = random_key(tracker, parts[0]);
-        has_key = true;
-    };
-    if (attribution_ == Attribution::picked) {
-        require_key();
-        fractions.pick(next_random(random_state));
-    }
-
+    if (attribution_ == Attribution::picked) fractions.pick(numbers.next());
     const lpe::ProgramView& program = setup_.program_.view();
-    const std::size_t words = tracker.groups_;
-    const std::size_t target = std::min<std::size_t>(Tracker::capacity, Tracker::state_room / words);
-    BranchList branches(words);
-    bool whole = tracker.whole_, overflow = false;
-    const auto shrink = [&] {
-        require_key();
-        collapse(branches, target, random_state);
-        overflow = true;
-    };
-    for (std::size_t branch = 0; branch < tracker.count_; ++branch) {
-        if (!branches.has_room_for(parts.size())) shrink();
-        lpe::State* const next = branches.candidates();  // where each part leads
-        std::uint64_t alive = 0;
-        bool agree = true;
-        for (std::size_t j = 0; j < parts.size(); ++j) {
-            const bool lives = program.advance(&tracker.state_[branch * words], parts[j].event, next + j * words);
-            alive |= std::uint64_t{lives} << j;
-            agree = agree && lives == ((alive & 1) != 0) && BranchList::same(next + j * words, next, words);
-        }
-        const RgbD base = tracker.whole_ ? RgbD(1.0) : tracker.share_[branch].rgb();
-        if (agree) {
-            if (alive != 0) branches.add(next, base);  // the fractions sum to 1: nothing is split, nothing is rounded
-            continue;
-        }
-        whole = false;
-        for (std::size_t j = 0; j < parts.size(); ++j) {
-            const RgbD share = (alive >> j & 1) != 0 ? base * fractions.of(j) : RgbD();
-            if (share.r != 0 || share.g != 0 || share.b != 0) branches.add(next + j * words, share);
-        }
-    }
-    if (branches.count > target) shrink();
-    if (overflow) ++overflow_count_;
-
-    tracker.whole_ = whole;
-    tracker.count_ = static_cast<std::uint8_t>(branches.count);
-    for (std::size_t i = 0; i < branches.count * words; ++i) tracker.state_[i] = branches.state[i];
-    for (std::size_t i = 0; i < branches.count && !whole; ++i) tracker.share_[i] = branches.share[i];
-}
-
-/// Brings `branches` down to `target` by collapsing the smallest. The collapse moves, per colour, all that the chosen
-/// branches hold to one of them, drawn in proportion to what it held: the sum is kept exactly and each branch's
-/// expected share is what it was. One random number serves the three colours, so that they mostly agree on the
-/// survivor; at most three survive, so three more than the excess are chosen.
-void LpeServices::collapse(BranchList& branches, std::size_t target, std::uint64_t& random_state) {
-    const std::size_t chosen_count = branches.count - target + 3;
-    std::array<std::uint16_t, BranchList::room> order;
-    std::iota(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(branches.count), std::uint16_t{0});
-    std::array<double, BranchList::room> size;
-    for (std::size_t i = 0; i < branches.count; ++i) size[i] = branches.size(i);
-    std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(chosen_count),
-                      order.begin() + static_cast<std::ptrdiff_t>(branches.count),
-                      [&](std::uint16_t a, std::uint16_t b) { return size[a] != size[b] ? size[a] < size[b] : a < b; });
-    const double random = next_random(random_state);
-    for (double Tracker::Share::*const color : {&Tracker::Share::r, &Tracker::Share::g, &Tracker::Share::b}) {
-        double total = 0, below = 0;
-        for (std::size_t k = 0; k < chosen_count; ++k) total += branches.share[order[k]].*color;
-        std::size_t survivor = order[0];
-        bool found = false;
-        for (std::size_t k = 0; k < chosen_count; ++k) {
-            double& share = branches.share[order[k]].*color;
-            if (!found && share > 0) survivor = order[k];
-            below += share;
-            found = found || random * total < below;
-            share = 0;
-        }
-        branches.share[survivor].*color = total;
-    }
-    branches.compact();
+    BranchList branches(tracker.groups_);
+    branches.split(branches_of(tracker), parts, fractions, branch_limit(tracker), numbers,
+                   [&](const lpe::State* from, lpe::EventClass event, lpe::State* to) {
+                       return program.advance(from, event, to);
+                   });
+    take(tracker, branches);
 }
 
 /// To channels of a set that the table has no column for.

@@ -46,6 +46,17 @@ struct LobePart {
     Rgb value;
 };
 
+/// What part of a contribution a branch carries, per colour.
+struct BranchShare {
+    double r, g, b;
+    [[nodiscard]] RgbD rgb() const { return {r, g, b}; }
+};
+
+class BranchList;
+struct Branches;
+class LightWord;
+class LightWords;
+
 /// Opaque, fixed capacity, no heap: copy it to look one event ahead (a light sample), then drop the copy. A copy costs
 /// what is live: nothing to speak of without expression channels, one state for a path that was never split.
 class Tracker {
@@ -67,11 +78,6 @@ class Tracker {
   private:
     friend class LpeServices;
     void copy(const Tracker& other) noexcept;
-    struct Share {
-        double r, g, b;
-        [[nodiscard]] RgbD rgb() const { return {r, g, b}; }
-    };
-
     std::int32_t row_ = 0;
     std::uint16_t moves_ = 0;                   // with the pixel and sample of row_: the source of the overflow choice
     std::uint8_t count_ = 0;                    // branches
@@ -79,7 +85,7 @@ class Tracker {
     bool whole_ = true;                         // nothing was split yet: at most one branch, its share 1 and not stored
     bool held_out_ = false;                     // the path's first hit is a holdout
     std::array<lpe::State, state_room> state_;  // [branch][group]; nothing is initialised
-    std::array<Share, capacity> share_;         // [branch]
+    std::array<BranchShare, capacity> share_;   // [branch]
 };
 
 /// What all threads share: the compiled program and where its channels stand in the sample table. Immutable.
@@ -158,6 +164,17 @@ class LpeServices {
     /// most 64.
     void move(Tracker& tracker, std::span<const LobePart> parts);
 
+    // Light subpaths: light_words.h.
+    /// A word of one event, its terminal. `words` reads the language of this object's setup.
+    [[nodiscard]] LightWord begin(LightWords& words, lpe::EventClass terminal) const;
+    /// `word` with one event more before all that were read.
+    [[nodiscard]] LightWord prepend(LightWords& words, const LightWord& word, lpe::EventClass event) const;
+    /// The same of a scattering, as move(); `key` seeds the choice where there are too many branches.
+    [[nodiscard]] LightWord prepend(LightWords& words, const LightWord& word, std::span<const LobePart> parts,
+                                    std::uint64_t key);
+    /// Moves the tracker along all events of `word`, to the light: past its terminal.
+    void join(Tracker& tracker, const LightWords& words, const LightWord& word);
+
     /// Adds `value` (radiance times throughput, filter weight not applied) to beauty and to every channel whose
     /// expression accepts the path; the terminal event must have been moved along. Non-finite values, and those beyond
     /// largest_contribution, are rejected for beauty and splits alike, counted and logged in the table (Law 6).
@@ -187,6 +204,8 @@ class LpeServices {
     }
     /// The same, one event ahead: whether contributing after `event` could reach any channel.
     [[nodiscard]] bool live_after(const Tracker& tracker, lpe::EventClass event) const;
+    /// Whether beauty was asked for, which takes whatever is not held out.
+    [[nodiscard]] bool wants_beauty() const { return setup_.beauty_ >= 0; }
     /// Whether any channel still follows the path, beauty apart.
     [[nodiscard]] bool channels_follow(const Tracker& tracker) const { return tracker.count_ != 0; }
     /// Whether beauty takes everything that this path finds, so that nothing of it can be saved.
@@ -198,8 +217,8 @@ class LpeServices {
     [[nodiscard]] std::uint64_t invalid_count() const { return invalid_count_; }  ///< contributions rejected
 
   private:
-    struct BranchList;
     struct Report;
+    struct SplitWord;
     void contribute_apart(const Report& report, const Tracker& tracker);
     void splat_apart(const Report& report, const Tracker& tracker, bool valid);
     [[nodiscard]] bool reaches(const Tracker& tracker) const;
@@ -215,7 +234,11 @@ class LpeServices {
     void split(Tracker& tracker, std::span<const LobePart> parts);
     void reject(const Rgb& value, const Tracker& tracker);
     void splat_apart(std::span<const ChannelId> channels, const RgbD& value, int row);
-    static void collapse(BranchList& branches, std::size_t target, std::uint64_t& random_state);
+    SplitWord prepend_split(LightWords& words, const LightWord& word, std::span<const LobePart> parts,
+                            std::uint64_t key) const;
+    [[nodiscard]] static Branches branches_of(const Tracker& tracker);
+    [[nodiscard]] static std::size_t branch_limit(const Tracker& tracker);
+    void take(Tracker& tracker, const BranchList& branches);
     [[nodiscard]] std::uint64_t random_key(const Tracker& tracker, const LobePart& first) const;
 
     const LpeSetup& setup_;

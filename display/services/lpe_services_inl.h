@@ -56,9 +56,9 @@ inline void LpeServices::move(Tracker& tracker, lpe::EventClass event) const {
         std::size_t at = 0;
         while (at < kept && !std::equal(to, to + words, &tracker.state_[at * words])) ++at;
         const bool merge = at < kept;
-        const Tracker::Share share = tracker.share_[branch];
-        Tracker::Share& sum = tracker.share_[at];
-        sum = merge ? Tracker::Share{sum.r + share.r, sum.g + share.g, sum.b + share.b} : share;
+        const BranchShare share = tracker.share_[branch];
+        BranchShare& sum = tracker.share_[at];
+        sum = merge ? BranchShare{sum.r + share.r, sum.g + share.g, sum.b + share.b} : share;
         if (!merge) ++kept;
     }
     tracker.count_ = static_cast<std::uint8_t>(kept);
@@ -102,7 +102,7 @@ inline void LpeServices::contribute(const Rgb& value, Technique technique, const
     for (std::size_t branch = 0; branch < tracker.count_; ++branch) {
         SampleTable::Light part{{0, r}, {g, b}};
         if (!tracker.whole_) {
-            const Tracker::Share& share = tracker.share_[branch];
+            const BranchShare& share = tracker.share_[branch];
             part.first *= SampleTable::Pair{0, share.r};
             part.second *= SampleTable::Pair{share.g, share.b};
         }

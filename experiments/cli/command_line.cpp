@@ -7,11 +7,12 @@
 
 #include "display/services/parameters.h"
 #include "experiments/cli/commands.h"
-#include "experiments/cli/console.h"
 #include "experiments/cli/image_commands.h"
 #include "experiments/cli/input_options.h"
-#include "experiments/cli/tint.h"
 #include "experiments/job/provenance.h"
+#include "experiments/program/console.h"
+#include "experiments/program/exit_codes.h"
+#include "experiments/program/tint.h"
 #include "lpe/read_input.h"
 
 namespace raylex::experiments {

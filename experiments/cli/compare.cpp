@@ -10,10 +10,10 @@
 #include "display/output/comparison.h"
 #include "display/output/exr_reader.h"
 #include "display/services/parameters.h"
-#include "experiments/cli/command_line.h"
 #include "experiments/cli/commands.h"
-#include "experiments/cli/console.h"
 #include "experiments/job/json.h"
+#include "experiments/program/console.h"
+#include "experiments/program/exit_codes.h"
 
 namespace raylex::experiments {
 namespace {

@@ -3,10 +3,10 @@
 #include <memory>
 #include <utility>
 
-#include "experiments/cli/command_line.h"
 #include "experiments/cli/commands.h"
-#include "experiments/cli/console.h"
-#include "experiments/cli/interrupt.h"
+#include "experiments/program/console.h"
+#include "experiments/program/exit_codes.h"
+#include "experiments/program/interrupt.h"
 #include "experiments/study/plan/config.h"
 #include "experiments/study/report/study_report.h"
 #include "experiments/study/results.h"

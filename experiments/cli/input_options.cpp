@@ -8,7 +8,7 @@
 #include <CLI/Formatter.hpp>
 #include <CLI/Validators.hpp>
 
-#include "experiments/cli/interrupt.h"
+#include "experiments/program/interrupt.h"
 #include "lpe/read_input.h"
 
 namespace raylex::experiments {

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "experiments/cli/console.h"
+#include "experiments/program/console.h"
 
 namespace raylex::experiments {
 namespace {

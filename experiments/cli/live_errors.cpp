@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <span>
 
-#include "experiments/cli/console.h"
+#include "experiments/program/console.h"
 #include "transport/render/clock.h"
 
 namespace raylex::experiments {
@@ -107,7 +107,7 @@ void LiveErrors::update(const transport::RenderProgress& now) {
         if (each) errors_.push_back(*each);
     std::stable_sort(errors_.begin() + 1, errors_.end(),
                      [](const ChannelError& a, const ChannelError& b) { return a.error > b.error; });
-    forecast_ = std::move(forecast);
+    forecast_ = forecast;
     samples_ = now.samples_done;
     next_ = now.seconds + std::max(seconds_between, (transport::thread_cpu_seconds() - begin) / share_of_time);
 }

@@ -10,11 +10,6 @@
 namespace raylex::experiments {
 namespace {
 
-CLI::Option* repeated(CLI::Option* option, const char* text) {
-    return option->option_text(text)->expected(1)->allow_extra_args(false)->multi_option_policy(
-        CLI::MultiOptionPolicy::TakeAll);
-}
-
 std::string driver_list() {
     register_png_driver();
     return registry_summary(display::display_driver_registry());
@@ -74,62 +69,51 @@ void apply_previews(const OutputOptions& options, Job& job) {
 
 }  // namespace
 
-void add_output_options(CLI::App& command, OutputOptions& options) {
-    repeated(command.add_option("--preview", options.previews,
-                                "also writes the beauty, or the layer named before '=', as a PNG: light through the "
-                                "display's view, geometry in false colours; may be repeated"),
-             "[LAYER=]OUT.png");
-    command.add_option("--display", options.display, "display of the colour config for previews")->option_text("NAME");
-    command.add_option("--view", options.view, "view of that display; default: the config's own")->option_text("NAME");
-    command.add_option("--exposure", options.exposure, "stops by which --preview shows light brighter; default 0")
-        ->option_text("STOPS")
-        ->check(CLI::Range(-largest_exposure, largest_exposure));
-    command.add_flag("--texture-rules", options.texture_rules,
-                     "reads the colours of image textures by the colour config's file rules; default: as pbrt does");
-    repeated(command.add_option("--tev", options.viewers,
-                                "shows every layer in a running tev viewer while rendering; default port 14158"),
-             "HOST[:PORT]");
-    repeated(command.add_option("--driver", options.drivers,
-                                "adds a display driver: " + driver_list() + "; may be repeated"),
-             "NAME:KEY=VALUE,...");
-    repeated(command.add_option("--sample-filter", options.sample_filters,
-                                "changes samples before the pixel filter, in the order given: " +
-                                    registry_summary(display::sample_filter_registry()) + "; may be repeated"),
-             "NAME:KEY=VALUE,...");
-    repeated(command.add_option("--display-filter", options.display_filters,
-                                "changes pixels before they are shown or written, in the order given: " +
-                                    registry_summary(display::display_filter_registry()) + "; may be repeated"),
-             "NAME:KEY=VALUE,...");
-    repeated(
-        command.add_option("--exr", options.storage,
-                           "how a kind of channel (light, color, normal, position, value, id or all) is stored: "
-                           "half or float, and none, rle, zips, zip or piz, for light and color also dwaa:LEVEL or "
-                           "dwab:LEVEL, which lose bits; or 'single': all channels in one part, instead of one "
-                           "part each (multi); may be repeated"),
-        "KIND='TYPE COMPRESSION'|single");
-    command.add_option("--deep", options.deep, "also writes a deep image: Z, ZBack, A and the beauty")
-        ->option_text("OUT.exr");
-    command
-        .add_option("--deep-channels", options.deep_channels,
-                    "light or filtered layers that the deep image has as well")
-        ->option_text("NAME,...")
+void add_file_options(const OptionGroup& group, OutputOptions& options) {
+    group.add_repeated(
+        "--exr", options.storage, "KIND='TYPE COMPRESSION'|single",
+        "how a kind of channel (light, color, normal, position, value, id or all) is stored: half or float, and none, "
+        "rle, zips, zip or piz, for light and color also dwaa:LEVEL or dwab:LEVEL, which lose bits; or 'single': all "
+        "channels in one part, instead of one part each (multi)");
+    group.add("--deep", options.deep, "OUT.exr", "also writes a deep image: Z, ZBack, A and the beauty");
+    group
+        .add("--deep-channels", options.deep_channels, "NAME,...",
+             "light or filtered layers that the deep image has as well")
         ->delimiter(',')
         ->expected(1);
-    command.add_option("--deep-samples", options.deep_samples, "deep samples a pixel may have; default 32")
-        ->option_text("N")
+    group.add("--deep-samples", options.deep_samples, "N", "deep samples a pixel may have; default 32")
         ->check(CLI::Range(1, 4096));
-    command
-        .add_option("--deep-tolerance", options.deep_tolerance,
-                    "relative difference of depths that become one deep sample; default 0.0039")
-        ->option_text("X")
+    group
+        .add("--deep-tolerance", options.deep_tolerance, "X",
+             "relative difference of depths that become one deep sample; default 0.0039")
         ->check(CLI::Range(1.2e-7, 1.0));
-    command.add_flag("--deep-tidy", options.deep_tidy, "cuts volume spans so that no deep samples overlap");
-    command.add_option("--deep-storage", options.deep_storage, "half or float colours, and none, rle or zips")
-        ->option_text("'TYPE COMPRESSION'");
-    command
-        .add_option("--memory-limit", options.memory_limit,
-                    "refuses a render whose layers need more, such as 8G; default none")
-        ->option_text("SIZE");
+    group.add_flag("--deep-tidy", options.deep_tidy, "cuts volume spans so that no deep samples overlap");
+    group.add("--deep-storage", options.deep_storage, "'TYPE COMPRESSION'",
+              "half or float colours, and none, rle or zips");
+    group.add_repeated("--tev", options.viewers, "HOST[:PORT]",
+                       "shows every layer in a running tev viewer while rendering; default port 14158");
+    group.add_repeated("--driver", options.drivers, "NAME:KEY=VALUE,...", "adds a display driver: " + driver_list());
+}
+
+void add_preview_options(const OptionGroup& group, OutputOptions& options) {
+    group.add_repeated("--preview", options.previews, "[LAYER=]OUT.png",
+                       "also writes the beauty, or the layer named before '=', as a PNG: light through the display's "
+                       "view, geometry in false colours");
+    group.add("--display", options.display, "NAME", "display of the colour config for previews");
+    group.add("--view", options.view, "NAME", "view of that display; default: the config's own");
+    group.add("--exposure", options.exposure, "STOPS", "stops by which --preview shows light brighter; default 0")
+        ->check(CLI::Range(-largest_exposure, largest_exposure));
+    group.add_flag("--texture-rules", options.texture_rules,
+                   "reads the colours of image textures by the colour config's file rules; default: as pbrt does");
+}
+
+void add_filter_options(const OptionGroup& group, OutputOptions& options) {
+    group.add_repeated("--sample-filter", options.sample_filters, "NAME:KEY=VALUE,...",
+                       "changes samples before the pixel filter, in the order given: " +
+                           registry_summary(display::sample_filter_registry()));
+    group.add_repeated("--display-filter", options.display_filters, "NAME:KEY=VALUE,...",
+                       "changes pixels before they are shown or written, in the order given: " +
+                           registry_summary(display::display_filter_registry()));
 }
 
 Status apply_output_options(const OutputOptions& options, Job& job) {

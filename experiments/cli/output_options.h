@@ -1,12 +1,12 @@
 // The flags of raylex render that say where the image goes and how it is stored.
 #pragma once
 
-#include "experiments/cli/commands.h"
-#include "experiments/job/job.h"
-
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "experiments/cli/option_group.h"
+#include "experiments/job/job.h"
 
 namespace raylex::experiments {
 
@@ -18,7 +18,9 @@ struct OutputOptions {
     bool deep_tidy = false, texture_rules = false;
 };
 
-void add_output_options(CLI::App& command, OutputOptions& options);
+void add_file_options(const OptionGroup& group, OutputOptions& options);
+void add_preview_options(const OptionGroup& group, OutputOptions& options);
+void add_filter_options(const OptionGroup& group, OutputOptions& options);
 /// Flags override the job's keys; drivers, viewers and previews add to it (the first plain preview replaces its).
 Status apply_output_options(const OutputOptions& options, Job& job);
 

@@ -2,11 +2,11 @@
 #include <memory>
 #include <utility>
 
-#include "experiments/cli/command_line.h"
 #include "experiments/cli/commands.h"
-#include "experiments/cli/console.h"
 #include "experiments/cli/plugin_options.h"
 #include "experiments/job/job_tables.h"
+#include "experiments/program/console.h"
+#include "experiments/program/exit_codes.h"
 #include "experiments/report/png_driver.h"
 #include "transport/cameras/camera.h"
 #include "transport/materials/pattern.h"
@@ -61,6 +61,7 @@ void print_in_tree() {
     print_registry(transport::material_registry());
     print_registry(transport::pattern_registry());
     print_registry(transport::medium_registry());
+    print_registry(transport::shape_registry());
     print_registry(transport::light_registry());
     print_registry(transport::area_light_registry());
     print_registry(display::pixel_filter_registry());

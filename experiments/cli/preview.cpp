@@ -10,9 +10,10 @@
 #include "display/output/color_names.h"
 #include "display/output/exr_layers.h"
 #include "display/output/exr_reader.h"
-#include "experiments/cli/command_line.h"
-#include "experiments/cli/console.h"
 #include "experiments/cli/image_commands.h"
+#include "experiments/job/output_requests.h"
+#include "experiments/program/console.h"
+#include "experiments/program/exit_codes.h"
 #include "experiments/report/preview.h"
 
 namespace raylex::experiments {

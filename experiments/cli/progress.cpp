@@ -6,7 +6,7 @@
 #include <array>
 #include <cstdio>
 
-#include "experiments/cli/console.h"
+#include "experiments/program/console.h"
 
 namespace raylex::experiments {
 namespace {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "display/output/atomic_file.h"
-#include "experiments/cli/console.h"
+#include "experiments/program/console.h"
 #include "experiments/report/png_driver.h"
 
 namespace raylex::experiments {

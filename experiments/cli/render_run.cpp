@@ -11,18 +11,18 @@
 #include "display/output/exr_reader.h"
 #include "display/output/exr_writer.h"
 #include "display/output/split_check.h"
-#include "experiments/cli/command_line.h"
-#include "experiments/cli/console.h"
-#include "experiments/cli/interrupt.h"
 #include "experiments/cli/judge.h"
 #include "experiments/cli/progress.h"
 #include "experiments/cli/render_outputs.h"
-#include "experiments/cli/tint.h"
 #include "experiments/job/channel_plan.h"
 #include "experiments/job/job_scene.h"
 #include "experiments/job/provenance.h"
 #include "experiments/job/sampling_requests.h"
 #include "experiments/job/statistics.h"
+#include "experiments/program/console.h"
+#include "experiments/program/exit_codes.h"
+#include "experiments/program/interrupt.h"
+#include "experiments/program/tint.h"
 
 namespace raylex::experiments {
 namespace {

@@ -4,9 +4,9 @@
 
 #include "display/output/atomic_file.h"
 #include "display/output/color_manager.h"
-#include "experiments/cli/command_line.h"
 #include "experiments/cli/commands.h"
-#include "experiments/cli/console.h"
+#include "experiments/program/console.h"
+#include "experiments/program/exit_codes.h"
 #include "experiments/report/page.h"
 
 namespace raylex::experiments {

@@ -7,10 +7,10 @@
 #include "display/output/exr_layers.h"
 #include "display/output/exr_reader.h"
 #include "display/output/split_check.h"
-#include "experiments/cli/command_line.h"
 #include "experiments/cli/commands.h"
-#include "experiments/cli/console.h"
 #include "experiments/cli/judge.h"
+#include "experiments/program/console.h"
+#include "experiments/program/exit_codes.h"
 #include "experiments/verify/presets.h"
 
 namespace raylex::experiments {
@@ -110,9 +110,10 @@ int verify_preset(const VerifyOptions& options) {
     const bool one_image = options.files.size() > 1 && !find_splits(**preset, *first, options.of);
     bool all_hold = true;
     for (const std::string& file : options.files) {
-        auto image = one_image                         ? display::read_exr_set(options.files)
-                     : &file == &options.files.front() ? std::move(first)
-                                                       : display::read_exr(file);
+        const bool is_first = &file == &options.files.front();
+        auto image = one_image  ? display::read_exr_set(options.files)
+                     : is_first ? std::move(first)  // NOLINT(bugprone-use-after-move): the loop comes to it once
+                                : display::read_exr(file);
         if (!image) return report_error(image.error());
         auto splits = find_splits(**preset, *image, options.of);
         if (!splits) return report_error(splits.error());

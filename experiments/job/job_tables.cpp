@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "experiments/job/output_requests.h"
-#include "experiments/report/preview.h"
 
 namespace raylex::experiments {
 namespace {

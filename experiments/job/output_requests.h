@@ -16,6 +16,9 @@ namespace raylex::experiments {
 
 class TomlTable;
 
+/// Stops, either way: more says nothing, and would leave the range of floats.
+inline constexpr double largest_exposure = 60;
+
 struct DeepRequest {
     std::string file;                   ///< empty: no deep image
     std::vector<std::string> channels;  ///< beside the beauty

@@ -38,7 +38,7 @@ class PlantedError final : public Integrator {
         const SceneView& scene = context_.scene;
         display::Tracker path = services.lpe.begin(row);
         Rgb throughput(1);
-        bool certain = true;   // light sampling cannot find what this ray finds
+        bool specular_bounce = true;  // or the camera: light sampling cannot find what this ray finds
         for (std::uint32_t depth = 0;; ++depth) {
             const std::uint32_t first = first_free_dimension + dimensions * depth;
             Hit hit[1];
@@ -46,7 +46,7 @@ class PlantedError final : public Integrator {
             SurfaceSource source[1];
             scene.geometry->intersect({&ray, 1}, hit);
             if (!hit->valid()) {
-                if (certain)
+                if (specular_bounce)
                     for (const std::uint32_t light : scene.lights->environments())
                         add(throughput * scene.lights->environment_radiance(light, ray.direction), light, path,
                             services);
@@ -58,7 +58,7 @@ class PlantedError final : public Integrator {
                 services.display.write_opacity(row, 1.0f);
             }
             const ShapeGeometry& shape = scene.geometry->shapes()[hit->shape];
-            if (certain && shape.first_light != Hit::none) {
+            if (specular_bounce && shape.first_light != Hit::none) {
                 const std::uint32_t light = shape.first_light + hit->primitive;
                 add(throughput * scene.lights->emitted(light, point->geometric_normal, point->wo), light, path,
                     services);
@@ -78,7 +78,7 @@ class PlantedError final : public Integrator {
             const BsdfSample s = bsdf->sample(point->wo, sampler.get_1d(first + 2), sampler.get_2d(first + 3));
             if (!(s.pdf > 0) || s.weight.is_black()) return;
             throughput *= s.weight;
-            certain = s.delta;
+            specular_bounce = s.delta;
             move(path, *source, s.lobes, services);
             if (!services.lpe.live(path)) return;
             ray = {offset_ray_origin(point->position, point->geometric_normal, source->offset, s.wi), infinity, s.wi};

@@ -227,6 +227,32 @@ std::string tools(const std::vector<std::string>& views) {
            "layers, a all, b beauty, e/E exposure\"></p></div>\n";
 }
 
+/// The first heading over shares says of which point of the image.
+std::string heading_of(const Group& group, bool first) {
+    return "<h3>" + escape_html(group.title) +
+           (group.note.empty() ? "" : " <span class=\"faint\">" + escape_html(group.note) + "</span>") +
+           (first && group.whole != nullptr ? "<span class=\"head\">share <span class=\"where\"></span></span>" : "") +
+           "</h3>\n";
+}
+
+/// What the page's script knows of the image; views and layers are still to come.
+Json image_json(const ExrImage& image, int block) {
+    return {{"width", (image.width + block - 1) / block},
+            {"height", (image.height + block - 1) / block},
+            {"block", block},
+            {"views", Json::array()},
+            {"layers", Json::array()}};
+}
+
+/// A layer, and what it is a share of.
+using LayerOfWhole = std::pair<const ImageLayer*, const ImageLayer*>;
+
+void link_wholes(const std::vector<LayerOfWhole>& layers, Json& rows) {
+    for (std::size_t i = 0; i < layers.size(); ++i)
+        for (std::size_t k = 0; k < layers.size(); ++k)
+            if (layers[i].second != nullptr && layers[k].first == layers[i].second) rows[i]["whole"] = k;
+}
+
 }  // namespace
 
 Result<std::string> PageLayers::html(const ExrImage& image) {
@@ -234,17 +260,13 @@ Result<std::string> PageLayers::html(const ExrImage& image) {
     auto views = views_of(image);
     if (!views) return views.error();
     const std::vector<Group> groups = grouped(image);
-    Json data{{"width", (image.width + block - 1) / block},
-              {"height", (image.height + block - 1) / block},
-              {"block", block},
-              {"views", Json::array()},
-              {"layers", Json::array()}};
+    Json data = image_json(image, block);
     std::vector<std::string> names;
     for (const View& view : *views) {
         data["views"].push_back(Json{{"data", "view-" + std::to_string(view.table)}});
         names.push_back(view.name);
     }
-    std::vector<std::pair<const ImageLayer*, const ImageLayer*>> wholes;  // layer and what it is a share of
+    std::vector<LayerOfWhole> wholes;
     std::string list, folded, scripts;
     std::size_t empty = 0;
     // The script's order is that of the rows in the page: layers without light stand last, folded away.
@@ -277,18 +299,11 @@ Result<std::string> PageLayers::html(const ExrImage& image) {
             data["layers"].push_back(std::move(row->json));
         }
         if (rows.empty()) continue;
-        list +=
-            "<h3>" + escape_html(group.title) +
-            (group.note.empty() ? "" : " <span class=\"faint\">" + escape_html(group.note) + "</span>") +
-            (list.empty() && group.whole != nullptr ? "<span class=\"head\">share <span class=\"where\"></span></span>"
-                                                    : "") +
-            "</h3>\n" + rows;
+        list += heading_of(group, list.empty()) + rows;
     }
     if (data["layers"].empty())
         return std::string("<p class=\"faint\">No layer of it can be shown, or all are black.</p>\n");
-    for (std::size_t i = 0; i < wholes.size(); ++i)
-        for (std::size_t k = 0; k < wholes.size(); ++k)
-            if (wholes[i].second != nullptr && wholes[k].first == wholes[i].second) data["layers"][i]["whole"] = k;
+    link_wholes(wholes, data["layers"]);
     for (Json& each : dark) data["layers"].push_back(std::move(each));
     if (list.find("class=\"where\"") == std::string::npos) list = "<span class=\"where\" hidden></span>" + list;
     if (empty > 0)

@@ -33,9 +33,6 @@ struct Picture {
     std::vector<unsigned char> rgb;
 };
 
-/// Stops, either way: more says nothing, and would leave the range of floats.
-inline constexpr double largest_exposure = 60;
-
 struct PictureOptions {
     int largest_side = 0;       ///< reduced by averaging blocks (nearest for geometry) until it fits; 0 = as it is
     double exposure = 0;        ///< stops, light only

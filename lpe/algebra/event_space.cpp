@@ -204,7 +204,7 @@ std::vector<EventBox> EventSpace::boxes(const std::function<Membership(const Eve
             const auto same = [&](const auto& group) { return group.first == matrix; };
             const auto known = std::find_if(groups.begin(), groups.end(), same);
             if (known == groups.end()) {
-                groups.push_back({std::move(matrix), {core}});
+                groups.emplace_back(std::move(matrix), std::vector{core});
             } else {
                 known->second.push_back(core);
             }

@@ -129,18 +129,8 @@ std::string label_hint(const Event& event, const std::vector<const Node*>& next)
     return {};
 }
 
-WhyNot reason(const ChannelSource& channel, std::span<const Event> events) {
-    Result<Expansion> expansion = expand_names(channel);
-    if (!expansion) {
-        throw Failure{std::move(expansion).error()};
-    }
-    const ChannelSource& source = expansion->source;
-    WhyNot answer;
-    answer.expression = source.expression;
-    const Expression expression = parse(source);
-    Languages languages = automaton(source, std::move(parse(source).root));
-    const Dfa& dfa = languages.channels.front();
-    const EventClasses& classes = *languages.classes;
+/// As far along the path as the automaton lives; its state there.
+std::uint32_t walk_along(std::span<const Event> events, const Dfa& dfa, const EventClasses& classes, WhyNot& answer) {
     std::uint32_t state = dfa.start;
     answer.any_path = state != 0;
     while (state != 0 && answer.live_events < events.size()) {
@@ -153,6 +143,20 @@ WhyNot reason(const ChannelSource& channel, std::span<const Event> events) {
     }
     answer.complete = dfa.output[state] != 0;
     answer.matches = answer.complete && answer.live_events == events.size();
+    return state;
+}
+
+WhyNot reason(const ChannelSource& channel, std::span<const Event> events) {
+    Result<Expansion> expansion = expand_names(channel);
+    if (!expansion) { throw Failure{std::move(expansion).error()}; }
+    const ChannelSource& source = expansion->source;
+    WhyNot answer;
+    answer.expression = source.expression;
+    const Expression expression = parse(source);
+    Languages languages = automaton(source, std::move(parse(source).root));
+    const Dfa& dfa = languages.channels.front();
+    const EventClasses& classes = *languages.classes;
+    const std::uint32_t state = walk_along(events, dfa, classes, answer);
     if (answer.matches || !answer.any_path) {
         return answer;
     }
@@ -165,8 +169,7 @@ WhyNot reason(const ChannelSource& channel, std::span<const Event> events) {
         try {
             next = next_events(source, *expression.root, events.first(answer.live_events), all);
         } catch (const Failure&) {
-            by_piece =
-                false;  // markers take the expression past a bound; the automaton alone still knows what could follow
+            by_piece = false;  // markers take it past a bound; the automaton alone still knows what could follow
         }
     }
     const PathRoles roles(*expression.root);

@@ -135,9 +135,10 @@ std::string channel_names(const Group& group, std::span<const ChannelSource> cha
          "expressions such as C.*X.* multiply with one another; use fewer of them at a time:" + list);
 }
 
-/// The states of a path underway, without the dead one, in breadth-first order; `dies`: some of them, or the camera
-/// event, may lead to the dead state. Stops above `most`.
-std::vector<std::uint32_t> underway(const Dfa& dfa, const std::vector<Place>& places, std::size_t most, bool& dies) {
+/// The states between camera and terminal, without the dead one, in breadth-first order; `dies`: some of them, or the
+/// camera event, may lead to the dead state. Stops above `most`.
+std::vector<std::uint32_t> interior_states(const Dfa& dfa, const std::vector<Place>& places, std::size_t most,
+                                           bool& dies) {
     std::vector<std::uint16_t> camera, scattering;
     for (std::size_t k = 0; k < places.size(); ++k) {
         if (places[k] == Place::camera || places[k] == Place::scattering) {
@@ -207,7 +208,7 @@ class LateExits {
     Signature of(const Dfa& dfa) {
         bool dies = false;
         constexpr std::size_t most = 64;
-        const std::vector<std::uint32_t> states = underway(dfa, places_, most, dies);
+        const std::vector<std::uint32_t> states = interior_states(dfa, places_, most, dies);
         Signature signature;
         if (states.size() > most) {
             return signature;  // far too large for a lane whatever it waits for
@@ -254,7 +255,7 @@ std::vector<Place> without_deadly(const std::vector<Group>& lanes, std::vector<P
     }
     for (const Group& lane : lanes) {
         bool dies = false;
-        for (const std::uint32_t state : underway(lane.dfa, places, lane_code_limit, dies)) {
+        for (const std::uint32_t state : interior_states(lane.dfa, places, lane_code_limit, dies)) {
             for (std::size_t k = 0; k < places.size(); ++k) {
                 const std::uint32_t from = places[k] == Place::camera ? lane.dfa.start : state;
                 always_dies[k] = always_dies[k] && lane.dfa.step(from, static_cast<EventClass>(k)) == 0;
@@ -423,7 +424,7 @@ std::vector<Place> places_of(const EventClasses& classes) {
 
 std::vector<std::uint32_t> lane_codes(const Dfa& dfa, const std::vector<Place>& places) {
     bool dies = false;
-    std::vector<std::uint32_t> states = underway(dfa, places, lane_code_limit, dies);
+    std::vector<std::uint32_t> states = interior_states(dfa, places, lane_code_limit, dies);
     if (dies || states.empty()) {
         states.insert(states.begin(), 0);
     }

@@ -126,6 +126,30 @@ Dfa joined(std::span<const Dfa* const> dfas, const Combination& combination, std
     return minimized(*both);
 }
 
+namespace {
+
+/// What channels are built with, the same for all of them.
+struct ChannelBuild {
+    const EventClasses& classes;
+    const ClassSet &straight, &renderman, &osl;  ///< members of the classes' sets
+    const Dfa* renderer_words;                   ///< nullptr: not cut to these
+    std::size_t state_cap;
+};
+
+Dfa build_channel(const Expression& expression, const ChannelBuild& build) {
+    const bool renderman = expression.dialect == Dialect::renderman;
+    WorkMeter work;
+    Dfa dfa = build_dfa(*expression.root, {&build.classes, renderman ? &build.renderman : &build.osl, &work},
+                        build.state_cap);
+    if (renderman) { ignore_straight_events(dfa, build.straight); }
+    if (build.renderer_words == nullptr) { return dfa; }
+    const std::optional<Dfa> cut = product(dfa, *build.renderer_words, intersection_of(), 4 * build.state_cap);
+    if (!cut) { fail("the expression needs too large a table", "use smaller repetition counts and fewer labels"); }
+    return minimized(*cut);
+}
+
+}  // namespace
+
 Languages build_languages(std::span<const ChannelSource> channels, const LanguageOptions& options) {
     std::vector<Expression> expressions;
     expressions.reserve(channels.size());
@@ -164,37 +188,23 @@ Languages build_languages(std::span<const ChannelSource> channels, std::span<Exp
     Languages languages;
     languages.classes = std::make_unique<EventClasses>(table.take());
     const EventClasses& classes = *languages.classes;
-    if (words_root) {
+    const auto built_words = [&](const NodePtr& root) {
         WorkMeter work;
-        languages.words = build_dfa(*words_root, {&classes, &classes.members(osl_set), &work}, options.state_cap);
-    }
-    Dfa renderer_words;
-    if (renderer_root) {
-        WorkMeter work;
-        renderer_words = build_dfa(*renderer_root, {&classes, &classes.members(osl_set), &work}, options.state_cap);
-    }
+        return build_dfa(*root, {&classes, &classes.members(osl_set), &work}, options.state_cap);
+    };
+    if (words_root) { languages.words = built_words(words_root); }
+    const Dfa renderer_words = renderer_root ? built_words(renderer_root) : Dfa{};
+    const ChannelBuild build{classes,
+                             classes.members(straight_set),
+                             classes.members(renderman_set),
+                             classes.members(osl_set),
+                             renderer_root ? &renderer_words : nullptr,
+                             options.state_cap};
     for (std::size_t k = 0; k < channels.size(); ++k) {
         languages.channels.push_back(empty_dfa(classes.count()));
-        if (!expressions[k].root) {
-            continue;
-        }
-        const bool renderman = expressions[k].dialect == Dialect::renderman;
-        WorkMeter work;
+        if (!expressions[k].root) { continue; }
         try {
-            Dfa dfa =
-                build_dfa(*expressions[k].root,
-                          {&classes, &classes.members(renderman ? renderman_set : osl_set), &work}, options.state_cap);
-            if (renderman) {
-                ignore_straight_events(dfa, classes.members(straight_set));
-            }
-            if (renderer_root) {
-                const std::optional<Dfa> cut = product(dfa, renderer_words, intersection_of(), 4 * options.state_cap);
-                if (!cut) {
-                    fail("the expression needs too large a table", "use smaller repetition counts and fewer labels");
-                }
-                dfa = minimized(*cut);
-            }
-            languages.channels.back() = std::move(dfa);
+            languages.channels.back() = build_channel(expressions[k], build);
         } catch (Failure& failure) {
             throw Failure{SourceText::whole_error(channels[k], std::move(failure.error))};
         }

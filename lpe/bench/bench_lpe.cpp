@@ -168,9 +168,9 @@ void reverse_build(benchmark::State& state, const std::string& set) {
     }
 }
 
-/// Grows a light subpath of `range(1)` scatterings and joins each of its ends once with a camera subpath: by the
-/// reversed program, or by replay. The time is that of one vertex and its join.
-void join(benchmark::State& state, const std::string& set, bool replay) {
+/// Grows a light subpath of `range(1)` scatterings and joins each of its ends once with a camera subpath. The time is
+/// that of one vertex and its join.
+void join(benchmark::State& state, const std::string& set) {
     const Program program = compile_or_exit(named_set(set, static_cast<std::size_t>(state.range(0))));
     const auto depth = static_cast<std::size_t>(state.range(1));
     const auto reversed = ReversedProgram::build(program);
@@ -195,17 +195,11 @@ void join(benchmark::State& state, const std::string& set, bool replay) {
     for (auto _ : state) {
         for (std::size_t path = 0; path < paths.size(); ++path) {
             const State* camera = &cameras[path * program.word_count()];
-            LightWord word;
             std::copy(reversed->starts().begin(), reversed->starts().end(), light.begin());
             for (std::size_t k = 0; k <= depth; ++k) {
                 const EventClass event = k == 0 ? terminals[path] : scattering[(path + k) % paths.size()];
-                if (replay) {
-                    word.prepend(event);
-                    accepted += word.join(program, camera, whole.data()) && program.accepts_any_of(whole.data());
-                } else {
-                    reversed->prepend(light.data(), event, light.data());
-                    accepted += reversed->accepts_any(camera, light.data());
-                }
+                reversed->prepend(light.data(), event, light.data());
+                accepted += reversed->join(camera, light.data(), whole.data());
             }
         }
     }
@@ -258,10 +252,8 @@ BENCHMARK_CAPTURE(add_one, firsthit, "firsthit")->Arg(128)->Unit(benchmark::kMil
 BENCHMARK_CAPTURE(add_one, mixture, "mixture")->Arg(256)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(classify, firsthit, "firsthit")->Arg(128);
 BENCHMARK_CAPTURE(reverse_build, firsthit, "firsthit")->Arg(32)->Arg(64)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(join, firsthit_reversed, "firsthit", false)->Args({64, 2})->Args({64, 8})->Args({64, 32});
-BENCHMARK_CAPTURE(join, firsthit_replayed, "firsthit", true)->Args({64, 2})->Args({64, 8})->Args({64, 32});
-BENCHMARK_CAPTURE(join, labels_reversed, "labels", false)->Args({128, 8});
-BENCHMARK_CAPTURE(join, labels_replayed, "labels", true)->Args({128, 8});
+BENCHMARK_CAPTURE(join, firsthit, "firsthit")->Args({64, 2})->Args({64, 8})->Args({64, 32});
+BENCHMARK_CAPTURE(join, labels, "labels")->Args({128, 8});
 BENCHMARK(compile_generated)->Unit(benchmark::kMillisecond);
 BENCHMARK(prove_shipped)->Unit(benchmark::kMillisecond);
 BENCHMARK(prove_generated)->Unit(benchmark::kMillisecond);

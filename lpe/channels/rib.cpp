@@ -289,7 +289,7 @@ class RibReader {
         if (!at_argument() || in_.peek() != '"' || take_string().text() != "lpe") {
             return;
         }
-        take_parameters([&](std::size_t begin, const MappedText& declaration, Value value) {
+        take_parameters([&](std::size_t begin, const MappedText& declaration, const Value& value) {
             const std::string slot = split_declaration(declaration.text()).second;
             if (!value.is_string) {
                 file_.warnings.push_back(in_.origin() + ":" + std::to_string(in_.line_of(begin)) +

@@ -269,8 +269,9 @@ TEST_CASE("the help of render stands in groups, and words are coloured where tha
     const Folder folder;
     const std::string help = run_raylex(folder, "render --help").out;
     std::size_t last = 0;
-    for (const char* group : {"\nFiles and viewers:", "\nSampling:", "\nLong renders:", "\nMachine:",
-                              "\nLight transport:", "\nLayers:", "\nColour and previews:", "\nFilters:"}) {
+    for (const char* group :
+         {"\nFiles and viewers:", "\nSampling:", "\nImage:", "\nLong renders:", "\nMachine:", "\nLight transport:",
+          "\nLayers of light:", "\nOther layers:", "\nColour and previews:", "\nFilters:"}) {
         CAPTURE(group);
         const std::size_t at = help.find(group);
         REQUIRE(at != std::string::npos);
@@ -278,7 +279,7 @@ TEST_CASE("the help of render stands in groups, and words are coloured where tha
         last = at;
     }
     CHECK(help.find("--spp") > help.find("\nSampling:"));
-    CHECK(help.find("--spp") < help.find("\nLong renders:"));
+    CHECK(help.find("--spp") < help.find("\nImage:"));
     const auto error = [&](const std::string& line) { return run_shell(folder, line).err; };
     const std::string red = "raylex: \x1b[1;31merror:\x1b[0m ";
     CHECK(error("\"$RAYLEX\" verify absent.exr").starts_with("raylex: error: "));

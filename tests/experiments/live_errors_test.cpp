@@ -9,8 +9,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "experiments/cli/console.h"
 #include "experiments/cli/progress.h"
+#include "experiments/program/console.h"
 #include "support.h"
 #include "support/paths.h"
 #include "transport/import/pbrt_importer.h"

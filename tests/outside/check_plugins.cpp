@@ -163,6 +163,24 @@ void check_camera() {
     check_refused("render scene.pbrt -o out.exr", "scene.pbrt:1:", "unknown camera 'orthographic'");
 }
 
+void check_shape() {
+    // Sky of 1 where the shape is not, half of it where it is: a triangle of radius 0.5 around the centre, its tip to
+    // the right; the image is 1.41 wide there. Seen from the front, +x is left.
+    write_scene("", "Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n"
+                    "Rotate 180 0 0 1 Shape \"polygon\" \"integer sides\" 3 \"float radius\" .5\n");
+    const std::vector<float> seen = render(plugin("polygon_shape") + "scene.pbrt --max-depth 1");
+    check(seen.size() == 256 && std::abs(seen[pixel(8, 8)] - 0.5f) < 1e-5f && seen[pixel(4, 8)] == 1 &&
+              seen[pixel(14, 8)] == 1 && std::abs(seen[pixel(10, 8)] - 0.5f) < 1e-5f,
+          "polygon: a triangle with its tip to the right, placed by the current transformation");
+    write_scene("", "Shape \"polygon\" \"integer sides\" 2\n");
+    check_refused("render " + plugin("polygon_shape") + "scene.pbrt -o out.exr", "scene.pbrt:8:",
+                  "'sides' is 2; expected");
+    write_scene("", "Shape \"polygon\" \"integer side\" 4\n");
+    check_refused("render " + plugin("polygon_shape") + "scene.pbrt -o out.exr", "scene.pbrt:8:",
+                  "shape 'polygon' has no parameter 'side'; expected one of: sides, radius, alpha");
+    check_refused("render scene.pbrt -o out.exr", "scene.pbrt:8:", "unknown shape 'polygon'");  // without the plugin
+}
+
 void check_display_filter() {
     write_scene("", "Material \"diffuse\"\n" + wall);
     const std::vector<float> plain = render("scene.pbrt --statistics beauty=mse"), error = read_layer("beauty_mse");
@@ -225,6 +243,7 @@ int main() {
     check_pattern();
     check_material();
     check_camera();
+    check_shape();
     check_filter_and_driver();
     check_display_filter();
     check_listing();

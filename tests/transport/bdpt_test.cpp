@@ -1,7 +1,7 @@
 // Bidirectional path tracing against the path tracer, word by word.
 #include <numeric>
 
-#include "transport/replicates.h"
+#include "transport/enclosure.h"
 
 using namespace render_test;
 
@@ -156,11 +156,7 @@ AttributeEnd
             }
         }
         check_agreement(whole, found, each.techniques);
-        for (std::size_t k = 0; k < techniques; ++k) {
-            double sum = 0;
-            for (std::size_t b = 0; b < blocks; ++b) sum += alone.mean((1 + techniques + k) * blocks + b);
-            CHECK(sum > 0.01);
-        }
+        for (std::size_t k = 0; k < techniques; ++k) CHECK(alone.channel(1 + techniques + k).mean > 0.001);
     }
 }
 
@@ -240,21 +236,7 @@ TEST_CASE("variances and adaptive sampling of bidirectional path tracing are of 
 
 TEST_CASE("in an emitting enclosure every word has its closed form with every integrator",
           "[bdpt][lighttracer][pssmlt][render][statistical]") {
-    // Row A: walls of radiance 1 that scatter kd = 0.5 diffusely and mirror ks = 0.3. The light of a word of d diffuse
-    // and s mirror reflections is kd^d ks^s, wherever the camera stands.
-    const auto scene = scene_of(R"(
-Film "rgb" "integer xresolution" 12 "integer yresolution" 12
-Sampler "independent" "integer pixelsamples" 64
-PixelFilter "box" "float xradius" 0.5 "float yradius" 0.5
-LookAt 0.2 0.1 0  0.2 0.3 -1  0 1 0
-Camera "perspective" "float fov" 60
-WorldBegin
-AreaLightSource "diffuse" "rgb L" [1 1 1]
-Material "raylex:diffuse-mirror" "rgb diffuse" [0.5 0.5 0.5] "rgb specular" [0.3 0.3 0.3]
-ReverseOrientation
-Shape "sphere" "float radius" 2
-)");
-    auto built = transport::BuiltScene::build(scene);
+    auto built = transport::BuiltScene::build(scene_of(enclosure(0.5, 0.3)));
     REQUIRE(built.ok());
     transport::RenderSettings settings;
     settings.max_depth = 5;
@@ -263,43 +245,14 @@ Shape "sphere" "float radius" 2
     const std::string integrator = GENERATE("path", "bdpt", "lighttracer", "pssmlt");
     CAPTURE(integrator);
     settings.integrator = integrator_named(integrator);
-    std::vector<double> expected;
-    for (int length = 1; length <= 5; ++length)
-        for (int word = 0; word < 1 << length; ++word) {
-            std::string text = "C";
-            double value = 1;
-            for (int i = 0; i < length; ++i) {
-                const bool mirror = (word >> i & 1) != 0;
-                text += mirror ? "<RS>" : "<RD>";
-                value *= mirror ? 0.3 : 0.5;
-            }
-            if (integrator == "lighttracer" && (word & 1) != 0)
-                value = 0;  // no light path ends at a mirror the camera sees
-            settings.channels.push_back(osl("w" + std::to_string(expected.size()), text + "L"));
-            expected.push_back(value);
-        }
+    std::vector<ClosedForm> expected;
+    for (const EnclosureWord& word : enclosure_words(0.5, 0.3, 5)) {
+        const bool found = integrator != "lighttracer" || light_tracer_finds(word);
+        expected.push_back({"C" + word.reflections + "L", found ? word.value : 0});
+        settings.channels.push_back(osl("w" + std::to_string(expected.size()), expected.back().expression));
+    }
     settings.samples_per_pixel =
         integrator == "lighttracer" ? 256 : 64;  // mirrors that light paths meet are rare words
-    constexpr int seeds = 16, blocks = blocks_across * blocks_across;
-    const Replicates found = replicates(**built, settings, static_cast<int>(expected.size()), seeds, 900);
-    int tested = 0;
-    for (std::size_t w = 0; w < expected.size(); ++w) {
-        double mean = 0;
-        std::vector<double> of_seed(seeds);
-        for (int s = 0; s < seeds; ++s) {
-            for (int b = 0; b < blocks; ++b)
-                of_seed[static_cast<std::size_t>(s)] +=
-                    found.of_seed[static_cast<std::size_t>(s)][w * blocks + static_cast<std::size_t>(b)] / blocks;
-            mean += of_seed[static_cast<std::size_t>(s)] / seeds;
-        }
-        double squares = 0;
-        for (const double each : of_seed) squares += (each - mean) * (each - mean);
-        const double error = std::sqrt(squares / (seeds * (seeds - 1)));
-        INFO(settings.channels[w].expression << ": " << mean << " +- " << error << ", expected " << expected[w]);
-        // 6.5: Student's t at 15 degrees of freedom, two-sided, for 0.001 over 4 x 62 tests (Sidak) is 6.3.
-        CHECK(std::abs(mean - expected[w]) <= 6.5 * error + 1e-5 * expected[w]);
-        CHECK(error <= 0.12 * expected[w]);  // so that the check can fail
-        ++tested;
-    }
-    CHECK(tested == 62);
+    check_closed_forms(replicates(**built, settings, static_cast<int>(expected.size()), 16, 900), expected,
+                       4 * expected.size(), 0.12);
 }

@@ -1,5 +1,6 @@
 // The light tracer against the path tracer, word by word, and the laws.
 #include "transport/interrupted_render.h"
+#include "transport/materials_support.h"
 #include "transport/replicates.h"
 
 using namespace render_test;
@@ -23,6 +24,44 @@ TEST_CASE("the light tracer through lenses and cutouts, with shading normals and
         many_lights(),
         settings, integrator_named("lighttracer"), 12, 384,
         {"C<RD>[LB]", "C<Ts><RD>[LB]", "C<RD><RS>+B", "C<RG>[LB]", "C<RD><.G>+[LB]", "C<RD><RD>[LB]", "C<Ts>*[LB]"});
+}
+
+TEST_CASE("light that begins in glass leaves it with all its power", "[lighttracer][bdpt][render][statistical]") {
+    // A ball of radius 0.2 and radiance 1 in the middle of a glass ball of 1 in the middle of a grey one of 3. All of
+    // it meets the glass at angles below 12 degrees and by symmetry spreads evenly: rho r^2 / R^2 (1 - F) as seen on
+    // the outer ball, F being the mean reflectance by the midpoint rule. Scaled by 1 / eta^2 as radiance is, it would
+    // be 2.25 times darker; where light enters and leaves the glass the two cancel.
+    double expected = 0;
+    constexpr int steps = 1000;
+    for (int i = 0; i < steps; ++i) {
+        const double sine_squared = (i + 0.5) / steps;  // of emission, cosine-weighted: uniform in its square
+        expected += 0.5 * 0.04 / 9 / steps *
+                    (1 - raylex::test::fresnel_by_snell(std::sqrt(1 - 0.04 * sine_squared), 1.5, 1));
+    }
+    const std::string integrator = GENERATE("lighttracer", "bdpt");
+    transport::RenderSettings settings;
+    settings.samples_per_pixel = 64;
+    settings.integrator = integrator_named(integrator);
+    settings.channels = {osl("once", "C<RD><TS>L")};
+    auto built = transport::BuiltScene::build(scene_of(film + R"(
+Integrator "path" "integer maxdepth" 2
+LookAt 0 0 1.5  0 0 3  0 1 0
+Camera "perspective" "float fov" 60
+WorldBegin
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [1 1 1]
+  Shape "sphere" "float radius" 0.2
+AttributeEnd
+AttributeBegin
+  Material "dielectric" "float eta" 1.5
+  Shape "sphere" "float radius" 1
+AttributeEnd
+Material "diffuse" "rgb reflectance" [0.5 0.5 0.5]
+Shape "sphere" "float radius" 3
+)"));
+    REQUIRE(built.ok());
+    settings.beauty = false;
+    check_closed_forms(replicates(**built, settings, 1, 16, 1), {{"C<RD><TS>L", expected}}, 2, 0.02);
 }
 
 TEST_CASE("methods that splat keep the laws: splits sum, asking changes nothing, threads and interruptions neither",

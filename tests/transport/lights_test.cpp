@@ -210,14 +210,97 @@ LightSource "point" "rgb I" [0 0 0] "point3 from" [0 1 0]
         int chosen[3] = {};
         for (std::uint64_t i = 0; i < 1000; ++i) {
             LightSample s;
-            REQUIRE(scene.lights.sample(choice, scene.geometry, {5, 5, 5}, 0,
-                                        {static_cast<float>(i) / 1000, 0.5f}, s));  // few lights: u.x chooses
+            REQUIRE(scene.lights.sample(choice, scene.geometry, {5, 5, 5}, 0, {static_cast<float>(i) / 1000, 0.5f},
+                                        s));  // few lights: u.x chooses
             ++chosen[s.light];
         }
         // Half of the tenth that ignores power, or half of all; an interval's share of 1000 even points is off by at
         // most one.
         CHECK(std::abs(chosen[1] - (choice == LightChoice::mis ? 50 : 500)) <= 1);
         CHECK(chosen[2] == 0);
+    }
+}
+
+namespace {
+
+struct Emitter {
+    std::string text;  ///< one light beside a point light of another group, so that choices count
+    Rgb emission;      ///< radiance; intensity of a point light
+    double area;       ///< of its points; 0: it has none
+    bool two_sided = false;
+};
+
+}  // namespace
+
+TEST_CASE("what a light subpath begins with is its light over the density of bidirectional weights", "[lights]") {
+    const std::string area = "AreaLightSource \"diffuse\" \"rgb L\" [2 3 5]\n";
+    const std::vector<Emitter> emitters{
+        {area + "Shape \"trianglemesh\" \"point3 P\" [0 0 0  3 0 0  0 4 0]", {2, 3, 5}, 6},
+        {"AreaLightSource \"diffuse\" \"rgb L\" [2 3 5] \"bool twosided\" true\n"
+         "Shape \"trianglemesh\" \"point3 P\" [0 0 0  3 0 0  0 4 0]",
+         {2, 3, 5},
+         6,
+         true},
+        // A trapezium of parallel sides 4 and 1, height 2: its patch is denser at the short side.
+        {area + "Shape \"bilinearmesh\" \"point3 P\" [0 0 0  4 0 0  0 2 0  1 2 0]", {2, 3, 5}, 5},
+        {area + "Scale 2 1 1 Shape \"disk\" \"float radius\" 3 \"float innerradius\" 1",
+         {2, 3, 5},
+         2 * 3.14159265358979 * 8},
+        {area + "Shape \"sphere\" \"float radius\" 2", {2, 3, 5}, 16 * 3.14159265358979},
+        {area + "Shape \"cylinder\" \"float radius\" 2 \"float zmin\" 0 \"float zmax\" 3",
+         {2, 3, 5},
+         12 * 3.14159265358979},
+        {"LightSource \"point\" \"rgb I\" [2 3 5]", {2, 3, 5}, 0},
+        {"LightSource \"spot\" \"rgb I\" [2 3 5] \"float coneangle\" 40 \"float conedeltaangle\" 15", {2, 3, 5}, 0},
+        {"LightSource \"distant\" \"rgb L\" [2 3 5]", {2, 3, 5}, 0},
+        {"LightSource \"infinite\" \"rgb L\" [2 3 5]", {2, 3, 5}, 0}};
+    for (const Emitter& emitter : emitters) {
+        INFO(emitter.text);
+        const Lit scene = build("AttributeBegin\n" + emitter.text +
+                                "\nAttributeEnd\nLightSource \"point\" \"rgb I\" [7 7 7] \"point3 from\" [9 9 9]\n"
+                                "Shape \"sphere\" \"float radius\" 0.5");
+        const auto lights = scene.lights.lights();
+        REQUIRE(lights.size() >= 2);
+        double inverse = 0, inverse_squared = 0;
+        int count = 0;
+        for (std::uint64_t i = 0; i < 4000; ++i) {
+            const PixelSampler sampler(SamplerKind::independent, 3, 0, 0, i);
+            EmissionSample s;
+            if (!scene.lights.sample_emission(scene.geometry, sampler.get_1d(1), sampler.get_2d(2), sampler.get_2d(3),
+                                              s))
+                continue;
+            const Light& light = scene.lights.lights()[s.from.light];
+            if (light.kind == LightKind::point && light.emission.r == 7) continue;
+            const EmissionDensity density = scene.lights.emission_density(scene.geometry, s.from, s.direction);
+            double radiated = 1;
+            if (light.is_area()) radiated = std::abs(static_cast<double>(dot(s.from.target_normal, s.direction)));
+            else if (light.kind == LightKind::spot)
+                radiated = static_cast<double>(spot_falloff(light, dot(light.direction, s.direction)));
+            for (int c = 0; c < 3; ++c) {
+                // Some thirty float operations in either direction, of directions that rounding turns by 2^-23: near
+                // the horizon, and near the cone's edge, that is much of what is left.
+                const double both = static_cast<double>(s.power[c]) * static_cast<double>(density.position) *
+                                    static_cast<double>(density.direction);
+                const double expected = static_cast<double>(emitter.emission[c]) * radiated;
+                REQUIRE(std::abs(both - expected) <= 5 * (64 * 0x1p-24 * radiated + 16 * 0x1p-23));
+            }
+            if (light.is_area() && !emitter.two_sided) REQUIRE(dot(s.from.target_normal, s.direction) > 0);
+            ++count;
+            LightSample other;  // whose position's density is that it is chosen
+            while (lights[other.light].kind != LightKind::point) ++other.light;
+            const double chosen =
+                1 - static_cast<double>(scene.lights.emission_density(scene.geometry, other, s.direction).position);
+            const double inverse_density = chosen / static_cast<double>(density.position);
+            inverse += inverse_density;
+            inverse_squared += inverse_density * inverse_density;
+        }
+        REQUIRE(count > 200);
+        if (emitter.area == 0) continue;
+        // The mean of 1 / density over points drawn with it is the area. 4 standard errors of ten tests, and rounding.
+        const double mean = inverse / count;
+        const double error = std::sqrt(std::max(0.0, inverse_squared / count - mean * mean) / count);
+        CAPTURE(mean, error, emitter.area);
+        CHECK(std::abs(mean - emitter.area) <= 4 * error + 1e-5 * emitter.area);
     }
 }
 

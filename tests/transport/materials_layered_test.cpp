@@ -67,15 +67,6 @@ struct Double3 {
 };
 double dot3(const Double3& a, const Double3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-double fresnel_by_snell(double cos_i, double n_i, double n_t) {
-    const double sin_t = n_i / n_t * std::sqrt(1 - cos_i * cos_i);
-    if (sin_t >= 1) return 1;
-    const double cos_t = std::sqrt(1 - sin_t * sin_t);
-    const double s = (n_i * cos_i - n_t * cos_t) / (n_i * cos_i + n_t * cos_t);
-    const double p = (n_i * cos_t - n_t * cos_i) / (n_i * cos_t + n_t * cos_i);
-    return (s * s + p * p) / 2;
-}
-
 double masking(const Double3& w, double alpha) {
     const double tan2 = (1 - w.z * w.z) / (w.z * w.z);
     return (std::sqrt(1 + alpha * alpha * tan2) - 1) / 2;

@@ -42,6 +42,16 @@ inline Vec3 local_direction(float cos_theta, float phi = 0.7f) {
     return {s * std::cos(phi), s * std::sin(phi), cos_theta};
 }
 
+/// Reflectance of a smooth interface by Snell's law and Fresnel's equations, straight from the textbook.
+inline double fresnel_by_snell(double cos_i, double n_i, double n_t) {
+    const double sin_t = n_i / n_t * std::sqrt(1 - cos_i * cos_i);
+    if (sin_t >= 1) return 1;
+    const double cos_t = std::sqrt(1 - sin_t * sin_t);
+    const double s = (n_i * cos_i - n_t * cos_t) / (n_i * cos_i + n_t * cos_t);
+    const double p = (n_i * cos_t - n_t * cos_i) / (n_i * cos_t + n_t * cos_i);
+    return (s * s + p * p) / 2;
+}
+
 /// Upper tail of the chi-square distribution: the regularised incomplete gamma function Q(dof/2, x/2).
 inline double chi_square_tail(double x, double dof) {
     const double a = dof / 2, y = x / 2;

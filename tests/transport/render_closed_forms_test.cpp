@@ -1,5 +1,5 @@
 // Renders against closed forms. Each scene is tiny; tolerances are standard errors of that very render.
-#include "transport/render_support.h"
+#include "transport/enclosure.h"
 
 using namespace render_test;
 
@@ -69,19 +69,11 @@ Shape "sphere" "float radius" 2
 
 TEST_CASE("a mirror box multiplies by its reflectance, and words follow", "[render]") {
     // Row A with kd = 0.5, ks = 0.3 in a sphere: L = Le / (1 - kd - ks) = 5 but for a remainder of 0.8^100.
-    auto scene = scene_of(film + R"(
-Integrator "path" "integer maxdepth" 100
-LookAt 0 0 0.3  0 0 -1  0 1 0
-Camera "perspective" "float fov" 60
-WorldBegin
-AreaLightSource "diffuse" "rgb L" [1 1 1]
-Material "raylex:diffuse-mirror" "rgb diffuse" [0.5 0.5 0.5] "rgb specular" [0.3 0.3 0.3]
-ReverseOrientation
-Shape "sphere" "float radius" 2
-)");
+    const auto scene = scene_of(enclosure(0.5, 0.3));
     transport::RenderSettings settings;
     settings.channels = {lpe_channel("dsd", "CDSD[<L.>O]"), lpe_channel("s-first", "CSD*[<L.>O]")};
-    settings.samples_per_pixel = 64;
+    settings.samples_per_pixel = 256;
+    settings.max_depth = 100;
     const auto output = render_of(scene, settings);
     const double expected[] = {5, 0.5 * 0.3 * 0.5, 0.3 / (1 - 0.5)};
     for (display::ChannelId id = 0; id < 3; ++id) {

@@ -26,9 +26,22 @@ struct Replicates {
         const double n = static_cast<double>(of_seed.size());
         return squares / (n * (n - 1));
     }
+    /// A channel's mean over the image, of blocks of one size, and its standard error: blocks of a seed hang together.
+    [[nodiscard]] Estimate channel(std::size_t index) const;
 };
 
 inline constexpr int blocks_across = 3;
+
+inline Estimate Replicates::channel(std::size_t index) const {
+    constexpr std::size_t blocks = blocks_across * blocks_across;
+    Replicates whole;
+    for (const std::vector<double>& each : of_seed) {
+        double sum = 0;
+        for (std::size_t b = 0; b < blocks; ++b) sum += each[index * blocks + b];
+        whole.of_seed.push_back({sum / blocks});
+    }
+    return {whole.mean(0), std::sqrt(whole.variance(0))};
+}
 
 /// `channels` expression channels from id 0 on, green. The seeds are first_seed, first_seed + 1, ...
 inline Replicates replicates(const transport::BuiltScene& scene, transport::RenderSettings settings, int channels,
@@ -108,6 +121,53 @@ inline void check_agreement(Replicates a, Replicates b, const std::vector<std::s
     CHECK(squares / compared < 11.0 / 9 + 4.5 * std::sqrt(2 * 2.5 / compared));
 }
 
+/// |t| that Student's t of `dof` degrees of freedom exceeds in any of `tests` tests once in a thousand (Sidak). Its tail
+/// beyond sqrt(dof) tan(x) is an integral of cos^(dof - 1) from x to pi / 2.
+inline double student_threshold(int dof, std::size_t tests) {
+    const double each = -std::expm1(std::log1p(-0.001) / static_cast<double>(tests));
+    const double scale = 2 / std::sqrt(std::acos(-1.0)) * std::exp(std::lgamma((dof + 1) / 2.0) - std::lgamma(dof / 2.0));
+    const double right = std::acos(0.0);
+    const auto tail = [&](double from) {
+        constexpr int steps = 2000;
+        double sum = 0;
+        for (int i = 0; i < steps; ++i)
+            sum += std::pow(std::cos(from + (i + 0.5) * (right - from) / steps), dof - 1) * (right - from) / steps;
+        return scale * sum;
+    };
+    double low = 0, high = right;
+    for (int i = 0; i < 50; ++i) {
+        const double middle = (low + high) / 2;
+        (tail(middle) > each ? low : high) = middle;
+    }
+    return std::sqrt(static_cast<double>(dof)) * std::tan(low);
+}
+
+/// A channel and the mean it must have.
+struct ClosedForm {
+    std::string expression;
+    double value;
+};
+
+/// Channels from id 0 on against their closed forms, errors from the seeds, as some of `tests` tests in all.
+/// `largest_error`: relative, so that the check can fail. What is 0 is so to the bit.
+inline void check_closed_forms(const Replicates& found, const std::vector<ClosedForm>& expected, std::size_t tests,
+                               double largest_error) {
+    const double threshold = student_threshold(static_cast<int>(found.of_seed.size()) - 1, tests);
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+        const Estimate e = found.channel(i);
+        const double value = expected[i].value;
+        INFO(expected[i].expression << ": " << e.mean << " +- " << e.error << ", expected " << value << "; at most "
+                                    << threshold << " errors");
+        if (value == 0) {
+            CHECK(e.mean == 0);
+            continue;
+        }
+        // Products of up to a dozen floats, and directions of up to 2^-20 relative error.
+        CHECK(std::abs(e.mean - value) <= threshold * e.error + 1e-5 * value);
+        CHECK(e.error <= largest_error * value);
+    }
+}
+
 inline transport::SceneEntity integrator_named(const std::string& type) {
     transport::SceneEntity entity;
     entity.type = type;
@@ -141,13 +201,9 @@ inline void compare_with_path(const transport::SceneDescription& scene, transpor
     check_agreement(path, tested, expressions);
     for (std::size_t c = 0; c < expressions.size();
          ++c) {  // a channel that is black everywhere would agree with anything
-        double sum = 0, error = 0;
-        for (std::size_t b = 0; b < blocks_across * blocks_across; ++b) {
-            sum += tested.mean(c * blocks_across * blocks_across + b);
-            error += tested.variance(c * blocks_across * blocks_across + b);
-        }
-        CAPTURE(expressions[c], sum, error);
-        CHECK(std::abs(sum) > 10 * std::sqrt(error));
+        const Estimate e = tested.channel(c);
+        CAPTURE(expressions[c], e.mean, e.error);
+        CHECK(std::abs(e.mean) > 10 * e.error);
     }
 }
 

@@ -5,15 +5,16 @@ using namespace render_test;
 
 namespace {
 
+std::string number(double v) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.9g ", v);
+    return text;
+}
+
 /// A room with an area light, in units of `s` (its walls 2 apart), around (x, 0, 0). No light that has a unit of
 /// length.
 std::string room_at(double s, double x) {
-    const auto n = [](double v) {
-        char text[32];
-        std::snprintf(text, sizeof text, "%.9g ", v);
-        return std::string(text);
-    };
-    const auto p = [&](double a, double b, double c) { return n(x + s * a) + n(s * b) + n(s * c); };
+    const auto p = [&](double a, double b, double c) { return number(x + s * a) + number(s * b) + number(s * c); };
     const auto quad = [&](const std::string& points) {
         return "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [" + points + "]\n";
     };
@@ -25,7 +26,7 @@ std::string room_at(double s, double x) {
     text += quad(p(-1, 0, -1) + p(1, 0, -1) + p(1, 2, -1) + p(-1, 2, -1));
     text += quad(p(-1, 0, 1) + p(-1, 0, -1) + p(-1, 2, -1) + p(-1, 2, 1));
     text += "Shape \"bilinearmesh\" \"point3 P\" [" + p(1, 0, -1) + p(1, 0, 1) + p(1, 2, -1) + p(1, 2, 1) + "]\n";
-    text += "AttributeBegin\nTranslate " + p(0.3, 0.4, 0.2) + "Scale " + n(s) + n(s) + n(s) +
+    text += "AttributeBegin\nTranslate " + p(0.3, 0.4, 0.2) + "Scale " + number(s) + number(s) + number(s) +
             "Shape \"sphere\" \"float radius\" 0.4\nAttributeEnd\n";
     text += "AreaLightSource \"diffuse\" \"rgb L\" [8 8 8]\n";
     return text + quad(p(-0.4, 1.98, -0.4) + p(0.4, 1.98, -0.4) + p(0.4, 1.98, 0.4) + p(-0.4, 1.98, 0.4));
@@ -65,4 +66,59 @@ TEST_CASE("A room far from the origin keeps its light", "[law6]") {
                    far = estimate(render_of(scene_of(room_at(100, 1e5))));
     INFO(far.mean << " +- " << far.error << ", expected " << expected.mean << " +- " << expected.error);
     CHECK(deviation(far, expected) < 4.5);
+}
+
+TEST_CASE("The weights of bidirectional strategies do not depend on the unit of length", "[bdpt][mis]") {
+    // Every kind of light, each with units of its own: what a light at infinity sends in is per area across the beam,
+    // what one without extent sends out per steradian, an area's per both. A weight that takes one for another is
+    // right in one unit at most.
+    const auto image = [](int exponent, const std::string& channel) {
+        const double unit = std::ldexp(1, exponent);
+        const auto point = [&](double x, double y, double z) {
+            return number(unit * x) + number(unit * y) + number(unit * z);
+        };
+        const std::string intensity = number(3 * unit * unit), scale = number(unit);
+        transport::RenderSettings settings;
+        settings.samples_per_pixel = 16;
+        transport::SceneEntity bdpt;
+        bdpt.type = "bdpt";
+        settings.integrator = bdpt;
+        settings.max_depth = 3;
+        settings.beauty = false;
+        settings.channels = {lpe_channel("c", channel)};
+        settings.channels[0].statistics = false;
+        const std::string text = film + "LookAt " + point(0, 1, 4) + point(0, 0.5, 0) + R"( 0 1 0
+Camera "perspective" "float fov" 40
+WorldBegin
+LightSource "infinite" "rgb L" [0.3 0.3 0.3]
+LightSource "distant" "rgb L" [1 1 1] "point3 from" [1 2 1] "point3 to" [0 0 0]
+LightSource "point" "rgb I" [)" + intensity + intensity + intensity + R"(] "point3 from" [)" +
+                                 point(-1, 2, 1) + R"(]
+Scale )" + scale + scale + scale + R"(
+Material "diffuse" "rgb reflectance" [0.7 0.7 0.7]
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-3 0 3 3 0 3 3 0 -3 -3 0 -3]
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-3 0 -1.5 3 0 -1.5 3 3 -1.5 -3 3 -1.5]
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [3 3 3]
+  Translate 1 1 0
+  Shape "sphere" "float radius" 0.3
+AttributeEnd
+)";
+        return render_of(scene_of(text), settings).frame_buffer.resolve(0);
+    };
+    for (const char* channel : {"s0t3;C.L", "s1t2;C.L", "s2t1;C.L", "s0t4;C..L", "s1t3;C..L", "s2t2;C..L",
+                                "s3t1;C..L", "s3t2;C...L", "s4t1;C...L"}) {
+        const std::vector<double> expected = image(0, channel);
+        double largest = 0;
+        for (const double value : expected) largest = std::max(largest, value);
+        CHECK(largest > 0);
+        for (const int exponent : {-8, 8}) {
+            CAPTURE(channel, exponent);
+            const std::vector<double> found = image(exponent, channel);
+            double worst = 0;
+            for (std::size_t i = 0; i < found.size(); ++i) worst = std::max(worst, std::abs(found[i] - expected[i]));
+            INFO(worst << " of " << largest);
+            CHECK(worst == 0);
+        }
+    }
 }

@@ -6,6 +6,7 @@
 
 #include "display/buffer/pixel_filter.h"
 #include "transport/cameras/camera.h"
+#include "transport/import/shapes.h"
 #include "transport/integrators/integrator.h"
 #include "transport/lights/light_table.h"
 #include "transport/materials/material.h"
@@ -33,12 +34,17 @@ struct Row {
     std::vector<Ignored> ignored;
 };
 
-// After the file format of pbrt-v4 (pbrt.org/fileformat-v4) and what its source looks up.
-std::vector<Row> make_table() {
+std::vector<Ignored> all_ignored(const Names& names, const std::string& why) {
+    std::vector<Ignored> list;
+    for (const std::string& name : names) list.push_back({name, {}, why});
+    return list;
+}
+
+const std::string plain = "raylex writes plain radiance", scrambled = "points are always Owen-scrambled";
+
+// The rows are after the file format of pbrt-v4 (pbrt.org/fileformat-v4) and what its source looks up.
+std::vector<Row> camera_rows() {
     using enum EntityKind;
-    const std::string plain = "raylex writes plain radiance", scrambled = "points are always Owen-scrambled",
-                      by_power = "lights are chosen by their power", as_path = "'path' takes the integrator's place",
-                      bilinear = "images are interpolated without regard to the footprint of a pixel";
     const Names every_film{"xresolution", "yresolution", "cropwindow", "pixelbounds", "filename", "diagonal"};
     const std::vector<Ignored> sensor{
         {"sensor", {"cie1931"}, plain},   {"iso", {"100"}, plain},
@@ -47,21 +53,7 @@ std::vector<Row> make_table() {
     std::vector<Ignored> geometry = sensor, spectrum = sensor;
     geometry.push_back({"coordinatesystem", {}, plain});
     for (const char* name : {"nbuckets", "lambdamin", "lambdamax"}) spectrum.push_back({name, {}, plain});
-    const std::vector<Ignored> owen{{"randomization", {"owen", "fastowen"}, scrambled}},
-        light_choice{{"lightsampler", {"power", "uniform"}, by_power}};
-    const auto all_ignored = [](const Names& names, const std::string& why) {
-        std::vector<Ignored> list;
-        for (const std::string& name : names) list.push_back({name, {}, why});
-        return list;
-    };
-    const Names bumps{"displacement", "normalmap"}, band{"radius", "zmin", "zmax", "phimax", "alpha"};
-    const Names mesh{"P", "N", "uv", "indices", "faceIndices", "alpha"};
-    Names patches = mesh;
-    patches.push_back("emissionfilename");
     return {
-        {accelerator, "bvh", {"maxnodeprims", "splitmethod"}, {}},
-        {accelerator, "kdtree", {"intersectcost", "traversalcost", "emptybonus", "maxprims", "maxdepth"}, {}},
-        {area_light, "diffuse", {"power", "filename"}, {}},
         {camera,
          "perspective",
          {},
@@ -70,6 +62,17 @@ std::vector<Row> make_table() {
         {film, "gbuffer", every_film, geometry},
         {film, "rgb", every_film, sensor},
         {film, "spectral", every_film, spectrum},
+    };
+}
+
+std::vector<Row> method_rows() {
+    using enum EntityKind;
+    const std::string by_power = "lights are chosen by their power", as_path = "'path' takes the integrator's place";
+    const std::vector<Ignored> owen{{"randomization", {"owen", "fastowen"}, scrambled}},
+        light_choice{{"lightsampler", {"power", "uniform"}, by_power}};
+    return {
+        {accelerator, "bvh", {"maxnodeprims", "splitmethod"}, {}},
+        {accelerator, "kdtree", {"intersectcost", "traversalcost", "emptybonus", "maxprims", "maxdepth"}, {}},
         {integrator,
          "bdpt",
          {"maxdepth"},
@@ -86,6 +89,20 @@ std::vector<Row> make_table() {
         {integrator, "simplevolpath", {"maxdepth"}, {}},
         {integrator, "sppm", {"maxdepth"}, all_ignored({"photonsperiteration", "radius", "seed"}, as_path)},
         {integrator, "volpath", {}, light_choice},
+        {sampler, "halton", {}, {{"randomization", {"owen"}, scrambled}}},
+        {sampler, "paddedsobol", {}, owen},
+        {sampler, "sobol", {}, owen},
+        {sampler, "stratified", {}, {{"jitter", {"true"}, scrambled}}},
+        {sampler, "zsobol", {}, owen},
+    };
+}
+
+std::vector<Row> content_rows() {
+    using enum EntityKind;
+    const std::string bilinear = "images are interpolated without regard to the footprint of a pixel";
+    const Names bumps{"displacement", "normalmap"};
+    return {
+        {area_light, "diffuse", {"power", "filename"}, {}},
         {light, "infinite", {"portal"}, {}},
         {material, "coatedconductor", bumps, {}},
         {material, "coateddiffuse", bumps, {}},
@@ -93,19 +110,21 @@ std::vector<Row> make_table() {
         {material, "dielectric", bumps, {}},
         {material, "diffuse", bumps, {{"sigma", {"0"}, "the surface is Lambert's"}}},
         {material, "thindielectric", bumps, {}},
-        {sampler, "halton", {}, {{"randomization", {"owen"}, scrambled}}},
-        {sampler, "paddedsobol", {}, owen},
-        {sampler, "sobol", {}, owen},
-        {sampler, "stratified", {}, {{"jitter", {"true"}, scrambled}}},
-        {sampler, "zsobol", {}, owen},
-        {shape, "bilinearmesh", patches, {}},
-        {shape, "cylinder", band, {}},
-        {shape, "disk", {"height", "radius", "innerradius", "phimax", "alpha"}, {}},
-        {shape, "plymesh", {"filename", "displacement", "edgelength", "alpha"}, {}},
-        {shape, "sphere", band, {}},
-        {shape, "trianglemesh", mesh, {{"S", {}, "anisotropic materials follow the texture coordinates"}}},
+        {shape, "bilinearmesh", {"faceIndices", "emissionfilename"}, {}},
+        {shape, "plymesh", {"displacement", "edgelength"}, {}},
+        {shape,
+         "trianglemesh",
+         {"faceIndices"},
+         {{"S", {}, "anisotropic materials follow the texture coordinates"}}},
         {texture, "imagemap", {"maxanisotropy"}, {{"filter", {"bilinear", "point"}, bilinear}}},
     };
+}
+
+std::vector<Row> make_table() {
+    std::vector<Row> table;
+    for (const std::vector<Row>& rows : {camera_rows(), method_rows(), content_rows()})
+        table.insert(table.end(), rows.begin(), rows.end());
+    return table;
 }
 
 const Row* find_row(EntityKind kind, const std::string& type) {
@@ -140,6 +159,8 @@ const std::vector<ParameterDescription>* declared(EntityKind kind, const std::st
             return declared_by(display::pixel_filter_registry(), type);
         case EntityKind::sampler:
             return declared_by(sampler_registry(), type);
+        case EntityKind::shape:
+            return declared_by(shape_registry(), type);
         case EntityKind::texture:
             return declared_by(pattern_registry(), type);
         default:
@@ -190,6 +211,7 @@ Status ParameterChecker::check(EntityKind kind, const std::string& type, const P
     if (entry != nullptr)
         for (const ParameterDescription& each : *entry) read.push_back(each.name);
     if (row != nullptr) read.insert(read.end(), row->taken.begin(), row->taken.end());
+    if (kind == EntityKind::shape) read.emplace_back("alpha");  // of every shape: make_shapes()
     known = read;
     if (row != nullptr)
         for (const Ignored& each : row->ignored)

@@ -203,19 +203,24 @@ Result<std::vector<SceneShape>> make_inline_mesh(ShapeKind kind, const Parameter
     Result<std::vector<Vec3>> normals = normals_of(set, shape.positions.size());
     if (!normals) return normals.error();
     shape.normals = std::move(*normals);
-    const bool patches = kind == ShapeKind::bilinear_mesh;
-    const std::vector<std::uint32_t> none;
-    const std::size_t repaired = repair_normals(shape.normals, shape.positions, patches ? none : shape.indices,
-                                                patches ? shape.indices : none);
-    warn_repaired(repaired, shape, "the mesh", warnings);
-    if (Status status = transform_vertices(shape, context); !status) return status.error();
-    warn_dropped(drop_degenerate(shape), shape, "the mesh", warnings);
-    std::vector<SceneShape> shapes;
-    if (!shape.indices.empty()) shapes.push_back(std::move(shape));
-    return shapes;
+    return finish_mesh(std::move(shape), "the mesh", context, warnings);
 }
 
 }  // namespace
+
+Result<std::vector<SceneShape>> finish_mesh(SceneShape mesh, const std::string& what, const ShapeContext& context,
+                                            std::vector<Error>& warnings) {
+    const bool patches = mesh.kind == ShapeKind::bilinear_mesh;
+    const std::vector<std::uint32_t> none;
+    const std::size_t repaired =
+        repair_normals(mesh.normals, mesh.positions, patches ? none : mesh.indices, patches ? mesh.indices : none);
+    warn_repaired(repaired, mesh, what, warnings);
+    if (Status status = transform_vertices(mesh, context); !status) return status.error();
+    warn_dropped(drop_degenerate(mesh), mesh, what, warnings);
+    std::vector<SceneShape> shapes;
+    if (!mesh.indices.empty()) shapes.push_back(std::move(mesh));
+    return shapes;
+}
 
 Result<std::vector<SceneShape>> make_triangle_mesh(const ParameterSet& set, const ShapeContext& context,
                                                    std::vector<Error>& warnings) {
@@ -266,7 +271,7 @@ Result<std::vector<SceneShape>> make_ply_mesh(const ParameterSet& set, const Sha
     std::vector<SceneShape> shapes;
     const bool both = !mesh->quads.empty() && !mesh->triangles.empty();
     if (!mesh->quads.empty()) {
-        SceneShape quads = both ? base : std::move(base);
+        SceneShape quads = base;
         quads.kind = ShapeKind::bilinear_mesh;
         quads.indices = std::move(mesh->quads);
         dropped += drop_degenerate(quads);

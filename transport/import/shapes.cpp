@@ -9,7 +9,6 @@ namespace raylex::transport {
 
 namespace {
 
-constexpr std::string_view supported[] = {"trianglemesh", "plymesh", "sphere", "disk", "cylinder", "bilinearmesh"};
 constexpr std::string_view unsupported[] = {"curve",       "loopsubdiv", "cone",       "paraboloid",
                                             "hyperboloid", "nurbs",      "heightfield"};
 
@@ -68,18 +67,14 @@ Result<std::vector<SceneShape>> make_quadric(ShapeKind kind, const ParameterSet&
     return std::vector<SceneShape>{std::move(shape)};
 }
 
-Error unknown_shape(const std::string& type, const SourceLocation& where) {
+/// The registry's entry, or an Error that says what pbrt knows and raylex does not.
+Result<const Registry<ShapeFactory>::Entry*> find_shape(const std::string& type, const SourceLocation& where) {
+    if (shape_registry().find(type) != nullptr ||
+        std::find(std::begin(unsupported), std::end(unsupported), type) == std::end(unsupported))
+        return shape_registry().require(type, where);
     std::string list;
-    std::vector<std::string> names;
-    for (const std::string_view name : supported) {
-        list.append(list.empty() ? "" : ", ").append(name);
-        names.emplace_back(name);
-    }
-    if (std::find(std::begin(unsupported), std::end(unsupported), type) != std::end(unsupported))
-        return error_at(where, "shape '" + type + "' is not supported yet; supported are " + list);
-    const std::string near = nearest_name(type, names);
-    return error_at(where, "unknown shape '" + type + "'; expected one of " + list,
-                    near.empty() ? "" : "did you mean '" + near + "'?");
+    for (const std::string& name : shape_registry().names()) list.append(list.empty() ? "" : ", ").append(name);
+    return error_at(where, "shape '" + type + "' is not supported yet; supported are " + list);
 }
 
 /// `alpha`: a number or the name of a float texture, for every kind of shape.
@@ -100,15 +95,51 @@ Status read_alpha(const ParameterSet& set, std::vector<SceneShape>& shapes) {
 
 }  // namespace
 
+Registry<ShapeFactory>& shape_registry() {
+    static Registry<ShapeFactory> registry = [] {
+        using T = ParameterType;
+        Registry<ShapeFactory> r("shape");
+        const ParameterDescription points{"P", T::point3, "", "vertices"},
+            normals{"N", T::normal, "", "shading normals, one a vertex"},
+            uvs{"uv", T::point2, "", "texture coordinates, one a vertex"}, radius{"radius", T::real, "1", "above 0"},
+            phi_max{"phimax", T::real, "360", "degrees around z"};
+        const auto indices = [](const char* help) { return ParameterDescription{"indices", T::integer, "", help}; };
+        const auto quadric = [](ShapeKind kind) {
+            return [kind](const ParameterSet& set, const ShapeContext& context, std::vector<Error>&) {
+                return make_quadric(kind, set, context);
+            };
+        };
+        r.add({"trianglemesh", "triangles", {points, normals, uvs, indices("three a triangle")}, make_triangle_mesh});
+        r.add({"bilinearmesh",
+               "bilinear patches",
+               {points, normals, uvs, indices("four a patch: p00 p10 p01 p11")},
+               make_bilinear_mesh});
+        r.add({"plymesh",
+               "triangles and quadrilaterals of a PLY file",
+               {{"filename", T::string, "", "beside the scene file, or absolute"}},
+               make_ply_mesh});
+        r.add({"sphere",
+               "around the origin",
+               {radius, {"zmin", T::real, "-radius", "cut below"}, {"zmax", T::real, "radius", "cut above"}, phi_max},
+               quadric(ShapeKind::sphere)});
+        r.add({"disk",
+               "across z",
+               {radius, {"height", T::real, "0", "its z"}, {"innerradius", T::real, "0", "of the hole"}, phi_max},
+               quadric(ShapeKind::disk)});
+        r.add({"cylinder",
+               "around z, open",
+               {radius, {"zmin", T::real, "-1", "its lower end"}, {"zmax", T::real, "1", "its upper end"}, phi_max},
+               quadric(ShapeKind::cylinder)});
+        return r;
+    }();
+    return registry;
+}
+
 Result<std::vector<SceneShape>> make_shapes(const std::string& type, const ParameterSet& set,
                                             const ShapeContext& context, std::vector<Error>& warnings) {
-    Result<std::vector<SceneShape>> shapes = unknown_shape(type, set.location);
-    if (type == "trianglemesh") shapes = make_triangle_mesh(set, context, warnings);
-    else if (type == "plymesh") shapes = make_ply_mesh(set, context, warnings);
-    else if (type == "bilinearmesh") shapes = make_bilinear_mesh(set, context, warnings);
-    else if (type == "sphere") shapes = make_quadric(ShapeKind::sphere, set, context);
-    else if (type == "disk") shapes = make_quadric(ShapeKind::disk, set, context);
-    else if (type == "cylinder") shapes = make_quadric(ShapeKind::cylinder, set, context);
+    const auto entry = find_shape(type, set.location);
+    if (!entry) return entry.error();
+    Result<std::vector<SceneShape>> shapes = (*entry)->factory(set, context, warnings);
     if (!shapes) return shapes;
     if (Status status = read_alpha(set, *shapes); !status) return status.error();
     return shapes;

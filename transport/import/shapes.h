@@ -1,8 +1,10 @@
 // Shape directives into loaded, transformed geometry.
 #pragma once
 
+#include <functional>
 #include <vector>
 
+#include "display/services/registry.h"
 #include "transport/import/input_file.h"
 #include "transport/scene/scene_description.h"
 
@@ -14,6 +16,20 @@ struct ShapeContext {
     bool reverse_orientation = false;
     SearchPath search;
 };
+
+/// The shapes of one directive. Material, area light, label and alpha are the caller's business.
+using ShapeFactory = std::function<Result<std::vector<SceneShape>>(
+    const ParameterSet& parameters, const ShapeContext& context, std::vector<Error>& warnings)>;
+/// The shapes by their names in pbrt; plugins add theirs, as meshes (finish_mesh()) or as the kinds there are.
+Registry<ShapeFactory>& shape_registry();
+
+/// What every mesh goes through: `mesh` has its kind, location, positions and indices, and normals and texture
+/// coordinates if any, in the object's space; they are moved to the world's, normals that are no numbers are computed
+/// from the faces, and faces without area are left out, each with a warning that says `what` it was of.
+///
+/// Errors: a vertex beyond the range of float. The caller has checked that indices and counts fit.
+Result<std::vector<SceneShape>> finish_mesh(SceneShape mesh, const std::string& what, const ShapeContext& context,
+                                            std::vector<Error>& warnings);
 
 /// The shapes of one directive: none when nothing of positive area is left (a warning says so), two for a mesh file
 /// that holds triangles and quadrilaterals. Material, area light and label are the caller's business.

@@ -29,15 +29,16 @@ Status Bdpt::prepare(const IntegratorContext& context) {
     can_sample_lights_ = lights.can_sample(LightChoice::mis);
     can_emit_ = parameters_.max_depth > 0 && lights.can_sample(LightChoice::light_sampling) &&
                 (context.beauty || context.events->any());
-    if (can_emit_) media_of_lights_ = media_of_lights(context.scene, camera_position(context));
-    return success();
+    if (!can_emit_) return success();
+    media_of_lights_ = media_of_lights(context.scene, camera_position(context));
+    return language_.prepare(*context.lpe, *context.events);
 }
 
 std::unique_ptr<IntegratorThread> Bdpt::make_thread_state() const {
     const WalkOptions walk{parameters_.max_depth, parameters_.roulette, true};
     LightSubpathOptions of_light;
     of_light.walk = walk;
-    of_light.events = context_.events->any();
+    of_light.language = language_.get();
     of_light.media_of_lights = media_of_lights_;
     return std::make_unique<BdptThread>(context_.scene, *context_.events, camera_subpath_options(context_, walk),
                                         of_light, static_cast<std::size_t>(context_.batch_capacity));
@@ -70,7 +71,7 @@ bool Bdpt::trace_light(const CameraBatch& batch, BdptThread& thread, ThreadServi
     std::fill_n(thread.last_vertex.begin(), batch.rays.size(), LightVertex::none);
     if (!can_emit_) return true;
     LightSubpaths& light = thread.light;
-    light.begin(batch.samplers, thread.counters);
+    light.begin(batch.samplers, services.lpe, thread.counters);
     while (light.going()) {
         if (services.leaving()) return false;
         light.advance(services.display);
@@ -89,10 +90,9 @@ void Bdpt::keep_light_vertices(BdptThread& thread) const {
         const Subpath& path = thread.light.path(row);
         const auto index = static_cast<std::uint32_t>(thread.light_vertices.size());
         const bool holdout = j < v.surfaces && geometry.has_holdouts() && geometry.is_holdout(v.hits[j]);
-        thread.light_vertices.push_back({v.points[j], v.bsdfs[j], v.sources[j].offset, v.sources[j].label, row,
-                                         path.light, path.depth,
-                                         static_cast<std::uint32_t>(thread.light.events(row).size()),
-                                         thread.last_vertex[row], holdout, path.beta, thread.light.sums(row)});
+        thread.light_vertices.push_back({v.points[j], v.bsdfs[j], v.sources[j].offset, row, path.depth,
+                                         thread.light.end(j), thread.last_vertex[row], holdout, path.beta,
+                                         thread.light.sums(row)});
         thread.last_vertex[row] = index;
     }
 }

@@ -122,7 +122,8 @@ void Bdpt::join_vertices(BdptThread& thread, std::size_t j) const {
             sums.others(static_cast<double>(z.f.pdf) * at_camera, static_cast<double>(x.pdf_reverse)) +
             y.sums.others(static_cast<double>(x.f.pdf) * at_light, static_cast<double>(z.pdf_reverse)));
         join.unweighted = path.beta * x.f.value * z.f.value * y.power * (1 / d2);
-        join.end = {y.label, z.f.lobes, {thread.light.events(y.row).data(), y.event_count}, y.light};
+        join.end = y.end;
+        join.end.lobes = z.f.lobes;
         join.light_vertices = y.depth + 2;
         join.shadow_ray.origin =
             offset_ray_origin(point.position, point.geometric_normal, v.sources[j].offset, direction);
@@ -141,18 +142,7 @@ void Bdpt::connect_to_camera(const CameraBatch& batch, BdptThread& thread, Threa
                                     subpath_dimensions<TransportMode::importance>.of(y.depth, camera_lens_dimension))
                               : Vec2{0, 0};
         thread.splats.add(view_,
-                          {y.row,
-                           y.light,
-                           y.depth,
-                           &y.point,
-                           &y.bsdf,
-                           y.offset,
-                           y.label,
-                           y.holdout,
-                           y.power,
-                           {thread.light.events(y.row).data(), y.event_count},
-                           &y.sums},
-                          lens);
+                          {y.row, y.depth, &y.point, &y.bsdf, y.offset, y.holdout, y.power, y.end, &y.sums}, lens);
     }
     if (!context_.beauty && !context_.scene.geometry->has_alpha()) thread.splats.drop_dead(thread.camera.record());
     thread.splats.splat(context_.scene, *context_.events, batch.rows, *services.raster, thread.counters);

@@ -16,9 +16,8 @@ struct LightVertex {
     SurfacePoint point;
     Bsdf bsdf;
     float offset = 0;  ///< SurfaceSource::offset
-    std::int32_t label = 0;
-    std::uint32_t row = 0, light = 0, depth = 0;
-    std::uint32_t event_count = 0;  ///< events before it
+    std::uint32_t row = 0, depth = 0;
+    LightEnd end;
     std::uint32_t previous = none;  ///< of the same subpath
     bool holdout = false;
     Rgb power;
@@ -73,6 +72,7 @@ class Bdpt final : public Integrator {
     IntegratorContext context_;
     CameraView view_;
     std::vector<std::int32_t> media_of_lights_;
+    LightLanguage language_;
     bool can_emit_ = false, can_sample_lights_ = false;
 };
 

@@ -42,14 +42,17 @@ class LightTracer final : public Integrator {
         view_ = {context.camera, context.width, context.height, context.filter_radius};
         can_emit_ = parameters_.max_depth > 0 && context.scene.lights->can_sample(LightChoice::light_sampling) &&
                     (context.beauty || context.events->any());
-        if (can_emit_) media_of_lights_ = media_of_lights(context.scene, camera_position(context));
+        if (can_emit_) {
+            media_of_lights_ = media_of_lights(context.scene, camera_position(context));
+            if (Status status = language_.prepare(*context.lpe, *context.events); !status) return status;
+        }
         return camera_->prepare(context);
     }
     [[nodiscard]] std::vector<std::string> omissions() const override;
     [[nodiscard]] std::unique_ptr<IntegratorThread> make_thread_state() const override {
         LightSubpathOptions options;
         options.walk = {parameters_.max_depth, parameters_.roulette, false};
-        options.events = context_.events->any();
+        options.language = language_.get();
         options.media_of_lights = media_of_lights_;
         auto thread = std::make_unique<LightTracerThread>(context_.scene, *context_.events, options,
                                                           static_cast<std::size_t>(context_.batch_capacity));
@@ -66,6 +69,7 @@ class LightTracer final : public Integrator {
     CameraView view_;
     std::unique_ptr<Integrator> camera_;  // what camera rays find by themselves
     std::vector<std::int32_t> media_of_lights_;
+    LightLanguage language_;
     bool can_emit_ = false;
 };
 
@@ -77,7 +81,7 @@ void LightTracer::integrate(const CameraBatch& batch, IntegratorThread& state, T
     thread.camera->counters.path_lengths.assign(1, 0);
     if (!can_emit_ || services.left) return;
     LightSubpaths& subpaths = thread.subpaths;
-    subpaths.begin(batch.samplers, thread.counters);
+    subpaths.begin(batch.samplers, services.lpe, thread.counters);
     // Splats that were handed on cannot be taken back, and a batch that is left with such leaves no checkpoint. So a
     // batch is finished unless its paths go on for long: this many scatterings take milliseconds.
     constexpr int soon = 64;
@@ -101,8 +105,8 @@ void LightTracer::connect(const CameraBatch& batch, LightTracerThread& thread, T
                               : Vec2{0, 0};
         const bool holdout = j < v.surfaces && geometry.has_holdouts() && geometry.is_holdout(v.hits[j]);
         thread.connections.add(view_,
-                               {row, path.light, path.depth, &v.points[j], &v.bsdfs[j], v.sources[j].offset,
-                                v.sources[j].label, holdout, path.beta, thread.subpaths.events(row), nullptr},
+                               {row, path.depth, &v.points[j], &v.bsdfs[j], v.sources[j].offset, holdout, path.beta,
+                                thread.subpaths.end(j), nullptr},
                                lens);
     }
     if (!context_.beauty && !geometry.has_alpha()) {

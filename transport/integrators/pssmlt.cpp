@@ -26,8 +26,8 @@ std::size_t Pssmlt::bootstrap_share() const {
     return (parameters_.bootstrap_samples + tiles - 1) / tiles;
 }
 
-void Pssmlt::place(PssmltThread& thread, std::size_t row, PrimarySamples& numbers, std::uint32_t tile,
-                   std::uint64_t chain) const {
+void Pssmlt::begin_path(PssmltThread& thread, std::size_t row, PrimarySamples& numbers, std::uint32_t tile,
+                        std::uint64_t chain) const {
     thread.samplers[row] = PixelSampler(numbers);
     const PixelSampler& sampler = thread.samplers[row];
     const Vec2 u = sampler.get_2d(filter_dimension);
@@ -62,7 +62,7 @@ void ProposalSplats::begin(std::span<const display::CameraRow> proposals) {
     for (std::size_t i = 0; i < proposals.size(); ++i) proposal_of_[proposals[i].sample] = i;
     splats_.resize(std::max(splats_.size(), proposals.size()));
     for (StateSplats& each : splats_) each.clear();
-    brought_.assign(proposals.size(), 0);
+    contributions_.assign(proposals.size(), 0);
     refused_.assign(proposals.size(), 0);
 }
 
@@ -79,11 +79,11 @@ void ProposalSplats::take(const display::SampleTable& table) {
         double sum = 0;
         for (const display::ChannelId id : target_)
             for (std::size_t c = 0; c < 3; ++c) sum += std::abs(table.values(id)[at + c]);
-        brought_[proposal] += sum / 3;
+        contributions_[proposal] += sum / 3;
     }
 }
 
-double Pssmlt::brought(const PssmltThread& thread, std::size_t row) const {
+double Pssmlt::scalar_contribution(const PssmltThread& thread, std::size_t row) const {
     double sum = 0;
     for (const display::ChannelId id : target_) {
         if (!thread.table.touched(id)) continue;
@@ -91,10 +91,10 @@ double Pssmlt::brought(const PssmltThread& thread, std::size_t row) const {
         sum += std::abs(values[0]) + std::abs(values[1]) + std::abs(values[2]);
     }
     // What lands at a position drawn over all of the raster counts area_share_ times; splats land where they do.
-    return sum / 3 + thread.proposal_splats.brought(row) / area_share_;
+    return sum / 3 + thread.proposal_splats.scalar_contribution(row) / area_share_;
 }
 
-void Pssmlt::take(const PssmltThread& thread, std::size_t row, StateSplats& splats) const {
+void Pssmlt::copy_splats(const PssmltThread& thread, std::size_t row, StateSplats& splats) const {
     splats.positions.assign(1, {thread.rows[row].screen_x, thread.rows[row].screen_y});
     splats.values.resize(3 * splatted_.size());
     for (std::size_t i = 0; i < splatted_.size(); ++i)
@@ -121,10 +121,10 @@ void Pssmlt::bootstrap(ChainGroup& group, std::uint32_t tile, PssmltThread& thre
             PrimarySamples& numbers = thread.bootstrap_numbers[i];
             numbers.restart(stream(of_bootstrap, tile * wanted + first + i));
             numbers.propose(true, parameters_.sigma);
-            place(thread, i, numbers, tile, first + i);
+            begin_path(thread, i, numbers, tile, first + i);
         }
         if (!trace(thread, count, services)) return;
-        for (std::size_t i = 0; i < count; ++i) group.bootstrap.push_back(brought(thread, i));
+        for (std::size_t i = 0; i < count; ++i) group.bootstrap.push_back(scalar_contribution(thread, i));
     }
 }
 
@@ -164,15 +164,15 @@ void Pssmlt::start(ChainGroup& group, std::uint32_t tile, PssmltThread& thread, 
         for (std::size_t i = 0; i < count; ++i) {
             PrimarySamples& numbers = group.chains[first + i].numbers;
             numbers.propose(true, parameters_.sigma);
-            place(thread, i, numbers, tile, first + i);
+            begin_path(thread, i, numbers, tile, first + i);
         }
         if (!trace(thread, count, services)) return;
         for (std::size_t i = 0; i < count; ++i) {
             MarkovChain& chain = group.chains[first + i];
             chain.numbers.accept();
             chain.numbers.switch_stream(stream(of_chain, (std::uint64_t{tile} << 32) + first + i));
-            chain.f = brought(thread, i);
-            take(thread, i, chain.splats);
+            chain.f = scalar_contribution(thread, i);
+            copy_splats(thread, i, chain.splats);
         }
     }
 }
@@ -184,13 +184,13 @@ void Pssmlt::step(ChainGroup& group, std::uint32_t tile, std::size_t count, Pssm
         MarkovChain& chain = group.chains[chain_of(i)];
         chain.large = chain.numbers.choose(large_choice) < parameters_.large_step_probability;
         chain.numbers.propose(chain.large, parameters_.sigma);
-        place(thread, i, chain.numbers, tile, chain_of(i));
+        begin_path(thread, i, chain.numbers, tile, chain_of(i));
     }
     if (!trace(thread, count, services)) return;
     const double p = static_cast<double>(parameters_.large_step_probability);
     for (std::size_t i = 0; i < count; ++i) {
         MarkovChain& chain = group.chains[chain_of(i)];
-        const double f = brought(thread, i);
+        const double f = scalar_contribution(thread, i);
         for (std::uint32_t refused =
                  thread.table.invalid_count(static_cast<int>(i)) + thread.proposal_splats.refused(i);
              refused > 0; --refused) {
@@ -205,20 +205,20 @@ void Pssmlt::step(ChainGroup& group, std::uint32_t tile, std::size_t count, Pssm
             ++group.large_count;
         }
         const double a = chain.f > 0 ? std::min(1.0, f / chain.f) : 1.0;
-        const double fresh = (a + (chain.large ? 1 : 0)) / (f / mean_ + p);
+        const double proposal_weight = (a + (chain.large ? 1 : 0)) / (f / mean_ + p);
         chain.weight += (1 - a) / (chain.f / mean_ + p);
         const bool accepted = static_cast<double>(chain.numbers.choose(accept_choice)) < a;
         if (accepted) {
             if (chain.weight > 0) splat(*services.raster, thread.rows[i], chain.weight, chain.splats);
             chain.numbers.accept();
             chain.f = f;
-            chain.weight = fresh;
-            take(thread, i, chain.splats);
+            chain.weight = proposal_weight;
+            copy_splats(thread, i, chain.splats);
         } else {
             chain.numbers.reject();
-            if (!(fresh > 0)) continue;  // else large steps bring what the target takes nothing of
-            take(thread, i, thread.proposal);
-            splat(*services.raster, thread.rows[i], fresh, thread.proposal);
+            if (!(proposal_weight > 0)) continue;  // else large steps bring what the target takes nothing of
+            copy_splats(thread, i, thread.proposal);
+            splat(*services.raster, thread.rows[i], proposal_weight, thread.proposal);
         }
     }
     group.next = chain_of(count);

@@ -24,7 +24,7 @@ struct StateSplats {
 struct MarkovChain {
     PrimarySamples numbers;
     StateSplats splats;  // of the state
-    double f = 0;        // what the state brings to the target
+    double f = 0;        // its scalar contribution
     double weight = 0;   // with which it is still to be splatted
     bool large = false;  // the proposal at hand
 };
@@ -38,12 +38,12 @@ class ProposalSplats final : public display::RasterSink {
     /// Of other proposals than these nothing is known: they have no splats.
     void begin(std::span<const display::CameraRow> proposals);
     void take(const display::SampleTable& table) override;
-    /// Of one proposal: its splats so far, what they bring to the target, and how many were refused.
+    /// Of one proposal: its splats so far, their scalar contribution, and how many were refused.
     [[nodiscard]] const StateSplats& of(std::size_t proposal) const {
         return proposal < splats_.size() ? splats_[proposal] : none_;
     }
-    [[nodiscard]] double brought(std::size_t proposal) const {
-        return proposal < brought_.size() ? brought_[proposal] : 0;
+    [[nodiscard]] double scalar_contribution(std::size_t proposal) const {
+        return proposal < contributions_.size() ? contributions_[proposal] : 0;
     }
     [[nodiscard]] std::uint32_t refused(std::size_t proposal) const {
         return proposal < refused_.size() ? refused_[proposal] : 0;
@@ -54,7 +54,7 @@ class ProposalSplats final : public display::RasterSink {
     std::unordered_map<std::uint64_t, std::size_t> proposal_of_;  // CameraRow::sample
     const StateSplats none_;
     std::vector<StateSplats> splats_;
-    std::vector<double> brought_;
+    std::vector<double> contributions_;
     std::vector<std::uint32_t> refused_;
 };
 
@@ -117,13 +117,13 @@ class Pssmlt final : public Integrator {
     void step(ChainGroup& group, std::uint32_t tile, std::size_t count, PssmltThread& thread,
               ThreadServices& services) const;
     /// Row i of the thread's table gets the path of `numbers`.
-    void place(PssmltThread& thread, std::size_t row, PrimarySamples& numbers, std::uint32_t tile,
-               std::uint64_t chain) const;
+    void begin_path(PssmltThread& thread, std::size_t row, PrimarySamples& numbers, std::uint32_t tile,
+                    std::uint64_t chain) const;
     /// False when `services` say to leave: the paths are not whole then.
     [[nodiscard]] bool trace(PssmltThread& thread, std::size_t count, ThreadServices& services) const;
-    /// What row i brought to the target: mean size of the three colours.
-    [[nodiscard]] double brought(const PssmltThread& thread, std::size_t row) const;
-    void take(const PssmltThread& thread, std::size_t row, StateSplats& splats) const;
+    /// The scalar contribution function of row i (Kelemen et al. 2002, I): mean size of the target's three colours.
+    [[nodiscard]] double scalar_contribution(const PssmltThread& thread, std::size_t row) const;
+    void copy_splats(const PssmltThread& thread, std::size_t row, StateSplats& splats) const;
     void splat(display::RasterSplats& raster, display::CameraRow where, double weight, const StateSplats& splats) const;
     [[nodiscard]] std::uint64_t stream(std::uint64_t purpose, std::uint64_t number) const;
     [[nodiscard]] std::size_t bootstrap_share() const;

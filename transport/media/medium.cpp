@@ -28,9 +28,10 @@ float relative_transmittance(float sigma, float least, float distance) {
 }  // namespace
 
 Rgb transmittance(const Medium& medium, float distance) {
-    const auto through = [&](float sigma) { return sigma > 0 ? std::exp(-sigma * distance) : 1.0f; };
-    if (medium.grey) return Rgb(through(medium.sigma_t.r));
-    return {through(medium.sigma_t.r), through(medium.sigma_t.g), through(medium.sigma_t.b)};
+    const auto beam_transmittance = [&](float sigma) { return sigma > 0 ? std::exp(-sigma * distance) : 1.0f; };
+    if (medium.grey) return Rgb(beam_transmittance(medium.sigma_t.r));
+    return {beam_transmittance(medium.sigma_t.r), beam_transmittance(medium.sigma_t.g),
+            beam_transmittance(medium.sigma_t.b)};
 }
 
 Rgb emission_along(const Medium& medium, float distance) {

@@ -33,7 +33,7 @@ struct Medium {
 /// exp(-sigma_t distance). Colours without extinction pass whole, over an infinite distance too.
 Rgb transmittance(const Medium& medium, float distance);
 
-/// Radiance that the medium's own glow sends along a segment to its beginning.
+/// Radiance that the medium emits along a segment towards its beginning.
 Rgb emission_along(const Medium& medium, float distance);
 
 /// How far a path flies.

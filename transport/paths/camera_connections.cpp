@@ -29,14 +29,8 @@ void CameraConnections::add(const CameraView& view, const LightSubpathEnd& end, 
             end.sums->others(view.density(seen.importance, cosine), static_cast<double>(scattering.pdf_reverse)));
     }
     if (value.is_black()) return;
-    pending_.push_back({end.row,
-                        seen.x,
-                        seen.y,
-                        end.depth + 2,
-                        end.holdout,
-                        value,
-                        unweighted,
-                        {end.label, f.lobes, end.events, end.light}});
+    pending_.push_back({end.row, seen.x, seen.y, end.depth + 2, end.holdout, value, unweighted, end.end});
+    pending_.back().end.lobes = f.lobes;
     // From the camera, so that cutouts come in the order in which its word reads them.
     Ray ray;
     ray.origin = seen.position;
@@ -76,11 +70,11 @@ void CameraConnections::splat(const SceneView& scene, const EventTable& events,
         arrival.unweighted = p.unweighted;
         arrival.found_by_sampling = true;
         if (geometry.has_alpha() || scene.media->any()) {
-            Rgb through(1);
+            Rgb transmittance(1);
             arrival.visibility = straight_transmittance({scene, record, counters}, shadow_rays_[i], 1,
-                                                        scene.media->camera(), tracker, through);
-            arrival.value *= through * arrival.visibility;
-            arrival.unweighted *= through;
+                                                        scene.media->camera(), tracker, transmittance);
+            arrival.value *= transmittance * arrival.visibility;
+            arrival.unweighted *= transmittance;
         }
         record.reach(tracker, p.end);
         record.add(tracker, {p.light_vertices, 1}, arrival);

@@ -28,15 +28,14 @@ struct CameraView {
 
 /// The vertex of a light subpath that is to be connected.
 struct LightSubpathEnd {
-    std::uint32_t row = 0, light = 0;
+    std::uint32_t row = 0;
     std::uint32_t depth = 0;  ///< scattering events before it
     const SurfacePoint* point = nullptr;
     const Bsdf* bsdf = nullptr;
     float offset = 0;  ///< SurfaceSource::offset
-    std::int32_t label = 0;
     bool holdout = false;  ///< what the camera sees there is one
     Rgb power;
-    std::span<const LightEvent> events;  ///< must stay where they are until splat(); empty when no channel reads words
+    LightEnd end;                         ///< its lobes are filled in here
     const StrategySums* sums = nullptr;  ///< null: this is the only strategy
 };
 

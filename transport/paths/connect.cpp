@@ -25,8 +25,8 @@ void Connections::add_light_sample(const CameraSubpaths& subpaths, std::size_t j
     } else if (value.is_black()) {
         return;
     }
-    pending_.emplace_back(row, sample.light, v.sources[j].label, in_media_ ? subpaths.medium_towards(j, sample.wi) : -1,
-                          no_end, display::Technique{1, path.depth + 2}, value, f.lobes);
+    pending_.push_back({row, sample.light, v.sources[j].label, in_media_ ? subpaths.medium_towards(j, sample.wi) : -1,
+                        no_end, display::Technique{1, path.depth + 2}, value, f.lobes});
     if (!record.takes_all(row) && !is_worth_a_ray(record)) return;
     shadow_rays_.push_back(shadow_ray(v.points[j].position, v.points[j].geometric_normal, v.sources[j].offset, sample));
 }
@@ -39,7 +39,7 @@ void Connections::add_join(const CameraSubpaths& subpaths, const VertexJoin& joi
     if (record.wants_blocked_light()) blockable_.push_back({Rgb(), join.unweighted});
     else if (value.is_black()) return;
     ends_.push_back(join.end);
-    pending_.emplace_back(row, join.end.light, v.sources[join.j].label,
+    pending_.emplace_back(row, no_light, v.sources[join.j].label,
                           in_media_ ? subpaths.medium_towards(join.j, join.shadow_ray.direction) : -1,
                           static_cast<std::uint32_t>(ends_.size() - 1),
                           display::Technique{join.light_vertices, subpaths.path(row).depth + 2}, value, join.f->lobes);
@@ -90,16 +90,16 @@ void Connections::report(const CameraSubpaths& subpaths, IntegratorCounters& cou
         Arrival arrival{pending.value, {}, blockable ? blockable_[i].unweighted : Rgb(), blocked_[i] ? 0.0f : 1.0f,
                         pending.end != no_end};
         if (straight && (!blocked_[i] || in_media_)) {
-            Rgb through(1);
+            Rgb transmittance(1);
             // Behind what blocks it, for the media there: what is in the way of light that is not blocked counts too.
             const bool to_the_end = in_media_ && blockable;
             arrival.visibility = straight_transmittance({scene_, record, counters, to_the_end}, shadow_rays_[i],
-                                                        arrival.visibility, pending.medium, tracker, through);
+                                                        arrival.visibility, pending.medium, tracker, transmittance);
             if (!(arrival.visibility > 0) && !blockable) continue;
             arrival.value *= arrival.visibility;
             if (in_media_) {
-                arrival.value *= through;
-                arrival.unweighted *= through;
+                arrival.value *= transmittance;
+                arrival.unweighted *= transmittance;
             }
         }
         if (!(arrival.visibility > 0)) arrival.value = Rgb();

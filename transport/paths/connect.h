@@ -52,9 +52,9 @@ class Connections {
     void report(const CameraSubpaths& subpaths, IntegratorCounters& counters);
 
   private:
-    static constexpr std::uint32_t no_end = 0xffffffffu;
+    static constexpr std::uint32_t no_end = 0xffffffffu, no_light = 0xffffffffu;
     struct Pending {
-        std::uint32_t row, light;
+        std::uint32_t row, light;      // light: of a light sample
         std::int32_t label, medium;  // medium: in which the shadow ray begins
         std::uint32_t end;           // in ends_
         display::Technique technique;

@@ -8,19 +8,23 @@ namespace raylex::transport {
 
 LightSubpaths::LightSubpaths(const SceneView& scene, const EventTable& events, const LightSubpathOptions& options,
                              std::size_t capacity)
-    : scene_(scene), options_(options), walk_(scene, events, options.walk, capacity), events_(capacity) {
+    : scene_(scene),
+      options_(options),
+      walk_(scene, events, options.walk, capacity),
+      record_(events, options.language, capacity) {
     if (options.walk.densities) origins_.resize(capacity);
 }
 
-void LightSubpaths::begin(std::span<const PixelSampler> samplers, IntegratorCounters& counters) {
+void LightSubpaths::begin(std::span<const PixelSampler> samplers, display::LpeServices& lpe,
+                          IntegratorCounters& counters) {
     walk_.begin(samplers, counters);
+    record_.begin(lpe);
     const LightTable& lights = *scene_.lights;
     const bool own_choice = lights.needs_choice_number(LightChoice::light_sampling);
     for (std::size_t i = 0; i < samplers.size(); ++i) {
         const auto row = static_cast<std::uint32_t>(i);
         const PixelSampler& sampler = samplers[i];
         walk_.path(row) = Subpath();
-        events_[row].clear();
         EmissionSample s;
         if (lights.sample_emission(*scene_.geometry,
                                    own_choice ? sampler.get_1d(light_dimensions + emitter_dimension) : 0.0f,
@@ -48,7 +52,8 @@ void LightSubpaths::start(std::uint32_t row, const EmissionSample& s) {
     path.light = s.from.light;
     path.specular = false;
     path.from = light.is_area() ? s.from.target : s.origin;
-    if (power.is_black()) return walk_.finish(row);
+    record_.leave_light(row, s.from.light);
+    if (power.is_black() || !record_.worth(row)) return walk_.finish(row);
     if (options_.walk.densities) {
         const EmissionDensity density = scene_.lights->emission_density(*scene_.geometry, s.from, s.direction);
         path.pdf = density.direction;
@@ -69,7 +74,9 @@ void LightSubpaths::start(std::uint32_t row, const EmissionSample& s) {
 struct LightSubpaths::Visitor : WalkVisitor {
     LightSubpaths& self;
 
-    void passes(std::size_t j) { self.keep_event(j, {0, true, {}}); }
+    void passes(std::size_t j) {
+        self.record_.pass_straight(self.vertices().rows[j], self.vertices().sources[j].label);
+    }
     /// The strategy that joins at the light has the density of a light sample and not of an emission.
     void first_vertex(std::uint32_t row, const SurfacePoint& point, StrategySums& sums) {
         const LightSample& origin = self.origins_[row];

@@ -1,7 +1,7 @@
-// Subpaths from the lights, one a row, side by side: a light and a ray leaving it are drawn by emitted power, then the ray
-// goes from vertex to vertex.
+// Subpaths from the lights, one a row, side by side: a light and a ray leaving it are drawn by emitted power, then the
+// ray goes from vertex to vertex.
 //
-//     subpaths.begin(samplers, counters);
+//     subpaths.begin(samplers, lpe, counters);
 //     while (subpaths.going()) {
 //         subpaths.advance(display);   // vertices() are the next of all subpaths that go on
 //         ...                          // what an integrator does with them
@@ -19,9 +19,9 @@ namespace raylex::transport {
 
 struct LightSubpathOptions {
     WalkOptions walk;
-    bool events = false;                                   ///< keep them, for channels
-    LightChoice camera_samples_by = LightChoice::mis;      ///< how camera subpaths sample lights, for sums()
-    std::span<const std::int32_t> media_of_lights;         ///< media_of_lights(); must outlive the subpaths
+    const lpe::ReversedProgram* language = nullptr;    ///< of LightLanguage; null when no channel reads words
+    LightChoice camera_samples_by = LightChoice::mis;  ///< how camera subpaths sample lights, for sums()
+    std::span<const std::int32_t> media_of_lights;     ///< media_of_lights(); must outlive the subpaths
 };
 
 class LightSubpaths {
@@ -29,7 +29,8 @@ class LightSubpaths {
     LightSubpaths(const SceneView& scene, const EventTable& events, const LightSubpathOptions& options,
                   std::size_t capacity);
 
-    void begin(std::span<const PixelSampler> samplers, IntegratorCounters& counters);
+    /// LightEnds of the batch before are no longer good.
+    void begin(std::span<const PixelSampler> samplers, display::LpeServices& lpe, IntegratorCounters& counters);
     [[nodiscard]] bool going() const { return walk_.going(); }
     /// Traces all rays; what passes cutouts is traced by the next call.
     void advance(display::DisplayServices& display);
@@ -42,8 +43,10 @@ class LightSubpaths {
     [[nodiscard]] const VertexBatch& vertices() const { return walk_.vertices(); }
     [[nodiscard]] const Subpath& path(std::uint32_t row) const { return walk_.path(row); }
     [[nodiscard]] const PixelSampler& sampler(std::uint32_t row) const { return walk_.sampler(row); }
-    /// The events before the current vertex, from the light; empty without options.events.
-    [[nodiscard]] const std::vector<LightEvent>& events(std::uint32_t row) const { return events_[row]; }
+    /// For joins at vertex j: its lobes are to be filled in.
+    [[nodiscard]] LightEnd end(std::size_t j) const {
+        return record_.end(vertices().rows[j], vertices().sources[j].label);
+    }
     /// At the current vertex; options.walk.densities only.
     [[nodiscard]] const StrategySums& sums(std::uint32_t row) const { return walk_.sums(row); }
 
@@ -53,21 +56,25 @@ class LightSubpaths {
     struct Scatterer : WalkVisitor {
         LightSubpaths& self;
         Invalid& report;
-        void scatters(std::size_t j, const LobeList& lobes) { self.keep_event(j, {0, false, lobes}); }
+        void scatters(std::size_t j, const LobeList& lobes) {
+            const std::uint32_t row = self.vertices().rows[j];
+            self.record_.scatter(row, self.vertices().sources[j].label, lobes, self.choice_key(row));
+        }
+        bool goes_on(std::uint32_t row) { return self.record_.worth(row); }
         void invalid(std::uint32_t row) { report(row, self.path(row).beta); }
     };
     void start(std::uint32_t row, const EmissionSample& sample);
-    void keep_event(std::size_t j, LightEvent event) {
-        if (!options_.events) return;
-        event.label = vertices().sources[j].label;
-        events_[vertices().rows[j]].push_back(event);
+    /// For a choice between lobes at the current vertex.
+    [[nodiscard]] std::uint64_t choice_key(std::uint32_t row) const {
+        using Walk = Walk<TransportMode::importance>;
+        return sampler(row).key(Walk::dimensions.of(path(row).depth, Walk::dimensions.key));
     }
 
     const SceneView scene_;
     const LightSubpathOptions options_;
     Walk<TransportMode::importance> walk_;
-    std::vector<std::vector<LightEvent>> events_;   // by row
-    std::vector<LightSample> origins_;              // by row: where it left the light; for densities only
+    LightRecord record_;
+    std::vector<LightSample> origins_;  // by row: where it left the light; for densities only
 };
 
 }  // namespace raylex::transport

@@ -1,20 +1,25 @@
 #include "transport/paths/record.h"
 
+#include <string>
+#include <utility>
+
 namespace raylex::transport {
+
+Status LightLanguage::prepare(const display::LpeSetup& setup, const EventTable& events) {
+    program_.reset();
+    if (!events.any()) return success();
+    Result<lpe::ReversedProgram> reversed = lpe::ReversedProgram::build(setup.program());
+    if (!reversed)
+        return error_at({},
+                        "the light path expressions cannot be followed from the lights: " + reversed.error().message,
+                        reversed.error().hint + ", or choose an integrator that starts at the camera only: path");
+    program_.emplace(std::move(*reversed));
+    return success();
+}
 
 bool Record::worth_colliding(std::uint32_t row, std::int32_t medium) const {
     const display::Tracker& tracker = trackers_[row];
     return lpe_->takes_all(tracker) || lpe_->live_after(tracker, events_->scatter(events_->medium_label(medium), 0));
-}
-
-void Record::reach(display::Tracker& tracker, const LightEnd& end) const {
-    if (!events_->any()) return;
-    scatter(tracker, end.label, end.lobes);
-    for (auto event = end.events.rbegin(); event != end.events.rend() && lpe_->channels_follow(tracker); ++event) {
-        if (event->straight) pass_straight(tracker, event->label);
-        else scatter(tracker, event->label, event->lobes);
-    }
-    reach_light(tracker, end.light);
 }
 
 Record::Worth Record::worth_connecting(std::uint32_t row, std::int32_t label, const LobeList& lobes,

@@ -5,14 +5,16 @@
 // connecting? What channels exist, which are still to be reached (Law 4), how lobes share what they scatter (Law 5),
 // prefixes and holdouts are its business and the services'.
 //
-// Paths that begin at a light are told as the camera would have met them: a light subpath keeps its events
-// (LightEvents) and behind a join they are read from its end back to the light.
+// Paths that begin at a light are told as the camera would have met them: a light record puts each vertex before those
+// that were read, and a join leads a camera subpath along the word to the light.
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "display/services/light_words.h"
 #include "display/services/lpe_services.h"
 #include "transport/lights/light_table.h"
 #include "transport/paths/event_table.h"
@@ -20,20 +22,12 @@
 
 namespace raylex::transport {
 
-/// One event of a light subpath. Straight events (cutouts passed) have no lobes.
-struct LightEvent {
-    std::int32_t label = 0;
-    bool straight = false;
-    LobeList lobes;
-};
-
 /// The far end of a join: a vertex of a light subpath, as the camera's side meets it.
 struct LightEnd {
     std::int32_t label = 0;
     LobeList lobes;  ///< of the scattering there towards the camera's side
-    std::span<const LightEvent>
-        events;  ///< before it, from the light; must stay where they are until the join is reported
-    std::uint32_t light = 0;
+    const display::LightWords* words = nullptr;
+    display::LightWord word;  ///< before it, from the light; good until the next batch of light subpaths
 };
 
 /// Light that a path brings to the camera.
@@ -44,6 +38,16 @@ struct Arrival {
     float visibility = 1;            ///< fraction that arrives
     bool found_by_sampling = false;  ///< light sampling finds the same emitter there too
 };
+
+using LobeParts = std::array<display::LobePart, max_lobes>;
+/// The lobes of a scattering as the services take them.
+inline std::span<const display::LobePart> lobe_parts(const EventTable& events, std::int32_t label,
+                                                     const LobeList& lobes, LobeParts& parts) {
+    const auto count = static_cast<std::size_t>(lobes.count);
+    for (std::size_t i = 0; i < count; ++i)
+        parts[i] = {events.scatter(label, lobes.entry[i].lobe), lobes.entry[i].value};
+    return {parts.data(), count};
+}
 
 class Record {
   public:
@@ -109,7 +113,11 @@ class Record {
     void pass_straight(display::Tracker& tracker, std::int32_t label) const {
         lpe_->move(tracker, events_->straight(label));
     }
-    void reach(display::Tracker& tracker, const LightEnd& end) const;
+    void reach(display::Tracker& tracker, const LightEnd& end) const {
+        if (!events_->any()) return;
+        scatter(tracker, end.label, end.lobes);
+        lpe_->join(tracker, *end.words, end.word);
+    }
     void reach_light(display::Tracker& tracker, std::uint32_t light) const {
         lpe_->move(tracker, events_->terminal(light));
     }
@@ -120,15 +128,68 @@ class Record {
   private:
     void scatter(display::Tracker& tracker, std::int32_t label, const LobeList& lobes) const {
         if (!events_->any()) return;
-        std::array<display::LobePart, max_lobes> parts;
-        for (std::size_t i = 0; i < static_cast<std::size_t>(lobes.count); ++i)
-            parts[i] = {events_->scatter(label, lobes.entry[i].lobe), lobes.entry[i].value};
-        lpe_->move(tracker, {parts.data(), static_cast<std::size_t>(lobes.count)});
+        LobeParts parts;
+        lpe_->move(tracker, lobe_parts(*events_, label, lobes, parts));
     }
 
     const EventTable* events_;
     display::LpeServices* lpe_ = nullptr;
     std::vector<display::Tracker> trackers_;  // by row
+};
+
+/// Reads the words of a render's channels from their lights.
+class LightLanguage {
+  public:
+    /// Errors: the channels' automata grow too large when they are reversed.
+    Status prepare(const display::LpeSetup& setup, const EventTable& events);
+    /// Null when no channel reads words.
+    [[nodiscard]] const lpe::ReversedProgram* get() const { return program_ ? &*program_ : nullptr; }
+
+  private:
+    std::optional<lpe::ReversedProgram> program_;
+};
+
+/// The record of light subpaths, row by row.
+class LightRecord {
+  public:
+    /// `language` reads the words of this render's channels; null when no channel reads any. Must outlive the record.
+    LightRecord(const EventTable& events, const lpe::ReversedProgram* language, std::size_t rows) : events_(&events) {
+        if (language == nullptr) return;
+        words_.emplace(*language);
+        word_.resize(rows);
+    }
+    /// Forgets all words.
+    void begin(display::LpeServices& lpe) {
+        lpe_ = &lpe;
+        if (words_) words_->clear();
+    }
+    void leave_light(std::uint32_t row, std::uint32_t light) {
+        if (words_) word_[row] = lpe_->begin(*words_, events_->terminal(light));
+    }
+    /// `key` seeds the choice between lobes where a word cannot keep them all.
+    void scatter(std::uint32_t row, std::int32_t label, const LobeList& lobes, std::uint64_t key) {
+        if (!words_) return;
+        LobeParts parts;
+        word_[row] = lpe_->prepend(*words_, word_[row], lobe_parts(*events_, label, lobes, parts), key);
+    }
+    void pass_straight(std::uint32_t row, std::int32_t label) {
+        if (words_) word_[row] = lpe_->prepend(*words_, word_[row], events_->straight(label));
+    }
+    /// Whether any join with it counts (Law 4).
+    [[nodiscard]] bool worth(std::uint32_t row) const { return lpe_->wants_beauty() || (words_ && word_[row].live()); }
+    /// The word before the current vertex, which itself scatters from `lobes` when it is joined.
+    [[nodiscard]] LightEnd end(std::uint32_t row, std::int32_t label) const {
+        LightEnd end;
+        end.label = label;
+        if (words_) end.words = &*words_, end.word = word_[row];
+        return end;
+    }
+
+  private:
+    const EventTable* events_;
+    display::LpeServices* lpe_ = nullptr;
+    std::optional<display::LightWords> words_;
+    std::vector<display::LightWord> word_;  // by row
 };
 
 inline void Record::add(const display::Tracker& at_light, display::Technique technique, const Arrival& arrival) const {

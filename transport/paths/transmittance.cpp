@@ -110,7 +110,7 @@ std::vector<std::int32_t> media_of_lights(const SceneView& scene, const Vec3& ca
             media.push_back(medium_at(scene, camera, light.position));
         } else {
             media.push_back(
-                medium_far_away(scene, camera, light.kind == LightKind::distant ? light.direction : Vec3(0, 0, 1)));
+                medium_far_away(scene, camera, light.kind == LightKind::distant ? light.direction : Vec3{0, 0, 1}));
         }
     }
     return media;

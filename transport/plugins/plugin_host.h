@@ -12,6 +12,7 @@
 #include "display/filters/display_filter.h"
 #include "display/services/sample_filter.h"
 #include "transport/cameras/camera.h"
+#include "transport/import/shapes.h"
 #include "transport/integrators/integrator.h"
 #include "transport/lights/light_table.h"
 #include "transport/materials/material.h"
@@ -41,6 +42,7 @@ class PluginHost {
     void add_material(Registry<MaterialFactory>::Entry entry);
     void add_pattern(Registry<PatternFactory>::Entry entry);
     void add_medium(Registry<MediumFactory>::Entry entry);
+    void add_shape(Registry<ShapeFactory>::Entry entry);
     void add_light(Registry<LightFactory>::Entry entry);
     void add_pixel_filter(Registry<display::PixelFilterFactory>::Entry entry);
     void add_sample_filter(Registry<display::SampleFilterFactory>::Entry entry);

@@ -5,9 +5,9 @@
 #include <map>
 #include <utility>
 
-#include "experiments/cli/console.h"
 #include "experiments/cli/lpe/commands.h"
 #include "experiments/cli/render_run.h"
+#include "experiments/program/console.h"
 
 namespace raylex::experiments {
 namespace {

@@ -5,11 +5,11 @@
 #include <optional>
 #include <utility>
 
-#include "experiments/cli/command_line.h"
-#include "experiments/cli/console.h"
 #include "experiments/cli/lpe/layers.h"
 #include "experiments/cli/lpe/picture.h"
 #include "experiments/job/label_doubts.h"
+#include "experiments/program/console.h"
+#include "experiments/program/exit_codes.h"
 #include "lpe/algebra/check.h"
 #include "lpe/algebra/regex_printing.h"
 #include "lpe/algebra/relations.h"

@@ -1,9 +1,9 @@
 // raylex lpe graph: minimised automata as drawings.
 #include <memory>
 
-#include "experiments/cli/command_line.h"
-#include "experiments/cli/console.h"
 #include "experiments/cli/lpe/commands.h"
+#include "experiments/program/console.h"
+#include "experiments/program/exit_codes.h"
 #include "lpe/algebra/graph.h"
 
 namespace raylex::experiments {

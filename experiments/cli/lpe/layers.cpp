@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "experiments/cli/console.h"
+#include "experiments/program/console.h"
 #include "lpe/algebra/check.h"
 #include "lpe/algebra/relations.h"
 #include "lpe/language/extensions.h"

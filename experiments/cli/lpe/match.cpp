@@ -2,9 +2,9 @@
 #include <memory>
 #include <span>
 
-#include "experiments/cli/command_line.h"
-#include "experiments/cli/console.h"
 #include "experiments/cli/lpe/commands.h"
+#include "experiments/program/console.h"
+#include "experiments/program/exit_codes.h"
 #include "lpe/algebra/event_words.h"
 #include "lpe/algebra/why_not.h"
 #include "lpe/match.h"

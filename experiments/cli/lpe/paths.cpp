@@ -2,9 +2,9 @@
 #include <array>
 #include <memory>
 
-#include "experiments/cli/command_line.h"
-#include "experiments/cli/console.h"
 #include "experiments/cli/lpe/commands.h"
+#include "experiments/program/console.h"
+#include "experiments/program/exit_codes.h"
 #include "lpe/algebra/paths.h"
 
 namespace raylex::experiments {

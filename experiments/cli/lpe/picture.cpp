@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <map>
 
-#include "experiments/cli/console.h"
 #include "experiments/job/json.h"
+#include "experiments/program/console.h"
 #include "lpe/match.h"
 
 namespace raylex::experiments {
@@ -93,7 +93,7 @@ void print_matrix(const CheckPicture& picture, const std::vector<SharedBy>& shar
     const std::size_t number_width = std::to_string(involved.size()).size();
     std::string head = padded("", number_width + name_width + 5);
     for (std::size_t k = 0; k < involved.size(); ++k) head += padded(std::to_string(k + 1), cell_width + 1);
-    const auto without_trail = [](std::string line) { return line.substr(0, line.find_last_not_of(' ') + 1); };
+    const auto without_trail = [](const std::string& line) { return line.substr(0, line.find_last_not_of(' ') + 1); };
     print_line(without_trail(head));
     for (std::size_t row = 0; row < involved.size(); ++row) {
         std::string line = "  " + padded(std::to_string(row + 1), number_width + 1) +

@@ -1,11 +1,11 @@
 // raylex lpe equal, contains, empty: proofs about single expressions.
 #include "lpe/algebra/relations.h"
+#include "experiments/program/exit_codes.h"
 
 #include <memory>
 
-#include "experiments/cli/command_line.h"
-#include "experiments/cli/console.h"
 #include "experiments/cli/lpe/commands.h"
+#include "experiments/program/console.h"
 
 namespace raylex::experiments {
 namespace {

@@ -1,8 +1,8 @@
 // --scene: proofs relative to what one scene can produce.
-#include "experiments/cli/console.h"
 #include "experiments/cli/lpe/commands.h"
 #include "experiments/cli/plugin_options.h"
 #include "experiments/job/channel_reasons.h"
+#include "experiments/program/console.h"
 
 namespace raylex::experiments {
 

@@ -4,9 +4,9 @@
 #include <optional>
 #include <utility>
 
-#include "experiments/cli/command_line.h"
-#include "experiments/cli/console.h"
 #include "experiments/cli/lpe/commands.h"
+#include "experiments/program/console.h"
+#include "experiments/program/exit_codes.h"
 #include "lpe/channels/split.h"
 
 namespace raylex::experiments {

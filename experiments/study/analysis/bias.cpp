@@ -32,25 +32,12 @@ BlockSums sum_blocks(const PixelArray& array) {
     return result;
 }
 
-/// Estimate of a block's mean with its variance.
-struct Estimate {
-    double mean = 0, variance = 0;
-};
-
-Estimate estimate(const BiasSide& side, std::size_t block) {
-    Estimate result;
-    const auto n = static_cast<double>(side.replicates.size());
-    for (const std::vector<double>& replicate : side.replicates) result.mean += replicate[block] / n;
-    if (!side.variance.empty()) {
-        result.variance = side.variance[block];
-        return result;
-    }
-    if (n < 2) return result;  // taken as exact
-    double squares = 0;
-    for (const std::vector<double>& replicate : side.replicates)
-        squares += (replicate[block] - result.mean) * (replicate[block] - result.mean);
-    result.variance = squares / (n - 1) / n;
-    return result;
+/// A block's mean with the variance of that mean; a single image without its own variance is taken as exact.
+BlockMoments mean_of_side(const BiasSide& side, std::size_t block) {
+    BlockMoments moments = block_moments(side.replicates, block);
+    moments.variance =
+        side.variance.empty() ? moments.variance / static_cast<double>(side.replicates.size()) : side.variance[block];
+    return moments;
 }
 
 /// Of a side's variances: those from replicates have few, those that pixels estimated as good as infinitely many.
@@ -95,7 +82,7 @@ double relative(double difference, double reference) {
 std::vector<Test> make_tests(const BiasSide& method, const BiasSide& reference, const BiasOptions& options) {
     std::vector<Test> tests;
     for (std::size_t block = 0; block < method.replicates.front().size(); ++block) {
-        const Estimate a = estimate(method, block), b = estimate(reference, block);
+        const BlockMoments a = mean_of_side(method, block), b = mean_of_side(reference, block);
         Test test{block, a.mean - b.mean, b.mean, std::sqrt(a.variance + b.variance)};
         if (!std::isfinite(test.standard_error) || !std::isfinite(test.difference)) continue;
         // Below the rounding of the images no difference is seen, and a spread below it is no spread.
@@ -113,6 +100,18 @@ std::vector<Test> make_tests(const BiasSide& method, const BiasSide& reference, 
 
 std::size_t block_count(std::size_t width, std::size_t height) {
     return ((width + bias_block - 1) / bias_block) * ((height + bias_block - 1) / bias_block);
+}
+
+BlockMoments block_moments(const std::vector<std::vector<double>>& replicates, std::size_t block) {
+    BlockMoments moments;
+    const auto n = static_cast<double>(replicates.size());
+    for (const std::vector<double>& replicate : replicates) moments.mean += replicate[block] / n;
+    if (n < 2) return moments;
+    double squares = 0;
+    for (const std::vector<double>& replicate : replicates)
+        squares += (replicate[block] - moments.mean) * (replicate[block] - moments.mean);
+    moments.variance = squares / (n - 1);
+    return moments;
 }
 
 std::vector<double> block_means(const PixelArray& image) {

@@ -32,6 +32,12 @@ struct BiasSide {
     std::vector<double> variance;  ///< of the mean of the replicates; empty: from the replicates' scatter
 };
 
+/// Of one block over replicates: the mean, and the unbiased variance of a single replicate; 0 when there is but one.
+struct BlockMoments {
+    double mean = 0, variance = 0;
+};
+BlockMoments block_moments(const std::vector<std::vector<double>>& replicates, std::size_t block);
+
 struct BiasOptions {
     double level = 0.01;  ///< of all tests together: half for whole images, half for blocks
     double power = 0.9;   ///< at which the minimum detectable bias is found

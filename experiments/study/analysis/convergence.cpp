@@ -198,6 +198,34 @@ SlopeVerdict judge_slope(std::span<const BudgetGroup> groups, bool declared_unbi
     return verdict;
 }
 
+namespace {
+
+/// The line that a squared error is looked up on, and the budget whose samples cost what those to it would.
+struct LocalLine {
+    std::optional<Line> line;
+    const BudgetGroup* timed;
+    bool extrapolated;
+};
+
+/// Through the budgets around the error where they stand on both sides of it, else through the octaves next to it.
+LocalLine line_at(const std::vector<const BudgetGroup*>& usable, double squared, Against against, double confidence) {
+    if (const std::optional<std::size_t> at = bracket(usable, squared)) {
+        const std::size_t first = *at > 0 ? *at - 1 : 0, last = std::min(usable.size() - 1, *at + 2);
+        const std::vector<const BudgetGroup*> near(usable.begin() + static_cast<std::ptrdiff_t>(first),
+                                                   usable.begin() + static_cast<std::ptrdiff_t>(last) + 1);
+        std::optional<Line> line = least_squares(near, against, confidence);
+        if (!line) line = plain_line(near, against, confidence);
+        return {line, usable[*at + 1], false};
+    }
+    const bool early = squared > mean_of(usable.front()->errors);
+    return {
+        plain_line(early ? first_octaves(usable, against, slope_octaves) : last_octaves(usable, against, slope_octaves),
+                   against, confidence),
+        usable.back(), true};
+}
+
+}  // namespace
+
 TimeToError time_to_error(std::span<const BudgetGroup> groups, double relative_error, double confidence) {
     TimeToError result;
     result.relative_error = relative_error;
@@ -214,23 +242,8 @@ TimeToError time_to_error(std::span<const BudgetGroup> groups, double relative_e
         result.seconds.note = "no errors above the reference's own";
         return result;
     }
-    std::optional<Line> line;
-    const BudgetGroup* timed = usable.back();
-    const std::optional<std::size_t> at = bracket(usable, squared);
-    if (at) {
-        const std::size_t first = *at > 0 ? *at - 1 : 0, last = std::min(usable.size() - 1, *at + 2);
-        const std::vector<const BudgetGroup*> near(usable.begin() + static_cast<std::ptrdiff_t>(first),
-                                                   usable.begin() + static_cast<std::ptrdiff_t>(last) + 1);
-        line = least_squares(near, against, confidence);
-        timed = usable[*at + 1];
-        if (!line) line = plain_line(near, against, confidence);
-    } else {
-        result.extrapolated = true;
-        const bool early = squared > mean_of(usable.front()->errors);
-        line = plain_line(
-            early ? first_octaves(usable, against, slope_octaves) : last_octaves(usable, against, slope_octaves),
-            against, confidence);
-    }
+    const auto [line, timed, extrapolated] = line_at(usable, squared, against, confidence);
+    result.extrapolated = extrapolated;
     if (!line) {
         result.seconds.note = "no positive errors to go by";
         return result;

@@ -4,7 +4,7 @@
 #include <optional>
 #include <set>
 
-#include "experiments/cli/console.h"
+#include "experiments/program/console.h"
 
 namespace raylex::experiments {
 namespace {

@@ -13,7 +13,7 @@
 #include "experiments/job/sampling_requests.h"
 #include "experiments/job/toml_text.h"
 #include "experiments/study/plan/config_sections.h"
-#include "experiments/study/run/external.h"
+#include "experiments/study/plan/shell_places.h"
 #include "transport/plugins/plugin_loader.h"
 
 namespace raylex::experiments {

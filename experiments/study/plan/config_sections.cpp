@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "experiments/job/sampling_requests.h"
+#include "experiments/study/plan/shell_places.h"
 #include "experiments/study/results_file.h"
-#include "experiments/study/run/external.h"
 
 namespace raylex::experiments {
 namespace {

@@ -43,8 +43,9 @@ void put_node(toml::table& root, const std::vector<std::string>& path, std::size
         table = table->get(path[at])->as_table();
     }
     table->erase(path[at]);
+    // Moved, for a copy of a node no longer says where it stands.
     value.get("v")->visit(
-        [&](auto&& node) { table->insert_or_assign(toml::key(path[at], region_of(origin)), std::move(node)); });
+        [&](auto& node) { table->insert_or_assign(toml::key(path[at], region_of(origin)), std::move(node)); });
 }
 
 /// VALUE as TOML, or else as a plain word.

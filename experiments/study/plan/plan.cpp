@@ -4,8 +4,8 @@
 #include <set>
 
 #include "display/services/hash64.h"
-#include "experiments/cli/console.h"
-#include "experiments/study/run/external.h"
+#include "experiments/program/console.h"
+#include "experiments/study/plan/shell_places.h"
 
 namespace raylex::experiments {
 namespace {

@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "experiments/cli/console.h"
+#include "experiments/program/console.h"
 #include "experiments/study/report/study.h"
 #include "lpe/algebra/paths.h"
 
@@ -277,17 +277,10 @@ class Measurer {
     /// Methods whose light lands anywhere keep no moments. Of a reference made by one, the variance is that of its own
     /// replicates, less by as many times as it has more samples; empty when that is not known.
     static std::vector<double> variance_by_samples(const BiasCandidate& same, double reference_samples) {
-        const std::size_t count = same.side.replicates.size();
-        if (count < 2 || !(same.samples > 0) || !(reference_samples > 0)) return {};
+        if (same.side.replicates.size() < 2 || !(same.samples > 0) || !(reference_samples > 0)) return {};
         std::vector<double> variance(same.side.replicates.front().size());
-        for (std::size_t block = 0; block < variance.size(); ++block) {
-            double mean = 0, squares = 0;
-            for (const std::vector<double>& each : same.side.replicates)
-                mean += each[block] / static_cast<double>(count);
-            for (const std::vector<double>& each : same.side.replicates)
-                squares += (each[block] - mean) * (each[block] - mean);
-            variance[block] = squares / static_cast<double>(count - 1) * same.samples / reference_samples;
-        }
+        for (std::size_t block = 0; block < variance.size(); ++block)
+            variance[block] = block_moments(same.side.replicates, block).variance * same.samples / reference_samples;
         return variance;
     }
 

@@ -5,7 +5,7 @@
 
 #include "display/output/atomic_file.h"
 #include "display/output/color_manager.h"
-#include "experiments/cli/console.h"
+#include "experiments/program/console.h"
 #include "experiments/report/html.h"
 #include "experiments/study/report/paper.h"
 #include "experiments/study/report/pictures.h"

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "experiments/cli/console.h"
+#include "experiments/program/console.h"
 #include "experiments/study/report/paper.h"
 #include "experiments/study/report/study_files.h"
 

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "experiments/cli/console.h"
 #include "experiments/job/json.h"
+#include "experiments/program/console.h"
 #include "experiments/study/analysis/pareto.h"
 #include "experiments/study/report/study_files.h"
 

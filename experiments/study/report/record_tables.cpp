@@ -6,7 +6,7 @@
 #include <map>
 #include <span>
 
-#include "experiments/cli/console.h"
+#include "experiments/program/console.h"
 #include "experiments/report/html.h"
 #include "experiments/study/report/study_files.h"
 #include "experiments/study/report/study_tables.h"

@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "experiments/cli/console.h"
 #include "experiments/job/json.h"
+#include "experiments/program/console.h"
 
 namespace raylex::experiments {
 namespace {
@@ -170,6 +170,67 @@ std::string column_name(std::string name) {
     return name;
 }
 
+void add_formulas(Lines& lines) {
+    Json formulas{{"kind", "formulas"}};
+    for (const display::ErrorMetricInfo& each : display::error_metrics()) formulas[each.name] = each.formula;
+    for (const display::ImageMetric each : seen_metrics)
+        formulas[display::info_of(each).name] = display::info_of(each).formula;
+    lines.add(formulas);
+}
+
+void add_run(Lines& lines, const Cell& cell) {
+    Json json{{"kind", "run"},
+              {"cell", cell.id},
+              {"scene", cell.scene},
+              {"variant", variant_name(cell)},
+              {"budget_kind", budget_kind_name(cell.budget_kind)},
+              {"budget", number(cell.budget)},
+              {"replicate", cell.replicate},
+              {"seed", cell.seed},
+              {"samples_per_pixel", cell.samples_per_pixel},
+              {"wall_seconds", number(cell.wall_seconds)},
+              {"cpu_seconds", number(cell.cpu_seconds)},
+              {"rays", cell.rays},
+              {"invalid_samples", cell.invalid_samples},
+              {"peak_memory_bytes", cell.peak_memory_bytes}};
+    if (cell.failed) json["failure"] = cell.failure;
+    lines.add(json);
+}
+
+void add_errors(Lines& lines, const CellErrors& row) {
+    Json json{{"kind", "cell"},         {"cell", row.cell->id},   {"scene", row.cell->scene},
+              {"variant", row.variant}, {"channel", row.channel}, {"region", row.region}};
+    for (const display::ErrorMetricInfo& each : display::error_metrics())
+        json[each.name] = number(row.measures[each.metric]);
+    for (std::size_t i = 0; i < seen_metrics.size(); ++i)
+        if (!std::isnan(row.seen[i])) json[display::info_of(seen_metrics[i]).name] = number(row.seen[i]);
+    json["trimmed_share"] = number(row.measures.trimmed_share);
+    lines.add(json);
+}
+
+void add_bias(Lines& lines, const BiasEntry& entry) {
+    const BiasVerdict& v = entry.verdict;
+    lines.add(Json{{"kind", "bias"},
+                   {"scene", entry.scene},
+                   {"variant", entry.variant},
+                   {"channel", entry.channel},
+                   {"budget", entry.budget},
+                   {"replicates", entry.replicates},
+                   {"tested", v.tested},
+                   {"differs", v.differs},
+                   {"heavy_tail", entry.heavy_tail},
+                   {"omitted", entry.omitted},
+                   {"adjusted_p", number(v.adjusted_p)},
+                   {"tests", v.tests},
+                   {"mean_difference", number(v.mean_difference)},
+                   {"worst_block", v.worst},
+                   {"worst_is_whole_image", v.worst_is_whole},
+                   {"worst_difference", number(v.worst_difference)},
+                   {"detectable_whole", number(v.detectable_whole)},
+                   {"detectable_block", number(v.detectable_block)},
+                   {"note", v.note}});
+}
+
 }  // namespace
 
 std::string columns_csv() {
@@ -214,62 +275,11 @@ std::string results_csv(const Study& study) {
 
 std::string results_jsonl(const Study& study) {
     Lines lines;
-    Json formulas{{"kind", "formulas"}};
-    for (const display::ErrorMetricInfo& each : display::error_metrics()) formulas[each.name] = each.formula;
-    for (const display::ImageMetric each : seen_metrics)
-        formulas[display::info_of(each).name] = display::info_of(each).formula;
-    lines.add(formulas);
-    for (const Cell& cell : study.experiment->cells) {
-        Json json{{"kind", "run"},
-                  {"cell", cell.id},
-                  {"scene", cell.scene},
-                  {"variant", variant_name(cell)},
-                  {"budget_kind", budget_kind_name(cell.budget_kind)},
-                  {"budget", number(cell.budget)},
-                  {"replicate", cell.replicate},
-                  {"seed", cell.seed},
-                  {"samples_per_pixel", cell.samples_per_pixel},
-                  {"wall_seconds", number(cell.wall_seconds)},
-                  {"cpu_seconds", number(cell.cpu_seconds)},
-                  {"rays", cell.rays},
-                  {"invalid_samples", cell.invalid_samples},
-                  {"peak_memory_bytes", cell.peak_memory_bytes}};
-        if (cell.failed) json["failure"] = cell.failure;
-        lines.add(json);
-    }
-    for (const CellErrors& row : study.cells) {
-        Json json{{"kind", "cell"},         {"cell", row.cell->id},   {"scene", row.cell->scene},
-                  {"variant", row.variant}, {"channel", row.channel}, {"region", row.region}};
-        for (const display::ErrorMetricInfo& each : display::error_metrics())
-            json[each.name] = number(row.measures[each.metric]);
-        for (std::size_t i = 0; i < seen_metrics.size(); ++i)
-            if (!std::isnan(row.seen[i])) json[display::info_of(seen_metrics[i]).name] = number(row.seen[i]);
-        json["trimmed_share"] = number(row.measures.trimmed_share);
-        lines.add(json);
-    }
+    add_formulas(lines);
+    for (const Cell& cell : study.experiment->cells) add_run(lines, cell);
+    for (const CellErrors& row : study.cells) add_errors(lines, row);
     for (const Curve& curve : study.curves) add_curve(lines, curve);
-    for (const BiasEntry& entry : study.bias) {
-        const BiasVerdict& v = entry.verdict;
-        lines.add(Json{{"kind", "bias"},
-                       {"scene", entry.scene},
-                       {"variant", entry.variant},
-                       {"channel", entry.channel},
-                       {"budget", entry.budget},
-                       {"replicates", entry.replicates},
-                       {"tested", v.tested},
-                       {"differs", v.differs},
-                       {"heavy_tail", entry.heavy_tail},
-                       {"omitted", entry.omitted},
-                       {"adjusted_p", number(v.adjusted_p)},
-                       {"tests", v.tests},
-                       {"mean_difference", number(v.mean_difference)},
-                       {"worst_block", v.worst},
-                       {"worst_is_whole_image", v.worst_is_whole},
-                       {"worst_difference", number(v.worst_difference)},
-                       {"detectable_whole", number(v.detectable_whole)},
-                       {"detectable_block", number(v.detectable_block)},
-                       {"note", v.note}});
-    }
+    for (const BiasEntry& entry : study.bias) add_bias(lines, entry);
     for (const WordsEntry& entry : study.words)
         for (const FirstWords::Word& word : entry.first.words)
             lines.add(Json{{"kind", "first_words"},

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 
-#include "experiments/cli/console.h"
 #include "experiments/job/json.h"
+#include "experiments/program/console.h"
 #include "experiments/report/html.h"
 #include "experiments/study/report/assets.h"
 #include "experiments/study/report/picture_viewers.h"
 #include "experiments/study/report/study_tables.h"
-#include "experiments/study/run/run_progress.h"
 
 namespace raylex::experiments {
 namespace {
@@ -18,83 +17,99 @@ std::string mark(bool good, const std::string& text) {
 }
 
 /// The verdicts in a few lines, before any table.
-std::string summary(const Study& study) {
+std::string listed(const std::vector<std::string>& names) {
+    std::string text;
+    for (const std::string& name : names) text += (text.empty() ? "" : ", ") + escape_html(name);
+    return text;
+}
+
+bool declared_unbiased(const Study& study, const std::string& variant) {
+    return std::any_of(study.variants.begin(), study.variants.end(),
+                       [&](const MethodVariant& each) { return each.name == variant && each.unbiased; });
+}
+
+std::string extent_summary(const Study& study) {
     const Experiment& experiment = *study.experiment;
-    std::size_t failed = 0, splits = 0, broken = 0;
+    std::size_t failed = 0;
     double seconds = 0;
     for (const Cell& cell : experiment.cells) {
         failed += cell.failed ? 1 : 0;
         seconds += cell.wall_seconds;
-        if (cell.failed) continue;
-        for (const PartitionVerdict& split : cell.splits) {
-            ++splits;
-            broken += split.holds ? 0 : 1;
-        }
     }
-    std::string text =
-        "<p class=\"faint\">" + counted(experiment.cells.size() - failed, "cell", "cells") + " done" +
-        (failed > 0 ? ", " + std::to_string(failed) + " failed" : "") +
-        (experiment.missing.empty() ? "" : ", " + std::to_string(experiment.missing.size()) + " not run") + "; " +
-        counted(experiment.scenes.size(), "scene", "scenes") + ", " +
-        counted(study.variants.size(), "variant", "variants") + "; " + duration_text(seconds) +
-        " of rendering.</p>\n<ul class=\"summary\">\n";
-    if (splits > 0)
-        text += mark(broken == 0,
-                     broken == 0 ? "Every split sums" : counted(broken, "split does", "splits do") + " not sum") +
-                (broken < 2 ? "to what it splits, in " : "to what they split, in ") +
-                counted(splits, "verdict", "verdicts") + " over all cells.</li>\n";
+    return "<p class=\"faint\">" + counted(experiment.cells.size() - failed, "cell", "cells") + " done" +
+           (failed > 0 ? ", " + std::to_string(failed) + " failed" : "") +
+           (experiment.missing.empty() ? "" : ", " + std::to_string(experiment.missing.size()) + " not run") + "; " +
+           counted(experiment.scenes.size(), "scene", "scenes") + ", " +
+           counted(study.variants.size(), "variant", "variants") + "; " + duration_text(seconds) +
+           " of rendering.</p>\n";
+}
+
+std::string split_summary(const Experiment& experiment) {
+    std::size_t splits = 0, broken = 0;
+    for (const Cell& cell : experiment.cells) {
+        if (cell.failed) continue;
+        splits += cell.splits.size();
+        for (const PartitionVerdict& split : cell.splits) broken += split.holds ? 0 : 1;
+    }
+    if (splits == 0) return {};
+    return mark(broken == 0,
+                broken == 0 ? "Every split sums" : counted(broken, "split does", "splits do") + " not sum") +
+           (broken < 2 ? "to what it splits, in " : "to what they split, in ") +
+           counted(splits, "verdict", "verdicts") + " over all cells.</li>\n";
+}
+
+std::string bias_summary(const Study& study) {
     std::vector<std::string> wrong, doubtful;
     std::size_t tested = 0;
     for (const BiasEntry& entry : study.bias) {
         tested += entry.verdict.tested ? 1 : 0;
-        if (!entry.verdict.differs) continue;
-        const auto variant = std::find_if(study.variants.begin(), study.variants.end(),
-                                          [&](const MethodVariant& each) { return each.name == entry.variant; });
+        if (!entry.verdict.differs || !declared_unbiased(study, entry.variant)) continue;
         const std::string name = entry.variant + " on " + entry.scene;
         std::vector<std::string>& list = entry.convicts() ? wrong : doubtful;
-        if (variant->unbiased && std::find(list.begin(), list.end(), name) == list.end()) list.push_back(name);
+        if (std::find(list.begin(), list.end(), name) == list.end()) list.push_back(name);
     }
     std::erase_if(doubtful,
                   [&](const std::string& name) { return std::find(wrong.begin(), wrong.end(), name) != wrong.end(); });
-    if (!wrong.empty()) {
-        text += mark(false, "Declared unbiased but differs from the reference:");
-        for (const std::string& name : wrong) text += (&name == &wrong.front() ? "" : ", ") + escape_html(name);
-        text += ".</li>\n";
-    } else if (tested > 0) {
+    std::string text;
+    if (!wrong.empty())
+        text += mark(false, "Declared unbiased but differs from the reference:") + listed(wrong) + ".</li>\n";
+    else if (tested > 0)
         text += mark(true, "No method declared unbiased") + "was found to differ from its reference, in " +
                 counted(tested, "test", "tests") + " of channels.</li>\n";
-    }
-    if (!doubtful.empty()) {
-        text += "<li><span class=\"warn\">No verdict on bias:</span> a few rare samples decide for ";
-        for (const std::string& name : doubtful) text += (&name == &doubtful.front() ? "" : ", ") + escape_html(name);
-        text += ".</li>\n";
-    }
-    const auto unbiased = [&](const std::string& variant) {
-        return std::any_of(study.variants.begin(), study.variants.end(),
-                           [&](const MethodVariant& each) { return each.name == variant && each.unbiased; });
-    };
+    if (!doubtful.empty())
+        text += "<li><span class=\"warn\">No verdict on bias:</span> a few rare samples decide for " +
+                listed(doubtful) + ".</li>\n";
+    return text;
+}
+
+std::string curve_summary(const Study& study) {
     std::vector<std::string> shallow;
     std::size_t heavy = 0, judged = 0;
     for (const Curve& curve : study.curves) {
-        judged += curve.slope.samples && unbiased(curve.variant) ? 1 : 0;
+        judged += curve.slope.samples && declared_unbiased(study, curve.variant) ? 1 : 0;
         if (curve.slope.too_shallow)
             shallow.push_back(curve.variant + " on " + curve.scene + " (" + curve.channel + ")");
         heavy += std::any_of(curve.points.begin(), curve.points.end(),
                              [](const BudgetPoint& p) { return p.group.heavy_tail; });
     }
-    if (!shallow.empty()) {
-        text += mark(false, "Falls slower than an unbiased method:");
-        for (const std::string& name : shallow) text += (&name == &shallow.front() ? "" : ", ") + escape_html(name);
-        text += ". Of " + counted(judged, "curve", "curves") + " judged at 95 %, one in 40 does so by chance.</li>\n";
-    }
+    std::string text;
+    if (!shallow.empty())
+        text += mark(false, "Falls slower than an unbiased method:") + listed(shallow) + ". Of " +
+                counted(judged, "curve", "curves") + " judged at 95 %, one in 40 does so by chance.</li>\n";
     if (heavy > 0)
         text += "<li><span class=\"warn\">Heavy tail, interval not valid:</span> on " +
                 counted(heavy, "curve", "curves") + " a few rare samples decide the error.</li>\n";
-    std::string without;
-    for (const SceneInfo& scene : experiment.scenes)
-        if (scene.reference.empty()) without += (without.empty() ? "" : ", ") + escape_html(scene.name);
+    return text;
+}
+
+std::string summary(const Study& study) {
+    std::string text = extent_summary(study) + "<ul class=\"summary\">\n" + split_summary(*study.experiment) +
+                       bias_summary(study) + curve_summary(study);
+    std::vector<std::string> without;
+    for (const SceneInfo& scene : study.experiment->scenes)
+        if (scene.reference.empty()) without.push_back(scene.name);
     if (!without.empty())
-        text += "<li>No reference, so neither errors nor what they cost are known: " + without + ".</li>\n";
+        text += "<li>No reference, so neither errors nor what they cost are known: " + listed(without) + ".</li>\n";
     if (!study.omissions.empty())
         text += "<li><a href=\"#omissions\">" + counted(study.omissions.size(), "omission", "omissions") +
                 "</a>, listed with the reason.</li>\n";

@@ -5,15 +5,14 @@
 #include <limits>
 
 #include "display/output/atomic_file.h"
-#include "experiments/cli/command_line.h"
-#include "experiments/cli/console.h"
 #include "experiments/job/json.h"
+#include "experiments/program/console.h"
+#include "experiments/program/exit_codes.h"
 #include "experiments/study/file_records.h"
 #include "experiments/study/report/assets.h"
 #include "experiments/study/report/paper.h"
 #include "experiments/study/report/study_files.h"
 #include "experiments/study/report/study_page.h"
-#include "experiments/study/run/run_progress.h"
 
 namespace raylex::experiments {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "experiments/cli/console.h"
+#include "experiments/program/console.h"
 #include "experiments/report/html.h"
 #include "experiments/study/report/study_files.h"
 

@@ -8,8 +8,8 @@
 
 #include "display/output/atomic_file.h"
 #include "display/services/parameters.h"
-#include "experiments/cli/console.h"
 #include "experiments/job/provenance.h"
+#include "experiments/program/console.h"
 #include "experiments/study/results_file.h"
 #include "experiments/study/run/cell_files.h"
 #include "experiments/study/run/cell_parts.h"
@@ -131,6 +131,23 @@ Result<CellOutcome> close_cell(const WorkContext& context, CellOutcome outcome, 
     return outcome;
 }
 
+/// What the command of a cell may ask for.
+NamedValues places_of(const WorkContext& context, const PlannedCell& planned, const Cell& cell, const StudyScene& scene,
+                      const std::string& image) {
+    const int threads = context.config.base.settings.threads;
+    NamedValues places{
+        {"scene", fs::absolute(context.config.scenes[planned.scene].job.scene_file).string()},
+        {"seed", std::to_string(short_seed(cell.seed))},
+        {"spp", number_text(cell.budget, 10)},
+        {"seconds", number_text(cell.budget, 10)},
+        {"out", image},
+        {"width", std::to_string(scene.width)},
+        {"height", std::to_string(scene.height)},
+        {"threads", std::to_string(threads > 0 ? threads : static_cast<int>(std::thread::hardware_concurrency()))}};
+    places.insert(places.end(), cell.settings.begin(), cell.settings.end());
+    return places;
+}
+
 Result<CellOutcome> run_external(const WorkContext& context, const PlannedCell& planned, CellOutcome outcome,
                                  const std::string& partial) {
     const MethodRequest& method = context.config.methods[context.config.variants[planned.variant].method];
@@ -140,18 +157,7 @@ Result<CellOutcome> run_external(const WorkContext& context, const PlannedCell& 
     const std::string image = fs::absolute(partial).string() + "/image.exr";
     std::error_code ignored;
     fs::remove(image, ignored);
-    const int threads = context.config.base.settings.threads;
-    NamedValues places{
-        {"scene", fs::absolute(context.config.scenes[planned.scene].job.scene_file).string()},
-        {"seed", std::to_string(short_seed(cell.seed))},
-        {"spp", number_text(cell.budget, 10)},
-        {"seconds", number_text(cell.budget, 10)},
-        {"out", image},
-        {"width", std::to_string((*scene)->width)},
-        {"height", std::to_string((*scene)->height)},
-        {"threads", std::to_string(threads > 0 ? threads : static_cast<int>(std::thread::hardware_concurrency()))}};
-    places.insert(places.end(), cell.settings.begin(), cell.settings.end());
-    auto filled = fill_command(method.command, places, method.location);
+    auto filled = fill_command(method.command, places_of(context, planned, cell, **scene, image), method.location);
     if (!filled) return fail_cell(context, std::move(outcome), filled.error());
     const std::string& command = filled->text;
     auto process = run_process(

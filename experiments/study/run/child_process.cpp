@@ -14,8 +14,8 @@
 #include <fstream>
 
 #include "display/services/parameters.h"
-#include "experiments/cli/console.h"
-#include "experiments/cli/interrupt.h"
+#include "experiments/program/console.h"
+#include "experiments/program/interrupt.h"
 #include "transport/render/clock.h"
 
 namespace raylex::experiments {

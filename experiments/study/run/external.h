@@ -1,35 +1,15 @@
-// A renderer outside this program: a shell command with its places filled in, its cost and what it leaves.
+// A renderer outside this program, run by a shell: what it cost and how it ended.
 #pragma once
 
 #include <atomic>
 #include <cstdint>
 #include <functional>
 #include <string>
-#include <utility>
-#include <vector>
 
-#include "display/services/parameters.h"
-#include "experiments/study/results.h"
+#include "experiments/study/plan/shell_places.h"
 #include "lpe/result.h"
 
 namespace raylex::experiments {
-
-/// A line for a shell, and the environment that it gets beside this program's own.
-struct ShellCommand {
-    std::string text;
-    NamedValues environment;
-};
-
-/// The command with {scene} and so on filled in; ${scene} is the shell's own. A value never becomes text that a shell
-/// reads: one of nothing but letters, digits and _./:,+@%=- stands as it is, any other travels in the environment as
-/// RAYLEX_SCENE and so on (all places do), and its place becomes that variable, quoted as the text around it asks.
-/// Errors, at `where`: such a value in a command that hands text to another shell (eval, sh -c, ssh) or in a here
-/// document.
-Result<ShellCommand> fill_command(const std::string& command, const NamedValues& places, const SourceLocation& where);
-/// Whether the command asks for it, as {spp} or by the variable that has it.
-bool has_place(const std::string& command, const std::string& name);
-/// RAYLEX_SCENE for "scene", RAYLEX_INTEGRATOR_STRATEGY for "integrator.strategy".
-std::string place_variable(const std::string& name);
 
 struct ProcessOutcome {
     int exit_code = -1;  ///< 128 + signal when one ended it

@@ -163,6 +163,49 @@ Status write_merged_cell(const std::string& output, Cell cell, const std::vector
     return close_cell_directory({cell, partial, cell_directory(output, cell.id), {}});
 }
 
+/// The cells of all, each once: a finished one before one that failed.
+struct MergedCells {
+    std::map<std::string, const Cell*> cells;
+    std::map<std::string, std::string> from;  ///< cell -> directory of results
+};
+
+Result<MergedCells> cells_of(const std::vector<Experiment>& experiments) {
+    MergedCells merged;
+    for (const Experiment& each : experiments)
+        for (const Cell& cell : each.cells) {
+            const auto [known, is_new] = merged.cells.emplace(cell.id, &cell);
+            if (is_new || known->second->failed) {
+                known->second = &cell;
+                merged.from[cell.id] = each.directory;
+            } else if (!cell.failed) {
+                return merge_error(
+                    each.directory, "cell '" + cell.id + "' is finished here and in '" + merged.from[cell.id] + "' too",
+                    "merge takes every cell once: leave out one of the two directories, or remove the cell from one");
+            }
+        }
+    std::map<std::uint64_t, std::string> seeds;
+    for (const auto& [id, cell] : merged.cells)
+        if (const auto [known, is_new] = seeds.emplace(cell->seed, id); !is_new)
+            return merge_error(merged.from[id], "cells '" + id + "' and '" + known->second + "' have the same seed " +
+                                                    std::to_string(cell->seed) +
+                                                    ", so they are no independent renders");
+    return merged;
+}
+
+/// As the first describes itself, with the time that all took.
+Experiment description_of_all(const std::vector<Experiment>& experiments, const std::string& output) {
+    Experiment merged = experiments.front();
+    merged.directory = output;
+    merged.time = {};
+    for (const Experiment& each : experiments) {
+        merged.time.total += each.time.total;
+        merged.time.render += each.time.render;
+        merged.time.warm_up += each.time.warm_up;
+        merged.time.references += each.time.references;
+    }
+    return merged;
+}
+
 }  // namespace
 
 Result<MergeOutcome> merge_experiments(const std::vector<std::string>& directories, const std::string& output) {
@@ -179,37 +222,13 @@ Result<MergeOutcome> merge_experiments(const std::vector<std::string>& directori
     }
     std::stable_sort(experiments.begin(), experiments.end(),
                      [](const Experiment& a, const Experiment& b) { return order_key(a) < order_key(b); });
-    std::map<std::string, const Cell*> cells;
-    std::map<std::string, std::string> from;  // cell -> directory of results
-    for (const Experiment& each : experiments)
-        for (const Cell& cell : each.cells) {
-            const auto [known, is_new] = cells.emplace(cell.id, &cell);
-            if (is_new || known->second->failed) {
-                known->second = &cell;
-                from[cell.id] = each.directory;
-            } else if (!cell.failed) {
-                return merge_error(
-                    each.directory, "cell '" + cell.id + "' is finished here and in '" + from[cell.id] + "' too",
-                    "merge takes every cell once: leave out one of the two directories, or remove the cell from one");
-            }
-        }
-    std::map<std::uint64_t, std::string> seeds;
-    for (const auto& [id, cell] : cells)
-        if (const auto [known, is_new] = seeds.emplace(cell->seed, id); !is_new)
-            return merge_error(from[id], "cells '" + id + "' and '" + known->second + "' have the same seed " +
-                                             std::to_string(cell->seed) + ", so they are no independent renders");
+    auto taken = cells_of(experiments);
+    if (!taken) return taken.error();
+    auto& [cells, from] = *taken;
     if (Status s = check_one_program(experiments); !s) return s.error();
     auto parts = parts_of(experiments, cells);
     if (!parts) return parts.error();
-    Experiment merged = experiments.front();
-    merged.directory = output;
-    merged.time = {};
-    for (const Experiment& each : experiments) {
-        merged.time.total += each.time.total;
-        merged.time.render += each.time.render;
-        merged.time.warm_up += each.time.warm_up;
-        merged.time.references += each.time.references;
-    }
+    Experiment merged = description_of_all(experiments, output);
     if (Status s = merge_references(experiments, merged); !s) return s.error();
     MergeOutcome outcome;
     for (const auto& [id, cell] : cells) {

@@ -1,6 +1,6 @@
 #include "experiments/study/run/method_settings.h"
 
-#include "experiments/cli/console.h"
+#include "experiments/program/console.h"
 
 namespace raylex::experiments {
 namespace {

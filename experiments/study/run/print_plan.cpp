@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "display/buffer/memory_estimate.h"
-#include "experiments/cli/console.h"
+#include "experiments/program/console.h"
 #include "experiments/study/run/cell_parts.h"
 #include "experiments/study/run/cell_worker.h"
 #include "experiments/study/run/estimates.h"

@@ -6,9 +6,9 @@
 
 #include "display/output/atomic_file.h"
 #include "display/services/hash64.h"
-#include "experiments/cli/console.h"
 #include "experiments/job/json.h"
 #include "experiments/job/provenance.h"
+#include "experiments/program/console.h"
 #include "experiments/study/file_records.h"
 #include "experiments/study/run/cell_files.h"
 #include "experiments/study/run/cell_runner.h"
@@ -115,6 +115,22 @@ Result<bool> import_reference(const WorkContext& context, const std::string& fol
     return take_known(directory, info);
 }
 
+/// What reference.json says of a render; `identity` is what it must be again to be taken for it.
+Json reference_json(const ExperimentConfig& config, const Rendered& rendered, std::uint64_t seed,
+                    const std::string& identity) {
+    Json settings = Json::object();
+    for (const auto& [key, value] : settings_text(config.variants[config.reference.variant].render))
+        settings[key] = value;
+    return {{"method", config.reference.method},
+            {"settings", settings},
+            {"samples_per_pixel", rendered.output.samples_per_pixel},
+            {"seed", seed},
+            {"relative_error", relative_error(rendered.output)},
+            {"wall_seconds", rendered.seconds},
+            {"cpu_seconds", rendered.cpu_seconds},
+            {"identity", identity}};
+}
+
 }  // namespace
 
 Result<bool> provide_reference(const WorkContext& context, std::size_t index, SceneInfo& info, double& seconds) {
@@ -169,17 +185,8 @@ Result<bool> provide_reference(const WorkContext& context, std::size_t index, Sc
     if (!splits) return splits.error();
     std::error_code ignored;
     fs::remove(checkpoint, ignored);
-    Json settings = Json::object();
-    for (const auto& [key, value] : settings_text(config.variants[variant].render)) settings[key] = value;
-    const Json json{{"method", config.reference.method},
-                    {"settings", settings},
-                    {"samples_per_pixel", rendered->output.samples_per_pixel},
-                    {"seed", seed},
-                    {"relative_error", relative_error(rendered->output)},
-                    {"wall_seconds", rendered->seconds},
-                    {"cpu_seconds", rendered->cpu_seconds},
-                    {"identity", identity}};
-    if (Status s = close_reference(partial, directory, json); !s) return s.error();
+    if (Status s = close_reference(partial, directory, reference_json(config, *rendered, seed, identity)); !s)
+        return s.error();
     return take_known(directory, info);
 }
 

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <utility>
 
-#include "experiments/cli/console.h"
+#include "experiments/program/console.h"
 
 namespace raylex::experiments {
 namespace {
@@ -15,11 +15,6 @@ constexpr double seconds_between_lines = 5.0;
 std::string time_left_text(double seconds, std::size_t unknown) {
     if (seconds < 0) return "not known";
     return (unknown > 0 ? "at least " : "about ") + duration_text(seconds);
-}
-
-std::string counted(std::size_t count, const std::string& one, const std::string& several) {
-    if (count == 1) return "1 " + one;
-    return std::to_string(count) + " " + (several.empty() ? one + "s" : several);
 }
 
 RunProgress::RunProgress() : terminal_(error_stream_is_terminal()) {}

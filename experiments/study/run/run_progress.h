@@ -32,8 +32,6 @@ class RunProgress {
     bool terminal_;
 };
 
-/// "1 scene", "4 scenes"; `several` is the plural where an s does not make it.
-std::string counted(std::size_t count, const std::string& one, const std::string& several = {});
 /// "3 min 20 s", "at least 3 min 20 s", "not known".
 std::string time_left_text(double seconds, std::size_t unknown);
 

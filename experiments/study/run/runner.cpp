@@ -10,8 +10,8 @@
 #include <thread>
 
 #include "display/services/parameters.h"
-#include "experiments/cli/console.h"
 #include "experiments/job/provenance.h"
+#include "experiments/program/console.h"
 #include "experiments/study/file_records.h"
 #include "experiments/study/results_file.h"
 #include "experiments/study/run/cell_parts.h"

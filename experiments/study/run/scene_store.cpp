@@ -7,8 +7,8 @@
 
 #include "display/buffer/memory_estimate.h"
 #include "display/services/hash64.h"
-#include "experiments/cli/interrupt.h"
 #include "experiments/job/statistics.h"
+#include "experiments/program/interrupt.h"
 #include "lpe/algebra/check.h"
 #include "transport/integrators/integrator.h"
 #include "transport/integrators/omitted_paths.h"

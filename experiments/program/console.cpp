@@ -1,4 +1,4 @@
-#include "experiments/cli/console.h"
+#include "experiments/program/console.h"
 
 #include <unistd.h>
 #include <array>
@@ -7,8 +7,8 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "experiments/cli/command_line.h"
-#include "experiments/cli/tint.h"
+#include "experiments/program/exit_codes.h"
+#include "experiments/program/tint.h"
 
 namespace raylex::experiments {
 
@@ -101,6 +101,11 @@ std::string size_text(double bytes) {
     else if (bytes < 1e9) std::snprintf(text.data(), text.size(), "%.1f MB", bytes / 1e6);
     else std::snprintf(text.data(), text.size(), "%.1f GB", bytes / 1e9);
     return text.data();
+}
+
+std::string counted(std::size_t count, const std::string& one, const std::string& several) {
+    if (count == 1) return "1 " + one;
+    return std::to_string(count) + " " + (several.empty() ? one + "s" : several);
 }
 
 }  // namespace raylex::experiments

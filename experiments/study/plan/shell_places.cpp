@@ -1,10 +1,9 @@
-// Places of an external command: values that are never text which a shell reads.
+#include "experiments/study/plan/shell_places.h"
+
 #include <algorithm>
 #include <cctype>
 #include <string_view>
 #include <vector>
-
-#include "experiments/study/run/external.h"
 
 namespace raylex::experiments {
 namespace {

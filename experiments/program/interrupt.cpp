@@ -1,10 +1,9 @@
-#include "experiments/cli/interrupt.h"
+#include "experiments/program/interrupt.h"
+#include "experiments/program/exit_codes.h"
 
 #include <unistd.h>
 #include <csignal>
 #include <cstring>
-
-#include "experiments/cli/command_line.h"
 
 namespace raylex::experiments {
 namespace {

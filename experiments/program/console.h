@@ -1,6 +1,7 @@
 // Messages to people: where they go and how numbers read.
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include "lpe/result.h"
@@ -23,5 +24,7 @@ std::string number_text(double value, int digits = 3);
 std::string duration_text(double seconds);
 /// "950 kB", "1.4 MB".
 std::string size_text(double bytes);
+/// "1 scene", "4 scenes"; `several` is the plural where an s does not make it.
+std::string counted(std::size_t count, const std::string& one, const std::string& several = {});
 
 }  // namespace raylex::experiments

@@ -1,0 +1,67 @@
+// Light subpaths in the language, with shares: Law 5 from the far end.
+//
+// A light subpath's word is known from its end. It carries pairs (state of the reversed automaton, share) as a tracker
+// carries forward ones: each vertex puts its event before all that were read, a scattering by several lobes splits the
+// shares by what each lobe scattered, equal states merge, dead ones drop out. A join with a tracker then is one look-up
+// for each pair of pairs, whatever the lengths, and shares multiply: those of one contribution still sum to 1.
+//
+// Words are small handles into a pool, so that all vertices of a batch keep theirs:
+//
+//     words.clear();                                              // once a batch
+//     LightWord word = lpe.begin(words, terminal);                // at the light
+//     word = lpe.prepend(words, word, parts, key);                // at each vertex that scatters
+//     lpe.move(tracker, parts);  lpe.join(tracker, words, word);  // the camera's side, past the vertex that is joined
+//     lpe.contribute(value, technique, tracker);
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "display/services/lpe_services.h"
+#include "lpe/reversal.h"
+
+namespace raylex::display {
+
+/// Opaque: good until its pool is cleared.
+class LightWord {
+  public:
+    /// False: no channel makes anything of the light subpath, whatever comes before.
+    [[nodiscard]] bool live() const { return branches_ != 0; }
+    /// Pairs of (reversed state, share); for diagnostics.
+    [[nodiscard]] int branches() const { return branches_; }
+
+  private:
+    friend class LightWords;
+    friend class LpeServices;
+    std::uint32_t state_ = 0, share_ = 0;  // where they begin in the pool
+    std::uint8_t branches_ = 0;
+    bool whole_ = true;  // nothing was split yet: one branch at most, its share 1 and not stored
+};
+
+/// One thread's words. Keeps its memory from batch to batch.
+class LightWords {
+  public:
+    static constexpr std::size_t capacity = Tracker::capacity;  ///< branches of a word
+    /// `language` reads the words of the LpeSetup's program, and must outlive this object.
+    explicit LightWords(const lpe::ReversedProgram& language) : language_(language) {}
+    void clear() { states_.clear(), shares_.clear(); }
+
+  private:
+    friend class LpeServices;
+    [[nodiscard]] const lpe::State* states(const LightWord& word) const { return states_.data() + word.state_; }
+    [[nodiscard]] const BranchShare* shares(const LightWord& word) const {
+        return word.whole_ ? nullptr : shares_.data() + word.share_;
+    }
+
+    const lpe::ReversedProgram& language_;
+    std::vector<lpe::State> states_;
+    std::vector<BranchShare> shares_;
+};
+
+struct LpeServices::SplitWord {
+    LightWord word;
+    bool overflow = false;
+};
+
+}  // namespace raylex::display
