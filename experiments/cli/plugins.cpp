@@ -8,6 +8,7 @@
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
 #include "experiments/report/png_driver.h"
+#include "transport/cameras/camera.h"
 #include "transport/materials/pattern.h"
 #include "transport/media/medium.h"
 #include "transport/plugins/plugin_loader.h"
@@ -55,6 +56,7 @@ void print_in_tree() {
     register_png_driver();
     print_line("in the program:");
     print_registry(transport::integrator_registry());
+    print_registry(transport::camera_registry());
     print_registry(transport::sampler_registry());
     print_registry(transport::material_registry());
     print_registry(transport::pattern_registry());
@@ -87,8 +89,8 @@ void add_plugin_option(CLI::App& command, std::vector<std::string>& files) {
     command
         .add_option(
             "--plugin", files,
-            "loads a plugin: a shared library that brings integrators, materials, filters, drivers and the like, "
-            "which are then used by name; 'raylex plugins FILE.so' lists them; may be repeated")
+            "loads a plugin: a shared library that brings integrators, cameras, materials, filters, drivers and the "
+            "like, which are then used by name; 'raylex plugins FILE.so' lists them; may be repeated")
         ->option_text("FILE.so")
         ->expected(1)
         ->allow_extra_args(false)

@@ -47,7 +47,7 @@ TEST_CASE("`raylex plugins` lists what a plugin registers, with every parameter"
     const Outcome in_tree = run_raylex(folder, "plugins");
     CHECK(in_tree.code == 0);
     for (const char* name :
-         {"integrator path:", "material diffuse:", "texture imagemap:", "shape trianglemesh:",
+         {"integrator path:", "camera perspective:", "material diffuse:", "texture imagemap:", "shape trianglemesh:",
           "sample filter clamp:", "display driver png:"})
         CHECK(contains(in_tree.out, name));
     CHECK(in_tree.out.find("ambientocclusion") == std::string::npos);

@@ -135,6 +135,34 @@ void check_material() {
                   "'k' is -1; expected 0 to 100");
 }
 
+void check_camera() {
+    const std::string seen =
+        "LookAt 0 0 4  0 0 0  0 1 0\nCamera \"orthographic\" \"float extent\" 2\n"
+        "Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 16\nPixelFilter \"box\"\n"
+        "Sampler \"zsobol\" \"integer pixelsamples\" 256\nWorldBegin\n";
+    const std::string with = plugin("orthographic_camera") + "scene.pbrt --max-depth 1 ";
+    write("scene.pbrt", seen + "LightSource \"infinite\" \"rgb L\" [1 1 1]\nMaterial \"diffuse\"\n" + wall);
+    const std::vector<float> sky = render(with);
+    // The wall is 2 wide and the image 4: 8 of 16 pixels, at any distance. Under a sky of 1 it has its albedo, 0.5.
+    check(sky.size() == 256 && std::abs(sky[pixel(4, 8)] - 0.5f) < 1e-4f &&
+              std::abs(sky[pixel(11, 11)] - 0.5f) < 1e-4f &&
+              sky[pixel(3, 8)] == 1 && sky[pixel(12, 8)] == 1,
+          "orthographic: the wall is as large as it is, whatever its distance");
+    write("scene.pbrt",
+          seen + "LightSource \"point\" \"point3 from\" [0.3 0.2 1.5]\nMaterial \"diffuse\"\n" + wall);
+    const std::vector<float> paths = render(with), light = render(with + "--integrator lighttracer --spp 4096");
+    double from_camera = 0, from_light = 0;
+    for (const float each : paths) from_camera += static_cast<double>(each);
+    for (const float each : light) from_light += static_cast<double>(each);
+    check(from_camera > 1 && std::abs(from_light / from_camera - 1) < 0.01,
+          "orthographic: light paths that meet it bring what its own rays find");
+    write("scene.pbrt", "Camera \"orthographic\" \"float extent\" -2\nWorldBegin\n" + wall);
+    check_refused("render " + plugin("orthographic_camera") + "scene.pbrt -o out.exr", "scene.pbrt:1:",
+                  "'extent' is -2; expected a positive length");
+    // Without the plugin.
+    check_refused("render scene.pbrt -o out.exr", "scene.pbrt:1:", "unknown camera 'orthographic'");
+}
+
 void check_shape() {
     // Sky of 1 where the shape is not, half of it where it is: a triangle of radius 0.5 around the centre, its tip to
     // the right; the image is 1.41 wide there. Seen from the front, +x is left.
@@ -214,6 +242,7 @@ int main() {
     check_integrator();
     check_pattern();
     check_material();
+    check_camera();
     check_shape();
     check_filter_and_driver();
     check_display_filter();

@@ -6,7 +6,7 @@
 #include "transport/geometry/embree_scene.h"
 #include "transport/import/pbrt_importer.h"
 #include "transport/paths/vertex.h"
-#include "transport/render/camera.h"
+#include "transport/cameras/camera.h"
 
 using namespace raylex;
 
@@ -41,9 +41,9 @@ Shape "sphere" "float radius" 1
 TEST_CASE("camera rays begin with a pixel's angle", "[camera]") {
     // 90 degrees over 64 pixels: 2 / 64 on the plane at distance 1.
     std::vector<Error> warnings;
-    auto camera = transport::PerspectiveCamera::build({}, transport::Transform(), 64, 64, warnings);
+    const auto camera = transport::make_camera({}, {transport::Transform(), 64, 64}, warnings);
     REQUIRE(camera.ok());
-    const transport::Ray ray = camera->generate(32, 32, {0.5f, 0.5f});
+    const transport::Ray ray = (*camera)->generate(32, 32, {0.5f, 0.5f});
     CHECK(ray.cone.width == 0);
     CHECK(ray.cone.spread == Approx(2.0 / 64));
     CHECK(ray.time == 0);

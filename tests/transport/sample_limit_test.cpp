@@ -47,6 +47,22 @@ TEST_CASE("a render that ends by the clock is the render with the samples it rea
     CHECK(render_of(scene, settings).samples_per_pixel == 3);
 }
 
+TEST_CASE("any sample that a limited render may come to can be replayed, in no time and with no checkpoint") {
+    const auto scene = scene_of(room);
+    transport::RenderSettings settings = settings_with(1);
+    settings.samples_per_pixel.reset();
+    settings.limit = transport::SampleLimit{.seconds = 1e-9};
+    settings.checkpoint.emplace();
+    settings.checkpoint->file = "no folder/of this name";
+    settings.checkpoint->resume = true;
+    settings.only = transport::SampleChoice{5, 7, 1'000'000};
+    const auto output = render_of(scene, settings);
+    CHECK(output.complete);
+    CHECK(output.statistics.camera_samples == 1);
+    CHECK(output.statistics.checkpoints == 0);
+    CHECK(output.frame_buffer.sample_count(5, 7) == 1);
+}
+
 TEST_CASE("a render that ends by its error has it, and not for one pass less") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings = settings_with(100'000);

@@ -5,6 +5,7 @@
 #include <charconv>
 
 #include "display/buffer/pixel_filter.h"
+#include "transport/cameras/camera.h"
 #include "transport/import/shapes.h"
 #include "transport/integrators/integrator.h"
 #include "transport/lights/light_table.h"
@@ -55,7 +56,7 @@ std::vector<Row> camera_rows() {
     return {
         {camera,
          "perspective",
-         {"fov", "lensradius", "focaldistance", "frameaspectratio", "screenwindow"},
+         {},
          {{"shutteropen", {"0"}, "nothing moves, and " + plain},
           {"shutterclose", {"1"}, "nothing moves, and " + plain}}},
         {film, "gbuffer", every_film, geometry},
@@ -144,6 +145,8 @@ const std::vector<ParameterDescription>* declared(EntityKind kind, const std::st
     switch (kind) {
         case EntityKind::area_light:
             return declared_by(area_light_registry(), type);
+        case EntityKind::camera:
+            return declared_by(camera_registry(), type);
         case EntityKind::integrator:
             return declared_by(integrator_registry(), type);
         case EntityKind::light:

@@ -6,7 +6,7 @@
 #include "transport/integrators/light_tracer.h"
 #include "transport/integrators/path.h"
 #include "transport/integrators/pssmlt.h"
-#include "transport/render/camera.h"
+#include "transport/cameras/camera.h"
 
 namespace raylex::transport {
 

@@ -50,7 +50,7 @@
 
 namespace raylex::transport {
 
-class PerspectiveCamera;
+class Camera;
 
 /// What prepare() gets; the pointers live as long as the render.
 struct IntegratorContext {
@@ -63,7 +63,7 @@ struct IntegratorContext {
     Vec2 pixel_size;                   ///< of a pixel on the plane at distance 1 before the camera
     bool beauty = true;                ///< false: what no channel can accept need not be simulated (Law 4)
     int batch_capacity = 0;            ///< most rays of one batch
-    const PerspectiveCamera* camera = nullptr;
+    const Camera* camera = nullptr;
     int width = 0, height = 0;         ///< of the image
     Vec2 filter_radius;                ///< how far around the image light still counts, in pixels
     std::uint32_t tiles = 1;           ///< that CameraBatch::tile counts

@@ -6,7 +6,7 @@
 
 #include "transport/integrators/pssmlt_state.h"
 #include "transport/math/sampling.h"
-#include "transport/render/camera.h"
+#include "transport/cameras/camera.h"
 
 namespace raylex::transport {
 namespace {

@@ -8,13 +8,13 @@
 #include "transport/paths/counters.h"
 #include "transport/paths/record.h"
 #include "transport/paths/strategies.h"
-#include "transport/render/camera.h"
+#include "transport/cameras/camera.h"
 
 namespace raylex::transport {
 
 /// Where the camera stands and what it fills.
 struct CameraView {
-    const PerspectiveCamera* camera = nullptr;
+    const Camera* camera = nullptr;
     int width = 0, height = 0;  ///< of the image
     Vec2 filter_radius;         ///< how far around the image light still counts, in pixels
 

@@ -11,6 +11,7 @@
 #include "display/drivers/display_driver.h"
 #include "display/filters/display_filter.h"
 #include "display/services/sample_filter.h"
+#include "transport/cameras/camera.h"
 #include "transport/import/shapes.h"
 #include "transport/integrators/integrator.h"
 #include "transport/lights/light_table.h"
@@ -37,6 +38,7 @@ class PluginHost {
     explicit PluginHost(std::vector<PluginEntry> taken);
 
     void add_integrator(Registry<IntegratorFactory>::Entry entry);
+    void add_camera(Registry<CameraFactory>::Entry entry);
     void add_material(Registry<MaterialFactory>::Entry entry);
     void add_pattern(Registry<PatternFactory>::Entry entry);
     void add_medium(Registry<MediumFactory>::Entry entry);

@@ -53,6 +53,7 @@ RenderWorker::RenderWorker(const PreparedJob& prepared, RenderTarget& target, Ti
                   : nullptr),
       state_(job_.integrator().make_thread_state()),
       rows_(batch_capacity),
+      camera_samples_(batch_capacity),
       rays_(batch_capacity),
       samplers_(batch_capacity),
       leave_(leave) {}
@@ -98,8 +99,7 @@ void RenderWorker::add_pixel(int x, int y, std::uint64_t first, int count, std::
         row.filter_weight = offset.weight;
         row.shutter_time = 0;
         row.sample = sample;
-        rays_[count_] =
-            from.camera->generate(row.screen_x, row.screen_y, lens ? sampler.get_2d(lens_dimension) : Vec2{0, 0});
+        camera_samples_[count_] = {row.screen_x, row.screen_y, lens ? sampler.get_2d(lens_dimension) : Vec2{0, 0}};
         samplers_[count_] = sampler;
         ++count_;
     }
@@ -115,6 +115,7 @@ void RenderWorker::flush() {
         count_ = 0;
         return;
     }
+    job_.sampling.camera->generate({camera_samples_.data(), count_}, {rays_.data(), count_});
     table_.begin({rows_.data(), count_});
     const double begin = aovs_.wants_time() ? thread_cpu_seconds() : 0;
     ThreadServices services{display_, lpe_, raster_.get(), &leave_};

@@ -91,6 +91,7 @@ class RenderWorker {
     std::unique_ptr<display::RasterSplats> raster_;
     std::unique_ptr<IntegratorThread> state_;
     std::vector<display::CameraRow> rows_;
+    std::vector<CameraSample> camera_samples_;
     std::vector<Ray> rays_;
     geoaovs::RayBatch camera_rays_;  // of `rays_`, when an AOV asks for depth
     std::vector<PixelSampler> samplers_;

@@ -86,9 +86,9 @@ Result<CameraSampling> resolve_sampling(const BuiltScene& scene, const RenderSet
     auto film = read_film(scene.film, settings.resolution, warnings);
     if (!film) return film.error();
     sampling.film = *film;
-    auto camera = PerspectiveCamera::build(scene.camera, scene.camera_to_world, film->width, film->height, warnings);
+    auto camera = make_camera(scene.camera, {scene.camera_to_world, film->width, film->height}, warnings);
     if (!camera) return camera.error();
-    sampling.camera = std::make_unique<PerspectiveCamera>(*std::move(camera));
+    sampling.camera = *std::move(camera);
     const SceneEntity& filter = settings.filter ? *settings.filter : scene.filter;
     if (Status s = resolve_filter(filter, sampling, warnings); !s) return s.error();
     if (Status s = resolve_splat(settings, sampling); !s) return s.error();

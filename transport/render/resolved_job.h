@@ -9,9 +9,10 @@
 
 #include "display/buffer/pixel_filter.h"
 #include "display/services/sample_filter.h"
+#include "transport/cameras/camera.h"
 #include "transport/integrators/integrator.h"
 #include "transport/render/built_scene.h"
-#include "transport/render/camera.h"
+#include "transport/render/film.h"
 #include "transport/render/render.h"
 #include "transport/render/tiles.h"
 #include "transport/samplers/sampler.h"
@@ -21,7 +22,7 @@ namespace raylex::transport {
 /// Where camera samples fall, and of which numbers they are made.
 struct CameraSampling {
     FilmSettings film;
-    std::unique_ptr<PerspectiveCamera> camera;
+    std::unique_ptr<Camera> camera;
     std::unique_ptr<display::PixelFilter> filter;
     SourceLocation filter_location;    ///< for errors
     bool splat = false;                ///< RenderSettings::splat

@@ -12,7 +12,7 @@
 #include "lpe/algebra/check.h"
 #include "transport/integrators/integrator.h"
 #include "transport/integrators/omitted_paths.h"
-#include "transport/render/camera.h"
+#include "transport/render/film.h"
 #include "transport/render/clock.h"
 #include "transport/scene/scene_hash.h"
 

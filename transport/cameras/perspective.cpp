@@ -1,0 +1,117 @@
+#include "transport/cameras/perspective.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "transport/math/sampling.h"
+
+namespace raylex::transport {
+
+Result<std::unique_ptr<Camera>> PerspectiveCamera::build(const SceneEntity& entity, const CameraPlacement& placement) {
+    const int width = placement.width, height = placement.height;
+    const ParameterSet& set = entity.parameters;
+    auto fov = set.real_or("fov", 90), lens = set.real_or("lensradius", 0), focus = set.real_or("focaldistance", 1e6);
+    auto aspect = set.real_or("frameaspectratio", static_cast<double>(width) / height);
+    for (const auto* each : {&fov, &lens, &focus, &aspect})
+        if (!*each) return each->error();
+    if (!(*fov > 0 && *fov < 180))
+        return error_at(entity.location, "'fov' is " + std::to_string(*fov) + "; expected degrees between 0 and 180");
+    if (!(*aspect > 0)) return error_at(entity.location, "'frameaspectratio' must be positive");
+    if (!(*focus > 0)) return error_at(entity.location, "'focaldistance' must be positive");
+    std::array<double, 4> screen = *aspect > 1 ? std::array<double, 4>{-*aspect, *aspect, -1, 1}
+                                               : std::array<double, 4>{-1, 1, -1 / *aspect, 1 / *aspect};
+    if (const Parameter* p = set.find("screenwindow")) {
+        if (p->numbers.size() != 4)
+            return error_at(p->location, "'screenwindow' must be four numbers: x min, x max, y min, y max");
+        for (std::size_t i = 0; i < 4; ++i) screen[i] = p->numbers[i];
+    }
+    const double tangent = std::tan(*fov * 3.14159265358979323846 / 360);
+    const Vec3 step_x = DVec3{(screen[1] - screen[0]) * tangent / width, 0, 0}.to_real(),
+               step_y = DVec3{0, (screen[2] - screen[3]) * tangent / height, 0}.to_real();
+    const double near = 1e-2, far = 1e3;
+    const double sx = 2 / ((screen[1] - screen[0]) * tangent), sy = 2 / ((screen[3] - screen[2]) * tangent);
+    const double ox = -(screen[1] + screen[0]) / (screen[1] - screen[0]),
+                 oy = -(screen[3] + screen[2]) / (screen[3] - screen[2]);
+    const Matrix4 projection{
+        {{sx, 0, ox, 0}, {0, sy, oy, 0}, {0, 0, far / (far - near), -far * near / (far - near)}, {0, 0, 1, 0}}};
+
+    std::unique_ptr<PerspectiveCamera> camera(new PerspectiveCamera(placement.camera_to_world, projection,
+                                                                    {std::abs(step_x.x), std::abs(step_y.y)},
+                                                                    static_cast<Real>(*lens) > 0));
+    camera->step_x_ = step_x;
+    camera->step_y_ = step_y;
+    camera->corner_ = DVec3{screen[0] * tangent, screen[3] * tangent, 1}.to_real();
+    camera->lens_radius_ = static_cast<Real>(std::max(*lens, 0.0));
+    camera->focal_distance_ = static_cast<Real>(*focus);
+    camera->raster_density_ =
+        std::abs(camera->to_camera_.determinant() / (static_cast<double>(step_x.x) * static_cast<double>(step_y.y)));
+    return std::unique_ptr<Camera>(std::move(camera));
+}
+
+PerspectiveCamera::PerspectiveCamera(const Transform& camera_to_world, const Matrix4& projection,
+                                     const Vec2& pixel_size, bool has_lens)
+    : Camera(camera_to_world, projection, pixel_size, has_lens),
+      camera_to_world_(camera_to_world),
+      origin_(camera_to_world.point({0, 0, 0})),
+      pixel_angle_(std::sqrt(pixel_size.x * pixel_size.y)),
+      to_camera_(world_to_camera()) {
+    perspective_ = this;
+}
+
+void PerspectiveCamera::generate(std::span<const CameraSample> samples, std::span<Ray> rays) const {
+    for (std::size_t i = 0; i < samples.size(); ++i) rays[i] = ray(samples[i].x, samples[i].y, samples[i].lens);
+}
+
+Ray PerspectiveCamera::ray(Real x, Real y, const Vec2& lens) const {
+    const Vec3 through{corner_.x + step_x_.x * x, corner_.y + step_y_.y * y, 1};
+    Ray ray;
+    ray.cone.spread = pixel_angle_;
+    if (!has_lens()) {
+        ray.origin = origin_;
+        ray.direction = normalize(camera_to_world_.vector(through));
+        return ray;
+    }
+    // Every point of the lens sees the plane z = focal distance in the same place.
+    const Vec2 d = sample_disk(lens);
+    const Vec3 on_lens{d.x * lens_radius_, d.y * lens_radius_, 0};
+    ray.origin = camera_to_world_.point(on_lens);
+    ray.direction = normalize(camera_to_world_.vector(through * focal_distance_ - on_lens));
+    return ray;
+}
+
+// A raster position r and a point of the lens o give the direction D(r) = M (f q(r) - o), where q(r) lies on the plane
+// at distance 1, f is the focal distance and M the linear part of camera to world. Then
+//     d(omega)/d(r) = |det(D, D_x, D_y)| / |D|^3 = |det M| f^3 pixel_area / |D|^3,
+// and a point at p in camera space, seen from o, lies on D at |D| = distance f / (p - o)_z. The measurement is a mean
+// over the lens, from which o is drawn, so that densities of o cancel.
+bool PerspectiveCamera::connect_to(const Vec3& point, const Vec2& lens, CameraConnection& connection) const {
+    DVec3 seen = to_camera_.point(DVec3(point));
+    if (!(seen.z > 0)) return false;
+    double at_x = seen.x / seen.z, at_y = seen.y / seen.z;
+    connection.position = origin_;
+    if (has_lens()) {
+        const Vec2 d = sample_disk(lens);
+        const Vec3 on_lens{d.x * lens_radius_, d.y * lens_radius_, 0};
+        connection.position = camera_to_world_.point(on_lens);
+        seen = seen - DVec3(on_lens);
+        const double focal = static_cast<double>(focal_distance_);
+        at_x = seen.x / seen.z + static_cast<double>(on_lens.x) / focal;
+        at_y = seen.y / seen.z + static_cast<double>(on_lens.y) / focal;
+    }
+    connection.x = static_cast<Real>((at_x - static_cast<double>(corner_.x)) / static_cast<double>(step_x_.x));
+    connection.y = static_cast<Real>((at_y - static_cast<double>(corner_.y)) / static_cast<double>(step_y_.y));
+    connection.importance = importance_at(seen.z, point, connection.position);
+    return true;
+}
+
+Real PerspectiveCamera::importance_at(double depth, const Vec3& point, const Vec3& position) const {
+    return static_cast<Real>(raster_density_ * length(DVec3(point) - DVec3(position)) / (depth * depth * depth));
+}
+
+Real PerspectiveCamera::importance_of(const Vec3& point, const Vec3& position) const {
+    const double depth = to_camera_.point(DVec3(point)).z;  // the lens is at depth 0
+    return depth > 0 ? importance_at(depth, point, position) : Real(0);
+}
+
+}  // namespace raylex::transport
