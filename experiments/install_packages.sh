@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
 # Makes sure that every Debian package in packages.txt is installed: the one place that the quickstart, the tests and CI
 # share. Does nothing, and asks for nothing, when all are there. Exit 2 with the exact command when it may not install.
+#   bash experiments/install_packages.sh [PACKAGE...]   and these, which only one of the three needs
 set -uo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 mapfile -t wanted < <(sed 's/#.*//' "$here/packages.txt" | tr -s ' \t' '\n' | sed '/^$/d')
+wanted+=("$@")
 
 missing=()
 for package in "${wanted[@]}"; do
