@@ -13,8 +13,8 @@ namespace raylex::geoaovs {
 namespace {
 
 struct KindNames {
-    const char* word;    // in jobs and flags
-    const char* layer;   // in files
+    const char* word;   // in jobs and flags
+    const char* layer;  // in files
 };
 constexpr std::array kinds{KindNames{"object", "CryptoObject"}, KindNames{"material", "CryptoMaterial"},
                            KindNames{"asset", "CryptoAsset"}};
@@ -31,7 +31,12 @@ std::size_t utf8_length(std::string_view text, std::size_t at) {
         return at + i < text.size() ? static_cast<unsigned char>(text[at + i]) : 0u;
     };
     const unsigned first = byte(0);
-    const std::size_t length = first < 0x80 ? 1 : first < 0xc2 ? 0 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : first < 0xf5 ? 4 : 0;
+    const std::size_t length = first < 0x80   ? 1
+                               : first < 0xc2 ? 0
+                               : first < 0xe0 ? 2
+                               : first < 0xf0 ? 3
+                               : first < 0xf5 ? 4
+                                              : 0;
     for (std::size_t i = 1; i < length; ++i)
         if ((byte(i) & 0xc0) != 0x80) return 0;
     const bool wrong = (first == 0xe0 && byte(1) < 0xa0) || (first == 0xed && byte(1) > 0x9f) ||
@@ -166,8 +171,8 @@ std::string Cryptomatte::manifest() const {
 }
 
 std::map<std::string, std::string> Cryptomatte::attributes() const {
-    // Any key of at most 7 characters will do that stays the same from frame to frame; the specification suggests a hash
-    // of the name.
+    // Any key of at most 7 characters will do that stays the same from frame to frame; the specification suggests a
+    // hash of the name.
     const std::string prefix = "cryptomatte/" + hexadecimal(murmur_hash3(name())).substr(0, 7) + "/";
     const Remainder left = remainder();
     std::array<char, 128> summary{};

@@ -2,8 +2,8 @@
 //
 // Source of every fact here: Friedman et al., "Cryptomatte Specification", version 1.2.0 (Psyop/Cryptomatte on GitHub,
 // specification/cryptomatte_specification.pdf). A layer set CryptoObject has the planes CryptoObject00.R (id of rank 0)
-// .G (its coverage) .B .A (rank 1), CryptoObject01 (ranks 2 and 3), ... ; ids are names hashed by MurmurHash3_x86_32 and
-// seen as float; header attributes cryptomatte/KEY/{name, hash, conversion, manifest} say so.
+// .G (its coverage) .B .A (rank 1), CryptoObject01 (ranks 2 and 3), ... ; ids are names hashed by MurmurHash3_x86_32
+// and seen as float; header attributes cryptomatte/KEY/{name, hash, conversion, manifest} say so.
 #pragma once
 
 #include <cstdint>
@@ -62,8 +62,8 @@ class Cryptomatte {
 
     /// What the ranks written leave out, over the image.
     struct Remainder {
-        double largest = 0, mean = 0;   ///< coverage
-        std::size_t pixels = 0;         ///< with more than 1e-4
+        double largest = 0, mean = 0;  ///< coverage
+        std::size_t pixels = 0;        ///< with more than 1e-4
     };
     [[nodiscard]] Remainder remainder() const;
 
@@ -71,7 +71,7 @@ class Cryptomatte {
     [[nodiscard]] std::string manifest() const;
     MatteKind kind_;
     int ranks_;
-    std::map<std::string, std::uint32_t> names_;   // name -> id
+    std::map<std::string, std::uint32_t> names_;  // name -> id
     std::vector<std::pair<std::string, std::string>> collisions_;
     display::RankedCoverage coverage_;
 };

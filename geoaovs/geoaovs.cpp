@@ -34,14 +34,12 @@ template <auto column>
 void as_it_is(const ShadingBatch& batch, ChannelId id, DisplayServices& services) {
     const auto& values = batch.*column;
     const auto rows = rows_of(batch);
-    if constexpr (requires { values.data(); })
-        services.write(id, rows, std::span(values.data(), rows.size()));
-    else
-        services.write(id, rows, DisplayServices::Columns{values[0].data(), values[1].data(), values[2].data()});
+    if constexpr (requires { values.data(); }) services.write(id, rows, std::span(values.data(), rows.size()));
+    else services.write(id, rows, DisplayServices::Columns{values[0].data(), values[1].data(), values[2].data()});
 }
 
-/// Writes three columns turned into camera space; `moved`: as points, not as vectors. The transform is rigid, so normals turn
-/// as vectors do.
+/// Writes three columns turned into camera space; `moved`: as points, not as vectors. The transform is rigid, so
+/// normals turn as vectors do.
 template <auto columns, bool moved = false>
 void in_camera_space(const ShadingBatch& batch, ChannelId id, DisplayServices& services) {
     constexpr std::size_t chunk = 64;
@@ -50,7 +48,7 @@ void in_camera_space(const ShadingBatch& batch, ChannelId id, DisplayServices& s
     for (std::size_t first = 0; first < rows.size(); first += chunk) {
         const std::size_t n = std::min(chunk, rows.size() - first);
         const float *const x = (batch.*columns)[0].data() + first, *const y = (batch.*columns)[1].data() + first,
-                    *const z = (batch.*columns)[2].data() + first;
+                           *const z = (batch.*columns)[2].data() + first;
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const float* const m = batch.world_to_camera[axis];
             const float a = m[0], b = m[1], c = m[2], d = m[3];
@@ -91,7 +89,7 @@ void depths(const RayBatch& rays, const SampleTable& table, ChannelId id, Displa
     int row = 0;
     // Camera rows that all met something, chunk by chunk; the rest one by one.
     const float *const origins = rays.origin_z.data(), *const directions = rays.direction_z.data(),
-                *const distances = table.depth.data();
+                       *const distances = table.depth.data();
     for (; row + static_cast<int>(chunk) <= table.camera_row_count(); row += static_cast<int>(chunk)) {
         const auto first = static_cast<std::size_t>(row);
         float* __restrict out = values.data();
@@ -166,7 +164,7 @@ void alpha(const SampleTable& table, double, ChannelId id, DisplayServices& serv
 /// How an AOV gets its values: exactly one of the functions, or an expression.
 struct Source {
     WriteHits hits = nullptr;
-    Inputs inputs = 0;              // columns that `hits` reads
+    Inputs inputs = 0;  // columns that `hits` reads
     WriteRays rays = nullptr;
     WriteSamples samples = nullptr;
     bool timed = false;
@@ -201,11 +199,15 @@ namespace in = inputs;
 // The only place that knows what an AOV is.
 constexpr std::array aovs{
     Aov{"P", T::point, "camera", R::filter, 0, from_hits(in_camera_space<&ShadingBatch::position, true>, in::position)},
-    Aov{"Po", T::point, "object", R::filter, 0, from_hits(as_it_is<&ShadingBatch::object_position>, in::object_position)},
+    Aov{"Po", T::point, "object", R::filter, 0,
+        from_hits(as_it_is<&ShadingBatch::object_position>, in::object_position)},
     Aov{"Pw", T::point, "world", R::filter, 0, from_hits(as_it_is<&ShadingBatch::position>, in::position)},
-    Aov{"Nn", T::normal, "camera", R::filter, 0, from_hits(in_camera_space<&ShadingBatch::shading_normal>, in::shading_normal)},
-    Aov{"Ngn", T::normal, "camera", R::filter, 0, from_hits(in_camera_space<&ShadingBatch::geometric_normal>, in::geometric_normal)},
-    Aov{"Non", T::normal, "camera", R::filter, 0, from_hits(in_camera_space<&ShadingBatch::plain_normal>, in::plain_normal)},
+    Aov{"Nn", T::normal, "camera", R::filter, 0,
+        from_hits(in_camera_space<&ShadingBatch::shading_normal>, in::shading_normal)},
+    Aov{"Ngn", T::normal, "camera", R::filter, 0,
+        from_hits(in_camera_space<&ShadingBatch::geometric_normal>, in::geometric_normal)},
+    Aov{"Non", T::normal, "camera", R::filter, 0,
+        from_hits(in_camera_space<&ShadingBatch::plain_normal>, in::plain_normal)},
     Aov{"Tn", T::vector, "camera", R::filter, 0, from_hits(hits<values::tangent>, in::dpdu)},
     Aov{"Vn", T::vector, "camera", R::filter, 0, from_hits(in_camera_space<&ShadingBatch::view>, in::view)},
     Aov{"VLen", T::real, "world", R::zmin, infinity, from_rays(depths<radial_depth>)},
@@ -238,7 +240,8 @@ constexpr std::array aovs{
     Aov{"__st", T::vector, "texture", R::filter, 0, from_hits(hits<values::st>, in::texture)},
     Aov{"__depth", T::vector, "camera depth, world height, cosine", R::filter, 0,
         from_hits(hits<values::depth_height_facing>, in::position | in::shading_normal | in::view)},
-    Aov{"albedo", T::rgb, "rendering colour space", R::filter, 0, from_hits(as_it_is<&ShadingBatch::albedo>, in::albedo)},
+    Aov{"albedo", T::rgb, "rendering colour space", R::filter, 0,
+        from_hits(as_it_is<&ShadingBatch::albedo>, in::albedo)},
     Aov{"wireframe", T::real, "", R::filter, 0, from_hits(hits<values::wireframe>, in::edges)},
 };
 
@@ -264,7 +267,7 @@ void ShadingBatch::resize(int new_count, Inputs wanted) {
     const auto grow = [size](auto& column) {  // never shrinks: a batch is filled many times
         if (column.size() < size) column.resize(size);
     };
-    const auto grow_three = [&grow](auto (&columns)[3]) {
+    const auto grow_three = [&grow](auto(&columns)[3]) {
         for (auto& column : columns) grow(column);
     };
     grow(row);

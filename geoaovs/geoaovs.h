@@ -15,8 +15,8 @@
 
 namespace raylex::geoaovs {
 
-/// The definition (type, space, filter rule, miss value) of a standard AOV name, or an error that lists what there is and
-/// the near miss. Names are case-sensitive. Ci comes as the expression channel of all light.
+/// The definition (type, space, filter rule, miss value) of a standard AOV name, or an error that lists what there is
+/// and the near miss. Names are case-sensitive. Ci comes as the expression channel of all light.
 Result<display::ChannelDefinition> channel_definition(std::string_view name);
 std::vector<std::string> channel_names();
 
@@ -24,12 +24,14 @@ std::vector<std::string> channel_names();
 ///
 /// Who writes when, per batch of camera rays:
 ///   write          the integrator, for the batch's first hits; any number of times, each hit once
-///   write_rays     the engine, after the integrator and before sample filters: depths, from SampleTable::depth, so that
+///   write_rays     the engine, after the integrator and before sample filters: depths, from SampleTable::depth, so
+///   that
 ///                  they follow WriteDistance
 ///   write_samples  the engine, after the sample filters: what the samples have come to
 class GeometricAovs {
   public:
-    /// The index in `channels` is the ChannelId. Channels that are no geometric AOV, by name or by type, are passed over.
+    /// The index in `channels` is the ChannelId. Channels that are no geometric AOV, by name or by type, are passed
+    /// over.
     explicit GeometricAovs(std::span<const display::ChannelDefinition> channels);
 
     /// Columns of a ShadingBatch that the AOVs asked for read; 0: no hit needs to be described.
@@ -39,15 +41,19 @@ class GeometricAovs {
     [[nodiscard]] bool wants_samples() const { return !samples_.empty(); }
     [[nodiscard]] bool wants_time() const { return wants_time_; }
 
-    /// Writes every AOV of hits asked for. A value that is not finite is refused and counted by the services. The distance
-    /// that z rules compare is the integrator's to write (WriteDistance), whether or not anybody asks for an AOV.
+    /// Writes every AOV of hits asked for. A value that is not finite is refused and counted by the services. The
+    /// distance that z rules compare is the integrator's to write (WriteDistance), whether or not anybody asks for an
+    /// AOV.
     void write(const ShadingBatch& hits, display::DisplayServices& services) const;
     void write_rays(const RayBatch& rays, display::SampleTable& table, display::DisplayServices& services) const;
     /// `seconds`: CPU time that the whole batch took, shared equally among its camera rays.
     void write_samples(double seconds, display::SampleTable& table, display::DisplayServices& services) const;
 
   private:
-    struct Request { std::size_t aov; display::ChannelId id; };   // row of the table of AOVs
+    struct Request {
+        std::size_t aov;
+        display::ChannelId id;
+    };  // row of the table of AOVs
     std::vector<Request> hits_, rays_, samples_;
     Inputs inputs_ = 0;
     bool wants_time_ = false;

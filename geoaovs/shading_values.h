@@ -13,16 +13,24 @@ namespace raylex::geoaovs::values {
 using Hits = const ShadingBatch&;
 using At = std::size_t;
 
-inline Rgb triple(const std::vector<float> (&columns)[3], At i) { return {columns[0][i], columns[1][i], columns[2][i]}; }
-inline float dot(const Rgb& a, const Rgb& b) { return a.r * b.r + a.g * b.g + a.b * b.b; }
-inline float length(const Rgb& v) { return std::sqrt(dot(v, v)); }
+inline Rgb triple(const std::vector<float> (&columns)[3], At i) {
+    return {columns[0][i], columns[1][i], columns[2][i]};
+}
+inline float dot(const Rgb& a, const Rgb& b) {
+    return a.r * b.r + a.g * b.g + a.b * b.b;
+}
+inline float length(const Rgb& v) {
+    return std::sqrt(dot(v, v));
+}
 
 inline float camera_axis(Hits h, int axis, const Rgb& v) {
     const float* m = h.world_to_camera[axis];
     return m[0] * v.r + m[1] * v.g + m[2] * v.b;
 }
 /// The transform is rigid, so normals turn like vectors.
-inline Rgb camera_vector(Hits h, const Rgb& v) { return {camera_axis(h, 0, v), camera_axis(h, 1, v), camera_axis(h, 2, v)}; }
+inline Rgb camera_vector(Hits h, const Rgb& v) {
+    return {camera_axis(h, 0, v), camera_axis(h, 1, v), camera_axis(h, 2, v)};
+}
 
 /// Where the parameterisation collapses (the pole of a sphere) there is no tangent: 0.
 inline constexpr auto tangent = [](Hits h, At i) {

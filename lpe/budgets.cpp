@@ -50,7 +50,9 @@ std::atomic<std::uint64_t>& value_of(std::size_t which) {
     return values.of[which];
 }
 
-Error failure(std::string message) { return {std::move(message), "--budget", 0, 0, {}, {}}; }
+Error failure(std::string message) {
+    return {std::move(message), "--budget", 0, 0, {}, {}};
+}
 
 /// A whole number with K, M or G; false when it is none or does not fit.
 bool parse_value(std::string_view text, std::uint64_t& value) {
@@ -69,15 +71,19 @@ bool parse_value(std::string_view text, std::uint64_t& value) {
 
 }  // namespace
 
-std::span<const BudgetRow> budget_table() { return table; }
+std::span<const BudgetRow> budget_table() {
+    return table;
+}
 
-std::uint64_t budget(Budget which) { return value_of(static_cast<std::size_t>(which)); }
+std::uint64_t budget(Budget which) {
+    return value_of(static_cast<std::size_t>(which));
+}
 
 Status set_budget(std::string_view assignment) {
     const std::size_t equals = assignment.find('=');
     const std::string_view name = assignment.substr(0, equals);
-    const auto* const row = std::find_if(std::begin(table), std::end(table),
-                                         [name](const BudgetRow& each) { return name == each.name; });
+    const auto* const row =
+        std::find_if(std::begin(table), std::end(table), [name](const BudgetRow& each) { return name == each.name; });
     if (equals == std::string_view::npos || row == std::end(table)) {
         std::string list;
         for (const BudgetRow& each : table) list += (list.empty() ? "" : ", ") + std::string(each.name);

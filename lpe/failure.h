@@ -23,9 +23,7 @@ template <class Work>
 auto guarded(Work&& work) -> Result<decltype(work())> {
     try {
         return work();
-    } catch (Failure& failure) {
-        return std::move(failure.error);
-    }
+    } catch (Failure& failure) { return std::move(failure.error); }
 }
 
 }  // namespace raylex::lpe

@@ -9,7 +9,9 @@ namespace raylex::lpe {
 
 namespace {
 
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
+bool is_blank(char c) {
+    return c == ' ' || c == '\t' || c == '\r' || c == '\n';
+}
 
 class EventReader {
   public:
@@ -18,17 +20,11 @@ class EventReader {
     Result<PlacedEvents> run() {
         PlacedEvents events;
         for (;;) {
-            while (position_ < text_.size() && is_blank(text_[position_])) {
-                ++position_;
-            }
-            if (position_ >= text_.size()) {
-                return events;
-            }
+            while (position_ < text_.size() && is_blank(text_[position_])) { ++position_; }
+            if (position_ >= text_.size()) { return events; }
             const std::size_t offset = position_;
             Event event;
-            if (!read_type(event) || !read_scatter(event) || !read_labels(event)) {
-                return std::move(error_);
-            }
+            if (!read_type(event) || !read_scatter(event) || !read_labels(event)) { return std::move(error_); }
             events.events.push_back(std::move(event));
             events.offsets.push_back(offset);
         }
@@ -79,18 +75,12 @@ class EventReader {
         } else if (text_[position_] == 'U') {
             ++position_;
             event.type = EventType::user;
-            if (!read_number(12, event.lobe_number)) {
-                return false;
-            }
-            if (event.lobe_number == 0) {
-                return refuse(position_, "the number of the user event, U1 to U12");
-            }
+            if (!read_number(12, event.lobe_number)) { return false; }
+            if (event.lobe_number == 0) { return refuse(position_, "the number of the user event, U1 to U12"); }
         } else {
             return refuse(offset, "an event type: C R T V L B O or U1 to U12");
         }
-        if (!at(',')) {
-            return refuse(position_, "',' and the scattering");
-        }
+        if (!at(',')) { return refuse(position_, "',' and the scattering"); }
         ++position_;
         return true;
     }
@@ -98,9 +88,7 @@ class EventReader {
     bool read_scatter(Event& event) {
         constexpr std::string_view letters = "-DGSs";
         const std::size_t scatter = position_ < text_.size() ? letters.find(text_[position_]) : std::string_view::npos;
-        if (scatter == std::string_view::npos) {
-            return refuse(position_, "a scattering: D G S s, or '-' for none");
-        }
+        if (scatter == std::string_view::npos) { return refuse(position_, "a scattering: D G S s, or '-' for none"); }
         if (event.type == EventType::user && static_cast<Scatter>(scatter) != Scatter::none) {
             return refuse(position_, "'-': a user event has no scattering");  // its number is the event's own
         }
@@ -118,9 +106,7 @@ class EventReader {
             std::string label;
             const char quote = at('\'') || at('"') ? text_[position_] : '\0';
             if (quote == '\0') {
-                while (!at_word_end() && !at(',')) {
-                    label += text_[position_++];
-                }
+                while (!at_word_end() && !at(',')) { label += text_[position_++]; }
             } else if (!read_quoted(quote, label)) {
                 return false;
             }
@@ -132,14 +118,10 @@ class EventReader {
     bool read_quoted(char quote, std::string& label) {
         const std::size_t opening = position_++;
         while (position_ < text_.size() && text_[position_] != quote) {
-            if (text_[position_] == '\\' && position_ + 1 < text_.size()) {
-                ++position_;
-            }
+            if (text_[position_] == '\\' && position_ + 1 < text_.size()) { ++position_; }
             label += text_[position_++];
         }
-        if (position_ >= text_.size()) {
-            return refuse(opening, "a second quote that closes this one");
-        }
+        if (position_ >= text_.size()) { return refuse(opening, "a second quote that closes this one"); }
         ++position_;
         return true;
     }
@@ -150,14 +132,10 @@ class EventReader {
 };
 
 std::string quoted_if_needed(const std::string& label) {
-    if (label.find_first_of(" \t\r\n,'\"\\") == std::string::npos) {
-        return label;
-    }
+    if (label.find_first_of(" \t\r\n,'\"\\") == std::string::npos) { return label; }
     std::string text = "'";
     for (const char c : label) {
-        if (c == '\'' || c == '\\') {
-            text += '\\';
-        }
+        if (c == '\'' || c == '\\') { text += '\\'; }
         text += c;
     }
     return text + "'";
@@ -165,9 +143,7 @@ std::string quoted_if_needed(const std::string& label) {
 
 std::size_t label_count(const Event& event) {
     std::size_t count = event.labels.size();
-    while (count > 0 && event.labels[count - 1].empty()) {
-        --count;
-    }
+    while (count > 0 && event.labels[count - 1].empty()) { --count; }
     return count;
 }
 
@@ -187,19 +163,28 @@ std::string event_words(const Event& event) {
     };
     std::string text;
     switch (event.type) {
-        case EventType::camera: return with("camera", " ");
-        case EventType::light: return with("light", " ");
-        case EventType::background: return with("background", " ");
-        case EventType::emission: return with("emission", " ");
-        case EventType::user: return with("user event U" + std::to_string(event.lobe_number), " ");
-        case EventType::volume: text = with("volume scattering", " in "); break;
-        case EventType::reflection: text = with(scatter_words(event) + "reflection", " off "); break;
-        case EventType::transmission: text = with(scatter_words(event) + "transmission", " through "); break;
+        case EventType::camera:
+            return with("camera", " ");
+        case EventType::light:
+            return with("light", " ");
+        case EventType::background:
+            return with("background", " ");
+        case EventType::emission:
+            return with("emission", " ");
+        case EventType::user:
+            return with("user event U" + std::to_string(event.lobe_number), " ");
+        case EventType::volume:
+            text = with("volume scattering", " in ");
+            break;
+        case EventType::reflection:
+            text = with(scatter_words(event) + "reflection", " off ");
+            break;
+        case EventType::transmission:
+            text = with(scatter_words(event) + "transmission", " through ");
+            break;
     }
     std::string details;
-    if (event.lobe_number > 0) {
-        details = "lobe number " + std::to_string(event.lobe_number);
-    }
+    if (event.lobe_number > 0) { details = "lobe number " + std::to_string(event.lobe_number); }
     const std::string lobe = label_at(event, 1);
     if (!lobe.empty()) {
         details += details.empty() ? "lobe " : ", lobe ";
@@ -210,13 +195,13 @@ std::string event_words(const Event& event) {
 
 }  // namespace
 
-Result<PlacedEvents> parse_placed_events(std::string_view text) { return EventReader(text).run(); }
+Result<PlacedEvents> parse_placed_events(std::string_view text) {
+    return EventReader(text).run();
+}
 
 Result<std::vector<Event>> parse_events(std::string_view text) {
     Result<PlacedEvents> placed = EventReader(text).run();
-    if (!placed) {
-        return std::move(placed).error();
-    }
+    if (!placed) { return std::move(placed).error(); }
     return std::move(placed->events);
 }
 
@@ -230,9 +215,7 @@ std::string to_text(const Event& event) {
         text = type_letter(event.type);
         text += ',';
         text += event.scatter == Scatter::none ? '-' : scatter_letter(event.scatter);
-        if (event.lobe_number > 0) {
-            text += std::to_string(event.lobe_number);
-        }
+        if (event.lobe_number > 0) { text += std::to_string(event.lobe_number); }
     }
     for (std::size_t slot = 0; slot < label_count(event); ++slot) {
         text += ',';
@@ -250,7 +233,9 @@ std::string to_text(std::span<const Event> events) {
     return text;
 }
 
-std::string to_sentence(const Event& event) { return event_words(event); }
+std::string to_sentence(const Event& event) {
+    return event_words(event);
+}
 
 std::string to_sentence(std::span<const Event> events) {
     std::string text;
@@ -266,13 +251,9 @@ Result<bool> match(std::string_view expression, std::span<const Event> events, D
     source.expression = std::string(expression);
     source.dialect = dialect;
     Result<Program> program = Program::compile({&source, 1}, {.any_word = true});
-    if (!program) {
-        return std::move(program).error();
-    }
+    if (!program) { return std::move(program).error(); }
     State state = program->starts().front();
-    for (const Event& event : events) {
-        state = program->next(state, program->classify(event));
-    }
+    for (const Event& event : events) { state = program->next(state, program->classify(event)); }
     return program->accepts_any(state);
 }
 

@@ -36,8 +36,8 @@ std::string to_text(std::span<const Event> events);
 std::string to_sentence(std::span<const Event> events);
 std::string to_sentence(const Event& event);
 
-/// Whether the expression accepts the whole path. To `renderman` labels that an event lacks are empty; to `osl` they are
-/// absent. Errors: the expression does not parse or is too large.
+/// Whether the expression accepts the whole path. To `renderman` labels that an event lacks are empty; to `osl` they
+/// are absent. Errors: the expression does not parse or is too large.
 Result<bool> match(std::string_view expression, std::span<const Event> events, Dialect dialect);
 
 }  // namespace raylex::lpe

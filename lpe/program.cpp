@@ -21,18 +21,12 @@ namespace {
 class Layout {
   public:
     Layout(const EventClasses& classes, const Grouping& grouping) {
-        if (!grouping.lanes.empty()) {
-            lanes_ = pack_lanes(grouping.lanes, grouping.lane_places);
-        }
+        if (!grouping.lanes.empty()) { lanes_ = pack_lanes(grouping.lanes, grouping.lane_places); }
         merge_columns(classes, grouping);
         tables_.classes = classes.table();
         tables_.next_state.assign(tables_.class_count, Program::dead);
-        for (const Group& group : grouping.tables) {
-            append(group);
-        }
-        if (!grouping.lanes.empty()) {
-            append_lanes();
-        }
+        for (const Group& group : grouping.tables) { append(group); }
+        if (!grouping.lanes.empty()) { append_lanes(); }
         tables_.table_count = static_cast<std::uint32_t>(grouping.tables.size() + (grouping.lanes.empty() ? 0 : 1));
     }
 
@@ -45,17 +39,13 @@ class Layout {
         std::map<std::vector<std::uint32_t>, std::uint32_t> images;
         for (std::size_t k = 0; k < classes.count(); ++k) {
             std::vector<std::uint32_t> key;
-            for (const Group& group : grouping.tables) {
-                key.push_back(group.dfa.column_of_class[k]);
-            }
+            for (const Group& group : grouping.tables) { key.push_back(group.dfa.column_of_class[k]); }
             if (!grouping.lanes.empty()) {
                 key.push_back(lanes_.phase.dfa.column_of_class[k]);
                 key.push_back(images.emplace(lanes_.image[k], static_cast<std::uint32_t>(images.size())).first->second);
             }
             const auto [place, fresh] = columns.emplace(std::move(key), static_cast<EventClass>(columns.size()));
-            if (fresh) {
-                class_of_column_.push_back(k);
-            }
+            if (fresh) { class_of_column_.push_back(k); }
             tables_.column_of_class.push_back(place->second);
         }
         tables_.class_count = static_cast<std::uint32_t>(class_of_column_.size());
@@ -130,9 +120,7 @@ ProgramTables lay_out(const EventClasses& classes, const Grouping& grouping, std
              "expressions such as C.*X.* take one bit each and more; use fewer of them at a time");
     }
     ProgramTables tables = Layout(classes, grouping).take();
-    for (const ChannelSource& channel : channels) {
-        tables.channel_names.push_back(channel.name);
-    }
+    for (const ChannelSource& channel : channels) { tables.channel_names.push_back(channel.name); }
     return tables;
 }
 
@@ -159,8 +147,7 @@ ProgramView ProgramTables::view() const {
 }
 
 std::size_t ProgramTables::bytes() const {
-    return sizeof(State) * (starts.size() + next_state.size()) +
-           sizeof(std::uint16_t) * accept_lists.size() +
+    return sizeof(State) * (starts.size() + next_state.size()) + sizeof(std::uint16_t) * accept_lists.size() +
            sizeof(std::uint32_t) * (accept_begin.size() + lane_image.size() + lane_accept.size() + lane_lists.size());
 }
 
@@ -188,13 +175,9 @@ bool Program::follows(EventClass event) const {
     const bool has_lanes = view_.has_lanes();
     const State rows = has_lanes ? view_.first_ended - 2 : view_.state_count;  // without those of the phase
     for (State state = 0; state < rows; ++state) {
-        if (view_.next(state, event) != dead) {
-            return true;
-        }
+        if (view_.next(state, event) != dead) { return true; }
     }
-    if (!has_lanes) {
-        return false;
-    }
+    if (!has_lanes) { return false; }
     const State last_interior = view_.first_ended - 1;
     const std::uint32_t* image = view_.lane_image + std::size_t{event} * view_.image_stride;
     return (view_.next(last_interior - 1, event) != dead || view_.next(last_interior, event) != dead) &&

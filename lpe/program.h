@@ -1,9 +1,9 @@
 // The compiled form of a set of channels: plain tables that match path events for all channels at once.
 //
 // A Program is one minimised deterministic automaton per group of channels; nearly always there is one group. Channels
-// that would multiply with one another (`C.*X.*` with many labels X) are packed into words of bits instead. The state of
-// a path is a short list of words, nearly always one; program_view.h says what they are. Nothing here allocates, and a
-// Program may be used by any number of threads.
+// that would multiply with one another (`C.*X.*` with many labels X) are packed into words of bits instead. The state
+// of a path is a short list of words, nearly always one; program_view.h says what they are. Nothing here allocates, and
+// a Program may be used by any number of threads.
 #pragma once
 
 #include <cstddef>
@@ -30,14 +30,14 @@ struct ChannelSource {
     std::string name{};
     std::string expression{};
     Dialect dialect = Dialect::renderman;
-    std::string origin{};          ///< for errors: the file or option the text stands in
-    int origin_line = 0;           ///< line of the expression's first character in `origin`, 0 if it has none
+    std::string origin{};  ///< for errors: the file or option the text stands in
+    int origin_line = 0;   ///< line of the expression's first character in `origin`, 0 if it has none
     int origin_column = 0;
     /// When not empty this channel has no expression of its own: it accepts every word of W (lpe/words.h) that none of
     /// these channels (indices into the list being compiled) accepts.
     std::vector<std::size_t> rest_of{};
-    /// Where each byte of the expression came from, when that is more than one place in one line (escapes, macros); errors
-    /// then point there and `origin` only names the whole.
+    /// Where each byte of the expression came from, when that is more than one place in one line (escapes, macros);
+    /// errors then point there and `origin` only names the whole.
     std::shared_ptr<const SourceMap> map{};
     /// Names of a renderer's own events and lobes that the expression may use.
     std::shared_ptr<const Vocabulary> vocabulary{};
@@ -49,8 +49,8 @@ struct CompileOptions {
     std::size_t group_cap = 8;       ///< groups before compilation is refused with a message naming the channels
     std::size_t word_cap = 32;       ///< words of a path's state: groups, and the words of packed channels
     /// Renderers report words of the form C (R | T | V | user)* (L | B | O), so that is all a Program tells apart: the
-    /// tables are several times smaller and a state is dead as soon as no such word can be completed. Set this to follow
-    /// the expressions through any sequence of events whatever (conformance vectors do).
+    /// tables are several times smaller and a state is dead as soon as no such word can be completed. Set this to
+    /// follow the expressions through any sequence of events whatever (conformance vectors do).
     bool any_word = false;
 };
 
@@ -80,10 +80,13 @@ class Program {
     [[nodiscard]] std::size_t word_count() const noexcept { return view_.word_count; }
     /// The state before the camera event.
     [[nodiscard]] std::span<const State> starts() const noexcept { return tables_.starts; }
-    /// Moves one path along one event; both have word_count() words, `to` may be `from`. False when no channel can accept
-    /// any more, now or after any further events.
-    bool advance(const State* from, EventClass event, State* to) const noexcept { return view_.advance(from, event, to); }
-    /// Calls visit(channel) for every channel (index into the compiled list) whose expression accepts the word read so far.
+    /// Moves one path along one event; both have word_count() words, `to` may be `from`. False when no channel can
+    /// accept any more, now or after any further events.
+    bool advance(const State* from, EventClass event, State* to) const noexcept {
+        return view_.advance(from, event, to);
+    }
+    /// Calls visit(channel) for every channel (index into the compiled list) whose expression accepts the word read so
+    /// far.
     template <class Visit>
     void for_each_accepted(const State* states, Visit&& visit) const {
         view_.for_each_accepted(states, visit);

@@ -1,16 +1,16 @@
 // A compiled program as plain data: pointers to arrays of integers and their sizes, nothing else. What a GPU kernel, a
 // vector unit or another language needs to follow paths; upload the arrays as they are and repeat the few lines below.
 //
-// The state of a path is `word_count` States. Words [0, table_count) are each a row of one transition table; row 0 is dead.
-// Where channels would multiply in one table (`C.*X.*` with many labels X) they are packed into lanes instead: the last
-// table word is then the phase of the path (before the camera, underway, ended by terminal t), and the words after it
-// hold the lanes, 32 to a word. A lane is an automaton of 2, 4 or 8 codes: kind 0, 1 or 2, with kind + 1 bits a lane, bit
-// p of the codes of 32 lanes in the word of plane p. One event moves all of a word's lanes at once:
+// The state of a path is `word_count` States. Words [0, table_count) are each a row of one transition table; row 0 is
+// dead. Where channels would multiply in one table (`C.*X.*` with many labels X) they are packed into lanes instead:
+// the last table word is then the phase of the path (before the camera, underway, ended by terminal t), and the words
+// after it hold the lanes, 32 to a word. A lane is an automaton of 2, 4 or 8 codes: kind 0, 1 or 2, with kind + 1 bits
+// a lane, bit p of the codes of 32 lanes in the word of plane p. One event moves all of a word's lanes at once:
 //
 //     plane p of the next code = OR over codes c of (lanes in code c) AND image[event class][kind][c][p][word]
 //
-// all of it 0 where the phase is dead. A terminal event moves lanes to codes that say what they accept. Where all words of
-// the lanes become 0 and the word after the image is 0 too, no lane can accept any more.
+// all of it 0 where the phase is dead. A terminal event moves lanes to codes that say what they accept. Where all words
+// of the lanes become 0 and the word after the image is 0 too, no lane can accept any more.
 #pragma once
 
 #include <array>
@@ -29,30 +29,30 @@ struct ProgramView {
     static constexpr State dead = 0;
     static constexpr std::uint32_t lane_kinds = 3;
 
-    std::uint32_t word_count = 0;      ///< States of one path
-    std::uint32_t table_count = 0;     ///< words that are table rows, the phase included
+    std::uint32_t word_count = 0;   ///< States of one path
+    std::uint32_t table_count = 0;  ///< words that are table rows, the phase included
     std::uint32_t class_count = 1;
-    std::uint32_t state_count = 0;     ///< table rows of all tables together, row 0 the common dead one
+    std::uint32_t state_count = 0;  ///< table rows of all tables together, row 0 the common dead one
     std::uint32_t channel_count = 0;
 
-    const State* starts = nullptr;                  ///< [word_count] before the camera event
-    const State* next_state = nullptr;              ///< [state_count][class_count]
-    const std::uint32_t* accept_begin = nullptr;    ///< [state_count + 1] into accept_lists
-    const std::uint16_t* accept_lists = nullptr;    ///< channels, ascending within a list
+    const State* starts = nullptr;                ///< [word_count] before the camera event
+    const State* next_state = nullptr;            ///< [state_count][class_count]
+    const std::uint32_t* accept_begin = nullptr;  ///< [state_count + 1] into accept_lists
+    const std::uint16_t* accept_lists = nullptr;  ///< channels, ascending within a list
 
     // Lanes; all zero when word_count == table_count.
-    std::uint32_t lane_count = 0;                       ///< bits in all lane words of plane 0, unused ones included
-    std::array<std::uint32_t, lane_kinds> lane_words{}; ///< words of one plane, by kind
-    std::uint32_t image_stride = 0;                     ///< words of `lane_image` per event class
-    std::uint32_t accept_stride = 0;                    ///< words of `lane_accept` per terminal
-    State first_ended = 0;                              ///< phase: row of the first terminal; others follow
+    std::uint32_t lane_count = 0;                        ///< bits in all lane words of plane 0, unused ones included
+    std::array<std::uint32_t, lane_kinds> lane_words{};  ///< words of one plane, by kind
+    std::uint32_t image_stride = 0;                      ///< words of `lane_image` per event class
+    std::uint32_t accept_stride = 0;                     ///< words of `lane_accept` per terminal
+    State first_ended = 0;                               ///< phase: row of the first terminal; others follow
     /// [class_count][kind][code][plane][word], then three words: 1 where lanes whose words are all 0 may still accept
-    /// something; the phase that the event needs, and the one that it leads to (the same as the table says, in a form that
-    /// does not wait for the phase).
+    /// something; the phase that the event needs, and the one that it leads to (the same as the table says, in a form
+    /// that does not wait for the phase).
     const std::uint32_t* lane_image = nullptr;
     static constexpr std::uint32_t image_tail = 3;
-    const std::uint32_t* lane_accept = nullptr;         ///< [terminal][kind][code][word]: lanes that accept in that code
-    const std::uint32_t* lane_lists = nullptr;          ///< [terminal][lane][8 codes], and one more: into accept_lists
+    const std::uint32_t* lane_accept = nullptr;  ///< [terminal][kind][code][word]: lanes that accept in that code
+    const std::uint32_t* lane_lists = nullptr;   ///< [terminal][lane][8 codes], and one more: into accept_lists
 
     /// One table word. Lane words have no meaning on their own: see advance().
     [[nodiscard]] State next(State state, EventClass event) const noexcept {
@@ -73,9 +73,7 @@ struct ProgramView {
             to[g] = next(from[g], event);
             alive |= to[g];
         }
-        if (lanes) {
-            alive |= static_cast<State>(advance_lanes(from + tables, event, to + tables));
-        }
+        if (lanes) { alive |= static_cast<State>(advance_lanes(from + tables, event, to + tables)); }
         return alive != 0;
     }
 
@@ -83,24 +81,18 @@ struct ProgramView {
     template <class Visit>
     void for_each_accepted(const State* states, Visit&& visit) const {
         for (std::uint32_t g = 0; g < table_count; ++g) {
-            for (const std::uint16_t channel : accepted(states[g])) {
-                visit(channel);
-            }
+            for (const std::uint16_t channel : accepted(states[g])) { visit(channel); }
         }
         for_each_accepted_lane(states, visit);
     }
     /// Of the packed channels only: those that no table row lists.
     template <class Visit>
     void for_each_accepted_lane(const State* states, Visit&& visit) const {
-        if (has_lanes() && states[table_count - 1] >= first_ended) {
-            visit_ended(states + table_count - 1, visit);
-        }
+        if (has_lanes() && states[table_count - 1] >= first_ended) { visit_ended(states + table_count - 1, visit); }
     }
     [[nodiscard]] bool accepts_any(const State* states) const noexcept {
         for (std::uint32_t g = 0; g < table_count; ++g) {
-            if (accept_begin[states[g]] != accept_begin[states[g] + 1]) {
-                return true;
-            }
+            if (accept_begin[states[g]] != accept_begin[states[g] + 1]) { return true; }
         }
         bool any = false;
         if (has_lanes() && states[table_count - 1] >= first_ended) {
@@ -109,7 +101,8 @@ struct ProgramView {
         return any;
     }
 
-    /// Lane words after `images` (laid out as one class of lane_image, its tail unread) act on `from`, cut to `mask`; the OR of the result.
+    /// Lane words after `images` (laid out as one class of lane_image, its tail unread) act on `from`, cut to `mask`;
+    /// the OR of the result.
     std::uint32_t move_lanes(const std::uint32_t* from, const std::uint32_t* images, std::uint32_t mask,
                              std::uint32_t* to) const noexcept {
         const std::uint32_t ones = lane_words[0];
@@ -130,24 +123,19 @@ struct ProgramView {
             any |= moved;
         }
         any |= any_four[0] | any_four[1] | any_four[2] | any_four[3];
-        if (image_stride == 2 * ones + image_tail) {
-            return any;
-        }
-        if (lane_words[1] != 0) {
-            any |= move_kind<2>(from + ones, images + 2 * ones, lane_words[1], mask, to + ones);
-        }
+        if (image_stride == 2 * ones + image_tail) { return any; }
+        if (lane_words[1] != 0) { any |= move_kind<2>(from + ones, images + 2 * ones, lane_words[1], mask, to + ones); }
         if (lane_words[2] != 0) {
             const std::uint32_t skipped = ones + 2 * lane_words[1];
-            any |= move_kind<3>(from + skipped, images + 2 * ones + 8 * lane_words[1], lane_words[2], mask, to + skipped);
+            any |=
+                move_kind<3>(from + skipped, images + 2 * ones + 8 * lane_words[1], lane_words[2], mask, to + skipped);
         }
         return any;
     }
     /// The map of an event (`images`) followed by the map `after`, both laid out as one class of lane_image without its
     /// tail; `to` may be `after`.
     void compose_lanes(const std::uint32_t* after, const std::uint32_t* images, std::uint32_t* to) const noexcept {
-        if (lane_words[0] != 0) {
-            compose_kind<1>(after, images, lane_words[0], to);
-        }
+        if (lane_words[0] != 0) { compose_kind<1>(after, images, lane_words[0], to); }
         if (lane_words[1] != 0) {
             const std::uint32_t skipped = 2 * lane_words[0];
             compose_kind<2>(after + skipped, images + skipped, lane_words[1], to + skipped);
@@ -162,6 +150,7 @@ struct ProgramView {
     void visit_ended(const State* states, Visit&& visit) const {
         visit_lanes(states + 1, states[0] - first_ended, visit);
     }
+
   private:
     /// No branch, and no way from the lanes to the phase: both would make each event wait for the last.
     bool advance_lanes(const State* from, EventClass event, State* to) const noexcept {
@@ -187,17 +176,11 @@ struct ProgramView {
         std::uint32_t any = 0;
         for (std::uint32_t w = 0; w < words; ++w) {
             std::array<std::uint32_t, bits> plane, moved{};
-            for (std::uint32_t p = 0; p < bits; ++p) {
-                plane[p] = from[p * words + w];
-            }
+            for (std::uint32_t p = 0; p < bits; ++p) { plane[p] = from[p * words + w]; }
             for (std::uint32_t code = 0; code < (1U << bits); ++code) {
                 std::uint32_t lanes = ~0U;
-                for (std::uint32_t p = 0; p < bits; ++p) {
-                    lanes &= (code >> p & 1U) != 0 ? plane[p] : ~plane[p];
-                }
-                for (std::uint32_t p = 0; p < bits; ++p) {
-                    moved[p] |= lanes & images[(code * bits + p) * words + w];
-                }
+                for (std::uint32_t p = 0; p < bits; ++p) { lanes &= (code >> p & 1U) != 0 ? plane[p] : ~plane[p]; }
+                for (std::uint32_t p = 0; p < bits; ++p) { moved[p] |= lanes & images[(code * bits + p) * words + w]; }
             }
             for (std::uint32_t p = 0; p < bits; ++p) {
                 to[p * words + w] = moved[p] & mask;
@@ -213,9 +196,7 @@ struct ProgramView {
         constexpr std::uint32_t codes = 1U << bits;
         for (std::uint32_t w = 0; w < words; ++w) {
             std::array<std::uint32_t, codes * bits> map;
-            for (std::uint32_t i = 0; i < codes * bits; ++i) {
-                map[i] = after[i * words + w];
-            }
+            for (std::uint32_t i = 0; i < codes * bits; ++i) { map[i] = after[i * words + w]; }
             for (std::uint32_t from = 0; from < codes; ++from) {
                 std::array<std::uint32_t, bits> moved{};
                 for (std::uint32_t code = 0; code < codes; ++code) {
@@ -224,13 +205,9 @@ struct ProgramView {
                         const std::uint32_t plane = images[(from * bits + p) * words + w];
                         lanes &= (code >> p & 1U) != 0 ? plane : ~plane;
                     }
-                    for (std::uint32_t p = 0; p < bits; ++p) {
-                        moved[p] |= lanes & map[code * bits + p];
-                    }
+                    for (std::uint32_t p = 0; p < bits; ++p) { moved[p] |= lanes & map[code * bits + p]; }
                 }
-                for (std::uint32_t p = 0; p < bits; ++p) {
-                    to[(from * bits + p) * words + w] = moved[p];
-                }
+                for (std::uint32_t p = 0; p < bits; ++p) { to[(from * bits + p) * words + w] = moved[p]; }
             }
         }
     }
@@ -241,7 +218,8 @@ struct ProgramView {
         const std::uint32_t* lists = lane_lists + std::size_t{terminal} * lane_count * 8;
         visit_kind<1>(planes, accept, lists, lane_words[0], visit);
         if (lane_words[1] != 0) {
-            visit_kind<2>(planes + lane_words[0], accept + 2 * lane_words[0], lists + 256 * lane_words[0], lane_words[1], visit);
+            visit_kind<2>(planes + lane_words[0], accept + 2 * lane_words[0], lists + 256 * lane_words[0],
+                          lane_words[1], visit);
         }
         if (lane_words[2] != 0) {
             visit_kind<3>(planes + lane_words[0] + 2 * lane_words[1], accept + 2 * lane_words[0] + 4 * lane_words[1],
@@ -265,9 +243,7 @@ struct ProgramView {
             for (; accepting != 0; accepting &= accepting - 1) {
                 const auto lane = static_cast<std::uint32_t>(std::countr_zero(accepting));
                 std::uint32_t code = 0;
-                for (std::uint32_t p = 0; p < bits; ++p) {
-                    code |= (planes[p * words + w] >> lane & 1U) << p;
-                }
+                for (std::uint32_t p = 0; p < bits; ++p) { code |= (planes[p * words + w] >> lane & 1U) << p; }
                 for (std::uint32_t i = lists[8 * lane + code]; i < lists[8 * lane + code + 1]; ++i) {
                     visit(accept_lists[i]);
                 }

@@ -29,7 +29,9 @@ class Descriptor {
     int number_;
 };
 
-Error failure(const std::string& path, const std::string& message) { return {message, path, 0, 0, {}, {}}; }
+Error failure(const std::string& path, const std::string& message) {
+    return {message, path, 0, 0, {}, {}};
+}
 
 Error system_failure(const std::string& path, const std::string& expected) {
     return failure(path, std::string("cannot read this file: ") + std::strerror(errno) + "; expected " + expected);
@@ -96,14 +98,18 @@ Result<std::string> read_all(int descriptor, const std::string& path, std::size_
 
 }  // namespace
 
-void stop_reading_when(const std::atomic<bool>* flag) { stop_flag = flag; }
+void stop_reading_when(const std::atomic<bool>* flag) {
+    stop_flag = flag;
+}
 
 bool reading_stopped() {
     const std::atomic<bool>* flag = stop_flag;
     return flag != nullptr && flag->load(std::memory_order_relaxed);
 }
 
-Error reading_stopped_error(const std::string& path) { return failure(path, "interrupted while it was read"); }
+Error reading_stopped_error(const std::string& path) {
+    return failure(path, "interrupted while it was read");
+}
 
 void drop_byte_order_mark(std::string& text) {
     if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
@@ -124,8 +130,7 @@ Result<std::string> read_file(const std::string& path, NamedBy by, const std::st
     const bool regular = S_ISREG(status.st_mode);
     const auto size = regular ? static_cast<std::uint64_t>(status.st_size) : 0;
     if (size > budget(most)) return over_budget(most, "the file has " + std::to_string(size) + " bytes", path);
-    auto content = read_all(file.number(), path, size, regular ? most : Budget::pipe_bytes, expected,
-                            stoppable);
+    auto content = read_all(file.number(), path, size, regular ? most : Budget::pipe_bytes, expected, stoppable);
     if (content) drop_byte_order_mark(*content);
     return content;
 }

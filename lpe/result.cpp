@@ -13,9 +13,7 @@ std::string caret_indent(const std::string& excerpt, int column) {
     const std::size_t bytes = std::min(excerpt.size(), static_cast<std::size_t>(column - 1));
     for (std::size_t i = 0; i < bytes; ++i) {
         const auto byte = static_cast<unsigned char>(excerpt[i]);
-        if ((byte & 0xC0U) != 0x80U) {
-            indent += byte == '\t' ? '\t' : ' ';
-        }
+        if ((byte & 0xC0U) != 0x80U) { indent += byte == '\t' ? '\t' : ' '; }
     }
     indent.append(static_cast<std::size_t>(column - 1) - bytes, ' ');
     return indent;
@@ -34,9 +32,7 @@ std::string Error::to_string() const {
     } else if (column > 0) {
         text += (text.empty() ? "column " : ": column ") + std::to_string(column);
     }
-    if (!text.empty()) {
-        text += ": ";
-    }
+    if (!text.empty()) { text += ": "; }
     text += message;
     if (!excerpt.empty()) {
         text += "\n  " + excerpt;
@@ -45,9 +41,7 @@ std::string Error::to_string() const {
             text += "\n  " + caret_indent(excerpt, column) + "^";
         }
     }
-    if (!hint.empty()) {
-        text += "\n" + hint;
-    }
+    if (!hint.empty()) { text += "\n" + hint; }
     return text;
 }
 

@@ -11,12 +11,12 @@ namespace raylex {
 /// What went wrong, where, and what was expected instead.
 /// `line` and `column` count from 1; 0 means "not known". `column` counts bytes.
 struct Error {
-    std::string message;   ///< one sentence, naming what was found and what was expected
-    std::string file;      ///< path, or a description such as "--lpe caustics"; empty when there is none
+    std::string message;  ///< one sentence, naming what was found and what was expected
+    std::string file;     ///< path, or a description such as "--lpe caustics"; empty when there is none
     int line = 0;
     int column = 0;
-    std::string excerpt;   ///< the offending line of text; printed with a caret under `column`
-    std::string hint;      ///< near misses, look-alike letters, the next thing to try
+    std::string excerpt;  ///< the offending line of text; printed with a caret under `column`
+    std::string hint;     ///< near misses, look-alike letters, the next thing to try
 
     /// "file:line:column: message", then the excerpt with its caret and the hint, one line each.
     [[nodiscard]] std::string to_string() const;
@@ -45,6 +45,8 @@ class [[nodiscard]] Result {
 
 /// A Result without a value.
 using Status = Result<std::monostate>;
-inline Status success() { return Status(std::monostate{}); }
+inline Status success() {
+    return Status(std::monostate{});
+}
 
 }  // namespace raylex

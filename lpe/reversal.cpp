@@ -68,9 +68,9 @@ struct ReversedProgram::Builder {
         for (std::uint32_t row = 1; row < table.rows; ++row) {
             const State state = row_state(row);
             const std::span<const std::uint16_t> channels = view.accepted(state);
-            values[row] = of_phase ? state
-                                   : first_that_accepts.try_emplace({channels.begin(), channels.end()}, state)
-                                         .first->second;
+            values[row] = of_phase
+                              ? state
+                              : first_that_accepts.try_emplace({channels.begin(), channels.end()}, state).first->second;
         }
         std::unordered_map<std::vector<std::uint32_t>, State, VectorHash> number;
         std::vector<const std::vector<std::uint32_t>*> order;
@@ -120,12 +120,8 @@ struct ReversedProgram::Builder {
 
     void run() {
         const std::size_t tables = view.table_count - (view.has_lanes() ? 1 : 0);
-        for (std::size_t g = 0; g < tables; ++g) {
-            result.tables_.push_back(reverse(view.starts[g], false));
-        }
-        if (!view.has_lanes()) {
-            return;
-        }
+        for (std::size_t g = 0; g < tables; ++g) { result.tables_.push_back(reverse(view.starts[g], false)); }
+        if (!view.has_lanes()) { return; }
         result.phase_ = reverse(view.starts[tables], true);
         find_zero_codes();
         // The empty end maps every code to itself: bit p of code c in the word of code c and plane p.
@@ -170,9 +166,7 @@ bool ReversedProgram::join(const State* camera, const State* light, State* whole
         whole[g] = outcome(g, camera[g], light[g]);
         alive |= whole[g];
     }
-    if (!program_.has_lanes()) {
-        return alive != 0;
-    }
+    if (!program_.has_lanes()) { return alive != 0; }
     whole[phase] = outcome(phase, camera[phase], light[phase]);
     const std::uint32_t mask = whole[phase] >= program_.first_ended ? ~0U : 0U;
     const std::uint32_t any = program_.move_lanes(camera + phase + 1, light + phase + 1, mask, whole + phase + 1);
@@ -181,9 +175,7 @@ bool ReversedProgram::join(const State* camera, const State* light, State* whole
 
 std::size_t ReversedProgram::bytes() const noexcept {
     std::size_t words = phase_.next.size() + phase_.outcome.size();
-    for (const Table& table : tables_) {
-        words += table.next.size() + table.outcome.size();
-    }
+    for (const Table& table : tables_) { words += table.next.size() + table.outcome.size(); }
     return sizeof(State) * words;
 }
 

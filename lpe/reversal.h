@@ -1,6 +1,6 @@
-// Light subpaths: words that are known from their far end. A bidirectional integrator follows the camera subpath forward
-// and grows the light subpath away from the light, each new vertex standing before all that were read; then it joins any
-// prefix of the one with any end of the other and asks which channels accept the whole.
+// Light subpaths: words that are known from their far end. A bidirectional integrator follows the camera subpath
+// forward and grows the light subpath away from the light, each new vertex standing before all that were read; then it
+// joins any prefix of the one with any end of the other and asks which channels accept the whole.
 //
 // Each light vertex keeps a state of reversed automata: which states at the join lead to which channels. A vertex costs
 // one table look-up, a join one more, whatever the lengths. The automata are prepared: for a table of Q states with R
@@ -39,8 +39,9 @@ class ReversedProgram {
     [[nodiscard]] std::size_t word_count() const noexcept { return starts_.size(); }
     /// The state of the empty end: joined with a camera subpath it gives what that subpath alone gives.
     [[nodiscard]] std::span<const State> starts() const noexcept { return starts_; }
-    /// Puts an event before all that were read; word_count() words each, `to` may be `from`. False when no camera subpath
-    /// can be joined so that a channel accepts. (Packed channels are not asked one by one: true may be in vain for them.)
+    /// Puts an event before all that were read; word_count() words each, `to` may be `from`. False when no camera
+    /// subpath can be joined so that a channel accepts. (Packed channels are not asked one by one: true may be in vain
+    /// for them.)
     bool prepend(const State* from, EventClass event, State* to) const noexcept;
     /// A state of the program that accepts what the camera subpath followed by the light subpath does; `whole` has the
     /// program's word_count() words and may be `camera`. Nothing is to be read after it. False when no channel accepts.
@@ -51,11 +52,11 @@ class ReversedProgram {
   private:
     /// One reversed automaton; state 0 is the end that no state makes anything of.
     struct Table {
-        State first_row = 0;              // row 1 of the forward table; rows are first_row ... first_row + rows - 2
-        std::uint32_t rows = 0;           // forward states, the dead one included
-        std::vector<State> next;          // [state][class]
-        std::vector<State> outcome;       // [state][row]: a forward state that accepts what the one after the end does,
-                                          // or for the phase that one; 0 for nothing
+        State first_row = 0;         // row 1 of the forward table; rows are first_row ... first_row + rows - 2
+        std::uint32_t rows = 0;      // forward states, the dead one included
+        std::vector<State> next;     // [state][class]
+        std::vector<State> outcome;  // [state][row]: a forward state that accepts what the one after the end does,
+                                     // or for the phase that one; 0 for nothing
     };
     struct Builder;
 

@@ -34,9 +34,7 @@ constexpr std::array<NamedExpression, 9> osl_partition{{
 }  // namespace
 
 std::span<const NamedExpression> shipped_partition(Dialect dialect) {
-    if (dialect == Dialect::osl) {
-        return osl_partition;
-    }
+    if (dialect == Dialect::osl) { return osl_partition; }
     return renderman_partition;
 }
 

@@ -74,9 +74,7 @@ class VectorRunner {
         }
         const Program& program = **compiled_;
         State state = program.starts().front();
-        for (const Event& event : events) {
-            state = program.next(state, program.classify(event));
-        }
+        for (const Event& event : events) { state = program.next(state, program.classify(event)); }
         result.found.assign(1, program.accepts_any(state) ? '1' : '0');
     }
 
@@ -97,24 +95,16 @@ Result<VectorReport> run_vectors_text(std::string_view text, const std::string& 
         std::string_view row = text.substr(0, end);
         text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
         ++line;
-        if (!row.empty() && row.back() == '\r') {
-            row.remove_suffix(1);
-        }
-        if (row.empty() || row.front() == '#') {
-            continue;
-        }
-        if (std::optional<Error> error = runner.run(row, line, report)) {
-            return std::move(*error);
-        }
+        if (!row.empty() && row.back() == '\r') { row.remove_suffix(1); }
+        if (row.empty() || row.front() == '#') { continue; }
+        if (std::optional<Error> error = runner.run(row, line, report)) { return std::move(*error); }
     }
     return report;
 }
 
 Result<VectorReport> run_vectors(const std::string& path, Dialect dialect) {
     const auto text = read_input(path, NamedBy::command_line, "a file of rows EXPRESSION, EVENTS, EXPECTED");
-    if (!text) {
-        return text.error();
-    }
+    if (!text) { return text.error(); }
     return run_vectors_text(*text, path, dialect);
 }
 

@@ -16,15 +16,22 @@ void add_core(CoreSet& cores, EventType type, Scatter scatter, int highest_numbe
     }
 }
 
-bool is_labelled(const Event& event) { return !event.labels.empty() && !event.labels.front().empty(); }
+bool is_labelled(const Event& event) {
+    return !event.labels.empty() && !event.labels.front().empty();
+}
 
 bool occurs(const Words& words, const Event& event) {
     switch (event.type) {
-        case EventType::volume: return words.volume;
-        case EventType::light: return words.unlabelled_lights || is_labelled(event);
-        case EventType::background: return words.background && (words.unlabelled_lights || is_labelled(event));
-        case EventType::emission: return words.emission;
-        default: return words.straight || event.scatter != Scatter::straight;
+        case EventType::volume:
+            return words.volume;
+        case EventType::light:
+            return words.unlabelled_lights || is_labelled(event);
+        case EventType::background:
+            return words.background && (words.unlabelled_lights || is_labelled(event));
+        case EventType::emission:
+            return words.emission;
+        default:
+            return words.straight || event.scatter != Scatter::straight;
     }
 }
 
@@ -32,9 +39,7 @@ bool occurs(const Words& words, const Event& event) {
 std::string signature(const Event& event, std::span<const EventSet> sets) {
     std::string answers;
     answers.reserve(sets.size());
-    for (const EventSet& set : sets) {
-        answers += matches(set, event) ? '1' : '0';
-    }
+    for (const EventSet& set : sets) { answers += matches(set, event) ? '1' : '0'; }
     return answers;
 }
 
@@ -48,9 +53,7 @@ EventSet listed(const std::vector<Event>& events, const Words& words, std::span<
         }
         EventPattern pattern;
         pattern.cores.set(core_index(event));
-        for (const std::string& label : event.labels) {
-            pattern.labels.push_back({false, {label}, {}});
-        }
+        for (const std::string& label : event.labels) { pattern.labels.push_back({false, {label}, {}}); }
         pattern.missing = Missing::is_empty;
         pattern.extra = Extra::refused;
         set.any_of.push_back(std::move(pattern));
@@ -64,9 +67,7 @@ void part_straight(WordSets& sets) {
         EventPattern through = pattern;
         through.cores &= straight_cores();
         pattern.cores &= ~straight_cores();
-        if (through.cores.any()) {
-            sets.straight.any_of.push_back(std::move(through));
-        }
+        if (through.cores.any()) { sets.straight.any_of.push_back(std::move(through)); }
     }
     std::erase_if(sets.scattering.any_of, [](const EventPattern& pattern) { return pattern.cores.none(); });
 }
@@ -75,17 +76,13 @@ void part_straight(WordSets& sets) {
 LabelTest one_of(const std::vector<std::string>& names) {
     LabelTest test;
     test.add_name({});
-    for (const std::string& name : names) {
-        test.add_name(name);
-    }
+    for (const std::string& name : names) { test.add_name(name); }
     return test;
 }
 
 WordSets uncut_word_sets(const Words& words, bool skip_reserved_labels, std::span<const EventSet> told_apart) {
     LabelTest label = LabelTest::any();
-    if (skip_reserved_labels) {
-        label.names = reserved_names();
-    }
+    if (skip_reserved_labels) { label.names = reserved_names(); }
     WordSets sets;
     EventPattern camera{{}, {}, Missing::is_empty, Extra::refused};
     add_core(camera.cores, EventType::camera, Scatter::none, 0);
@@ -102,12 +99,8 @@ WordSets uncut_word_sets(const Words& words, bool skip_reserved_labels, std::spa
         add_core(scattering.cores, type, Scatter::glossy, 8);
         add_core(scattering.cores, type, Scatter::singular, 8);
     }
-    if (words.straight) {
-        add_core(scattering.cores, EventType::transmission, Scatter::straight, 0);
-    }
-    if (words.volume) {
-        add_core(scattering.cores, EventType::volume, Scatter::none, 0);
-    }
+    if (words.straight) { add_core(scattering.cores, EventType::transmission, Scatter::straight, 0); }
+    if (words.volume) { add_core(scattering.cores, EventType::volume, Scatter::none, 0); }
     sets.scattering.any_of.push_back(std::move(scattering));
     const LabelTest any_group = words.light_groups ? one_of(*words.light_groups) : label;
     LabelTest group = any_group;
@@ -118,9 +111,7 @@ WordSets uncut_word_sets(const Words& words, bool skip_reserved_labels, std::spa
     }
     EventPattern light{{}, {group}, Missing::is_empty, Extra::refused};  // slot: light group
     add_core(light.cores, EventType::light, Scatter::none, 0);
-    if (words.background) {
-        add_core(light.cores, EventType::background, Scatter::none, 0);
-    }
+    if (words.background) { add_core(light.cores, EventType::background, Scatter::none, 0); }
     sets.terminal.any_of.push_back(std::move(light));
     if (words.emission) {
         EventPattern emission{{}, {any_group}, Missing::is_empty, Extra::refused};
@@ -147,14 +138,24 @@ WordSets renderer_word_sets() {
         const Event event = core_event(core);
         const bool scattered = event.scatter != Scatter::none;
         switch (event.type) {
-            case EventType::camera: camera.cores[core] = !scattered; break;
+            case EventType::camera:
+                camera.cores[core] = !scattered;
+                break;
             case EventType::reflection:
-            case EventType::transmission: scattering.cores[core] = scattered; break;
-            case EventType::volume: scattering.cores[core] = !scattered; break;
-            case EventType::user: scattering.cores[core] = true; break;
+            case EventType::transmission:
+                scattering.cores[core] = scattered;
+                break;
+            case EventType::volume:
+                scattering.cores[core] = !scattered;
+                break;
+            case EventType::user:
+                scattering.cores[core] = true;
+                break;
             case EventType::light:
             case EventType::background:
-            case EventType::emission: terminal.cores[core] = !scattered; break;
+            case EventType::emission:
+                terminal.cores[core] = !scattered;
+                break;
         }
     }
     return {{{camera}, {}}, {{scattering}, {}}, {{terminal}, {}}, {}, std::nullopt};

@@ -97,8 +97,7 @@ void contribute(benchmark::State& state, const std::string& set) {
         setup.program().for_each_accepted(words.data(), [&](std::uint16_t) { ++matches; });
     }
     for (auto _ : state) {
-        for (const Tracker& tracker : ends)
-            services.contribute(Rgb(0.25f, 0.5f, 0.75f), Technique{}, tracker);
+        for (const Tracker& tracker : ends) services.contribute(Rgb(0.25f, 0.5f, 0.75f), Technique{}, tracker);
         benchmark::ClobberMemory();
     }
     const double count = static_cast<double>(paths.size());

@@ -28,7 +28,8 @@ Status check_ranges(const AdaptiveSettings& settings) {
                           std::to_string(settings.max_samples) + " samples",
                       "min_samples up to max_samples");
     if (!(settings.floor >= 0) || !std::isfinite(settings.floor))
-        return refuse("a floor of " + number_text(settings.floor), "a share of the image's mean from 0 on, such as 0.1");
+        return refuse("a floor of " + number_text(settings.floor),
+                      "a share of the image's mean from 0 on, such as 0.1");
     if (settings.neighbourhood < 0 || settings.neighbourhood > 8)
         return refuse("a neighbourhood of " + std::to_string(settings.neighbourhood), "a radius of 0 to 8 pixels");
     return success();
@@ -262,8 +263,8 @@ Status AdaptiveSampler::restore_record(std::string_view bytes) {
     errors_.assign(reader.number<std::uint8_t>() != 0 ? open_.size() : 0, 0.0);
     reader.plane({reinterpret_cast<char*>(errors_.data()), errors_.size() * sizeof(double)});
     if (!reader.at_end()) return error_at({}, "the record of adaptive sampling does not fit this image");
-    progress_.open_pixels =
-        static_cast<std::uint64_t>(std::count_if(open_.begin(), open_.end(), [](std::uint8_t each) { return each != 0; }));
+    progress_.open_pixels = static_cast<std::uint64_t>(
+        std::count_if(open_.begin(), open_.end(), [](std::uint8_t each) { return each != 0; }));
     return success();
 }
 
@@ -272,7 +273,8 @@ std::string describe(const AdaptiveSettings& settings) {
     if (settings.channels.empty()) text += " beauty";
     for (const AdaptiveChannel& each : settings.channels) text += " " + each.name + "*" + number_text(each.weight);
     return text + ", " + std::to_string(settings.min_samples) + " to " + std::to_string(settings.max_samples) +
-           " samples, floor " + number_text(settings.floor) + ", neighbourhood " + std::to_string(settings.neighbourhood);
+           " samples, floor " + number_text(settings.floor) + ", neighbourhood " +
+           std::to_string(settings.neighbourhood);
 }
 
 }  // namespace raylex::display

@@ -6,14 +6,14 @@
 //     e = g s / max(m, f M)
 //
 // s^2 is the variance of the pixel's mean (FrameBuffer::resolve_variance_of_mean), averaged over the components; m the
-// mean of the components' absolute values, M the mean of m over the image, and f the floor: where a pixel is darker than f M,
-// what counts is the error relative to f M, so that black pixels end. Where M is 0 the error is 0. A pixel's error is the
-// largest of its channels'. It goes on while the largest error in its neighbourhood (a square of 2 r + 1 pixels) is above
-// the tolerance; before `min_samples` always, from `max_samples` on never. A pixel that stopped goes on again when a
-// neighbour finds that it should.
+// mean of the components' absolute values, M the mean of m over the image, and f the floor: where a pixel is darker
+// than f M, what counts is the error relative to f M, so that black pixels end. Where M is 0 the error is 0. A pixel's
+// error is the largest of its channels'. It goes on while the largest error in its neighbourhood (a square of 2 r + 1
+// pixels) is above the tolerance; before `min_samples` always, from `max_samples` on never. A pixel that stopped goes
+// on again when a neighbour finds that it should.
 //
-// Samples decide about samples, so a mean that was found adaptively is biased, and low: a pixel that has missed its rare
-// bright samples so far looks finished. The neighbourhood is there because it lowers that bias, by about what
+// Samples decide about samples, so a mean that was found adaptively is biased, and low: a pixel that has missed its
+// rare bright samples so far looks finished. The neighbourhood is there because it lowers that bias, by about what
 // tests/transport/adaptive_test.cpp measures; display/README.md states it.
 //
 // s^2 takes samples as independent. Sobol' points vary less, so for them the error is overestimated.
@@ -37,7 +37,7 @@ namespace raylex::display {
 
 struct AdaptiveChannel {
     std::string name;
-    double weight = 1;                      ///< above 0; 2 halves the channel's tolerance
+    double weight = 1;  ///< above 0; 2 halves the channel's tolerance
     SourceLocation location{};
 };
 
@@ -46,26 +46,27 @@ struct AdaptiveSettings {
     std::vector<AdaptiveChannel> channels;  ///< light or kernel-filtered; empty: the beauty
     std::uint64_t min_samples = 64;         ///< of a pixel; rounded up to whole blocks
     std::uint64_t max_samples = 65536;
-    double floor = 0.1;                     ///< f above, from 0
-    int neighbourhood = 1;                  ///< r above, 0 to 8
+    double floor = 0.1;     ///< f above, from 0
+    int neighbourhood = 1;  ///< r above, 0 to 8
     SourceLocation location{};
 };
 
 /// How far an adaptive render is.
 struct AdaptiveProgress {
-    std::string channel;                    ///< of the metric, the one with the largest error; empty before the first decision
-    double error = 0;                       ///< its error, as the root of the mean square over pixels
-    double target = 0;                      ///< AdaptiveSettings::error
-    std::uint64_t open_pixels = 0;          ///< that go on
-    std::uint64_t predicted_samples = 0;    ///< of the whole image in the end
-    std::uint64_t least_samples = 0;        ///< Forecast::least of that; 0 until the first decision after a resume
+    std::string channel;            ///< of the metric, the one with the largest error; empty before the first decision
+    double error = 0;               ///< its error, as the root of the mean square over pixels
+    double target = 0;              ///< AdaptiveSettings::error
+    std::uint64_t open_pixels = 0;  ///< that go on
+    std::uint64_t predicted_samples = 0;  ///< of the whole image in the end
+    std::uint64_t least_samples = 0;      ///< Forecast::least of that; 0 until the first decision after a resume
 };
 
 class AdaptiveSampler {
   public:
     /// Errors: settings out of range, channels that are not there (with the near miss) or keep no statistics (rules,
     /// integers). `beauty` may be invalid_channel when channels are named.
-    static Status check(const AdaptiveSettings& settings, std::span<const ChannelDefinition> channels, ChannelId beauty);
+    static Status check(const AdaptiveSettings& settings, std::span<const ChannelDefinition> channels,
+                        ChannelId beauty);
     /// After check(). All pixels are open.
     AdaptiveSampler(const AdaptiveSettings& settings, std::span<const ChannelDefinition> channels, ChannelId beauty,
                     const FrameBufferLayout& layout);

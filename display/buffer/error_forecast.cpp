@@ -30,7 +30,9 @@ double darkest(std::span<const PixelMoments> pixels, double floor) {
 namespace {
 
 // A black pixel under no floor: as far from any relative error as its deviation is from 0.
-double reference(double mean, double darkest) { return std::max({mean, darkest, 1e-30}); }
+double reference(double mean, double darkest) {
+    return std::max({mean, darkest, 1e-30});
+}
 
 }  // namespace
 
@@ -87,8 +89,7 @@ bool PooledErrors::grow() {
             if (between > most_between * v) continue;
             const double deviation = v / (reference(m, darkest_) * reference(m, darkest_));
             const double around = std::max(0.0, sums.nnvv - v * (2 * sums.nnv - v * sums.nn));  // sum n^2 (v_i - v)^2
-            const double scatter =
-                v > 0 ? std::sqrt(around * sums.pixels / (sums.pixels - 1)) / (sums.n * v) : 0.0;
+            const double scatter = v > 0 ? std::sqrt(around * sums.pixels / (sums.pixels - 1)) / (sums.n * v) : 0.0;
             for (int y = y0; y < std::min(y0 + edge_, height_); ++y)
                 for (int x = x0; x < std::min(x0 + edge_, width_); ++x) {
                     const std::size_t pixel =
@@ -100,7 +101,9 @@ bool PooledErrors::grow() {
     return true;
 }
 
-double PooledErrors::samples(int x, int y) const { return sums_[pool(x, y)].n; }
+double PooledErrors::samples(int x, int y) const {
+    return sums_[pool(x, y)].n;
+}
 
 void PartsOfSum::add(double part) {
     ++count_;
@@ -113,7 +116,9 @@ double PartsOfSum::standard_error() const {
     return std::sqrt(std::max(0.0, count_ * squares_ - sum_ * sum_) / (count_ - 1));
 }
 
-double PartsOfSum::lower() const { return sum_ > 0 ? sum_ * std::exp(-standard_error() / sum_) : 0; }
+double PartsOfSum::lower() const {
+    return sum_ > 0 ? sum_ * std::exp(-standard_error() / sum_) : 0;
+}
 
 void add_parts(std::span<const double> pixels, int width, int height, PartsOfSum& parts) {
     constexpr int edge = PooledErrors::largest_edge;

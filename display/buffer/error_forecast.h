@@ -88,8 +88,8 @@ class PooledErrors {
     }
     int width_, height_, edge_ = 1;
     double darkest_;
-    std::vector<Sums> sums_;                  // [pool]
-    std::vector<double> squares_, scatter_;   // [pixel]
+    std::vector<Sums> sums_;                 // [pool]
+    std::vector<double> squares_, scatter_;  // [pixel]
 };
 
 /// A number of samples. Where little is known of it, since few parts of the image or few samples decide, `least` is
@@ -141,7 +141,7 @@ class ErrorForecast {
     /// By what pools say at least, when `least`.
     [[nodiscard]] std::array<ErrorPoint, levels> path(bool least) const;
     double weight_, pixels_ = 0, samples_ = 0;
-    double scatter_ = 0;   // of the largest pools, each counting as much as its square
+    double scatter_ = 0;  // of the largest pools, each counting as much as its square
     std::array<PartsOfSum, levels> squares_;
 };
 

@@ -1,4 +1,5 @@
-// Exact sums of doubles: 128-bit fixed point, so that addition is associative and a sum has one value whatever the order.
+// Exact sums of doubles: 128-bit fixed point, so that addition is associative and a sum has one value whatever the
+// order.
 #pragma once
 
 #include <array>
@@ -43,7 +44,9 @@ __extension__ typedef unsigned __int128 UnsignedInt128;
 }
 
 /// Adds unless the sum would not fit.
-[[nodiscard]] inline bool add_fixed(Int128& sum, Int128 term) { return !__builtin_add_overflow(sum, term, &sum); }
+[[nodiscard]] inline bool add_fixed(Int128& sum, Int128 term) {
+    return !__builtin_add_overflow(sum, term, &sum);
+}
 
 /// 2^exponent; exact, and no call as std::ldexp is.
 [[nodiscard]] inline long double power_of_two(int exponent) {
@@ -59,22 +62,24 @@ __extension__ typedef unsigned __int128 UnsignedInt128;
     return static_cast<long double>(high) * 0x1p64L + static_cast<long double>(low);
 }
 
-/// The sum of at most 2^12 arrays of `count` doubles, each rounded as by to_fixed(): the same total in a fraction of the time,
-/// two numbers at once. A number is cut into three by adding constants so large that what lies below their last bit is rounded
-/// off; how often that bit goes into each part is then to be read from the bits.
+/// The sum of at most 2^12 arrays of `count` doubles, each rounded as by to_fixed(): the same total in a fraction of
+/// the time, two numbers at once. A number is cut into three by adding constants so large that what lies below their
+/// last bit is rounded off; how often that bit goes into each part is then to be read from the bits.
 template <std::size_t count>
 class FixedSum {
   public:
     explicit FixedSum(int quantum_exponent) : scale_(static_cast<double>(power_of_two(-quantum_exponent))) {}
 
-    /// False, and nothing added, of an array that has 2^110 quanta or more in all, or is not finite: that is for to_fixed().
+    /// False, and nothing added, of an array that has 2^110 quanta or more in all, or is not finite: that is for
+    /// to_fixed().
     [[gnu::always_inline]] bool add(const std::array<double, count>& values) {
         Pair scaled[pairs], size{};
         for (std::size_t i = 0; i < pairs; ++i) {
             scaled[i] = Pair{values[2 * i], 2 * i + 1 < count ? values[2 * i + 1] : 0.0} * scale_;
             size += reinterpret_cast<Pair>(reinterpret_cast<Bits>(scaled[i]) & (~Bits{} >> 1));  // without the sign
         }
-        if (!(size[0] + size[1] < 0x1p110)) [[unlikely]] return false;  // NaN too
+        if (!(size[0] + size[1] < 0x1p110)) [[unlikely]]
+            return false;  // NaN too
         ++added_;
         for (std::size_t i = 0; i < pairs; ++i) {
             const Pair high = scaled[i] + high_unit;

@@ -39,7 +39,8 @@ Status check_outputs(std::span<const ChannelDefinition> channels) {
         const ChannelDefinition& source = channels[static_cast<std::size_t>(layer.source)];
         if (output && takes_samples(source) && source.type == layer.type) continue;
         if (output)
-            return error_at({}, who + " of '" + source.name + "'; expected a channel of the same type that takes samples");
+            return error_at({},
+                            who + " of '" + source.name + "'; expected a channel of the same type that takes samples");
         if (!takes_samples(source) || source.rule != FilterRule::filter || source.type != layer.type)
             return error_at({}, who + " of '" + source.name +
                                     "'; expected a channel of the same type that the pixel filter is applied to");
@@ -50,20 +51,25 @@ Status check_outputs(std::span<const ChannelDefinition> channels) {
 Status check_splat(std::span<const ChannelDefinition> channels) {
     for (const ChannelDefinition& channel : channels)
         if (channel.statistics || !keeps_pixels(channel))
-            return error_at({}, "channel '" + channel.name + "' has statistics, and splatted samples are shared by "
-                                "neighbouring pixels, whose errors they therefore cannot tell; expected importance mode");
+            return error_at(
+                {}, "channel '" + channel.name +
+                        "' has statistics, and splatted samples are shared by "
+                        "neighbouring pixels, whose errors they therefore cannot tell; expected importance mode");
     return success();
 }
 
 Status check_raster(std::span<const ChannelDefinition> channels) {
     for (const ChannelDefinition& channel : channels) {
         if (channel.statistic == Statistic::even || channel.statistic == Statistic::odd)
-            return error_at({}, "channel '" + channel.name + "' is one half of a pixel's samples, and splats that land "
-                                "anywhere belong to neither; expected channels without");
-        const ChannelDefinition& source = takes_samples(channel) ? channel : channels[static_cast<std::size_t>(channel.source)];
+            return error_at({}, "channel '" + channel.name +
+                                    "' is one half of a pixel's samples, and splats that land "
+                                    "anywhere belong to neither; expected channels without");
+        const ChannelDefinition& source =
+            takes_samples(channel) ? channel : channels[static_cast<std::size_t>(channel.source)];
         if (source.style == ChannelStyle::expression && channel.rule != FilterRule::filter)
-            return error_at({}, "channel '" + channel.name + "' takes splats that land anywhere, which have no rule but the "
-                                "pixel filter; expected rule filter");
+            return error_at({}, "channel '" + channel.name +
+                                    "' takes splats that land anywhere, which have no rule but the "
+                                    "pixel filter; expected rule filter");
     }
     return success();
 }
@@ -97,7 +103,8 @@ FrameBuffer::FrameBuffer(const FrameBufferLayout& layout, std::span<const Channe
         const std::size_t values = pixels * static_cast<std::size_t>(channel.components);
         const FilterRule rule = definition.rule;
         const bool kernel = rule == FilterRule::filter,
-                   expression = channels[static_cast<std::size_t>(channel.samples_of)].style == ChannelStyle::expression;
+                   expression =
+                       channels[static_cast<std::size_t>(channel.samples_of)].style == ChannelStyle::expression;
         const float fill = expression ? 0.0f : definition.miss_value;
         if (is_z_rule(rule) || is_extremum(rule)) {
             channel.picked.allocate(values);
@@ -168,7 +175,8 @@ Result<FrameBuffer> FrameBuffer::create(const FrameBufferLayout& layout, std::sp
 
 void FrameBuffer::accumulate(const SampleTable& table) {
     if (table.discarded()) return;
-    if (table.sets() != nullptr && table.sets()->block_bits() != std::countr_zero(static_cast<unsigned>(storage_->layout.block_size))) {
+    if (table.sets() != nullptr &&
+        table.sets()->block_bits() != std::countr_zero(static_cast<unsigned>(storage_->layout.block_size))) {
         storage_->reject(storage_->channels.size());  // their sums would be of other samples than the blocks here
         return;
     }
@@ -269,12 +277,12 @@ void FrameBuffer::accumulate_run(const SampleTable& table, const Run& run) {
 template <std::size_t components>
 inline void FrameBuffer::Storage::add_sum(const Accumulator& accumulator, const SampleTable& table, const Run& run) {
     const double* const values = table.values(static_cast<ChannelId>(accumulator.from));
-    add_blocks<components>(
-        sum_of[accumulator.channel] + run.pixel * components, run, layout.quantum_exponent, accumulator.channel,
-        [&](int first, int last) {
-            return weighted_sum<components>(values + static_cast<std::size_t>(first) * components, run.sum_weights(first),
-                                            static_cast<std::size_t>(last - first));
-        });
+    add_blocks<components>(sum_of[accumulator.channel] + run.pixel * components, run, layout.quantum_exponent,
+                           accumulator.channel, [&](int first, int last) {
+                               return weighted_sum<components>(values + static_cast<std::size_t>(first) * components,
+                                                               run.sum_weights(first),
+                                                               static_cast<std::size_t>(last - first));
+                           });
 }
 
 void FrameBuffer::accumulate_channels(const SampleTable& table, const Run& run) {
@@ -292,8 +300,8 @@ void FrameBuffer::accumulate_channels(const SampleTable& table, const Run& run) 
     const std::span<const Storage::Accumulator> accumulators(
         storage.accumulators.data(),
         by_sets && !table.sent_apart() ? storage.own_accumulators : storage.accumulators.size());
-    // A pixel of each channel lies on a memory page of its own: asked for one run ahead it is there in time. The next run
-    // mostly reaches the same channels.
+    // A pixel of each channel lies on a memory page of its own: asked for one run ahead it is there in time. The next
+    // run mostly reaches the same channels.
     const auto prefetch = [&](const Storage::Accumulator& accumulator, std::size_t pixel) {
         for (const Storage::Accumulator::Place& place : accumulator.places) {
             if (place.first == nullptr) continue;

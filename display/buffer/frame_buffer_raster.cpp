@@ -33,7 +33,8 @@ long double FrameBuffer::Storage::raster_scale() const {
     const std::uint64_t paths =
         std::atomic_ref(const_cast<std::uint64_t&>(light_paths[0])).load(std::memory_order_relaxed);
     if (paths == 0) return 0;
-    return std::ldexp(static_cast<long double>(pixel_count()) / static_cast<long double>(paths), layout.quantum_exponent);
+    return std::ldexp(static_cast<long double>(pixel_count()) / static_cast<long double>(paths),
+                      layout.quantum_exponent);
 }
 
 void FrameBuffer::count_light_paths(std::uint64_t paths) {
@@ -41,7 +42,8 @@ void FrameBuffer::count_light_paths(std::uint64_t paths) {
 }
 
 std::uint64_t FrameBuffer::light_path_count() const {
-    return storage_->light_paths.empty() ? 0 : std::atomic_ref(storage_->light_paths[0]).load(std::memory_order_relaxed);
+    return storage_->light_paths.empty() ? 0
+                                         : std::atomic_ref(storage_->light_paths[0]).load(std::memory_order_relaxed);
 }
 
 void FrameBuffer::splat(const SampleTable& table, std::span<const int> rows) {
@@ -59,8 +61,8 @@ void FrameBuffer::splat(const SampleTable& table, std::span<const int> rows) {
                                                         offset_of(splat.screen_y, y, kernel.radius_y()))) *
                     static_cast<double>(splat.filter_weight);
                 if (weight == 0) continue;
-                const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(layout.width) +
-                                          static_cast<std::size_t>(x);
+                const std::size_t pixel =
+                    static_cast<std::size_t>(y) * static_cast<std::size_t>(layout.width) + static_cast<std::size_t>(x);
                 for (const std::size_t index : storage.raster_channels) {
                     Channel& channel = storage.channels[index];
                     if (!table.touched(channel.samples_of)) continue;

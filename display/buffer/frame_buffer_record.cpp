@@ -13,8 +13,8 @@ constexpr std::uint32_t record_version = 3;
 
 /// A binding that no longer fits says that ChannelDefinition has a member which no record holds yet.
 void write_channel(RecordWriter& writer, const ChannelDefinition& definition) {
-    const auto& [name, style, type, expression, dialect, rest_of, rule, space, statistics, source, statistic, miss_value,
-                 origin, origin_line, origin_column] = definition;
+    const auto& [name, style, type, expression, dialect, rest_of, rule, space, statistics, source, statistic,
+                 miss_value, origin, origin_line, origin_column] = definition;
     writer.text(name);
     writer.number(style);
     writer.number(type);
@@ -60,8 +60,8 @@ Error record_error(const std::string& found) {
     return error_at({}, "this is no record of a frame buffer that this raylex reads: " + found);
 }
 
-/// visit(name, plane, like) for every plane that is there, in the order of the storage's lists. `like` is a plane before it
-/// that may well hold the same, or empty: where all weights are 1, the weighted sums are the unweighted ones.
+/// visit(name, plane, like) for every plane that is there, in the order of the storage's lists. `like` is a plane
+/// before it that may well hold the same, or empty: where all weights are 1, the weighted sums are the unweighted ones.
 template <class Storage, class Visit>
 void visit_planes(Storage& storage, Visit visit) {
     const std::span<const Int128> none;

@@ -88,9 +88,8 @@ std::vector<double> FrameBuffer::resolve_alpha(const PixelRegion& region) const 
     const Storage& storage = *storage_;
     std::vector<double> result(pixel_count(region));
     for_each_pixel(region, storage.layout.width, [&](std::size_t at, std::size_t pixel) {
-        result[at] =
-            Divisor(storage.weight[pixel], storage.samples[pixel], storage.layout.quantum_exponent)
-                .mean_of(storage.alpha[pixel]);
+        result[at] = Divisor(storage.weight[pixel], storage.samples[pixel], storage.layout.quantum_exponent)
+                         .mean_of(storage.alpha[pixel]);
     });
     return result;
 }
@@ -125,7 +124,8 @@ Status FrameBuffer::merge(const FrameBuffer& other) {
             }
         }
     };
-    Storage::for_each_plane([&](const char*, auto plane) { add_plane(mine.*plane, theirs.*plane, mine.channels.size()); });
+    Storage::for_each_plane(
+        [&](const char*, auto plane) { add_plane(mine.*plane, theirs.*plane, mine.channels.size()); });
     for (std::size_t i = 0; i < mine.channels.size(); ++i) {
         Channel& to = mine.channels[i];
         const Channel& from = theirs.channels[i];

@@ -104,24 +104,26 @@ void FrameBuffer::Storage::add_filtered(Channel& channel, std::size_t index, con
     if (run.splat != nullptr) return splat_values(channel, index, run, values);
     if (!channel.even_sum.empty()) add_halves(channel, index, table, run, values);
     const auto add = [&]<std::size_t count>() {
-        add_blocks<count>(&channel.sum[run.pixel * count], run, layout.quantum_exponent, index, [&](int first, int last) {
-            return weighted_sum<count>(values + static_cast<std::size_t>(first - run.begin) * count, run.sum_weights(first),
-                                       static_cast<std::size_t>(last - first));
-        });
+        add_blocks<count>(
+            &channel.sum[run.pixel * count], run, layout.quantum_exponent, index, [&](int first, int last) {
+                return weighted_sum<count>(values + static_cast<std::size_t>(first - run.begin) * count,
+                                           run.sum_weights(first), static_cast<std::size_t>(last - first));
+            });
         if (!channel.square_sum.empty()) add_moments<count>(channel, index, run, values);
     };
     if (components == 3) add.template operator()<3>();
     else add.template operator()<1>();
 }
 
-/// `values` from the run's first row on. The squares of a block are those about its mean plus the mean's part, so that what
-/// is added has the digits of the deviations.
+/// `values` from the run's first row on. The squares of a block are those about its mean plus the mean's part, so that
+/// what is added has the digits of the deviations.
 template <std::size_t components>
 void FrameBuffer::Storage::add_moments(Channel& channel, std::size_t index, const Run& run, const double* values) {
     std::array<std::array<double, components>, Run::most_blocks> plain, square;
     run.for_each_block([&](int first, int last, std::size_t block) {
         sum_block<components>(static_cast<std::size_t>(last - first),
-                              values + static_cast<std::size_t>(first - run.begin) * components, plain[block], square[block]);
+                              values + static_cast<std::size_t>(first - run.begin) * components, plain[block],
+                              square[block]);
     });
     add_each<components>(&channel.plain_sum[run.pixel * components], run, layout.quantum_exponent, index,
                          [&](auto add, int, int, std::size_t block) { add(plain[block]); });
@@ -139,14 +141,16 @@ void FrameBuffer::Storage::add_moments(Channel& channel, std::size_t index, cons
 void FrameBuffer::Storage::add_plain(Channel& channel, std::size_t index, const SampleTable& table, const Run& run) {
     const auto id = static_cast<ChannelId>(index);
     const auto add = [&]<std::size_t count>() {
-        add_blocks<count>(&channel.sum[run.pixel * count], run, layout.quantum_exponent, index, [&](int first, int last) {
-            std::array<double, count> sum{};
-            run.for_each_row(first, last, [&](int row) {
-                if (!counts(table, id, row)) return;
-                for (std::size_t c = 0; c < count; ++c) sum[c] += table.values(id)[static_cast<std::size_t>(row) * count + c];
-            });
-            return sum;
-        });
+        add_blocks<count>(&channel.sum[run.pixel * count], run, layout.quantum_exponent, index,
+                          [&](int first, int last) {
+                              std::array<double, count> sum{};
+                              run.for_each_row(first, last, [&](int row) {
+                                  if (!counts(table, id, row)) return;
+                                  for (std::size_t c = 0; c < count; ++c)
+                                      sum[c] += table.values(id)[static_cast<std::size_t>(row) * count + c];
+                              });
+                              return sum;
+                          });
     };
     if (channel.components == 3) add.template operator()<3>();
     else add.template operator()<1>();
@@ -171,13 +175,14 @@ void FrameBuffer::Storage::add_picked(Channel& channel, std::size_t index, const
     if (is_extremum(rule)) {
         run.for_each_row([&](int row) {
             if (!takes(row)) return;
-            for (std::size_t c = 0; c < components; ++c) best[c] = pick_extremum(rule, seen == 0, best[c], value(row)[c]);
+            for (std::size_t c = 0; c < components; ++c)
+                best[c] = pick_extremum(rule, seen == 0, best[c], value(row)[c]);
             ++seen;
         });
         return;
     }
-    // A block's own choice first: what is kept lies in memory that is slow to reach. Where the nearest sample of all counts
-    // here, as it mostly does, the others need no look.
+    // A block's own choice first: what is kept lies in memory that is slow to reach. Where the nearest sample of all
+    // counts here, as it mostly does, the others need no look.
     run.for_each_block([&](int first, int last, std::size_t block) {
         int picked = -1;
         float depth = 0;
@@ -191,14 +196,15 @@ void FrameBuffer::Storage::add_picked(Channel& channel, std::size_t index, const
                 of_sample = table.camera_row(picked).sample + 1;
             }
         }
-        if (picked < 0) run.for_each_row(first, last, [&](int row) {
-            const float here = table.depth[static_cast<std::size_t>(row)];
-            const std::uint64_t sample = table.camera_row(row).sample;
-            if (!takes(row) || !z_rule_prefers(rule, here, sample, depth, of_sample)) return;
-            picked = row;
-            depth = here;
-            of_sample = sample + 1;
-        });
+        if (picked < 0)
+            run.for_each_row(first, last, [&](int row) {
+                const float here = table.depth[static_cast<std::size_t>(row)];
+                const std::uint64_t sample = table.camera_row(row).sample;
+                if (!takes(row) || !z_rule_prefers(rule, here, sample, depth, of_sample)) return;
+                picked = row;
+                depth = here;
+                of_sample = sample + 1;
+            });
         if (picked < 0 || !z_rule_prefers(rule, depth, of_sample - 1, channel.depth[run.pixel], seen)) return;
         std::copy_n(value(picked), components, best);
         channel.depth[run.pixel] = depth;

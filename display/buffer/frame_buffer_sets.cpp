@@ -12,8 +12,9 @@ std::vector<std::uint8_t> FrameBuffer::sums_only() const {
     for (std::size_t i = 0; i < channels.size(); ++i) {
         const ChannelDefinition& channel = channels[i];
         const KeptStatistics kept = kept_statistics(channels, i);
-        result[i] = channel.style == ChannelStyle::expression && channel.type == ChannelType::rgb && takes_samples(channel) &&
-                    keeps_pixels(channel) && channel.rule == FilterRule::filter && !kept.moments && !kept.halves;
+        result[i] = channel.style == ChannelStyle::expression && channel.type == ChannelType::rgb &&
+                    takes_samples(channel) && keeps_pixels(channel) && channel.rule == FilterRule::filter &&
+                    !kept.moments && !kept.halves;
     }
     for (const ChannelDefinition& channel : channels)  // further outputs look at samples by rules of their own
         if (!takes_samples(channel)) result[static_cast<std::size_t>(channel.source)] = 0;
@@ -65,7 +66,8 @@ inline void FrameBuffer::Storage::add_set(const SampleTable& table, const Run& r
     FixedSum<3> of_set(layout.quantum_exponent);
     run.for_each_block([&](int first, int, std::size_t) {
         const std::array<double, 3> sum = table.set_sum(first, place);
-        if (of_set.add(sum)) [[likely]] return;
+        if (of_set.add(sum)) [[likely]]
+            return;
         for (const ChannelId id : set)
             add_block(sum_of[static_cast<std::size_t>(id)] + 3 * run.pixel, sum, layout.quantum_exponent,
                       static_cast<std::size_t>(id));

@@ -1,22 +1,23 @@
 // Splat mode: samples drawn evenly over the image, each counting by the kernel for every pixel in whose reach it lies.
 //
-// What a pixel gets from one block of one neighbour is summed in double, in sample order, and added exactly; so sums have
-// no order beyond that, as in importance mode (Law 3).
+// What a pixel gets from one block of one neighbour is summed in double, in sample order, and added exactly; so sums
+// have no order beyond that, as in importance mode (Law 3).
 #include "display/buffer/frame_buffer_storage.h"
 
 #include <array>
 
 namespace raylex::display {
 
-void SplatWeights::gather(const SampleTable& table, const PixelFilter& kernel, const FrameBufferLayout& layout, int begin,
-                          int end) {
+void SplatWeights::gather(const SampleTable& table, const PixelFilter& kernel, const FrameBufferLayout& layout,
+                          int begin, int end) {
     pixels.clear();
     weights.clear();
     count = static_cast<std::size_t>(end - begin);
     const CameraRow& first = table.camera_row(begin);
     const int reach_x = splat_reach(kernel.radius_x()), reach_y = splat_reach(kernel.radius_y());
     for (int y = std::max(0, first.pixel_y - reach_y); y <= std::min(layout.height - 1, first.pixel_y + reach_y); ++y)
-        for (int x = std::max(0, first.pixel_x - reach_x); x <= std::min(layout.width - 1, first.pixel_x + reach_x); ++x) {
+        for (int x = std::max(0, first.pixel_x - reach_x); x <= std::min(layout.width - 1, first.pixel_x + reach_x);
+             ++x) {
             bool any = false;
             for (int row = begin; row < end; ++row) {
                 const CameraRow& camera = table.camera_row(row);
@@ -58,8 +59,8 @@ void FrameBuffer::Storage::splat_values(Channel& channel, std::size_t index, con
         for (std::size_t i = 0; i < run.splat->count; ++i)
             for (std::size_t c = 0; c < components; ++c) sum[c] += w[i] * values[i * components + c];
         if (sum != std::array<double, 3>{})
-            add(channel.sum, run.splat->pixels[target] * components, sum.data(), channel.components, layout.quantum_exponent,
-                index);
+            add(channel.sum, run.splat->pixels[target] * components, sum.data(), channel.components,
+                layout.quantum_exponent, index);
     }
 }
 

@@ -55,7 +55,7 @@ class Plane {
         return data;
     }
     struct Release {
-        std::size_t mapped = 0;   // bytes; 0: from the heap
+        std::size_t mapped = 0;  // bytes; 0: from the heap
         void operator()(T* data) const {
             if (mapped > 0) munmap(data, mapped);
             else std::free(data);
@@ -93,22 +93,23 @@ struct ExtraRows {
 
 /// What each sample of a run counts for in the pixels around it, in splat mode. Scratch of one thread.
 struct SplatWeights {
-    std::vector<std::size_t> pixels;   // in reach: [target]
-    std::vector<double> weights;       // [target * count + row of the run]
-    std::size_t count = 0;             // rows of the run
+    std::vector<std::size_t> pixels;  // in reach: [target]
+    std::vector<double> weights;      // [target * count + row of the run]
+    std::size_t count = 0;            // rows of the run
 
-    void gather(const SampleTable& table, const PixelFilter& kernel, const FrameBufferLayout& layout, int begin, int end);
+    void gather(const SampleTable& table, const PixelFilter& kernel, const FrameBufferLayout& layout, int begin,
+                int end);
     [[nodiscard]] const double* of(std::size_t target) const { return weights.data() + target * count; }
 };
 
-/// One run's sums of the channels that sets stand for, in fixed point: the order of sets, which is that of their coming up in
-/// the batch, does not show. What is added is below 2^110 a set and block, and of those there are far fewer than 2^16 with
-/// something in them, so none overflows. Scratch of one thread.
+/// One run's sums of the channels that sets stand for, in fixed point: the order of sets, which is that of their coming
+/// up in the batch, does not show. What is added is below 2^110 a set and block, and of those there are far fewer than
+/// 2^16 with something in them, so none overflows. Scratch of one thread.
 struct SetSums {
     using Sum = std::array<Int128, 3>;
-    std::vector<Sum> sums;                     // [channel] 0 between runs
-    std::vector<std::uint8_t> taken;           // [channel] 0 between runs
-    std::vector<std::uint32_t> channels;       // taken
+    std::vector<Sum> sums;                // [channel] 0 between runs
+    std::vector<std::uint8_t> taken;      // [channel] 0 between runs
+    std::vector<std::uint32_t> channels;  // taken
     /// What the run before came to. Its memory was asked for then and has had the time of this run to come.
     struct Addend {
         std::uint32_t channel;
@@ -118,24 +119,24 @@ struct SetSums {
     std::size_t waiting_pixel = 0;
 };
 
-/// Camera rows of one pixel that stand together: one block or, in importance mode, as many as there are. Doubles are summed
-/// within a block alone; the blocks' sums are exact, so they go to memory, which is slow to reach, as one.
+/// Camera rows of one pixel that stand together: one block or, in importance mode, as many as there are. Doubles are
+/// summed within a block alone; the blocks' sums are exact, so they go to memory, which is slow to reach, as one.
 struct FrameBuffer::Run {
     static constexpr std::size_t most_blocks = 64;  // of sums that cannot overflow: see FixedSum and SetSums
     static constexpr std::size_t no_pixel = ~std::size_t{0};
     std::size_t pixel = 0;
-    std::size_t next_pixel = no_pixel;         // the next run's, where there is one
-    bool inside = true;                        // the image; splat mode takes samples from around it too
-    int begin = 0, end = 0;                    // camera rows
-    std::span<const int> block_ends;           // where its blocks end, in order; the last is `end`
-    const SplatWeights* splat = nullptr;       // null in importance mode
-    const ExtraRows* extra = nullptr;          // null when the batch has none
+    std::size_t next_pixel = no_pixel;    // the next run's, where there is one
+    bool inside = true;                   // the image; splat mode takes samples from around it too
+    int begin = 0, end = 0;               // camera rows
+    std::span<const int> block_ends;      // where its blocks end, in order; the last is `end`
+    const SplatWeights* splat = nullptr;  // null in importance mode
+    const ExtraRows* extra = nullptr;     // null when the batch has none
     std::vector<double>* scratch = nullptr;
     SetSums* set_sums = nullptr;
-    std::span<const double> alpha;             // [camera row]
-    const double* weights = nullptr;           // [row of the run]
-    bool unit_weights = false;                 // all of them 1, as a filter's are whose samples are drawn by it
-    std::vector<int>* nearest = nullptr;       // [block] camera row, negative until somebody asks; without extra rows alone
+    std::span<const double> alpha;        // [camera row]
+    const double* weights = nullptr;      // [row of the run]
+    bool unit_weights = false;            // all of them 1, as a filter's are whose samples are drawn by it
+    std::vector<int>* nearest = nullptr;  // [block] camera row, negative until somebody asks; without extra rows alone
 
     [[nodiscard]] std::span<const int> extra_of(int row) const {
         return extra == nullptr ? std::span<const int>() : extra->of(row);
@@ -197,18 +198,18 @@ struct FrameBuffer::Storage {
     static constexpr int square_exponent = -56;
 
     FrameBufferLayout layout;
-    std::optional<PixelFilter> kernel;        // splat mode
-    std::optional<PixelFilter> raster_kernel; // raster splats
-    std::string kernel_name, raster_kernel_name;   // empty without; of a record, all that there is
-    std::vector<std::size_t> raster_channels;      // which have a raster_sum
+    std::optional<PixelFilter> kernel;            // splat mode
+    std::optional<PixelFilter> raster_kernel;     // raster splats
+    std::string kernel_name, raster_kernel_name;  // empty without; of a record, all that there is
+    std::vector<std::size_t> raster_channels;     // which have a raster_sum
     std::vector<ChannelDefinition> definitions;
     std::vector<Channel> channels;
-    /// The channels that take samples in, close together: every run of samples goes through all of them, and most of many
-    /// channels get nothing from it.
+    /// The channels that take samples in, close together: every run of samples goes through all of them, and most of
+    /// many channels get nothing from it.
     struct Accumulator {
-        std::uint32_t channel, from;      // whose samples
-        bool reads_untouched;             // whether samples of which nothing was sent to it still change it
-        bool sums_only;                   // whether a block's weighted sum is all that is kept of it, in importance mode
+        std::uint32_t channel, from;  // whose samples
+        bool reads_untouched;         // whether samples of which nothing was sent to it still change it
+        bool sums_only;               // whether a block's weighted sum is all that is kept of it, in importance mode
         std::uint32_t components;
         /// What of the channel a run of samples reaches: null where it keeps none.
         struct Place {
@@ -217,16 +218,16 @@ struct FrameBuffer::Storage {
         };
         std::array<Place, 3> places;
     };
-    std::vector<Accumulator> accumulators;  // those of channels that sets stand for come last
-    std::size_t own_accumulators = 0;       // the others
-    std::vector<Int128*> sum_of;       // [channel] null where its rule keeps none
-    Plane<std::uint64_t> samples;       // [pixel]
-    Plane<Int128> weight, alpha;        // [pixel] sums of weight, weight x alpha
-    Plane<Int128> weight_square;        // [pixel] only when a channel keeps statistics
-    Plane<std::uint64_t> even_samples, odd_samples;   // [pixel] only when a channel keeps half buffers
+    std::vector<Accumulator> accumulators;           // those of channels that sets stand for come last
+    std::size_t own_accumulators = 0;                // the others
+    std::vector<Int128*> sum_of;                     // [channel] null where its rule keeps none
+    Plane<std::uint64_t> samples;                    // [pixel]
+    Plane<Int128> weight, alpha;                     // [pixel] sums of weight, weight x alpha
+    Plane<Int128> weight_square;                     // [pixel] only when a channel keeps statistics
+    Plane<std::uint64_t> even_samples, odd_samples;  // [pixel] only when a channel keeps half buffers
     Plane<Int128> even_weight, odd_weight;
-    Plane<std::uint64_t> light_paths;   // one number: how many the raster splats are of
-    std::unique_ptr<std::atomic<std::uint64_t>[]> rejected;   // [channel], the last entry for weight and alpha
+    Plane<std::uint64_t> light_paths;                        // one number: how many the raster splats are of
+    std::unique_ptr<std::atomic<std::uint64_t>[]> rejected;  // [channel], the last entry for weight and alpha
 
     /// The same list for what all channels share.
     template <class Visit>
@@ -262,7 +263,8 @@ struct FrameBuffer::Storage {
     void reject(std::size_t channel) { rejected[channel].fetch_add(1, std::memory_order_relaxed); }
     /// sum[at ..] += the terms, all of them or (counted against `channel`) none.
     void add(Plane<Int128>& sum, std::size_t at, const double* terms, int count, int exponent, std::size_t channel) {
-        const bool fits = count == 3 ? add_terms<3>(&sum[at], terms, exponent) : add_terms<1>(&sum[at], terms, exponent);
+        const bool fits =
+            count == 3 ? add_terms<3>(&sum[at], terms, exponent) : add_terms<1>(&sum[at], terms, exponent);
         if (!fits) reject(channel);
     }
     /// All or, where one would not fit, none and false.
@@ -280,8 +282,8 @@ struct FrameBuffer::Storage {
             for (std::size_t c = 0; c < count; ++c) to[c] = result[c];
         return fits;
     }
-    /// to[..] += the total of several blocks: all of it or, where it does not fit, none and false. A total of nothing is not
-    /// added, so that its memory page is not needed either.
+    /// to[..] += the total of several blocks: all of it or, where it does not fit, none and false. A total of nothing
+    /// is not added, so that its memory page is not needed either.
     template <std::size_t count>
     [[nodiscard]] static bool add_total(Int128* to, const std::array<Int128, count>& total) {
         Int128 any = 0;
@@ -292,26 +294,30 @@ struct FrameBuffer::Storage {
             Int128 ignored;  // a sum that were kept would be copied in other pieces than it was made in: much slower
             fits &= !__builtin_add_overflow(to[c], total[c], &ignored);
         }
-        if (!fits) [[unlikely]] return false;
+        if (!fits) [[unlikely]]
+            return false;
         for (std::size_t c = 0; c < count; ++c) to[c] += total[c];
         return true;
     }
     /// to[..] += one block's sums, counted against `channel` where they do not fit.
     template <std::size_t count>
-    [[gnu::noinline]] void add_block(Int128* to, const std::array<double, count>& sum, int exponent, std::size_t channel) {
+    [[gnu::noinline]] void add_block(Int128* to, const std::array<double, count>& sum, int exponent,
+                                     std::size_t channel) {
         if (!add_terms<count>(to, sum.data(), exponent)) reject(channel);
     }
-    /// to[..] += terms of every block of the run: `terms(add, first row, one past the last, block)` calls add(sums) for each,
-    /// the same ones whenever it is called. What does not fit is counted against `channel`, block by block.
+    /// to[..] += terms of every block of the run: `terms(add, first row, one past the last, block)` calls add(sums) for
+    /// each, the same ones whenever it is called. What does not fit is counted against `channel`, block by block.
     template <std::size_t count, class Terms>
     void add_each(Int128* to, const Run& run, int exponent, std::size_t channel, Terms terms) {
         using Sums = std::array<double, count>;
         FixedSum<count> total(exponent);
         const auto add = [&](const Sums& sums) {
-            if (!total.add(sums)) [[unlikely]] add_block(to, sums, exponent, channel);
+            if (!total.add(sums)) [[unlikely]]
+                add_block(to, sums, exponent, channel);
         };
         run.for_each_block([&](int first, int last, std::size_t block) { terms(add, first, last, block); });
-        if (add_total<count>(to, total.total())) [[likely]] return;
+        if (add_total<count>(to, total.total())) [[likely]]
+            return;
         const auto add_again = [&](const Sums& sums) {
             if (FixedSum<count>(exponent).add(sums)) add_block(to, sums, exponent, channel);
         };
@@ -320,7 +326,8 @@ struct FrameBuffer::Storage {
     /// The same of one array of sums a block: term(first row, one past the last), without other effects.
     template <std::size_t count, class Term>
     void add_blocks(Int128* to, const Run& run, int exponent, std::size_t channel, Term term) {
-        add_each<count>(to, run, exponent, channel, [&](auto add, int first, int last, std::size_t) { add(term(first, last)); });
+        add_each<count>(to, run, exponent, channel,
+                        [&](auto add, int first, int last, std::size_t) { add(term(first, last)); });
     }
     void add_sets(const SampleTable& table, const Run& run);
     void add_set(const SampleTable& table, const Run& run, std::size_t place, std::span<const ChannelId> set);
@@ -332,9 +339,11 @@ struct FrameBuffer::Storage {
     void splat_weights(const Run& run);
     void splat_values(Channel& channel, std::size_t index, const Run& run, const double* values);
     void add_filtered(Channel& channel, std::size_t index, const SampleTable& table, const Run& run);
-    void add_halves(Channel& channel, std::size_t index, const SampleTable& table, const Run& run, const double* values);
+    void add_halves(Channel& channel, std::size_t index, const SampleTable& table, const Run& run,
+                    const double* values);
     void add_half_weights(const SampleTable& table, const Run& run);
-    [[nodiscard]] std::vector<double> statistic(const Channel& source, Statistic statistic, const PixelRegion& region) const;
+    [[nodiscard]] std::vector<double> statistic(const Channel& source, Statistic statistic,
+                                                const PixelRegion& region) const;
     void add_plain(Channel& channel, std::size_t index, const SampleTable& table, const Run& run);
     void add_picked(Channel& channel, std::size_t index, const SampleTable& table, const Run& run);
     void merge_picked(Channel& to, const Channel& from) const;
@@ -345,8 +354,8 @@ struct FrameBuffer::Storage {
 
 /// What a channel keeps beside its value, for itself or for a layer of statistics made of it.
 struct KeptStatistics {
-    bool moments = false;   // plain_sum and square_sum
-    bool halves = false;    // even_sum and odd_sum
+    bool moments = false;  // plain_sum and square_sum
+    bool halves = false;   // even_sum and odd_sum
 };
 [[nodiscard]] inline KeptStatistics kept_statistics(std::span<const ChannelDefinition> channels, std::size_t index) {
     KeptStatistics kept;
@@ -360,10 +369,11 @@ struct KeptStatistics {
     return kept;
 }
 
-/// The sum of weight x value over rows; without weights, of the values: the same bits as with weights of 1. Even and odd rows
-/// make sums of their own, so that two numbers are added at once.
+/// The sum of weight x value over rows; without weights, of the values: the same bits as with weights of 1. Even and
+/// odd rows make sums of their own, so that two numbers are added at once.
 template <std::size_t components>
-[[nodiscard]] inline std::array<double, components> weighted_sum(const double* values, const double* weights, std::size_t rows) {
+[[nodiscard]] inline std::array<double, components> weighted_sum(const double* values, const double* weights,
+                                                                 std::size_t rows) {
     double sums[2 * components] = {};
     const std::size_t pairs = rows / 2;
     if (weights == nullptr) {
@@ -376,7 +386,8 @@ template <std::size_t components>
             for (std::size_t k = 0; k < 2 * components; ++k)
                 sums[k] += weights[2 * i + (k < components ? 0 : 1)] * values[2 * components * i + k];
         if (rows % 2 != 0)
-            for (std::size_t c = 0; c < components; ++c) sums[c] += weights[rows - 1] * values[2 * components * pairs + c];
+            for (std::size_t c = 0; c < components; ++c)
+                sums[c] += weights[rows - 1] * values[2 * components * pairs + c];
     }
     std::array<double, components> sum;
     for (std::size_t c = 0; c < components; ++c) sum[c] = sums[c] + sums[components + c];
@@ -418,11 +429,16 @@ struct Divisor {
     }
 };
 
-[[nodiscard]] inline bool is_z_rule(FilterRule rule) { return rule == FilterRule::zmin || rule == FilterRule::zmax; }
-[[nodiscard]] inline bool is_extremum(FilterRule rule) { return rule == FilterRule::min || rule == FilterRule::max; }
+[[nodiscard]] inline bool is_z_rule(FilterRule rule) {
+    return rule == FilterRule::zmin || rule == FilterRule::zmax;
+}
+[[nodiscard]] inline bool is_extremum(FilterRule rule) {
+    return rule == FilterRule::min || rule == FilterRule::max;
+}
 
 /// Whether (depth, sample) beats what a z rule has picked so far.
-inline bool z_rule_prefers(FilterRule rule, float depth, std::uint64_t sample, float best_depth, std::uint64_t best_seen) {
+inline bool z_rule_prefers(FilterRule rule, float depth, std::uint64_t sample, float best_depth,
+                           std::uint64_t best_seen) {
     if (best_seen == 0) return true;
     if (depth != best_depth) return rule == FilterRule::zmin ? depth < best_depth : depth > best_depth;
     return sample + 1 < best_seen;

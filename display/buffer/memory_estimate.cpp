@@ -13,7 +13,8 @@ namespace {
 
 bool of_expression(std::span<const ChannelDefinition> channels, std::size_t index) {
     const ChannelDefinition& channel = channels[index];
-    const ChannelDefinition& source = takes_samples(channel) ? channel : channels[static_cast<std::size_t>(channel.source)];
+    const ChannelDefinition& source =
+        takes_samples(channel) ? channel : channels[static_cast<std::size_t>(channel.source)];
     return source.style == ChannelStyle::expression;
 }
 
@@ -26,7 +27,8 @@ std::uint64_t bytes_per_pixel(std::span<const ChannelDefinition> channels, std::
     const FilterRule rule = channel.rule;
     if (rule == FilterRule::filter)
         return components * sizeof(Int128) *
-               (1 + (raster && of_expression(channels, index) ? 1u : 0u) + (kept.moments ? 2u : 0u) + (kept.halves ? 2u : 0u));
+               (1 + (raster && of_expression(channels, index) ? 1u : 0u) + (kept.moments ? 2u : 0u) +
+                (kept.halves ? 2u : 0u));
     if (is_extremum(rule)) return components * sizeof(double) + sizeof(std::uint64_t);
     if (is_z_rule(rule)) return components * sizeof(double) + sizeof(std::uint64_t) + sizeof(float);
     return components * sizeof(Int128) + sizeof(std::uint64_t);
@@ -65,11 +67,11 @@ Result<std::uint64_t> parse_memory_size(const std::string& text, const SourceLoc
         if (unit.size() > 1 && unit.ends_with(suffix)) unit.erase(unit.size() - std::string(suffix).size());
     constexpr std::array<std::pair<const char*, int>, 8> units{
         {{"", 0}, {"B", 0}, {"k", 10}, {"K", 10}, {"M", 20}, {"G", 30}, {"T", 40}, {"P", 50}}};
-    const auto* found =
-        std::find_if(units.begin(), units.end(), [&](const auto& each) { return unit == each.first; });
+    const auto* found = std::find_if(units.begin(), units.end(), [&](const auto& each) { return unit == each.first; });
     const double bytes = found == units.end() ? 0 : std::ldexp(number, found->second);
     if (failed != std::errc() || !(bytes >= 1) || !(bytes < 0x1p63))
-        return error_at(where, "'" + text + "' is no amount of memory; expected a number with k, M, G or T, such as 8G");
+        return error_at(where,
+                        "'" + text + "' is no amount of memory; expected a number with k, M, G or T, such as 8G");
     return static_cast<std::uint64_t>(bytes);
 }
 

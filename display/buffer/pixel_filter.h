@@ -1,9 +1,9 @@
 // Pixel filters: how the samples around a pixel's centre become its value.
 //
-// A filter is a plain value: a product of two symmetric profiles, one per axis, each kept as a table of straight pieces.
-// sample() draws an offset by exact inversion of |profile| (importance mode: the sample then belongs to this pixel
-// alone) and evaluate() gives the kernel those samples follow, so the two cannot disagree. Because the density is |f|
-// itself, the weight f / pdf is a constant with a sign: exactly 1 for every kernel without negative lobes.
+// A filter is a plain value: a product of two symmetric profiles, one per axis, each kept as a table of straight
+// pieces. sample() draws an offset by exact inversion of |profile| (importance mode: the sample then belongs to this
+// pixel alone) and evaluate() gives the kernel those samples follow, so the two cannot disagree. Because the density is
+// |f| itself, the weight f / pdf is a constant with a sign: exactly 1 for every kernel without negative lobes.
 #pragma once
 
 #include <algorithm>
@@ -40,17 +40,17 @@ class FilterProfile {
 
   private:
     struct Piece {
-        float start, width;      // on [0, radius]
-        float below;             // share of |kernel| on [0, start]
-        float left, right;       // density at both ends: below grows by width * (left + right) / 2
+        float start, width;  // on [0, radius]
+        float below;         // share of |kernel| on [0, start]
+        float left, right;   // density at both ends: below grows by width * (left + right) / 2
         float sign;
     };
     static constexpr int guide_size = 256;
     float radius_ = 0, steps_per_pixel_ = 0;
-    float weight_ = 1;                     // integral of |kernel| over integral of kernel
-    std::vector<float> values_;            // kernel at equally spaced points of [0, radius]
-    std::vector<Piece> pieces_;            // cut at the zeros of the interpolated kernel
-    std::vector<std::uint16_t> guide_;     // [share * guide_size] -> first piece that can hold that share
+    float weight_ = 1;                  // integral of |kernel| over integral of kernel
+    std::vector<float> values_;         // kernel at equally spaced points of [0, radius]
+    std::vector<Piece> pieces_;         // cut at the zeros of the interpolated kernel
+    std::vector<std::uint16_t> guide_;  // [share * guide_size] -> first piece that can hold that share
 };
 
 class PixelFilter {
@@ -100,7 +100,8 @@ inline float FilterProfile::evaluate(float x) const {
 inline float FilterProfile::sample(float u, float& weight) const {
     const float signed_share = 2.0f * u - 1.0f;
     const float share = std::abs(signed_share);
-    std::size_t piece = guide_[static_cast<std::size_t>(std::min(static_cast<int>(share * guide_size), guide_size - 1))];
+    std::size_t piece =
+        guide_[static_cast<std::size_t>(std::min(static_cast<int>(share * guide_size), guide_size - 1))];
     while (piece + 1 < pieces_.size() && pieces_[piece + 1].below <= share) ++piece;
     const Piece& p = pieces_[piece];
     // left t + (right - left) t^2 / 2 = q, solved in the form that does not cancel.

@@ -1,5 +1,5 @@
-// An image as what shows or stores it sees it: layers of resolved pixels. A frame buffer is one, and so is a frame buffer
-// seen through display filters.
+// An image as what shows or stores it sees it: layers of resolved pixels. A frame buffer is one, and so is a frame
+// buffer seen through display filters.
 #pragma once
 
 #include <span>
@@ -11,7 +11,7 @@ namespace raylex::display {
 
 struct FrameBufferLayout {
     int width = 0, height = 0;
-    int block_size = 16;          ///< samples per canonical block; a power of two
+    int block_size = 16;  ///< samples per canonical block; a power of two
     int quantum_exponent = -80;
 
     bool operator==(const FrameBufferLayout&) const = default;

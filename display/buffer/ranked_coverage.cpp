@@ -46,7 +46,8 @@ void RankedCoverage::add_to(Pixel& pixel, std::uint32_t id, std::uint64_t weight
     if (id == 0) return add_saturated(pixel.remainder, weight);
     Entry* const begin = pixel.entries.get();
     Entry* const end = begin + pixel.count;
-    // Short lists, and nearly always the id of the sample before: the order by mixed id only matters when one overflows.
+    // Short lists, and nearly always the id of the sample before: the order by mixed id only matters when one
+    // overflows.
     Entry* const at = std::lower_bound(
         begin, end, id, [](const Entry& entry, std::uint32_t other) { return mixed(entry.id) < mixed(other); });
     if (at != end && at->id == id) return add_saturated(at->weight, weight);
@@ -101,8 +102,7 @@ void RankedCoverage::accumulate(const SampleTable& table) {
         // The camera row takes its place among the extra rows by depth; at equal depth it comes first.
         bool camera_taken = false;
         for (const int r : has_extra ? extra.of(row) : std::span<const int>()) {
-            const bool behind =
-                table.depth[static_cast<std::size_t>(row)] <= table.depth[static_cast<std::size_t>(r)];
+            const bool behind = table.depth[static_cast<std::size_t>(row)] <= table.depth[static_cast<std::size_t>(r)];
             if (!camera_taken && behind) {
                 take(row);
                 camera_taken = true;
@@ -159,8 +159,9 @@ Status RankedCoverage::restore_record(std::string_view bytes) {
     RecordReader reader(bytes);
     bool fits = reader.number<int>() == width_;
     fits = reader.number<int>() == height_ && fits;
-    if (!fits) return error_at({}, "this is no record of coverage of " + std::to_string(width_) + " x " +
-                                       std::to_string(height_) + " pixels");
+    if (!fits)
+        return error_at({}, "this is no record of coverage of " + std::to_string(width_) + " x " +
+                                std::to_string(height_) + " pixels");
     std::vector<Entry> entries;
     for (std::size_t i = 0; i < pixels_.size() && reader.ok(); ++i) {
         Record record;
@@ -192,9 +193,8 @@ double RankedCoverage::resolve(std::size_t pixel, std::span<Rank> ranks) const {
     if (all.weight == 0) return 0;
     std::array<Entry, ids_per_pixel> sorted;
     const auto end = std::copy(all.entries.begin(), all.entries.end(), sorted.begin());
-    std::sort(sorted.begin(), end, [](const Entry& a, const Entry& b) {
-        return a.weight != b.weight ? a.weight > b.weight : a.id < b.id;
-    });
+    std::sort(sorted.begin(), end,
+              [](const Entry& a, const Entry& b) { return a.weight != b.weight ? a.weight > b.weight : a.id < b.id; });
     const double total = static_cast<double>(all.weight);
     double remainder = static_cast<double>(all.remainder);
     for (std::size_t i = 0; i < all.entries.size(); ++i) {

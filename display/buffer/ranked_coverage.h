@@ -1,12 +1,12 @@
 // Which things cover a pixel, and how much of it each: pairs (id, coverage), ranked. What a cryptomatte is made of.
 //
-// A thing's coverage is the filter-weighted mean of its visibility: along a camera ray, front to back, each row counts by
-// its own opacity times what the rows in front let through, colour by colour, and by the mean of the colours. So the
+// A thing's coverage is the filter-weighted mean of its visibility: along a camera ray, front to back, each row counts
+// by its own opacity times what the rows in front let through, colour by colour, and by the mean of the colours. So the
 // coverages of a pixel add up to its alpha as FrameBuffer::resolve_alpha gives it, less what is reported as remainder.
 //
-// Weights are added as integers in units of 2^-32, so a pixel's record does not depend on which thread, session or shard
-// brought a sample, nor in which order (Law 3); each row is off by at most 2^-33. Weights must not be negative: kernels
-// with negative lobes cannot be used, see PixelFilter::has_negative_lobes().
+// Weights are added as integers in units of 2^-32, so a pixel's record does not depend on which thread, session or
+// shard brought a sample, nor in which order (Law 3); each row is off by at most 2^-33. Weights must not be negative:
+// kernels with negative lobes cannot be used, see PixelFilter::has_negative_lobes().
 //
 // Memory: 32 bytes a pixel, and 16 for each id found in it, up to 64 ids; a list has room for at most twice of what it
 // holds. When a pixel sees more than 64 ids, those whose mixed id (a fixed bijection) is smallest stay and the others'
@@ -33,14 +33,14 @@ class RankedCoverage final : public SampleSink {
     static constexpr std::size_t ids_per_pixel = 64;
 
     struct Entry {
-        std::uint32_t id = 0;       ///< never 0
-        std::uint64_t weight = 0;   ///< in units of 2^-32
+        std::uint32_t id = 0;      ///< never 0
+        std::uint64_t weight = 0;  ///< in units of 2^-32
     };
     /// A pixel's whole record: what restore() takes.
     struct Record {
-        std::uint64_t weight = 0;               ///< of all samples
-        std::uint64_t remainder = 0;            ///< of what has opacity and neither id nor place
-        std::span<const Entry> entries;         ///< in order of their mixed ids
+        std::uint64_t weight = 0;        ///< of all samples
+        std::uint64_t remainder = 0;     ///< of what has opacity and neither id nor place
+        std::span<const Entry> entries;  ///< in order of their mixed ids
     };
 
     /// `ids[surface]` for SampleTable::surface; ids[0], and every id that is 0, stands for nothing that has a name.
@@ -63,13 +63,14 @@ class RankedCoverage final : public SampleSink {
     [[nodiscard]] int height() const { return height_; }
     [[nodiscard]] Record record(std::size_t pixel) const;
     void restore(std::size_t pixel, const Record& record);
-    /// All pixels as bytes, appended; and back, into a buffer of the same size. On error this buffer may hold part of it.
+    /// All pixels as bytes, appended; and back, into a buffer of the same size. On error this buffer may hold part of
+    /// it.
     void append_record(std::string& bytes) const;
     Status restore_record(std::string_view bytes);
     [[nodiscard]] std::size_t memory_bytes() const;
 
     struct Rank {
-        std::uint32_t id = 0;   ///< 0: this rank is empty
+        std::uint32_t id = 0;  ///< 0: this rank is empty
         double coverage = 0;
     };
     /// The `ranks.size()` ids that cover most of the pixel, the most first and equals by id. Returns the remainder: the

@@ -63,8 +63,8 @@ class RecordWriter {
         number(end_of_plane);
     }
 
-    /// A plane of sums, which seldom need all of their 128 bits: as plane(), each page in as few bytes a number as hold it,
-    /// and in none where it is that of `like`, a plane of the same size written before (empty: none is).
+    /// A plane of sums, which seldom need all of their 128 bits: as plane(), each page in as few bytes a number as hold
+    /// it, and in none where it is that of `like`, a plane of the same size written before (empty: none is).
     void sums(std::span<const Int128> values, std::span<const Int128> like = {}) {
         constexpr std::size_t page = page_size / sizeof(Int128);
         number(static_cast<std::uint64_t>(values.size()));

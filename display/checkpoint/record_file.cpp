@@ -76,9 +76,7 @@ class Reading {
         error = file_error(path_, std::move(message), "no part of it is used; an intact copy can take its place");
         return false;
     }
-    bool at_end() {
-        return std::fgetc(file_) == EOF ? true : fail("the file goes on after its end: it is damaged");
-    }
+    bool at_end() { return std::fgetc(file_) == EOF ? true : fail("the file goes on after its end: it is damaged"); }
     Error error;
 
   private:

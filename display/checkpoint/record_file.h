@@ -1,5 +1,5 @@
-// The file around a record: named sections, each with a checksum, and an identity that says what the record is of. It is
-// what checkpoints are written to; shards and experiment cells can be, too.
+// The file around a record: named sections, each with a checksum, and an identity that says what the record is of. It
+// is what checkpoints are written to; shards and experiment cells can be, too.
 //
 // Version 1, numbers in the order of the byte-order mark (little-endian on every machine raylex runs on):
 //
@@ -31,7 +31,7 @@ namespace raylex::display {
 using RecordIdentity = std::vector<std::pair<std::string, std::string>>;
 
 struct RecordSection {
-    std::string name;     ///< unique within the record
+    std::string name;  ///< unique within the record
     std::string content;
 };
 
@@ -45,8 +45,8 @@ struct RecordFile {
     std::string& add(std::string name);
 };
 
-/// Writes the record whole or not at all: a temporary file, synced, renamed, the folder synced. An earlier file at `path`
-/// survives every failure.
+/// Writes the record whole or not at all: a temporary file, synced, renamed, the folder synced. An earlier file at
+/// `path` survives every failure.
 Status write_record_file(const std::string& path, const RecordFile& record, FileSync sync = FileSync::now);
 
 /// Reads and checks all of it. Errors name the file and what is wrong: no record file at all, another version or byte

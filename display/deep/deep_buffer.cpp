@@ -28,8 +28,8 @@ std::uint32_t depth_key(float depth, int level) {
 void put_in_order(DeepSample& front, DeepSample& back, bool tidy) {
     back.z = std::max(back.z, front.z);
     if (tidy) front.z_back = std::min(front.z_back, back.z);
-    const bool clash = tidy ? back.z == front.z && front.z_back == front.z
-                            : back.z == front.z && back.z_back <= front.z_back;
+    const bool clash =
+        tidy ? back.z == front.z && front.z_back == front.z : back.z == front.z && back.z_back <= front.z_back;
     if (clash) back.z = std::nextafter(front.z, std::numeric_limits<float>::max());
     back.z_back = std::max(back.z_back, back.z);
 }
@@ -53,14 +53,14 @@ struct DeepBuffer::Pixel {
     std::vector<Int128> sums;  // [bin][stride()]
     Int128 weight = 0;
     std::uint32_t refused = 0;
-    std::uint8_t level = 0;    // 0 = not begun: first_level_ is at least 1
+    std::uint8_t level = 0;  // 0 = not begun: first_level_ is at least 1
 };
 
 struct DeepBuffer::Row {
     int index = 0;
     double weight = 0, drop = 0;  // of the sample; of the transmittance, weight included
     bool background = false;
-    bool mixed = false;           // the sample has more than this one row
+    bool mixed = false;  // the sample has more than this one row
 };
 
 DeepBuffer::DeepBuffer(int width, int height, std::span<const ChannelDefinition> channels,
@@ -160,12 +160,11 @@ void DeepBuffer::add_row(Pixel& pixel, const SampleTable& table, const Row& row)
     put(1, row.background ? 0 : row.drop * std::log2(std::max(depth, std::numeric_limits<float>::min())));
     std::size_t at = 2;
     for (const ChannelId id : chosen_) {
-        const auto components = static_cast<std::size_t>(
-            raylex::display::component_count(channels_[static_cast<std::size_t>(id)].type));
+        const auto components =
+            static_cast<std::size_t>(raylex::display::component_count(channels_[static_cast<std::size_t>(id)].type));
         // Written values are composited by opacity where a sample has several rows, as in the frame buffer.
-        const bool composited =
-            row.mixed && table.channel(id).style == ChannelStyle::name &&
-            table.row_state(id, row.index) == SampleTable::RowState::written;
+        const bool composited = row.mixed && table.channel(id).style == ChannelStyle::name &&
+                                table.row_state(id, row.index) == SampleTable::RowState::written;
         for (std::size_t c = 0; c < components; ++c)
             put(at++, (composited ? row.drop : row.weight) * table.values(id)[index * components + c]);
     }

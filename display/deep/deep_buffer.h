@@ -10,11 +10,11 @@
 // Light of rays that hit nothing (an environment) is one last sample with A = 0 at Z = deep_background, so that the
 // colour of the whole flattens to the beauty.
 //
-// Merging. Rows are put into bins by their depth alone: bin k at level L holds depths whose float bits agree but for the
-// last L (surfaces and volumes apart). Level L merges depths within a factor of 1 + 2^(L - 23). A pixel begins at the
-// level of the tolerance, and when it has more bins than the limit the level rises until they fit. The level in the end
-// is that of the set of all rows, and bins are summed exactly (128-bit fixed point), so neither the order of batches nor
-// threads show (Law 3). Bins merge in depth order, so flattening stays exact however coarse they become.
+// Merging. Rows are put into bins by their depth alone: bin k at level L holds depths whose float bits agree but for
+// the last L (surfaces and volumes apart). Level L merges depths within a factor of 1 + 2^(L - 23). A pixel begins at
+// the level of the tolerance, and when it has more bins than the limit the level rises until they fit. The level in the
+// end is that of the set of all rows, and bins are summed exactly (128-bit fixed point), so neither the order of
+// batches nor threads show (Law 3). Bins merge in depth order, so flattening stays exact however coarse they become.
 //
 // A bin of surface rows is a point at their mean depth. A bin of volume rows is a span from the first to the last of
 // them.
@@ -34,23 +34,23 @@ namespace raylex::display {
 inline constexpr float deep_background = 1e30f;
 
 struct DeepOptions {
-    int most_samples = 32;       ///< deep samples per pixel, 1 or more; the background is not counted
+    int most_samples = 32;         ///< deep samples per pixel, 1 or more; the background is not counted
     double tolerance = 1.0 / 256;  ///< relative difference of depths that may be merged, 2^-23 to 1
-    bool tidy = false;           ///< cut spans so that no two deep samples overlap, instead of only sorting
+    bool tidy = false;             ///< cut spans so that no two deep samples overlap, instead of only sorting
 };
 
 /// One deep sample; values as they go into a file.
 struct DeepSample {
-    float z = 0, z_back = 0;      ///< equal for a point
+    float z = 0, z_back = 0;  ///< equal for a point
     float alpha = 0;
-    std::vector<float> values;    ///< [component] of the buffer's channels, premultiplied by what is in the sample
+    std::vector<float> values;  ///< [component] of the buffer's channels, premultiplied by what is in the sample
 };
 
 struct DeepCounts {
-    std::uint64_t samples = 0;         ///< in all pixels
-    std::uint64_t merged_pixels = 0;   ///< pixels in which the limit was passed
-    double coarsest = 0;               ///< largest relative difference of depths merged for it
-    std::uint64_t refused_rows = 0;    ///< rows with values out of range, or depths that are negative
+    std::uint64_t samples = 0;        ///< in all pixels
+    std::uint64_t merged_pixels = 0;  ///< pixels in which the limit was passed
+    double coarsest = 0;              ///< largest relative difference of depths merged for it
+    std::uint64_t refused_rows = 0;   ///< rows with values out of range, or depths that are negative
 };
 
 class DeepBuffer : public SampleSink {
@@ -87,7 +87,7 @@ class DeepBuffer : public SampleSink {
     void add_sample(Pixel& pixel, const SampleTable& table, double weight, std::vector<int>& rows);
     void add_row(Pixel& pixel, const SampleTable& table, const Row& row);
     void coarsen(Pixel& pixel) const;
-    [[nodiscard]] std::size_t stride() const { return 2 + components_; }   // of Pixel::sums: drop, drop x depth, values
+    [[nodiscard]] std::size_t stride() const { return 2 + components_; }  // of Pixel::sums: drop, drop x depth, values
     int width_, height_;
     std::vector<ChannelDefinition> channels_;
     std::vector<ChannelId> chosen_;

@@ -19,7 +19,7 @@ class ColorManager;
 
 /// One layer as a driver sees it: beauty first (with alpha as its last plane), then the channels in their order.
 struct DriverLayer {
-    std::string name;                 ///< "" for beauty
+    std::string name;  ///< "" for beauty
     ChannelId channel = invalid_channel;
     ChannelType type = ChannelType::rgb;
     std::vector<std::string> planes;  ///< names as in an OpenEXR file: R G B A, diffuse.R ..., Z

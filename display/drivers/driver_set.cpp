@@ -74,9 +74,8 @@ void DriverSet::update(double seconds, double fraction, const PixelSource& sourc
 
 void DriverSet::finish_live(const PixelImage& frame_buffer) {
     if (slices_.empty()) return;
-    const PixelSource source{
-        [&](ChannelId id, const PixelRegion& region) { return frame_buffer.resolve(id, region); },
-        [&](const PixelRegion& region) { return frame_buffer.resolve_alpha(region); }};
+    const PixelSource source{[&](ChannelId id, const PixelRegion& region) { return frame_buffer.resolve(id, region); },
+                             [&](const PixelRegion& region) { return frame_buffer.resolve_alpha(region); }};
     const double deadline = now() + patience_seconds;
     for (const Slice& slice : slices_)
         while (any_live() && !send(slice, source)) {

@@ -188,9 +188,9 @@ bool PacketSender::send(std::vector<unsigned char> packet) {
 
 bool PacketSender::drain(double seconds) {
     std::unique_lock lock(state_->mutex);
-    return state_->changed.wait_for(lock, std::chrono::duration<double>(seconds),
-                                    [&] { return state_->queue.empty() && !state_->sending; }) &&
-           state_->failure.empty();
+    return state_->changed.wait_for(lock, std::chrono::duration<double>(seconds), [&] {
+        return state_->queue.empty() && !state_->sending;
+    }) && state_->failure.empty();
 }
 
 std::string PacketSender::failure() const {

@@ -29,7 +29,7 @@ class GradeDisplay final : public DisplayFilter {
   private:
     Grade grade_;
     std::vector<ChannelId> changed_;
-    bool alone_;   // named channels, and not all light alike
+    bool alone_;  // named channels, and not all light alike
 };
 
 Result<std::unique_ptr<DisplayFilter>> build_display_grade(const ParameterSet& parameters,
@@ -51,7 +51,8 @@ class Background final : public DisplayFilter {
 
     [[nodiscard]] bool changes(ChannelId id) const override { return id == beauty_; }
     [[nodiscard]] bool changes_alpha() const override { return true; }
-    void apply(const PixelImage& before, ChannelId, const PixelRegion& region, std::span<double> pixels) const override {
+    void apply(const PixelImage& before, ChannelId, const PixelRegion& region,
+               std::span<double> pixels) const override {
         const std::vector<double> alpha = before.resolve_alpha(region);
         for (std::size_t i = 0; i < alpha.size(); ++i)
             for (std::size_t c = 0; c < 3; ++c) pixels[3 * i + c] += (1 - alpha[i]) * color_[static_cast<int>(c)];
@@ -131,7 +132,8 @@ Result<std::unique_ptr<DisplayFilter>> make_display_filter(const std::string& na
     if (!entry) return entry.error();
     auto filter = (*entry)->factory(parameters, context);
     if (!filter) return filter;
-    if (Status used = check_all_used(parameters, (*entry)->parameters, "display filter", name); !used) return used.error();
+    if (Status used = check_all_used(parameters, (*entry)->parameters, "display filter", name); !used)
+        return used.error();
     return filter;
 }
 

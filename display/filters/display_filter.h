@@ -13,23 +13,24 @@
 
 namespace raylex::display {
 
-/// One object serves all threads and is asked for any region, again and again while an image is shown live: apply() changes
-/// nothing but the pixels it is given, and a pixel must not depend on the region it is part of.
+/// One object serves all threads and is asked for any region, again and again while an image is shown live: apply()
+/// changes nothing but the pixels it is given, and a pixel must not depend on the region it is part of.
 class DisplayFilter {
   public:
     virtual ~DisplayFilter() = default;
     [[nodiscard]] virtual bool changes(ChannelId id) const = 0;
     [[nodiscard]] virtual bool changes_alpha() const { return false; }
-    /// Changes the pixels of a channel for which changes() holds: row-major, components interleaved, as `before` has them.
-    /// `before` is the image that the filters in front of this one make; other channels and other pixels can be read there.
+    /// Changes the pixels of a channel for which changes() holds: row-major, components interleaved, as `before` has
+    /// them. `before` is the image that the filters in front of this one make; other channels and other pixels can be
+    /// read there.
     virtual void apply(const PixelImage& before, ChannelId id, const PixelRegion& region,
                        std::span<double> pixels) const = 0;
     /// The same for coverage, when changes_alpha() holds.
     virtual void apply_alpha(const PixelImage& /*before*/, const PixelRegion& /*region*/,
                              std::span<double> /*alpha*/) const {}
     /// Channels that change in another way than all light together does, so that partitions they are in no longer sum.
-    /// Such a partition is not declared in files, and the user is told. What a filter fails to list shows as a split that
-    /// does not hold.
+    /// Such a partition is not declared in files, and the user is told. What a filter fails to list shows as a split
+    /// that does not hold.
     [[nodiscard]] virtual std::vector<ChannelId> alters() const { return {}; }
 };
 
@@ -45,8 +46,8 @@ using DisplayFilterFactory =
 /// "grade" (filters/grade.h, on resolved pixels) and "background" (the beauty over a colour; alpha becomes 1).
 Registry<DisplayFilterFactory>& display_filter_registry();
 
-/// The filter of that name built from its parameters, or an error at the set's location; a parameter that it does not take
-/// is an error too.
+/// The filter of that name built from its parameters, or an error at the set's location; a parameter that it does not
+/// take is an error too.
 Result<std::unique_ptr<DisplayFilter>> make_display_filter(const std::string& name, const ParameterSet& parameters,
                                                            const DisplayFilterContext& context);
 
@@ -69,7 +70,7 @@ class FilteredImage final : public PixelImage {
     class Stage;
     [[nodiscard]] const PixelImage& last() const { return *images_.back(); }
     std::vector<std::unique_ptr<const PixelImage>> stages_;
-    std::vector<const PixelImage*> images_;   // the image itself, then each stage
+    std::vector<const PixelImage*> images_;  // the image itself, then each stage
 };
 
 }  // namespace raylex::display

@@ -41,16 +41,17 @@ std::vector<ParameterDescription> grade_parameters() {
              "names of what is changed; none: beauty and all light layers alike, so that splits still sum"}};
 }
 
-Result<RgbD> read_triple(const ParameterSet& parameters, const std::string& name, double fallback, const std::string& who) {
+Result<RgbD> read_triple(const ParameterSet& parameters, const std::string& name, double fallback,
+                         const std::string& who) {
     const Parameter* parameter = parameters.find(name);
     if (parameter == nullptr) return RgbD(fallback);
     const std::vector<double>& numbers = parameter->numbers;
     const bool fits = (numbers.size() == 1 || numbers.size() == 3) &&
                       std::all_of(numbers.begin(), numbers.end(), [](double v) { return std::isfinite(v); });
     if (!fits)
-        return error_at(parameter->location,
-                        who + " has a parameter '" + name + "' that is no number and no three of them; expected such as "
-                              "1.5 or three numbers for red, green and blue");
+        return error_at(parameter->location, who + " has a parameter '" + name +
+                                                 "' that is no number and no three of them; expected such as "
+                                                 "1.5 or three numbers for red, green and blue");
     return numbers.size() == 1 ? RgbD(numbers[0]) : RgbD(numbers[0], numbers[1], numbers[2]);
 }
 
@@ -69,7 +70,8 @@ Result<Grade> read_grade(const ParameterSet& parameters, const std::string& who)
     const auto wrong = [&](const char* text) { return error_at(parameters.location, who + " has " + text); };
     if (!(std::abs(*exposure) <= 64)) return wrong("an exposure beyond 64 stops; expected one from -64 to 64");
     if (!(std::min({gain->r, gain->g, gain->b}) >= 0)) return wrong("a negative gain; expected 0 or above");
-    if (!(std::min({gamma->r, gamma->g, gamma->b}) > 0)) return wrong("a gamma that is not above 0; expected such as 2.2");
+    if (!(std::min({gamma->r, gamma->g, gamma->b}) > 0))
+        return wrong("a gamma that is not above 0; expected such as 2.2");
     if (!(*saturation >= 0) || !std::isfinite(*saturation)) return wrong("a negative saturation; expected 0 or above");
     grade.gain = *gain * std::exp2(*exposure);
     grade.offset = *offset;
@@ -113,8 +115,10 @@ Result<std::vector<ChannelId>> named_channels(const std::vector<std::string>& na
         if (found < 0) {
             const std::string near = nearest_name(name, known);
             return error_at(parameters.location,
-                            who + " names the channel '" + name + "', which is not there or holds no numbers to work on; "
-                                  "expected one of: " + list,
+                            who + " names the channel '" + name +
+                                "', which is not there or holds no numbers to work on; "
+                                "expected one of: " +
+                                list,
                             near.empty() ? std::string() : "did you mean '" + near + "'?");
         }
         if (std::find(ids.begin(), ids.end(), found) == ids.end()) ids.push_back(found);
@@ -144,8 +148,9 @@ Result<std::vector<ChannelId>> graded_channels(const Grade& grade, const Paramet
     if (!names.empty()) return named_channels(names, channels, beauty, parameters, who);
     if (!grade.is_linear())
         return error_at(parameters.location,
-                        who + " has an offset or a gamma, with which layers no longer sum to the beauty; expected the "
-                              "channels it is for, such as channels=beauty, or exposure, gain and saturation alone");
+                        who +
+                            " has an offset or a gamma, with which layers no longer sum to the beauty; expected the "
+                            "channels it is for, such as channels=beauty, or exposure, gain and saturation alone");
     return light_channels(channels, beauty);
 }
 

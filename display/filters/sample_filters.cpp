@@ -49,7 +49,7 @@ class GradeFilter final : public SampleFilter {
 
     Grade grade_;
     std::vector<ChannelId> changed_;
-    bool alone_;   // named channels, and not all light alike
+    bool alone_;  // named channels, and not all light alike
 };
 
 Result<std::unique_ptr<SampleFilter>> build_sample_grade(const ParameterSet& parameters,
@@ -65,8 +65,8 @@ Result<std::unique_ptr<SampleFilter>> build_sample_grade(const ParameterSet& par
 }
 
 struct ShadowSetup {
-    ChannelId light = invalid_channel;      // with nothing in the way
-    ChannelId other = invalid_channel;      // what arrives, or what is held back
+    ChannelId light = invalid_channel;  // with nothing in the way
+    ChannelId other = invalid_channel;  // what arrives, or what is held back
     bool other_is_held_back = false;
     double threshold = 0;
     bool alpha = true;
@@ -120,7 +120,8 @@ Result<ChannelId> light_channel(const ParameterSet& parameters, const SampleFilt
 Result<std::unique_ptr<SampleFilter>> build_shadow(const ParameterSet& parameters, const SampleFilterContext& context) {
     const std::string who = "sample filter 'shadow'";
     const auto text = [&](const char* name) { return parameters.string_or(name, ""); };
-    const auto unoccluded = text("unoccluded"), occluded = text("occluded"), shadows = text("shadows"), output = text("channel");
+    const auto unoccluded = text("unoccluded"), occluded = text("occluded"), shadows = text("shadows"),
+               output = text("channel");
     for (const auto* each : {&unoccluded, &occluded, &shadows, &output})
         if (!*each) return each->error();
     const auto threshold = parameters.real_or("threshold", 0.01);
@@ -128,8 +129,10 @@ Result<std::unique_ptr<SampleFilter>> build_shadow(const ParameterSet& parameter
     const auto alpha = parameters.boolean_or("alpha", true);
     if (!alpha) return alpha.error();
     if (unoccluded->empty() || occluded->empty() == shadows->empty())
-        return error_at(parameters.location, who + " takes light with nothing in the way and one of what arrives and what is "
-                                                   "held back; expected unoccluded=NAME with shadows=NAME or occluded=NAME");
+        return error_at(parameters.location,
+                        who +
+                            " takes light with nothing in the way and one of what arrives and what is "
+                            "held back; expected unoccluded=NAME with shadows=NAME or occluded=NAME");
     if (!(*threshold >= 0)) return error_at(parameters.location, who + " has a threshold below 0; expected 0 or above");
     ShadowSetup setup;
     setup.threshold = *threshold;
@@ -146,14 +149,15 @@ Result<std::unique_ptr<SampleFilter>> build_shadow(const ParameterSet& parameter
         ChannelDefinition layer;
         layer.name = *output;
         layer.type = ChannelType::real;
-        const auto id = context.add_channel ? context.add_channel(std::move(layer))
-                                            : Result<ChannelId>(error_at(parameters.location,
-                                                                         who + " cannot add a channel here"));
+        const auto id = context.add_channel
+                            ? context.add_channel(std::move(layer))
+                            : Result<ChannelId>(error_at(parameters.location, who + " cannot add a channel here"));
         if (!id) return id.error();
         setup.output = *id;
     }
     if (!setup.alpha && setup.output < 0)
-        return error_at(parameters.location, who + " has nowhere to put the shadow; expected alpha=true or channel=NAME");
+        return error_at(parameters.location,
+                        who + " has nowhere to put the shadow; expected alpha=true or channel=NAME");
     return std::unique_ptr<SampleFilter>(std::make_unique<ShadowFilter>(setup));
 }
 
@@ -164,15 +168,17 @@ Registry<SampleFilterFactory>::Entry grade_filter_entry() {
 }
 
 Registry<SampleFilterFactory>::Entry shadow_filter_entry() {
-    return {"shadow",
-            "how much of the light is held back, sample by sample, into alpha or a layer",
-            {{"unoccluded", ParameterType::string, "", "channel of the light with nothing in the way"},
-             {"shadows", ParameterType::string, "", "channel of what is held back of it: shadow = shadows / unoccluded"},
-             {"occluded", ParameterType::string, "", "or of what arrives of it: shadow = 1 - occluded / unoccluded"},
-             {"threshold", ParameterType::real, "0.01", "luminance that unoccluded must exceed; below it there is no shadow"},
-             {"alpha", ParameterType::boolean, "true", "puts the shadow over the sample's opacity"},
-             {"channel", ParameterType::string, "", "name of a layer to add for it; none: no layer"}},
-            build_shadow};
+    return {
+        "shadow",
+        "how much of the light is held back, sample by sample, into alpha or a layer",
+        {{"unoccluded", ParameterType::string, "", "channel of the light with nothing in the way"},
+         {"shadows", ParameterType::string, "", "channel of what is held back of it: shadow = shadows / unoccluded"},
+         {"occluded", ParameterType::string, "", "or of what arrives of it: shadow = 1 - occluded / unoccluded"},
+         {"threshold", ParameterType::real, "0.01",
+          "luminance that unoccluded must exceed; below it there is no shadow"},
+         {"alpha", ParameterType::boolean, "true", "puts the shadow over the sample's opacity"},
+         {"channel", ParameterType::string, "", "name of a layer to add for it; none: no layer"}},
+        build_shadow};
 }
 
 }  // namespace raylex::display

@@ -10,8 +10,8 @@
 
 namespace raylex::display {
 
-/// Whether a file is safe on disk when the call returns, or only after sync_files_in(): many at once cost little more than
-/// one.
+/// Whether a file is safe on disk when the call returns, or only after sync_files_in(): many at once cost little more
+/// than one.
 enum class FileSync : std::uint8_t { now, later };
 
 /// The temporary file is `target` + ".<process>-<number>.partial". Until commit() succeeds an earlier file at the
@@ -71,8 +71,9 @@ Status write_text_file(const std::string& path, const std::string& text, FileSyn
 /// The system calls that make or remove a file.
 enum class FileCall { open, write, sync, close, rename, sync_folder, remove };
 
-/// A seam for tests of recovery: asked before each such call, on the file that it is about; a number that is not 0 is the
-/// errno with which the call fails instead of being made. Set it, and reset it with nullptr, while no file is being written.
+/// A seam for tests of recovery: asked before each such call, on the file that it is about; a number that is not 0 is
+/// the errno with which the call fails instead of being made. Set it, and reset it with nullptr, while no file is being
+/// written.
 using FileFault = std::function<int(FileCall call, const std::string& path)>;
 void set_file_fault(FileFault fault);
 

@@ -24,8 +24,8 @@ struct FileColor {
     std::string space;        ///< the colour space they name
     bool is_data = false;     ///< values mean themselves; convert() leaves them
     bool by_default = false;  ///< no rule but the last, which every file falls to
-    /// Linear RGB triples as stored in the file to linear RGB with the primaries asked for, in place. A value that is not
-    /// finite becomes 0. Callable from any thread, also after the manager is gone.
+    /// Linear RGB triples as stored in the file to linear RGB with the primaries asked for, in place. A value that is
+    /// not finite becomes 0. Callable from any thread, also after the manager is gone.
     std::function<void(std::span<float> rgb)> convert;
 };
 

@@ -15,7 +15,6 @@
 
 #include "display/output/exr_guard.h"
 
-
 namespace raylex::display {
 
 namespace {
@@ -144,8 +143,7 @@ void judge_pixel(const DeepRow& row, const Comparison& comparison, int x, int y,
         }
         const auto shallow = static_cast<double>(comparison.pairs[p].shallow->values[pixel]);
         const double error = std::abs(sum - shallow), whole = scale + std::abs(shallow);
-        const double shallow_unit =
-            comparison.pairs[p].shallow->stored == StoredType::half_float ? half_unit : unit;
+        const double shallow_unit = comparison.pairs[p].shallow->stored == StoredType::half_float ? half_unit : unit;
         exceeds = exceeds || !(error <= (count * unit + (comparison.pairs[p].is_half ? half_unit : unit)) * scale +
                                             shallow_unit * whole + 0x1p-24);  // 2^-24: halves below 2^-14
         const double relative = whole > 0 ? error / whole : 0;
@@ -193,10 +191,10 @@ Result<DeepVerdict> check_deep(const std::string& path, const ExrImage& image) {
         for (int y = 0; y < image.height; ++y) {
             row.read(part, window.min.y + y, window.min.x);
             for (int x = 0; x < image.width; ++x)
-                judge_pixel(row, comparison, x, y,
-                            static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
-                                static_cast<std::size_t>(x),
-                            verdict);
+                judge_pixel(
+                    row, comparison, x, y,
+                    static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x),
+                    verdict);
         }
         verdict.holds = verdict.exceeding == 0 && verdict.sorted;
         return verdict;

@@ -19,19 +19,19 @@ struct DeepStorage {
 Result<DeepStorage> parse_deep_storage(const std::string& text, const SourceLocation& where);
 
 /// One scanline part with Z, ZBack and A (FLOAT) and, premultiplied, R G B of beauty and NAME.R ... of the others, all
-/// paired with A. deepImageState is sorted or tidy as the buffer's options say. Written to a temporary name and renamed.
-/// The description's string attributes, chromaticities and matrices go into the header.
+/// paired with A. deepImageState is sorted or tidy as the buffer's options say. Written to a temporary name and
+/// renamed. The description's string attributes, chromaticities and matrices go into the header.
 Status write_deep_exr(const std::string& path, const DeepBuffer& deep, ChannelId beauty,
                       const ImageDescription& description, const DeepStorage& storage);
 
 /// A deep file flattened front to back against a shallow image, pixel by pixel.
 struct DeepVerdict {
-    std::vector<std::string> layers;                              ///< compared, "beauty" among them
-    double largest_alpha = 0;                                     ///< |alpha - shallow alpha|
-    double largest_color = 0;                                     ///< relative to the sum of |colours| + |shallow|
+    std::vector<std::string> layers;  ///< compared, "beauty" among them
+    double largest_alpha = 0;         ///< |alpha - shallow alpha|
+    double largest_color = 0;         ///< relative to the sum of |colours| + |shallow|
     int alpha_x = 0, alpha_y = 0, color_x = 0, color_y = 0;
-    std::size_t samples = 0, most_samples = 0, exceeding = 0;     ///< in all; in one pixel; pixels beyond the bound
-    bool sorted = true;                                           ///< every pixel's samples are, as the file says
+    std::size_t samples = 0, most_samples = 0, exceeding = 0;  ///< in all; in one pixel; pixels beyond the bound
+    bool sorted = true;                                        ///< every pixel's samples are, as the file says
     bool holds = false;
 };
 

@@ -15,8 +15,8 @@
 namespace raylex::display {
 
 /// OpenEXR's view of an AtomicFile. The first failure is thrown, later writes are swallowed: the library's destructors
-/// write too, and whoever asks the file afterwards learns the reason. Until stop_recording() the bytes are also kept, so
-/// that places in the header can be found again.
+/// write too, and whoever asks the file afterwards learns the reason. Until stop_recording() the bytes are also kept,
+/// so that places in the header can be found again.
 class HeaderRecorder : public Imf::OStream {
   public:
     explicit HeaderRecorder(AtomicFile& file) : Imf::OStream(file.target().c_str()), file_(file) {}

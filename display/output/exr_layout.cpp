@@ -110,8 +110,7 @@ std::string verdict_placeholder(std::size_t partition) {
     return text;
 }
 
-bool is_declared(std::span<const ChannelDefinition> channels, ChannelId beauty,
-                 const PartitionDeclaration& partition) {
+bool is_declared(std::span<const ChannelDefinition> channels, ChannelId beauty, const PartitionDeclaration& partition) {
     return check_partition(channels, beauty, partition).ok();
 }
 

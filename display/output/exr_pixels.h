@@ -22,8 +22,8 @@ struct Repairs {
 
 /// One part's pixels: plane after plane, in the part's order of planes.
 struct PartPixels {
-    std::vector<std::vector<char>> planes;     ///< bytes as the file's type wants them, row-major
-    std::vector<std::vector<float>> judged;    ///< the same values as float, where a split needs them: 3 or 1 planes
+    std::vector<std::vector<char>> planes;   ///< bytes as the file's type wants them, row-major
+    std::vector<std::vector<float>> judged;  ///< the same values as float, where a split needs them: 3 or 1 planes
 };
 
 [[nodiscard]] PartPixels part_pixels(const PixelImage& frame_buffer, const PlannedPart& part, bool judged);

@@ -121,10 +121,10 @@ FilePart read_part(Imf::MultiPartInputFile& file, int index) {
 
     FilePart result{header.hasName() ? header.name() : "", {}};
     for (Raw& each : raw)
-        result.channels.push_back({each.name, stored_type(each.channel.type),
-                                   to_display_window(std::move(each.samples), data, display, each.channel.xSampling,
-                                                     each.channel.ySampling),
-                                   plane_loss(header, each.name, each.channel.type), dwa_level(header)});
+        result.channels.push_back(
+            {each.name, stored_type(each.channel.type),
+             to_display_window(std::move(each.samples), data, display, each.channel.xSampling, each.channel.ySampling),
+             plane_loss(header, each.name, each.channel.type), dwa_level(header)});
     return result;
 }
 

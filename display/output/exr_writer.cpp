@@ -110,8 +110,7 @@ void note_repairs(const PixelImage& frame_buffer, std::vector<PlannedPart>& part
     for (PlannedPart& part : parts) {
         const std::string text = part.data != nullptr ? std::string() : repairs_of(frame_buffer, part);
         if (text.empty()) continue;
-        const std::string name =
-            "repaired/" + frame_buffer.channels()[static_cast<std::size_t>(part.channel)].name;
+        const std::string name = "repaired/" + frame_buffer.channels()[static_cast<std::size_t>(part.channel)].name;
         part.attributes[name] = text;
         parts.front().attributes[name] = text;
     }

@@ -61,7 +61,8 @@ struct ImageDescription {
 Status write_exr(const std::string& path, const PixelImage& frame_buffer, ChannelId beauty,
                  const ImageDescription& description, std::vector<SplitVerdict>* verdicts = nullptr);
 
-/// Whether write_exr could lay these channels out; ask before rendering. Errors: a name that is empty, used twice, taken
+/// Whether write_exr could lay these channels out; ask before rendering. Errors: a name that is empty, used twice,
+/// taken
 /// ("rgba", "beauty"), longer than 244 bytes (OpenEXR's limit is 255, for "lpeDialect/NAME"), or holding a control
 /// character, " + " or " = "; a partition of layers that are not there.
 Status check_exr_layout(std::span<const ChannelDefinition> channels, ChannelId beauty,

@@ -28,9 +28,9 @@ struct PartitionDeclaration {
 /// A part of a file that no display channel stands behind, such as a cryptomatte: FLOAT, bit by bit as given.
 struct DataPart {
     std::string name;
-    std::vector<std::string> planes;                 ///< OpenEXR channel names
-    std::map<std::string, std::string> attributes;   ///< for its own header and that of part 0
-    std::function<std::vector<float>()> values;      ///< plane after plane, rows from the top; called once, when written
+    std::vector<std::string> planes;                ///< OpenEXR channel names
+    std::map<std::string, std::string> attributes;  ///< for its own header and that of part 0
+    std::function<std::vector<float>()> values;     ///< plane after plane, rows from the top; called once, when written
 };
 
 }  // namespace raylex::display

@@ -81,7 +81,8 @@ const char* statistic_name(Statistic statistic) {
     return "";
 }
 
-Result<RuleRequest> parse_rule_request(const std::string& channel, const std::string& rule, const SourceLocation& where) {
+Result<RuleRequest> parse_rule_request(const std::string& channel, const std::string& rule,
+                                       const SourceLocation& where) {
     const auto parsed = named("rule", rule, rules, rule_name, where);
     if (!parsed) return parsed.error();
     return RuleRequest{channel, *parsed, where};
@@ -99,25 +100,28 @@ namespace {
 Status check_rule(const ChannelDefinition& channel, FilterRule rule, const SourceLocation& where) {
     const bool mixes = rule == FilterRule::filter || rule == FilterRule::average;
     if (channel.type == ChannelType::integer && mixes)
-        return error_at(where, "channel '" + channel.name + "' holds integers, whose average means nothing; expected zmin, "
-                               "zmax, min, max or sum");
+        return error_at(where, "channel '" + channel.name +
+                                   "' holds integers, whose average means nothing; expected zmin, "
+                                   "zmax, min, max or sum");
     return success();
 }
 
 }  // namespace
 
-Status apply_rules(const std::vector<RuleRequest>& requests, ChannelId beauty, std::vector<ChannelDefinition>& channels) {
+Status apply_rules(const std::vector<RuleRequest>& requests, ChannelId beauty,
+                   std::vector<ChannelDefinition>& channels) {
     std::set<std::size_t> done;
     for (const RuleRequest& request : requests) {
         const auto index = index_of(request.channel, channels, request.location);
         if (!index) return index.error();
         ChannelDefinition& channel = channels[*index];
         if (static_cast<ChannelId>(*index) == beauty)
-            return error_at(request.location, "the beauty is made by the pixel filter alone; expected a rule for another "
-                                              "channel, such as one with the expression 'C.*'");
-        if (!done.insert(*index).second)
             return error_at(request.location,
-                            "channel '" + request.channel + "' is given a rule twice; expected one rule for each channel");
+                            "the beauty is made by the pixel filter alone; expected a rule for another "
+                            "channel, such as one with the expression 'C.*'");
+        if (!done.insert(*index).second)
+            return error_at(request.location, "channel '" + request.channel +
+                                                  "' is given a rule twice; expected one rule for each channel");
         if (Status fits = check_rule(channel, request.rule, request.location); !fits) return fits;
         channel.rule = request.rule;
     }
@@ -132,7 +136,8 @@ Status add_layers(const std::vector<LayerRequest>& requests, std::vector<Channel
         if (Status fits = check_rule(source, request.rule, request.location); !fits) return fits;
         for (const ChannelDefinition& each : channels)
             if (each.name == request.name)
-                return error_at(request.location, "the layer name '" + request.name + "' is taken; expected every name once");
+                return error_at(request.location,
+                                "the layer name '" + request.name + "' is taken; expected every name once");
         ChannelDefinition layer;
         layer.name = request.name;
         layer.type = source.type;
@@ -152,15 +157,18 @@ Status add_statistics(const std::vector<StatisticRequest>& requests, std::vector
         const ChannelDefinition& source = channels[*index];
         const std::string name = request.channel + "_" + statistic_name(request.statistic);
         if (source.rule != FilterRule::filter)
-            return error_at(request.location, "channel '" + request.channel + "' has the rule '" + rule_name(source.rule) +
-                                                  "' and no statistics; expected a channel that the pixel filter makes");
+            return error_at(request.location,
+                            "channel '" + request.channel + "' has the rule '" + rule_name(source.rule) +
+                                "' and no statistics; expected a channel that the pixel filter makes");
         const auto taken = std::find_if(channels.begin(), channels.end(),
                                         [&](const ChannelDefinition& each) { return each.name == name; });
         if (taken != channels.end())
             return error_at(request.location, takes_samples(*taken)
-                                                  ? "the layer of statistics '" + name + "' has the name of another "
+                                                  ? "the layer of statistics '" + name +
+                                                        "' has the name of another "
                                                         "channel; expected that channel to have another name"
-                                                  : "the layer of statistics '" + name + "' is asked for twice; expected "
+                                                  : "the layer of statistics '" + name +
+                                                        "' is asked for twice; expected "
                                                         "each once");
         ChannelDefinition layer;
         layer.name = name;

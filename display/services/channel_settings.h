@@ -21,34 +21,36 @@ struct RuleRequest {
     SourceLocation location;
 };
 struct StatisticRequest {
-    std::string channel;   ///< "beauty" or any other that the pixel filter is applied to
+    std::string channel;  ///< "beauty" or any other that the pixel filter is applied to
     Statistic statistic = Statistic::none;
     SourceLocation location;
 };
 
 /// A further output of a channel: its samples once more, made pixels by another rule.
 struct LayerRequest {
-    std::string name;      ///< of the new layer
-    std::string channel;   ///< "beauty" or any other that takes samples
+    std::string name;     ///< of the new layer
+    std::string channel;  ///< "beauty" or any other that takes samples
     FilterRule rule = FilterRule::filter;
     SourceLocation location;
 };
 
 /// By the names above. Errors at `where` list what there is and the near miss.
-Result<RuleRequest> parse_rule_request(const std::string& channel, const std::string& rule, const SourceLocation& where);
+Result<RuleRequest> parse_rule_request(const std::string& channel, const std::string& rule,
+                                       const SourceLocation& where);
 Result<StatisticRequest> parse_statistic_request(const std::string& channel, const std::string& statistic,
                                                  const SourceLocation& where);
 
-/// Gives channels other rules. Errors: no such channel (with the near miss), the beauty, an average of integers, one channel
-/// twice.
-Status apply_rules(const std::vector<RuleRequest>& requests, ChannelId beauty, std::vector<ChannelDefinition>& channels);
+/// Gives channels other rules. Errors: no such channel (with the near miss), the beauty, an average of integers, one
+/// channel twice.
+Status apply_rules(const std::vector<RuleRequest>& requests, ChannelId beauty,
+                   std::vector<ChannelDefinition>& channels);
 
 /// Adds a layer for each request at the end of `channels`. Errors: no such channel (with the near miss), a name that is
 /// taken, an average of integers.
 Status add_layers(const std::vector<LayerRequest>& requests, std::vector<ChannelDefinition>& channels);
 
-/// Adds a layer NAME_STATISTIC for each request at the end of `channels`. Errors: no such channel (with the near miss), one
-/// that is no filtered mean, a layer asked for twice or whose name is taken.
+/// Adds a layer NAME_STATISTIC for each request at the end of `channels`. Errors: no such channel (with the near miss),
+/// one that is no filtered mean, a layer asked for twice or whose name is taken.
 Status add_statistics(const std::vector<StatisticRequest>& requests, std::vector<ChannelDefinition>& channels);
 
 }  // namespace raylex::display

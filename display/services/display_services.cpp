@@ -14,12 +14,18 @@ using RowState = SampleTable::RowState;
 
 const char* type_name(ChannelType type) {
     switch (type) {
-        case ChannelType::real: return "float";
-        case ChannelType::rgb: return "rgb";
-        case ChannelType::point: return "point";
-        case ChannelType::normal: return "normal";
-        case ChannelType::vector: return "vector";
-        case ChannelType::integer: return "integer";
+        case ChannelType::real:
+            return "float";
+        case ChannelType::rgb:
+            return "rgb";
+        case ChannelType::point:
+            return "point";
+        case ChannelType::normal:
+            return "normal";
+        case ChannelType::vector:
+            return "vector";
+        case ChannelType::integer:
+            return "integer";
     }
     return "";
 }
@@ -43,11 +49,14 @@ bool consecutive(std::span<const std::int32_t> rows, std::uint32_t row_count) {
 bool write_all(const float* values, std::size_t count, double* to) {
     std::uint32_t bad = 0;
     for (std::size_t i = 0; i < count; ++i) bad |= not_finite(values[i]);
-    if (bad != 0) [[unlikely]] return false;
+    if (bad != 0) [[unlikely]]
+        return false;
     for (std::size_t i = 0; i < count; ++i) to[i] = static_cast<double>(values[i]);
     return true;
 }
-bool write_all(std::span<const float> values, double* to) { return write_all(values.data(), values.size(), to); }
+bool write_all(std::span<const float> values, double* to) {
+    return write_all(values.data(), values.size(), to);
+}
 bool write_all(std::span<const Rgb> values, double* to) {
     static_assert(sizeof(Rgb) == 3 * sizeof(float));
     return write_all(&values.front().r, 3 * values.size(), to);
@@ -57,7 +66,8 @@ bool write_all(const DisplayServices::Columns& columns, std::size_t count, doubl
     const float *const x = columns[0], *const y = columns[1], *const z = columns[2];
     std::uint32_t bad = 0;
     for (std::size_t i = 0; i < count; ++i) bad |= not_finite(x[i]) | not_finite(y[i]) | not_finite(z[i]);
-    if (bad != 0) [[unlikely]] return false;
+    if (bad != 0) [[unlikely]]
+        return false;
     double* __restrict out = to;
     for (std::size_t i = 0; i < count; ++i) {
         out[3 * i] = static_cast<double>(x[i]);
@@ -73,7 +83,9 @@ bool write_all(std::span<const std::int32_t> values, double* to) {
 
 }  // namespace
 
-std::uint64_t RefusalCounts::total() const { return std::accumulate(by.begin(), by.end(), std::uint64_t{0}); }
+std::uint64_t RefusalCounts::total() const {
+    return std::accumulate(by.begin(), by.end(), std::uint64_t{0});
+}
 
 void RefusalCounts::add(const RefusalCounts& other) {
     for (std::size_t i = 0; i < by.size(); ++i) by[i] += other.by[i];
@@ -116,14 +128,16 @@ bool DisplayServices::refuse(ChannelId id, Refusal reason, std::uint64_t count) 
 }
 
 bool DisplayServices::accept(ChannelId id, int row, bool right_type, bool good_value) {
-    if (right_type && good_value && row >= 0 && row < table_.row_count()) [[likely]] return true;
+    if (right_type && good_value && row >= 0 && row < table_.row_count()) [[likely]]
+        return true;
     if (!known(id) || !takes_samples(table_.channel(id))) return refuse(id, Refusal::unknown_channel);
     if (!right_type) return refuse(id, Refusal::wrong_type);
     return refuse(id, good_value ? Refusal::unknown_row : Refusal::bad_value);
 }
 
 bool DisplayServices::accept_row(int row, bool good_value) {
-    if (good_value && row >= 0 && row < table_.row_count()) [[likely]] return true;
+    if (good_value && row >= 0 && row < table_.row_count()) [[likely]]
+        return true;
     return refuse(invalid_channel, good_value ? Refusal::unknown_row : Refusal::bad_value);
 }
 
@@ -206,8 +220,9 @@ template <class Value>
 bool DisplayServices::write_batch(ChannelId id, std::span<const std::int32_t> rows, std::span<const Value> values,
                                   bool right_type) {
     const std::size_t count = std::min(rows.size(), values.size());
-    if (!right_type) return refuse(id, known(id) && takes_samples(table_.channel(id)) ? Refusal::wrong_type : Refusal::unknown_channel,
-                                   count);
+    if (!right_type)
+        return refuse(
+            id, known(id) && takes_samples(table_.channel(id)) ? Refusal::wrong_type : Refusal::unknown_channel, count);
     if (count == 0) return true;
     double* const to = table_.values(id);
     const auto row_count = static_cast<std::uint32_t>(table_.row_count());

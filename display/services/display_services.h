@@ -16,7 +16,7 @@ namespace raylex::display {
 
 /// A sample on the same camera ray with its own depth and opacity: light straight through a cutout or a volume.
 struct ExtraSample {
-    float depth = 0;           ///< distance along the camera ray, world units
+    float depth = 0;  ///< distance along the camera ray, world units
     RgbD opacity{1.0};
     bool is_volume = false;
     std::int32_t surface = 0;  ///< see write_surface
@@ -51,8 +51,8 @@ std::vector<std::string> refusal_warnings(std::span<const ChannelDefinition> cha
 ///
 /// Invalid ids, invalid rows, values of the wrong type and values that are not finite (Law 6) are refused: the call
 /// returns false and nothing is written. Refusals are counted per channel (`refusals()`), so that the engine warns once
-/// per channel when the render is over, and never once per call. Values that are not finite are counted in the table too,
-/// by camera ray and channel (SampleTable::invalid_count).
+/// per channel when the render is over, and never once per call. Values that are not finite are counted in the table
+/// too, by camera ray and channel (SampleTable::invalid_count).
 class DisplayServices {
   public:
     /// First, second and third components of triples, each at least as long as the rows they are for.
@@ -60,19 +60,21 @@ class DisplayServices {
 
     explicit DisplayServices(SampleTable& table);
 
-    /// Accumulates into the table. Only rgb-like channels take Rgb, only real channels take float; ids cannot be splatted.
+    /// Accumulates into the table. Only rgb-like channels take Rgb, only real channels take float; ids cannot be
+    /// splatted.
     bool splat(ChannelId id, int row, float value);
     bool splat(ChannelId id, int row, const Rgb& value);
     /// The same value into a list of channels. False if any id was refused; the good ones still get the value.
     bool splat_multi(std::span<const ChannelId> ids, int row, float value);
     bool splat_multi(std::span<const ChannelId> ids, int row, const Rgb& value);
 
-    /// Overwrites the table entry (never the frame buffer). Rgb stands for the three numbers of any rgb, point, normal or
-    /// vector channel; float goes to real channels and int32 to integer ones.
+    /// Overwrites the table entry (never the frame buffer). Rgb stands for the three numbers of any rgb, point, normal
+    /// or vector channel; float goes to real channels and int32 to integer ones.
     bool write(ChannelId id, int row, float value);
     bool write(ChannelId id, int row, const Rgb& value);
     bool write(ChannelId id, int row, std::int32_t value);
-    /// A value for each of a batch's rows: `rows[i]` gets `values[i]`. False if any was refused; the good ones are written.
+    /// A value for each of a batch's rows: `rows[i]` gets `values[i]`. False if any was refused; the good ones are
+    /// written.
     bool write(ChannelId id, std::span<const std::int32_t> rows, std::span<const float> values);
     bool write(ChannelId id, std::span<const std::int32_t> rows, std::span<const Rgb> values);
     bool write(ChannelId id, std::span<const std::int32_t> rows, std::span<const std::int32_t> values);
@@ -88,8 +90,8 @@ class DisplayServices {
     bool write_opacity(int row, const Rgb& opacity);
     bool splat_opacity(int row, float opacity) { return splat_opacity(row, Rgb(opacity)); }
     bool splat_opacity(int row, const Rgb& opacity);
-    /// Says what the sample's opacity belongs to: a number from 1 in the renderer's own count of surfaces, 0 for nothing
-    /// that has a name. Cryptomatte and the like look up there.
+    /// Says what the sample's opacity belongs to: a number from 1 in the renderer's own count of surfaces, 0 for
+    /// nothing that has a name. Cryptomatte and the like look up there.
     bool write_surface(int row, std::int32_t surface);
 
     /// Adds a row on the camera ray of `row`; returns it, or -1 when the table is full, the row is none or the depth is
@@ -120,8 +122,7 @@ class DisplayServices {
     bool refuse_row_value(int row, const Rgb& value);
     double* entry(ChannelId id, int row, SampleTable::RowState state);
     template <class Value>
-    bool write_batch(ChannelId id, std::span<const std::int32_t> rows, std::span<const Value> values,
-                     bool right_type);
+    bool write_batch(ChannelId id, std::span<const std::int32_t> rows, std::span<const Value> values, bool right_type);
     SampleTable& table_;
     std::vector<DisplayChannel> channels_;
     std::vector<RefusalCounts> refusals_;

@@ -2,36 +2,52 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "display/services/branches.h"
 
 namespace raylex::display {
 
+LightWord LightWords::keep(std::span<const LobePart> parts, const LightWord* next) {
+    LightWord word;
+    word.state_ = static_cast<std::uint32_t>(events_.size());
+    word.branches_ = next == nullptr ? 1 : next->branches_;
+    if (!word.live() || parts.empty()) return {};
+    events_.push_back({next == nullptr ? word.state_ : next->state_, static_cast<std::uint32_t>(parts_.size()),
+                       static_cast<std::uint32_t>(parts.size())});
+    parts_.insert(parts_.end(), parts.begin(), parts.end());
+    return word;
+}
+
 LightWord LpeServices::begin(LightWords& words, lpe::EventClass terminal) const {
+    if (words.language_ == nullptr) {
+        const LobePart only{terminal, Rgb(1)};
+        return words.keep({&only, 1}, nullptr);
+    }
     LightWord word;
     word.state_ = static_cast<std::uint32_t>(words.states_.size());
-    const std::span<const lpe::State> end = words.language_.starts();
+    const std::span<const lpe::State> end = words.language_->starts();
     words.states_.insert(words.states_.end(), end.begin(), end.end());
     word.branches_ = 1;
     return prepend(words, word, terminal);
 }
 
 LightWord LpeServices::prepend(LightWords& words, const LightWord& word, lpe::EventClass event) const {
-    if (!word.whole_) {
-        const LobePart all{event, Rgb(1)};
-        return prepend_split(words, word, {&all, 1}, 0).word;
-    }
+    const LobePart all{event, Rgb(1)};
+    if (words.language_ == nullptr) return words.keep({&all, 1}, &word);
+    if (!word.whole_) return prepend_split(words, word, {&all, 1}, 0).word;
     LightWord longer = word;
     if (word.branches_ == 0) return longer;
     const std::size_t at = words.states_.size();
     longer.state_ = static_cast<std::uint32_t>(at);
-    words.states_.resize(at + words.language_.word_count());
-    longer.branches_ = words.language_.prepend(words.states(word), event, &words.states_[at]);
+    words.states_.resize(at + words.language_->word_count());
+    longer.branches_ = words.language_->prepend(words.states(word), event, &words.states_[at]);
     return longer;
 }
 
 LightWord LpeServices::prepend(LightWords& words, const LightWord& word, std::span<const LobePart> parts,
                                std::uint64_t key) {
+    if (words.language_ == nullptr) return words.keep(parts, &word);
     if (word.branches_ == 0 || parts.size() == 1) return parts.empty() ? word : prepend(words, word, parts[0].event);
     if (parts.empty()) return {};
     const SplitWord split = prepend_split(words, word, parts, key);
@@ -41,7 +57,7 @@ LightWord LpeServices::prepend(LightWords& words, const LightWord& word, std::sp
 
 LpeServices::SplitWord LpeServices::prepend_split(LightWords& words, const LightWord& word,
                                                   std::span<const LobePart> parts, std::uint64_t key) const {
-    const lpe::ReversedProgram& language = words.language_;
+    const lpe::ReversedProgram& language = *words.language_;
     ChoiceNumbers numbers([&] { return mix64(mix64(seed_ + 0x9e3779b97f4a7c15ull) ^ key); });
     Fractions fractions(parts);
     if (attribution_ == Attribution::picked) fractions.pick(numbers.next());
@@ -68,7 +84,16 @@ LpeServices::SplitWord LpeServices::prepend_split(LightWords& words, const Light
 
 void LpeServices::join(Tracker& tracker, const LightWords& words, const LightWord& word) {
     if (tracker.count_ == 0) return;
-    const lpe::ReversedProgram& language = words.language_;
+    if (words.language_ == nullptr) {
+        if (!word.live()) tracker.count_ = 0;
+        for (std::uint32_t at = word.state_; tracker.count_ != 0;) {
+            const LightWords::Event& event = words.events_[at];
+            move(tracker, {words.parts_.data() + event.first, event.count});
+            if (event.next == std::exchange(at, event.next)) return;
+        }
+        return;
+    }
+    const lpe::ReversedProgram& language = *words.language_;
     if (tracker.whole_ && word.whole_) {
         lpe::State* const state = tracker.state_.data();
         tracker.count_ = word.branches_ != 0 && language.join(state, words.states(word), state);

@@ -5,6 +5,9 @@
 // shares by what each lobe scattered, equal states merge, dead ones drop out. A join with a tracker then is one look-up
 // for each pair of pairs, whatever the lengths, and shares multiply: those of one contribution still sum to 1.
 //
+// A program may be too large to be reversed (lpe/reversal.h has the bound). Then words keep their events, and a join
+// moves the tracker along them one by one.
+//
 // Words are small handles into a pool, so that all vertices of a batch keep theirs:
 //
 //     words.clear();                                              // once a batch
@@ -34,7 +37,7 @@ class LightWord {
   private:
     friend class LightWords;
     friend class LpeServices;
-    std::uint32_t state_ = 0, share_ = 0;  // where they begin in the pool
+    std::uint32_t state_ = 0, share_ = 0;  // where they begin in the pool; state_ may be that of an event
     std::uint8_t branches_ = 0;
     bool whole_ = true;  // nothing was split yet: one branch at most, its share 1 and not stored
 };
@@ -43,9 +46,9 @@ class LightWord {
 class LightWords {
   public:
     static constexpr std::size_t capacity = Tracker::capacity;  ///< branches of a word
-    /// `language` reads the words of the LpeSetup's program, and must outlive this object.
-    explicit LightWords(const lpe::ReversedProgram& language) : language_(language) {}
-    void clear() { states_.clear(), shares_.clear(); }
+    /// `language` reads the words of the LpeSetup's program, and must outlive this object; null: words keep events.
+    explicit LightWords(const lpe::ReversedProgram* language) : language_(language) {}
+    void clear() { states_.clear(), shares_.clear(), events_.clear(), parts_.clear(); }
 
   private:
     friend class LpeServices;
@@ -54,9 +57,18 @@ class LightWords {
         return word.whole_ ? nullptr : shares_.data() + word.share_;
     }
 
-    const lpe::ReversedProgram& language_;
+    struct Event {
+        std::uint32_t next;          // towards the light: in events_; its own place for the terminal
+        std::uint32_t first, count;  // in parts_
+    };
+    /// A word that begins with this event and goes on with the one at `next`; none: the event is a terminal.
+    [[nodiscard]] LightWord keep(std::span<const LobePart> parts, const LightWord* next);
+
+    const lpe::ReversedProgram* language_;
     std::vector<lpe::State> states_;
     std::vector<BranchShare> shares_;
+    std::vector<Event> events_;
+    std::vector<LobePart> parts_;
 };
 
 struct LpeServices::SplitWord {

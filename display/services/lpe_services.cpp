@@ -14,8 +14,8 @@ namespace {
 
 Status check_type(const ChannelDefinition& channel) {
     if (channel.type == ChannelType::rgb) return success();
-    return error_at(location_of(channel), "channel '" + channel.name +
-                                              "' has a light path expression but is no colour; expected type rgb");
+    return error_at(location_of(channel),
+                    "channel '" + channel.name + "' has a light path expression but is no colour; expected type rgb");
 }
 
 /// The expression channels among `channels` as the compiler takes them; `id_of` gets their display channels.

@@ -66,10 +66,8 @@ inline void LpeServices::move(Tracker& tracker, lpe::EventClass event) const {
 
 inline void LpeServices::move(Tracker& tracker, std::span<const LobePart> parts) {
     if (tracker.count_ == 0) return;
-    if (parts.size() == 1)
-        move(tracker, parts[0].event);
-    else
-        split(tracker, parts);
+    if (parts.size() == 1) move(tracker, parts[0].event);
+    else split(tracker, parts);
 }
 
 /// Also true of NaN.
@@ -120,7 +118,8 @@ inline void LpeServices::contribute(const Rgb& value, Technique technique, const
                 }
             }
         program.for_each_accepted_lane(states, [&](std::uint16_t channel) {
-            splat_apart({&setup_.channel_of_accept_[channel], 1}, RgbD(part.first[1], part.second[0], part.second[1]), tracker.row_);
+            splat_apart({&setup_.channel_of_accept_[channel], 1}, RgbD(part.first[1], part.second[0], part.second[1]),
+                        tracker.row_);
         });
     }
 }

@@ -13,13 +13,15 @@ struct ObjectRequest {
     ParameterSet parameters;
 };
 
-/// "key=value,..." typed by the descriptions. A value may be quoted with '...' to hold commas; three numbers for a colour
-/// stand with blanks between them. A key that is not described goes in as a string: whoever makes the object refuses it.
-/// Errors at `where`: an item that is no KEY=VALUE, a value of the wrong type. `kind` is how errors call the object.
+/// "key=value,..." typed by the descriptions. A value may be quoted with '...' to hold commas; three numbers for a
+/// colour stand with blanks between them. A key that is not described goes in as a string: whoever makes the object
+/// refuses it. Errors at `where`: an item that is no KEY=VALUE, a value of the wrong type. `kind` is how errors call
+/// the object.
 Result<ParameterSet> parse_parameters(const std::string& text, const std::vector<ParameterDescription>& descriptions,
                                       const std::string& kind, const SourceLocation& where);
 
-/// An Error for the first parameter that nobody looked up, with the near miss among `descriptions`; success without one.
+/// An Error for the first parameter that nobody looked up, with the near miss among `descriptions`; success without
+/// one.
 Status check_all_used(const ParameterSet& parameters, const std::vector<ParameterDescription>& descriptions,
                       const std::string& kind, const std::string& name);
 

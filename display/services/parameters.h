@@ -22,18 +22,30 @@ struct SourceLocation {
 Error error_at(const SourceLocation& where, std::string message, std::string hint = {});
 
 enum class ParameterType : std::uint8_t {
-    boolean, integer, real, string, rgb, blackbody, spectrum, point2, vector2, point3, vector3, normal, texture
+    boolean,
+    integer,
+    real,
+    string,
+    rgb,
+    blackbody,
+    spectrum,
+    point2,
+    vector2,
+    point3,
+    vector3,
+    normal,
+    texture
 };
 
 /// One named parameter as the user wrote it. Numbers are kept as double: exact for every int32 and float.
 struct Parameter {
     std::string name;
     ParameterType type = ParameterType::real;
-    std::vector<double> numbers;        ///< real, integer, rgb, blackbody (kelvin), points, sampled spectra (pairs)
-    std::vector<std::string> strings;   ///< string, texture name, named or file spectrum
+    std::vector<double> numbers;       ///< real, integer, rgb, blackbody (kelvin), points, sampled spectra (pairs)
+    std::vector<std::string> strings;  ///< string, texture name, named or file spectrum
     std::vector<std::uint8_t> booleans;
     SourceLocation location;
-    mutable bool used = false;          ///< set by every look-up; what stays false is reported as unknown
+    mutable bool used = false;  ///< set by every look-up; what stays false is reported as unknown
 };
 
 /// The parameters of one object. Look-ups mark a parameter as used; the `_or` forms fall back when it is absent.
@@ -41,7 +53,7 @@ struct Parameter {
 class ParameterSet {
   public:
     std::vector<Parameter> parameters;
-    SourceLocation location;            ///< of the directive that opened the set
+    SourceLocation location;  ///< of the directive that opened the set
 
     [[nodiscard]] const Parameter* find(std::string_view name) const;
     [[nodiscard]] Result<double> real_or(std::string_view name, double fallback) const;

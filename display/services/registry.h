@@ -18,7 +18,7 @@ class Registry {
   public:
     struct Entry {
         std::string name;
-        std::string help;                              ///< one line for --help
+        std::string help;  ///< one line for --help
         std::vector<ParameterDescription> parameters;
         Factory factory;
     };
@@ -28,7 +28,10 @@ class Registry {
     /// Registers `entry`; a name registered before is replaced (a plugin may shadow an in-tree object).
     void add(Entry entry) {
         for (Entry& known : entries_)
-            if (known.name == entry.name) { known = std::move(entry); return; }
+            if (known.name == entry.name) {
+                known = std::move(entry);
+                return;
+            }
         entries_.push_back(std::move(entry));
     }
     [[nodiscard]] const Entry* find(std::string_view name) const {

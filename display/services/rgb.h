@@ -18,16 +18,35 @@ struct BasicRgb {
 
     constexpr Real& operator[](int i) { return i == 0 ? r : i == 1 ? g : b; }
     constexpr const Real& operator[](int i) const { return i == 0 ? r : i == 1 ? g : b; }
-    constexpr BasicRgb& operator+=(const BasicRgb& o) { r += o.r; g += o.g; b += o.b; return *this; }
-    constexpr BasicRgb& operator*=(const BasicRgb& o) { r *= o.r; g *= o.g; b *= o.b; return *this; }
-    constexpr BasicRgb& operator*=(Real s) { r *= s; g *= s; b *= s; return *this; }
+    constexpr BasicRgb& operator+=(const BasicRgb& o) {
+        r += o.r;
+        g += o.g;
+        b += o.b;
+        return *this;
+    }
+    constexpr BasicRgb& operator*=(const BasicRgb& o) {
+        r *= o.r;
+        g *= o.g;
+        b *= o.b;
+        return *this;
+    }
+    constexpr BasicRgb& operator*=(Real s) {
+        r *= s;
+        g *= s;
+        b *= s;
+        return *this;
+    }
     friend constexpr BasicRgb operator+(BasicRgb a, const BasicRgb& b) { return a += b; }
-    friend constexpr BasicRgb operator-(const BasicRgb& a, const BasicRgb& b) { return {a.r - b.r, a.g - b.g, a.b - b.b}; }
+    friend constexpr BasicRgb operator-(const BasicRgb& a, const BasicRgb& b) {
+        return {a.r - b.r, a.g - b.g, a.b - b.b};
+    }
     friend constexpr BasicRgb operator*(BasicRgb a, const BasicRgb& b) { return a *= b; }
     friend constexpr BasicRgb operator*(BasicRgb a, Real s) { return a *= s; }
     friend constexpr BasicRgb operator*(Real s, BasicRgb a) { return a *= s; }
     friend constexpr BasicRgb operator/(const BasicRgb& a, Real s) { return a * (Real(1) / s); }
-    friend constexpr BasicRgb operator/(const BasicRgb& a, const BasicRgb& b) { return {a.r / b.r, a.g / b.g, a.b / b.b}; }
+    friend constexpr BasicRgb operator/(const BasicRgb& a, const BasicRgb& b) {
+        return {a.r / b.r, a.g / b.g, a.b / b.b};
+    }
     constexpr bool operator==(const BasicRgb&) const = default;
 
     [[nodiscard]] constexpr bool is_black() const { return r == 0 && g == 0 && b == 0; }

@@ -112,7 +112,8 @@ Result<std::unique_ptr<SampleFilter>> make_sample_filter(const std::string& name
     if (!entry) return entry.error();
     auto filter = (*entry)->factory(parameters, context);
     if (!filter) return filter;
-    if (Status used = check_all_used(parameters, (*entry)->parameters, "sample filter", name); !used) return used.error();
+    if (Status used = check_all_used(parameters, (*entry)->parameters, "sample filter", name); !used)
+        return used.error();
     return filter;
 }
 
@@ -127,8 +128,8 @@ void SampleFilterChain::take_out_invalid(SampleTable& table) {
         return std::all_of(v, v + components, [](double each) { return std::isfinite(each); });
     };
     const auto value_at = [&](ChannelId id, int row) {
-        return table.values(id) + static_cast<std::size_t>(row) *
-                                      static_cast<std::size_t>(component_count(table.channel(id).type));
+        return table.values(id) +
+               static_cast<std::size_t>(row) * static_cast<std::size_t>(component_count(table.channel(id).type));
     };
     std::vector<ChannelId> light;
     for (ChannelId id = 0; id < table.channel_count(); ++id)

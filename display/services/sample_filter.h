@@ -19,8 +19,8 @@ class SampleFilter {
   public:
     virtual ~SampleFilter() = default;
     virtual void apply(SampleTable& table) const = 0;
-    /// Channels that change in another way than beauty and all light layers together do, so that partitions they are in no
-    /// longer sum (Law 1). Such a partition is not declared in files, and the user is told.
+    /// Channels that change in another way than beauty and all light layers together do, so that partitions they are in
+    /// no longer sum (Law 1). Such a partition is not declared in files, and the user is told.
     [[nodiscard]] virtual std::vector<ChannelId> alters() const { return {}; }
 };
 
@@ -29,8 +29,8 @@ class SampleFilterChain {
   public:
     void add(std::unique_ptr<SampleFilter> filter) { filters_.push_back(std::move(filter)); }
     [[nodiscard]] bool empty() const { return filters_.empty(); }
-    /// Applies all, then takes out what they made that is not finite (Law 6): a light sample leaves beauty and all light
-    /// layers of its row, any other value its channel. Counted in the table.
+    /// Applies all, then takes out what they made that is not finite (Law 6): a light sample leaves beauty and all
+    /// light layers of its row, any other value its channel. Counted in the table.
     void apply(SampleTable& table) const;
     [[nodiscard]] std::vector<ChannelId> alters() const;
 
@@ -57,8 +57,8 @@ using SampleFilterFactory =
 /// (Law 1); channels with the prefix `noclamp` are left alone. It needs a beauty channel.
 Registry<SampleFilterFactory>& sample_filter_registry();
 
-/// The filter of that name built from its parameters, or an error at the set's location; a parameter that it does not take
-/// is an error too.
+/// The filter of that name built from its parameters, or an error at the set's location; a parameter that it does not
+/// take is an error too.
 Result<std::unique_ptr<SampleFilter>> make_sample_filter(const std::string& name, const ParameterSet& parameters,
                                                          const SampleFilterContext& context);
 

@@ -40,7 +40,8 @@ SampleTable::SampleTable(std::span<const ChannelDefinition> channels, int max_ro
     values_.resize(size);
     while (row_capacity_ > std::size_t{64} << stripe_shift_) ++stripe_shift_;
     touched_.assign(offset_.size(), 0);
-    std::fill_n(touched_.begin(), channels_.size(), ~std::uint64_t{0});  // so that clear_rows() fills in the miss values
+    std::fill_n(touched_.begin(), channels_.size(),
+                ~std::uint64_t{0});  // so that clear_rows() fills in the miss values
     row_states_.assign(channels_.size() * row_capacity_, RowState::untouched);
     camera_rows_.resize(static_cast<std::size_t>(max_rows));
     originals_.resize(row_capacity_);
@@ -88,8 +89,10 @@ void SampleTable::clear_sets() {
     for (SetChunk& chunk : set_chunks_)
         for (std::size_t block = 0; block < set_blocks_; ++block)
             for (std::size_t word = 0; word < chunk.masks[block].size(); ++word)
-                for (std::uint64_t places = std::exchange(chunk.masks[block][word], 0); places != 0; places &= places - 1)
-                    chunk.sums[block * set_stride + 64 * word + static_cast<std::size_t>(std::countr_zero(places))] = {};
+                for (std::uint64_t places = std::exchange(chunk.masks[block][word], 0); places != 0;
+                     places &= places - 1)
+                    chunk
+                        .sums[block * set_stride + 64 * word + static_cast<std::size_t>(std::countr_zero(places))] = {};
     for (const std::uint32_t set : sets_in_use_) place_of_set_[set] = -1;
     sets_in_use_.clear();
 }

@@ -20,11 +20,11 @@ namespace raylex::display {
 
 /// What the engine knows of a camera ray before it is traced. One entry per row.
 struct CameraRow {
-    std::int32_t pixel_x = 0, pixel_y = 0;   ///< raster index; the pixel this sample belongs to (importance mode)
-    float screen_x = 0, screen_y = 0;        ///< sub-pixel raster position the ray was sent through
-    float filter_weight = 1;                 ///< importance mode: sign (and size) of the kernel over its sampling density
-    float shutter_time = 0;                  ///< in [0, 1)
-    std::uint64_t sample = 0;                ///< sample index within the pixel
+    std::int32_t pixel_x = 0, pixel_y = 0;  ///< raster index; the pixel this sample belongs to (importance mode)
+    float screen_x = 0, screen_y = 0;       ///< sub-pixel raster position the ray was sent through
+    float filter_weight = 1;   ///< importance mode: sign (and size) of the kernel over its sampling density
+    float shutter_time = 0;    ///< in [0, 1)
+    std::uint64_t sample = 0;  ///< sample index within the pixel
 };
 
 /// What was refused because it is not finite or out of range, with what it takes to render the sample again (Law 6).
@@ -32,7 +32,7 @@ struct InvalidSample {
     std::int32_t pixel_x = 0, pixel_y = 0;
     std::uint64_t sample = 0;
     Rgb value;
-    ChannelId channel = invalid_channel;   ///< whose value; invalid_channel: light, for beauty and layers alike
+    ChannelId channel = invalid_channel;  ///< whose value; invalid_channel: light, for beauty and layers alike
 };
 
 class SampleTable {
@@ -51,16 +51,16 @@ class SampleTable {
     /// add up. Splatted values of a camera ray's rows add up, written ones are composited (see FrameBuffer).
     enum class RowState : std::uint8_t { untouched, splatted, written };
 
-    /// `max_rows` camera rays and `max_extra_rows` rows from add_sample fit in; more extra rows are refused and counted.
-    /// `sets`, which must outlive the table, lets channels share values; null: each has but its own.
+    /// `max_rows` camera rays and `max_extra_rows` rows from add_sample fit in; more extra rows are refused and
+    /// counted. `sets`, which must outlive the table, lets channels share values; null: each has but its own.
     SampleTable(std::span<const ChannelDefinition> channels, int max_rows, int max_extra_rows,
                 const SplatSets* sets = nullptr);
 
     /// Empties the table for a new batch of at most max_rows() rays: rows are cleared only where the last batch touched
     /// them.
     void begin(std::span<const CameraRow> rows);
-    /// One more camera row, at the end of those there are: for rows that become known one by one. No extra row may stand
-    /// there yet. -1 when the table is full.
+    /// One more camera row, at the end of those there are: for rows that become known one by one. No extra row may
+    /// stand there yet. -1 when the table is full.
     int add_camera_row(const CameraRow& camera);
     /// Drops everything sent since begin(); the batch then leaves no trace in the frame buffer.
     void discard();
@@ -68,26 +68,32 @@ class SampleTable {
 
     [[nodiscard]] int max_rows() const { return max_rows_; }
     [[nodiscard]] int camera_row_count() const { return camera_row_count_; }
-    [[nodiscard]] int row_count() const { return row_count_; }   ///< camera rows and extra rows
+    [[nodiscard]] int row_count() const { return row_count_; }  ///< camera rows and extra rows
     [[nodiscard]] int channel_count() const { return static_cast<int>(channels_.size()); }
     [[nodiscard]] std::span<const ChannelDefinition> channels() const { return channels_; }
-    [[nodiscard]] const ChannelDefinition& channel(ChannelId id) const { return channels_[static_cast<std::size_t>(id)]; }
-    [[nodiscard]] const CameraRow& camera_row(int row) const { return camera_rows_[static_cast<std::size_t>(original(row))]; }
+    [[nodiscard]] const ChannelDefinition& channel(ChannelId id) const {
+        return channels_[static_cast<std::size_t>(id)];
+    }
+    [[nodiscard]] const CameraRow& camera_row(int row) const {
+        return camera_rows_[static_cast<std::size_t>(original(row))];
+    }
     /// The camera row that an extra row belongs to; a camera row's own index.
     [[nodiscard]] int original(int row) const { return originals_[static_cast<std::size_t>(row)]; }
-    int add_row(int original);                                   ///< -1 when the table is full
+    int add_row(int original);  ///< -1 when the table is full
 
-    /// Values of one channel, component-interleaved per row. Writable for sample filters. A row nothing was sent to holds
-    /// 0 in an expression channel and the channel's miss value in a plain one.
+    /// Values of one channel, component-interleaved per row. Writable for sample filters. A row nothing was sent to
+    /// holds 0 in an expression channel and the channel's miss value in a plain one.
     [[nodiscard]] double* values(ChannelId id) { return values_.data() + offset_[static_cast<std::size_t>(id)]; }
-    [[nodiscard]] const double* values(ChannelId id) const { return values_.data() + offset_[static_cast<std::size_t>(id)]; }
+    [[nodiscard]] const double* values(ChannelId id) const {
+        return values_.data() + offset_[static_cast<std::size_t>(id)];
+    }
     /// What was sent to is kept by stripes of rows: of many channels most get nothing from the samples of one pixel.
     [[nodiscard]] bool touched(ChannelId id) const { return touched_[static_cast<std::size_t>(id)] != 0; }
     void touch(ChannelId id, int row) {
         touch_in_passing(id, row);
         sent_apart_ |= shared_[static_cast<std::size_t>(id)];
     }
-    void touch(ChannelId id) {   ///< all rows
+    void touch(ChannelId id) {  ///< all rows
         touched_[static_cast<std::size_t>(id)] = ~std::uint64_t{0};
         sent_apart_ |= shared_[static_cast<std::size_t>(id)];
     }
@@ -98,11 +104,13 @@ class SampleTable {
 
     /// What channels may share of this batch, beside values of their own; null when each has but its own.
     [[nodiscard]] const SplatSets* sets() const { return sets_; }
-    /// Adds light, times the filter weight of the row's camera ray, to the sum of a set for the row's block. A sum is in the
-    /// order of these calls: what is added for one block must come in the same order whatever else is in the batch (Law 3).
+    /// Adds light, times the filter weight of the row's camera ray, to the sum of a set for the row's block. A sum is
+    /// in the order of these calls: what is added for one block must come in the same order whatever else is in the
+    /// batch (Law 3).
     void add_to_set(std::size_t set, int row, const Light& light) {
         std::int32_t place = place_of_set_[set];
-        if (place < 0) [[unlikely]] place = add_set(set);
+        if (place < 0) [[unlikely]]
+            place = add_set(set);
         const SetRow of = set_rows_[static_cast<std::size_t>(row)];
         const auto at = static_cast<std::size_t>(place) % set_chunk;
         SetChunk& chunk = set_chunks_[static_cast<std::size_t>(place) / set_chunk];
@@ -144,15 +152,16 @@ class SampleTable {
         row_states_[static_cast<std::size_t>(id) * row_capacity_ + static_cast<std::size_t>(row)] = state;
     }
     void set_row_states(ChannelId id, int first, int count, RowState state) {
-        std::fill_n(row_states_.data() + static_cast<std::size_t>(id) * row_capacity_ + static_cast<std::size_t>(first), count,
-                    state);
+        std::fill_n(row_states_.data() + static_cast<std::size_t>(id) * row_capacity_ + static_cast<std::size_t>(first),
+                    count, state);
     }
 
-    std::vector<float> depth;          ///< [row] hit distance or what WriteDistance said; +inf for a miss
+    std::vector<float> depth;  ///< [row] hit distance or what WriteDistance said; +inf for a miss
     std::vector<std::uint8_t> is_volume;
-    std::vector<RgbD> opacity;         ///< [row] 0 = nothing hit, 1 = opaque
-    std::vector<std::int32_t> surface; ///< [row] what is there, 1-based in the renderer's own count; 0 = nothing named
-    std::vector<std::uint8_t> valid;   ///< [row] 0 marks a camera ray that could not be traced: it counts as a black miss
+    std::vector<RgbD> opacity;          ///< [row] 0 = nothing hit, 1 = opaque
+    std::vector<std::int32_t> surface;  ///< [row] what is there, 1-based in the renderer's own count; 0 = nothing named
+    std::vector<std::uint8_t>
+        valid;  ///< [row] 0 marks a camera ray that could not be traced: it counts as a black miss
 
     /// Counts a refused value of `row` against its camera ray and `channel`, and logs it while there is room: call once
     /// per refused value, count_invalid_of() for each further channel that would have taken it.
@@ -185,27 +194,27 @@ class SampleTable {
     /// An odd number of cache lines, so that blocks do not all lie in the same few sets of the cache.
     static constexpr std::size_t set_stride = set_chunk + 2;
     struct SetChunk {
-        std::vector<SetSum> sums;     // [block * set_stride + place] what `masks` does not name is 0
-        std::vector<SetMask> masks;   // [block]
+        std::vector<SetSum> sums;    // [block * set_stride + place] what `masks` does not name is 0
+        std::vector<SetMask> masks;  // [block]
     };
     const SplatSets* sets_ = nullptr;
-    std::vector<std::int32_t> place_of_set_;       // [set] negative: none in this batch
-    std::vector<std::uint32_t> sets_in_use_;       // [place]
+    std::vector<std::int32_t> place_of_set_;  // [set] negative: none in this batch
+    std::vector<std::uint32_t> sets_in_use_;  // [place]
     std::vector<SetChunk> set_chunks_;
-    std::vector<SetRow> set_rows_;                 // [row]
-    std::uint32_t set_blocks_ = 0;                 // of this batch
-    std::vector<std::uint8_t> shared_;             // [channel]
+    std::vector<SetRow> set_rows_;      // [row]
+    std::uint32_t set_blocks_ = 0;      // of this batch
+    std::vector<std::uint8_t> shared_;  // [channel]
     std::uint8_t sent_apart_ = 0;
-    std::vector<std::uint32_t> invalid_;           // [camera row]
+    std::vector<std::uint32_t> invalid_;  // [camera row]
     std::vector<std::uint64_t> invalid_by_channel_;
     std::vector<InvalidSample> invalid_log_;
     std::uint64_t invalid_total_ = 0;
     std::vector<ChannelDefinition> channels_;
-    std::vector<std::size_t> offset_;      // [channel] into values_
+    std::vector<std::size_t> offset_;  // [channel] into values_
     std::vector<double> values_;
-    std::vector<double> fill_;             // [channel]
-    std::vector<std::uint64_t> touched_;   // [channel] a bit for each stripe of 2^stripe_shift_ rows
-    std::vector<RowState> row_states_;     // [channel * row_capacity_ + row]
+    std::vector<double> fill_;            // [channel]
+    std::vector<std::uint64_t> touched_;  // [channel] a bit for each stripe of 2^stripe_shift_ rows
+    std::vector<RowState> row_states_;    // [channel * row_capacity_ + row]
     std::vector<CameraRow> camera_rows_;
     std::vector<std::int32_t> originals_;
     std::size_t row_capacity_ = 0;

@@ -1,9 +1,9 @@
 // Where contributions go: by the automaton's state, what of the sample table takes them.
 //
-// Of many channels a path usually reaches the same few together, so lists of channels repeat. A channel whose samples nobody
-// looks at one by one need not get them one by one: the list has a sum for each block of samples, to which a contribution is
-// added once, and the frame buffer hands those on. What asking for a channel costs then hardly depends on how many other
-// channels take the same light.
+// Of many channels a path usually reaches the same few together, so lists of channels repeat. A channel whose samples
+// nobody looks at one by one need not get them one by one: the list has a sum for each block of samples, to which a
+// contribution is added once, and the frame buffer hands those on. What asking for a channel costs then hardly depends
+// on how many other channels take the same light.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +16,8 @@
 
 namespace raylex::display {
 
-/// [table state of the program] what takes a contribution that ends there: channels by their id, and sets by the complement
-/// of theirs, which is negative.
+/// [table state of the program] what takes a contribution that ends there: channels by their id, and sets by the
+/// complement of theirs, which is negative.
 class SplatTargets {
   public:
     SplatTargets() = default;
@@ -30,12 +30,12 @@ class SplatTargets {
 
   private:
     friend class SplatSets;
-    std::vector<std::uint32_t> begin_;   // [state + 1] into targets_
+    std::vector<std::uint32_t> begin_;  // [state + 1] into targets_
     std::vector<ChannelId> targets_;
 };
 
-/// Every list of channels that some path can end in. Immutable, of all threads. There are many more than a batch of samples
-/// needs: a SampleTable gives those that come up a place, in the order of their coming.
+/// Every list of channels that some path can end in. Immutable, of all threads. There are many more than a batch of
+/// samples needs: a SampleTable gives those that come up a place, in the order of their coming.
 class SplatSets {
   public:
     /// `shares` [channel] says which channels may go without samples of their own; the others stay by themselves.
@@ -55,7 +55,7 @@ class SplatSets {
 
   private:
     SplatTargets targets_;
-    std::vector<std::uint32_t> begin_{0};   // [set + 1] into channels_
+    std::vector<std::uint32_t> begin_{0};  // [set + 1] into channels_
     std::vector<ChannelId> channels_;
     std::vector<std::uint8_t> shared_;
     int block_bits_ = 0;

@@ -81,8 +81,8 @@ int run_replay(const ExperimentOptions& options) {
         if (interrupt_flag().load()) return exit_interrupted;
         std::string compared;
         for (const std::string& each : outcome->compared) compared += (compared.empty() ? "" : ", ") + each;
-        print_line(options.cell + (outcome->same ? ": the same bits again, in " + compared
-                                                 : ": DIFFERS in " + outcome->difference));
+        print_line(options.cell +
+                   (outcome->same ? ": the same bits again, in " + compared : ": DIFFERS in " + outcome->difference));
         return outcome->same ? exit_holds : exit_does_not_hold;
     });
 }

@@ -12,9 +12,9 @@
 namespace raylex::experiments {
 namespace {
 
-constexpr int tile = 16;                            // of the render: others lock as long as one of theirs is read
-constexpr std::uint64_t block = 16;                 // samples that a pixel gets at once
-constexpr std::uint64_t most_pixels = 1ULL << 15;   // enough for the error of an error to be a few per cent of it
+constexpr int tile = 16;                           // of the render: others lock as long as one of theirs is read
+constexpr std::uint64_t block = 16;                // samples that a pixel gets at once
+constexpr std::uint64_t most_pixels = 1ULL << 15;  // enough for the error of an error to be a few per cent of it
 constexpr double seconds_between = 1, share_of_time = 0.01;
 
 /// Tiles all over what is rendered: every k-th of a row, each row beginning elsewhere.

@@ -56,7 +56,7 @@ class LiveErrors {
     std::vector<std::optional<ChannelError>> measured_;  // beside channels_
     double next_ = 0;
     std::vector<ChannelError> errors_;
-    display::ErrorForecast forecast_;   // of the first channel, by samples of a pixel
+    display::ErrorForecast forecast_;  // of the first channel, by samples of a pixel
 };
 
 /// The largest of 10, 5, 2, 1 and 0.5 % that is still below an error.
@@ -65,9 +65,9 @@ std::optional<double> next_mark(double error);
 /// "about 2 min 40 s" until so many samples are done, or "at least 2 min" where few pixels decide when that is.
 std::string remaining_text(const transport::RenderProgress& now, const display::Forecast& samples);
 
-/// "beauty 2.3 % +- 0.1, caustics 11 % +- 2 and 3 more; 1 % in about 2 min 40 s": at most `channels` of them, and when the
-/// beauty's error comes to what was asked for, else to the next mark, or what it is in the end when that comes first.
-/// Empty while nothing is known.
+/// "beauty 2.3 % +- 0.1, caustics 11 % +- 2 and 3 more; 1 % in about 2 min 40 s": at most `channels` of them, and when
+/// the beauty's error comes to what was asked for, else to the next mark, or what it is in the end when that comes
+/// first. Empty while nothing is known.
 std::string error_text(const LiveErrors& errors, const transport::RenderProgress& now, std::size_t channels);
 
 }  // namespace raylex::experiments

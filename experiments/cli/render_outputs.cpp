@@ -76,11 +76,13 @@ Status RenderOutputs::make_deep(const transport::RenderPlan& plan) {
                                               "' has negative lobes, and a deep sample cannot have negative alpha; "
                                               "expected box, triangle, gaussian or blackman-harris");
     if (plan.splat)
-        return error_at(request.location, "a deep image is made of samples that belong to one pixel, and filter mode splat "
-                                          "shares them; expected filter mode importance");
+        return error_at(request.location,
+                        "a deep image is made of samples that belong to one pixel, and filter mode splat "
+                        "shares them; expected filter mode importance");
     if (plan.raster)
-        return error_at(request.location, "a deep image is made of samples that belong to one pixel, and the light paths of this "
-                                          "integrator land anywhere; expected another integrator, such as path");
+        return error_at(request.location,
+                        "a deep image is made of samples that belong to one pixel, and the light paths of this "
+                        "integrator land anywhere; expected another integrator, such as path");
     std::vector<display::ChannelId> chosen;
     if (plan.beauty >= 0) chosen.push_back(plan.beauty);
     std::vector<std::string> names;
@@ -93,15 +95,17 @@ Status RenderOutputs::make_deep(const transport::RenderPlan& plan) {
         const auto found = std::find(names.begin(), names.end(), name);
         if (found == names.end()) {
             const std::string near = nearest_name(name, names);
-            return error_at(request.location,
-                            "the deep image names the channel '" + name + "', which is not there; expected one of: " + list,
-                            near.empty() ? std::string() : "did you mean '" + near + "'?");
+            return error_at(
+                request.location,
+                "the deep image names the channel '" + name + "', which is not there; expected one of: " + list,
+                near.empty() ? std::string() : "did you mean '" + near + "'?");
         }
         const auto id = static_cast<display::ChannelId>(found - names.begin());
         if (std::find(chosen.begin(), chosen.end(), id) == chosen.end()) chosen.push_back(id);
     }
     if (chosen.empty())
-        return error_at(request.location, "the deep image has no channel; expected some with --deep-channels, or a beauty");
+        return error_at(request.location,
+                        "the deep image has no channel; expected some with --deep-channels, or a beauty");
     if (Status fits = display::DeepBuffer::check(plan.channels, chosen, request.options); !fits) {
         Error error = fits.error();
         error.file = request.location.file;
@@ -152,7 +156,8 @@ void RenderOutputs::drop_altered(const transport::RenderPlan& plan,
         for (const display::ChannelId id : altered) {
             const std::string name = id == plan.beauty ? "beauty" : channels_[static_cast<std::size_t>(id)].name;
             const std::string whole = partition.of.empty() ? "beauty" : partition.of;
-            if (name == whole || std::find(partition.layers.begin(), partition.layers.end(), name) != partition.layers.end())
+            if (name == whole ||
+                std::find(partition.layers.begin(), partition.layers.end(), name) != partition.layers.end())
                 return name;
         }
         return {};
@@ -160,12 +165,13 @@ void RenderOutputs::drop_altered(const transport::RenderPlan& plan,
     std::erase_if(partitions, [&](const display::PartitionDeclaration& partition) {
         const std::string name = altered_member(partition);
         if (!name.empty())
-            warnings_.push_back("partition '" + partition.name + "' is left out of the file: a filter changes '" + name +
-                                "' by itself, so its layers no longer sum");
+            warnings_.push_back("partition '" + partition.name + "' is left out of the file: a filter changes '" +
+                                name + "' by itself, so its layers no longer sum");
         return !name.empty();
     });
     if (!filters_.empty() && !job_->outputs.deep.file.empty())
-        warnings_.push_back("the deep image is not compared with the image: display filters change the one and not the other");
+        warnings_.push_back(
+            "the deep image is not compared with the image: display filters change the one and not the other");
 }
 
 namespace {
@@ -178,7 +184,8 @@ class LivePixels final : public display::PixelImage {
         : image_(image), layout_(layout), channels_(channels) {}
     [[nodiscard]] const display::FrameBufferLayout& layout() const override { return layout_; }
     [[nodiscard]] std::span<const display::ChannelDefinition> channels() const override { return channels_; }
-    [[nodiscard]] std::vector<double> resolve(display::ChannelId id, const display::PixelRegion& region) const override {
+    [[nodiscard]] std::vector<double> resolve(display::ChannelId id,
+                                              const display::PixelRegion& region) const override {
         return image_.resolve(id, region);
     }
     [[nodiscard]] std::vector<double> resolve_alpha(const display::PixelRegion& region) const override {
@@ -198,11 +205,10 @@ void RenderOutputs::update(const transport::RenderProgress& progress) {
     const double total = static_cast<double>(std::max<std::uint64_t>(progress.samples_total, 1));
     const LivePixels live(*progress.image, layout_, channels_);
     const display::FilteredImage image = filtered(live);
-    drivers_.update(progress.seconds, static_cast<double>(progress.samples_done) / total,
-                    {[&](display::ChannelId id, const display::PixelRegion& region) {
-                         return image.resolve(id, region);
-                     },
-                     [&](const display::PixelRegion& region) { return image.resolve_alpha(region); }});
+    drivers_.update(
+        progress.seconds, static_cast<double>(progress.samples_done) / total,
+        {[&](display::ChannelId id, const display::PixelRegion& region) { return image.resolve(id, region); },
+         [&](const display::PixelRegion& region) { return image.resolve_alpha(region); }});
 }
 
 Status RenderOutputs::close(const transport::RenderOutput& output, const display::ImageDescription& description) {

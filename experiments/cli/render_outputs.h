@@ -25,9 +25,9 @@ class RenderOutputs {
     /// Makes the drivers. Errors: whatever a driver refuses. `color` must outlive this object.
     Status make(const Job& job, const ColorSetup& color);
 
-    /// Before memory is taken: prints what the layers will take, refuses more than the limit, makes the display filters,
-    /// opens the drivers and makes the deep buffer one of the render's sinks. Partitions that filters break are taken out
-    /// of the list, with a warning.
+    /// Before memory is taken: prints what the layers will take, refuses more than the limit, makes the display
+    /// filters, opens the drivers and makes the deep buffer one of the render's sinks. Partitions that filters break
+    /// are taken out of the list, with a warning.
     Status begin(const transport::RenderPlan& plan, std::vector<display::SampleSink*>& sinks,
                  const display::Chromaticities& primaries, std::vector<display::PartitionDeclaration>& partitions);
 

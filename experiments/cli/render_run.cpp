@@ -165,21 +165,22 @@ class RenderRun {
         const transport::RenderStatistics& statistics = output_->statistics;
         phases_["build"] = {statistics.build_seconds, statistics.build_cpu_seconds};
         phases_["render"] = {statistics.render_seconds, statistics.render_cpu_seconds};
-        if (statistics.invalid_samples > 0)
-            warn_of_invalid(statistics);
+        if (statistics.invalid_samples > 0) warn_of_invalid(statistics);
         if (!output_->complete && statistics.camera_samples == 0) {
             if (interrupt_flag().load()) return interrupted_early();
-            print_warning("the time was up before any sample was finished; no file was written. Expected more time, or paths "
-                          "that end: --max-depth bounds them");
+            print_warning(
+                "the time was up before any sample was finished; no file was written. Expected more time, or paths "
+                "that end: --max-depth bounds them");
             return exit_does_not_hold;
         }
         return go_on;
     }
 
     void warn_of_invalid(const transport::RenderStatistics& statistics) {
-        std::string text = std::to_string(statistics.invalid_samples) +
-                           " contributions or values were not finite and were left out of beauty and layers alike; the AOV "
-                           "invalidSamples shows where, --stats lists the first ones";
+        std::string text =
+            std::to_string(statistics.invalid_samples) +
+            " contributions or values were not finite and were left out of beauty and layers alike; the AOV "
+            "invalidSamples shows where, --stats lists the first ones";
         if (!statistics.invalid_log.empty()) {
             const display::InvalidSample& first = statistics.invalid_log.front();
             text += ".\n  The first: pixel (" + std::to_string(first.pixel_x) + ", " + std::to_string(first.pixel_y) +
@@ -219,8 +220,10 @@ class RenderRun {
         const PhaseClock clock;
         attributes_ = header_attributes(job_, *output_, arguments_, loaded_->color.description);
         if (!beauties_.empty()) attributes_["raylex/is_beauty"] = listed(beauties_);
-        if (!loaded_->color.texture_spaces->empty()) attributes_["raylex/texture_spaces"] = *loaded_->color.texture_spaces;
-        const display::ImageDescription description = image_description(job_, *loaded_, *output_, partitions_, attributes_);
+        if (!loaded_->color.texture_spaces->empty())
+            attributes_["raylex/texture_spaces"] = *loaded_->color.texture_spaces;
+        const display::ImageDescription description =
+            image_description(job_, *loaded_, *output_, partitions_, attributes_);
         Status written = outputs_.close(*output_, description);
         for (const std::string& warning : outputs_.take_warnings()) warn(warning);
         if (!written && written.error().file == job_.output) return rescue(written.error(), description);
@@ -263,8 +266,8 @@ class RenderRun {
 
     Step write_statistics() {
         if (job_.statistics.empty()) return go_on;
-        RunRecord record{&job_, &*output_, arguments_, phases_, warnings_, splits_, attributes_,
-                         outputs_.memory(), outputs_.deep()};
+        RunRecord record{&job_,   &*output_,   arguments_,        phases_,        warnings_,
+                         splits_, attributes_, outputs_.memory(), outputs_.deep()};
         Status written = display::write_text_file(job_.statistics, statistics_json(record));
         if (!written) return report_error(written.error());
         return go_on;
@@ -303,8 +306,7 @@ class RenderRun {
         const auto seconds = [this](const char* phase) { return duration_text(phases_.at(phase).wall_seconds); };
         const double cpu = statistics.render_cpu_seconds;
         print_line("load " + seconds("load") + ", plan " + seconds("plan") + ", build " + seconds("build") +
-                   ", render " + seconds("render") + " (" +
-                   duration_text(cpu) + " CPU, " +
+                   ", render " + seconds("render") + " (" + duration_text(cpu) + " CPU, " +
                    number_text(cpu > 0 ? static_cast<double>(statistics.camera_samples) / cpu * 1e-6 : 0) +
                    " M samples per CPU second), write " + seconds("write"));
     }
@@ -319,12 +321,14 @@ class RenderRun {
                        std::to_string(output_->samples_per_pixel) + " gives the same bits");
         if (!output_->adaptive) return;
         const double pixels = static_cast<double>(output_->width) * static_cast<double>(output_->height);
-        std::string line = "adaptive: " + number_text(static_cast<double>(samples) / pixels, 6) + " samples per pixel in the mean";
+        std::string line =
+            "adaptive: " + number_text(static_cast<double>(samples) / pixels, 6) + " samples per pixel in the mean";
         if (!output_->adaptive->channel.empty())
-            line += ", error of " + output_->adaptive->channel + " " + number_text(100 * output_->adaptive->error) + " %";
+            line +=
+                ", error of " + output_->adaptive->channel + " " + number_text(100 * output_->adaptive->error) + " %";
         if (const std::uint64_t missed = output_->unconverged_pixels; missed > 0)
-            line += "; " + std::to_string(missed) + " pixels are above " + number_text(100 * output_->adaptive->target) +
-                    " % with the most samples that they may have";
+            line += "; " + std::to_string(missed) + " pixels are above " +
+                    number_text(100 * output_->adaptive->target) + " % with the most samples that they may have";
         print_line(line);
     }
 

@@ -55,7 +55,10 @@ void add_report_command(CLI::App& app, CommandContext& context) {
         ->option_text("NAME");
     command->add_option("--view", options->options.view, "view of the display; default: its first")
         ->option_text("NAME");
-    command->add_option("--size", options->options.largest_side, "largest side of the pictures in pixels, reduced by a whole factor; default: as rendered, reduced only where the "
+    command
+        ->add_option("--size", options->options.largest_side,
+                     "largest side of the pictures in pixels, reduced by a whole factor; default: as rendered, reduced "
+                     "only where the "
                      "page would be larger than about 50 MB")
         ->option_text("N")
         ->check(CLI::Range(16, 8192));

@@ -16,8 +16,9 @@ struct ChannelPlan {
     std::vector<display::ChannelDefinition> channels;       ///< for RenderSettings::channels
     std::vector<display::PartitionDeclaration> partitions;  ///< proved ones, for the file's header
     std::vector<std::string>
-        notes;            ///< what a user should know before the render: no `rest` layer and why, dead channels
-    std::vector<std::string> beauties;  ///< expression channels that take every path of the scene, however they are written
+        notes;  ///< what a user should know before the render: no `rest` layer and why, dead channels
+    std::vector<std::string>
+        beauties;         ///< expression channels that take every path of the scene, however they are written
     std::string refuted;  ///< not empty: a declared partition is none; says which path shows it
 };
 

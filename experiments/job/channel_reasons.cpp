@@ -157,9 +157,7 @@ std::string lack_of(lpe::Event event, const SceneWords& scene) {
                           event.type == lpe::EventType::emission;
     event.labels.resize(terminal ? 1 : 2);  // a witness leaves out trailing empty labels
     if (event.type == lpe::EventType::camera) return {};
-    const auto of_object = [&] {
-        return event.labels[0].empty() ? std::string() : " on '" + event.labels[0] + "'";
-    };
+    const auto of_object = [&] { return event.labels[0].empty() ? std::string() : " on '" + event.labels[0] + "'"; };
     if (terminal) {
         if (has(scene.alphabet.terminals, event)) return {};
         if (event.type == lpe::EventType::emission) {

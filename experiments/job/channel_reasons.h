@@ -12,8 +12,8 @@
 
 namespace raylex::experiments {
 
-/// Labels of the expression that nothing in the scene has where the expression asks for them, each with a near miss when
-/// there is one: "'flor' is no object label of this scene; did you mean 'floor'?"
+/// Labels of the expression that nothing in the scene has where the expression asks for them, each with a near miss
+/// when there is one: "'flor' is no object label of this scene; did you mean 'floor'?"
 Result<std::vector<std::string>> unknown_labels(const lpe::ChannelSource& channel, const SceneWords& scene);
 
 /// Nothing when some path of the scene matches, else why none does, told by the shortest path that would match if the

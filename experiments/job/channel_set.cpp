@@ -30,8 +30,14 @@ Status add_toml(const std::string& text, const std::string& path, ChannelSet& se
     if (!job) return job.error();
     for (ExpressionRequest& request : job->expressions) {
         lpe::FileChannel channel;
-        channel.source = {request.name,          request.expression, request.dialect, request.location.file,
-                          request.location.line, request.location.column, {}, request.map};
+        channel.source = {request.name,
+                          request.expression,
+                          request.dialect,
+                          request.location.file,
+                          request.location.line,
+                          request.location.column,
+                          {},
+                          request.map};
         set.file.channels.push_back(std::move(channel));
     }
     set.file.macros.insert(set.file.macros.end(), job->macros.list().begin(), job->macros.list().end());

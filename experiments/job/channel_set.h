@@ -19,9 +19,10 @@ struct ChannelSet {
 /// Names of formats: toml, rib, usda, ini.
 const std::vector<std::string>& channel_format_names();
 
-/// `format` is a name of the list above, or empty: by each file's name and content. `dialect` is that of expressions whose
-/// file does not say. When no file has a channel, the macros of rendermn.ini are the channels.
-Result<ChannelSet> read_channel_files(const std::vector<std::string>& paths, const std::string& format, lpe::Dialect dialect);
+/// `format` is a name of the list above, or empty: by each file's name and content. `dialect` is that of expressions
+/// whose file does not say. When no file has a channel, the macros of rendermn.ini are the channels.
+Result<ChannelSet> read_channel_files(const std::vector<std::string>& paths, const std::string& format,
+                                      lpe::Dialect dialect);
 
 /// The channels with their names replaced by what they stand for; what is worth knowing is added to `warnings`.
 Result<std::vector<lpe::ChannelSource>> expanded_channels(const ChannelSet& set, std::vector<std::string>& warnings);
@@ -32,8 +33,8 @@ Result<std::vector<lpe::ChannelSource>> expanded_channels(const ChannelSet& set,
 /// slot that is there twice.
 Status add_to_job(const ChannelSet& set, Job& job, std::vector<std::string>& warnings);
 
-/// The set as a text of the format; an empty format is told by the end of `path`. What the format cannot hold is left out
-/// and named in `warnings`.
+/// The set as a text of the format; an empty format is told by the end of `path`. What the format cannot hold is left
+/// out and named in `warnings`.
 Result<std::string> channel_set_text(const ChannelSet& set, const std::string& path, const std::string& format,
                                      std::vector<std::string>& warnings);
 

@@ -1,5 +1,5 @@
-// The tables of a TOML file that speak of channels: [channels], [[channel]], [[partition]], [macros], [lobe_slots]. A job has
-// them among others; a file of channels has nothing else.
+// The tables of a TOML file that speak of channels: [channels], [[channel]], [[partition]], [macros], [lobe_slots]. A
+// job has them among others; a file of channels has nothing else.
 #pragma once
 
 #include "experiments/job/job.h"

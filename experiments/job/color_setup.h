@@ -17,7 +17,7 @@ display::Chromaticities chromaticities_of(transport::ColorSpace space);
 struct ColorSetup {
     std::optional<display::ColorManager> manager;  ///< absent when the config cannot be read and nothing needs it
     std::string description;                       ///< for headers: the config, or why there is none
-    std::string warning;                           ///< not empty: the config cannot be read, or has rules that never fit
+    std::string warning;  ///< not empty: the config cannot be read, or has rules that never fit
     /// "FILE: SPACE; ..." of the textures read by file rules so far; filled while a scene is built.
     std::shared_ptr<std::string> texture_spaces = std::make_shared<std::string>();
 };
@@ -26,7 +26,8 @@ struct ColorSetup {
 /// preview, a rendering space, a config named outright), or when the job's display or view is not in it.
 Result<ColorSetup> open_color(const Job& job);
 
-/// `color` must outlive the scene when the job wants texture rules. Sets `scene.color` for the job's rendering space and returns the primaries of the image to come.
+/// `color` must outlive the scene when the job wants texture rules. Sets `scene.color` for the job's rendering space
+/// and returns the primaries of the image to come.
 Result<display::Chromaticities> choose_rendering_space(const Job& job, const ColorSetup& color,
                                                        transport::SceneDescription& scene);
 

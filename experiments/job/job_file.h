@@ -10,7 +10,8 @@
 namespace raylex::experiments {
 
 /// Paths in the file are taken relative to it. An unknown key, a wrong type or a value out of range is an Error with
-/// line and column. The job's plugins are loaded, so that what they bring can be named. Names that only a scene can judge (labels, materials) are not looked at here.
+/// line and column. The job's plugins are loaded, so that what they bring can be named. Names that only a scene can
+/// judge (labels, materials) are not looked at here.
 Result<Job> read_job(const std::string& path);
 
 /// The same for text in memory; `path` serves for messages and as the base of relative paths.

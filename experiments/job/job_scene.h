@@ -30,7 +30,8 @@ Result<std::unique_ptr<JobScene>> load_job_scene(const Job& job);
 display::RecordIdentity checkpoint_identity(const Job& job, const ColorSetup& color);
 
 /// The image file's description. `output` must outlive it.
-display::ImageDescription image_description(const Job& job, const JobScene& scene, const transport::RenderOutput& output,
+display::ImageDescription image_description(const Job& job, const JobScene& scene,
+                                            const transport::RenderOutput& output,
                                             const std::vector<display::PartitionDeclaration>& partitions,
                                             const std::map<std::string, std::string>& attributes);
 

@@ -5,7 +5,9 @@
 
 namespace raylex::experiments {
 
-Json parse_json(std::string_view text) { return Json::parse(text); }
+Json parse_json(std::string_view text) {
+    return Json::parse(text);
+}
 
 Result<Json> read_json_file(const std::string& path, const std::string& what) {
     const Result<std::string> text = read_record(path, what);

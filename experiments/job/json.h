@@ -42,7 +42,9 @@ class Whole {
     [[noreturn]] void fail() const;
     const Json& json_;
 };
-inline Whole whole(const Json& json) { return Whole(json); }
+inline Whole whole(const Json& json) {
+    return Whole(json);
+}
 
 /// In one line without a blank when `indent` is -1. Bytes that are no UTF-8 become U+FFFD.
 std::string json_text(const Json& json, int indent = -1);

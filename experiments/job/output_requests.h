@@ -33,7 +33,7 @@ struct OutputRequests {
     std::vector<display::DriverRequest> drivers;  ///< beside the main image and its preview, in the order given
     std::vector<ObjectRequest> filters;           ///< display filters in the order in which they see the image
     DeepRequest deep;
-    std::uint64_t memory_limit = 0;               ///< bytes; 0 = none
+    std::uint64_t memory_limit = 0;  ///< bytes; 0 = none
 };
 
 /// "single" or "multi": how many parts an OpenEXR file has. Errors at `where`.

@@ -20,8 +20,8 @@ std::string utc_time();           ///< "2024-03-01T12:00:00Z"
 std::string shell_command(const std::vector<std::string>& arguments);
 
 /// The command line that renders one sample of an image alone: the same with --replay, and the instruction set it had.
-std::string replay_command(const Job& job, const transport::RenderOutput& output, const std::vector<std::string>& arguments,
-                           const display::InvalidSample& sample);
+std::string replay_command(const Job& job, const transport::RenderOutput& output,
+                           const std::vector<std::string>& arguments, const display::InvalidSample& sample);
 
 /// String attributes for the image header: version, revision, command, job text, scene, seed, samples, threads,
 /// instruction set, integrator, sampler, filter, compiler, host, time, colour config.

@@ -28,8 +28,9 @@ void read_number(TomlTable& table, const char* key, double least, double& value)
     if (node == nullptr) return;
     const std::optional<double> number = node->is_string() ? std::nullopt : node->value<double>();
     if (number && std::isfinite(*number) && *number >= least) value = *number;
-    else table.source().fail(table.location_of(key), "'" + std::string(key) + "' in " + table.description() +
-                                                         " is no number " + (least > 0 ? "above 0" : "from 0 on"));
+    else
+        table.source().fail(table.location_of(key), "'" + std::string(key) + "' in " + table.description() +
+                                                        " is no number " + (least > 0 ? "above 0" : "from 0 on"));
 }
 
 /// "name" or {name = "...", weight = 2}.
@@ -64,8 +65,9 @@ Result<double> parse_interval(const std::string& text, const SourceLocation& whe
     else if (unit == "m" || unit == "min") scale = 60;
     else if (unit == "h") scale = 3600;
     if (!number || scale == 0 || *number * scale < 0.01 || *number * scale > longest)
-        return error_at(where, "'" + text + "' is no " + what + "; expected such as 60s, 5m or 1h, at least "
-                               "0.01s and at most 30 days");
+        return error_at(where, "'" + text + "' is no " + what +
+                                   "; expected such as 60s, 5m or 1h, at least "
+                                   "0.01s and at most 30 days");
     return *number * scale;
 }
 
@@ -152,8 +154,9 @@ Status check_recovery(const Job& job) {
     std::error_code failed;
     const bool exists = std::filesystem::exists(file, failed);
     if (exists && !job.resume)
-        return error_at({file, 0, 0}, "this is the checkpoint of a render that was not finished; a new render would "
-                                      "replace it",
+        return error_at({file, 0, 0},
+                        "this is the checkpoint of a render that was not finished; a new render would "
+                        "replace it",
                         "--resume goes on with it; to begin again, remove this file");
     if (!exists && job.resume)
         return error_at({file, 0, 0}, "there is no checkpoint to resume from; expected this file",

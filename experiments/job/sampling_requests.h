@@ -35,8 +35,8 @@ void apply_sample_limit(std::uint64_t samples_per_pixel, display::AdaptiveSettin
 /// Where a render of this job is saved: beside its image.
 std::string checkpoint_file(const Job& job);
 
-/// Before a render: a checkpoint of an unfinished render that would be lost, --resume without one, and what no checkpoint
-/// can hold are Errors.
+/// Before a render: a checkpoint of an unfinished render that would be lost, --resume without one, and what no
+/// checkpoint can hold are Errors.
 Status check_recovery(const Job& job);
 
 }  // namespace raylex::experiments

@@ -21,7 +21,8 @@ struct SceneWords {
     [[nodiscard]] lpe::Words with_user_events() const;
 };
 
-/// Of a scene whose labels are given (apply_label_rules). Errors: materials, textures or an integrator that do not build.
+/// Of a scene whose labels are given (apply_label_rules). Errors: materials, textures or an integrator that do not
+/// build.
 Result<SceneWords> scene_words(const Job& job, const transport::SceneDescription& scene);
 
 /// Of a file: a pbrt-v4 scene, or a TOML job (.toml) with its scene, labels, light groups, lobe slots and depth limit.

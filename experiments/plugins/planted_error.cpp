@@ -20,7 +20,7 @@ class PlantedError final : public Integrator {
     [[nodiscard]] IntegratorTraits traits() const override {
         IntegratorTraits traits;
         traits.max_depth = max_depth_;
-        traits.saved_state = SavedState::none;   // a sample is a function of its number
+        traits.saved_state = SavedState::none;  // a sample is a function of its number
         return traits;
     }
 
@@ -31,7 +31,7 @@ class PlantedError final : public Integrator {
     }
 
   private:
-    static constexpr std::uint32_t dimensions = 8;   // random numbers of a vertex
+    static constexpr std::uint32_t dimensions = 8;  // random numbers of a vertex
     static constexpr float survival = 0.75f;
 
     void trace(Ray ray, const PixelSampler& sampler, int row, IntegratorCounters& counters,
@@ -39,7 +39,7 @@ class PlantedError final : public Integrator {
         const SceneView& scene = context_.scene;
         display::Tracker path = services.lpe.begin(row);
         Rgb throughput(1);
-        bool specular_bounce = true;   // light sampling cannot find what this ray finds
+        bool specular_bounce = true;  // light sampling cannot find what this ray finds
         for (std::uint32_t depth = 0;; ++depth) {
             const std::uint32_t first = first_free_dimension + dimensions * depth;
             Hit hit[1];

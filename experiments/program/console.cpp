@@ -56,7 +56,8 @@ int report_error(const Error& error) {
 }
 
 void print_warning(const std::string& message) {
-    std::fprintf(stderr, "raylex: %s %s\n", tinted("warning:", Tint::warning, true).c_str(), printable(message).c_str());
+    std::fprintf(stderr, "raylex: %s %s\n", tinted("warning:", Tint::warning, true).c_str(),
+                 printable(message).c_str());
 }
 
 void print_note(const std::string& message) {

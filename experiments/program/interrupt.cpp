@@ -41,7 +41,8 @@ void install_worker_interrupt_handler() {
 }
 
 void install_interrupt_handler() {
-    // SIGINT even when a shell started us with it ignored, as it does for background jobs: nothing is lost by an interrupt.
+    // SIGINT even when a shell started us with it ignored, as it does for background jobs: nothing is lost by an
+    // interrupt.
     struct sigaction action = {};
     action.sa_handler = on_interrupt;
     sigemptyset(&action.sa_mask);

@@ -20,7 +20,7 @@ std::string data_uri(std::span<const unsigned char> png);
 std::string script_json(std::string_view json);
 
 // Scripts and styles, compiled in from the files of these names (assets.cpp.in).
-std::string_view page_style();    ///< page.css
+std::string_view page_style();     ///< page.css
 std::string_view pixels_script();  ///< pixels.js
 std::string_view panes_script();   ///< panes.js
 std::string_view split_script();   ///< split_page.js

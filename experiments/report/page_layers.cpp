@@ -310,8 +310,7 @@ Result<std::string> PageLayers::html(const ExrImage& image) {
         list += "<details><summary>" + std::to_string(empty) + (empty == 1 ? " layer" : " layers") +
                 " without light in this image</summary>\n" + folded + "</details>\n";
     return "<div class=\"screen\">\n" + tools(names) + "<aside class=\"list\">\n" + list + "</aside>\n</div>\n" +
-           "<script type=\"application/json\" class=\"data\">" +
-           script_json(json_text(data)) + "</script>\n" + scripts;
+           "<script type=\"application/json\" class=\"data\">" + script_json(json_text(data)) + "</script>\n" + scripts;
 }
 
 std::string PageLayers::view_scripts() const {

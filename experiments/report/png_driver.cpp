@@ -40,8 +40,7 @@ class PngDriver : public display::DisplayDriver {
     }
 
     Status close(const display::FinishedImage& finished) override {
-        auto image =
-            display::image_in_memory(finished.frame_buffer, finished.beauty, finished.description, layer_);
+        auto image = display::image_in_memory(finished.frame_buffer, finished.beauty, finished.description, layer_);
         if (!image) return image.error();
         auto picture = picture_of(*image, image->layers.front(), color_, options_);
         if (!picture) return picture.error();

@@ -212,7 +212,8 @@ LayerLook look_of(const display::ImageLayer& layer) {
     if (name == "st" || name == "__st" || name == "uv" || name == "UV") return LayerLook::parameter;
     const bool vector = layer.plane("X") != nullptr && layer.plane("Y") != nullptr;
     if (name == "Nn" || name == "Ngn" || name == "Non" || name == "Tn" || name == "Vn" || name == "__Nworld" ||
-        name == "__Vworld" || name == "N" || name == "normal" || name == "Normal") return LayerLook::normal;
+        name == "__Vworld" || name == "N" || name == "normal" || name == "Normal")
+        return LayerLook::normal;
     if (vector || name == "P" || name == "Pw" || name == "position") return LayerLook::position;
     const bool light = layer.triple()[0] != nullptr || has_chroma(layer);
     return light ? LayerLook::light : LayerLook::position;

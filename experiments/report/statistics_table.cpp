@@ -68,9 +68,7 @@ std::string statistics_table(const std::string& record) {
     Json json;
     try {
         json = parse_json(record);
-    } catch (const Json::exception&) {
-        return {};
-    }
+    } catch (const Json::exception&) { return {}; }
     if (!json.is_object() || !json.contains("phases")) return {};
     std::string text = "<div class=\"tables\">\n" + phases(json) + "<div class=\"wide\"><table>\n";
     text += row("Camera samples", counted(number_at(json, "/samples/camera")));

@@ -22,7 +22,9 @@ namespace fs = std::filesystem;
 
 /// Mapped, not read: the pages are in memory when a file has just been written, and need no copy.
 Result<FileRecord> record_of(const std::string& path) {
-    const auto fails = [&] { return error_at({path, 0, 0}, "cannot read this file: " + std::string(std::strerror(errno))); };
+    const auto fails = [&] {
+        return error_at({path, 0, 0}, "cannot read this file: " + std::string(std::strerror(errno)));
+    };
     const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
     if (file < 0) return fails();
     struct stat status {};
@@ -94,9 +96,7 @@ std::string damage_of_reference(const std::string& directory) {
         for (const auto& each : json->value("files", Json::array()))
             files.push_back({each.at("name"), whole(each.at("bytes")), each.at("hash")});
         return damage_of(directory, files);
-    } catch (const Json::exception& error) {
-        return path + ": this is damaged: " + error.what();
-    }
+    } catch (const Json::exception& error) { return path + ": this is damaged: " + error.what(); }
 }
 
 }  // namespace raylex::experiments

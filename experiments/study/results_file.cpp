@@ -208,12 +208,10 @@ Json experiment_json(const Experiment& experiment) {
     json["methods"] = methods;
     json["regions"] = regions;
     json["partitions"] = partitions;
-    json["runner"] = {{"total_seconds", experiment.time.total},
-                      {"render_seconds", experiment.time.render},
-                      {"warm_up_seconds", experiment.time.warm_up},
-                      {"reference_seconds", experiment.time.references},
-                      {"overhead_seconds", experiment.time.overhead()},
-                      {"overhead_percent", experiment.time.overhead_percent()}};
+    json["runner"] = {
+        {"total_seconds", experiment.time.total},         {"render_seconds", experiment.time.render},
+        {"warm_up_seconds", experiment.time.warm_up},     {"reference_seconds", experiment.time.references},
+        {"overhead_seconds", experiment.time.overhead()}, {"overhead_percent", experiment.time.overhead_percent()}};
     json["cells"] = cells;
     return json;
 }

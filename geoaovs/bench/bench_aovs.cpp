@@ -12,8 +12,8 @@ namespace {
 
 using namespace raylex;
 
-/// Batches of 256 camera samples, 64 of each of four pixels, into an image that does not fit into the caches. Arguments: how
-/// many of ten AOVs, and whether the beauty keeps statistics.
+/// Batches of 256 camera samples, 64 of each of four pixels, into an image that does not fit into the caches.
+/// Arguments: how many of ten AOVs, and whether the beauty keeps statistics.
 void aovs(benchmark::State& state) {
     constexpr int width = 200, height = 200, rows = 256, samples = 64, pixels = rows / samples;
     std::vector<display::ChannelDefinition> channels(1);
@@ -65,8 +65,8 @@ void aovs(benchmark::State& state) {
         if (written.wants_rays()) written.write_rays(rays, table, services);
         buffer.accumulate(table);
     }
-    state.counters["time/sample"] =
-        benchmark::Counter(static_cast<double>(state.iterations()) * rows, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+    state.counters["time/sample"] = benchmark::Counter(static_cast<double>(state.iterations()) * rows,
+                                                       benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
 }  // namespace

@@ -17,26 +17,22 @@ namespace raylex::lpe {
 struct ChannelSet::Content {
     CompileOptions options;
     std::vector<ChannelSource> channels;
-    std::vector<EventSet> sets;                // of all channels, each once
+    std::vector<EventSet> sets;  // of all channels, each once
     std::unordered_set<std::string> set_keys;
     std::shared_ptr<const EventClasses> classes;
-    std::vector<Dfa> leaves;                   // [channel] over `classes`
+    std::vector<Dfa> leaves;  // [channel] over `classes`
     Grouping grouping;
-    std::size_t grouped_states = 0;            // of all tables when they were last grouped from the start
+    std::size_t grouped_states = 0;  // of all tables when they were last grouped from the start
     std::size_t regroupings = 0;
 
     bool add_set(const EventSet& set) {
         const bool fresh = set_keys.insert(set.key()).second;
-        if (fresh) {
-            sets.push_back(set);
-        }
+        if (fresh) { sets.push_back(set); }
         return fresh;
     }
     bool add_tree(const Node& node) {
         bool fresh = node.kind == NodeKind::event && add_set(node.events);
-        for (const NodePtr& child : node.children) {
-            fresh = add_tree(*child) || fresh;
-        }
+        for (const NodePtr& child : node.children) { fresh = add_tree(*child) || fresh; }
         return fresh;
     }
     bool add_fixed_sets() {
@@ -67,17 +63,13 @@ std::vector<EventClass> class_map(const EventClasses& finer, const EventClasses&
 void refine(Dfa& dfa, const std::vector<EventClass>& map) {
     std::vector<std::uint16_t> columns;
     columns.reserve(map.size());
-    for (const EventClass old : map) {
-        columns.push_back(dfa.column_of_class[old]);
-    }
+    for (const EventClass old : map) { columns.push_back(dfa.column_of_class[old]); }
     dfa.column_of_class = std::move(columns);
 }
 
 std::size_t table_states(const Grouping& grouping) {
     std::size_t states = 0;
-    for (const Group& table : grouping.tables) {
-        states += table.dfa.states();
-    }
+    for (const Group& table : grouping.tables) { states += table.dfa.states(); }
     return states;
 }
 
@@ -90,8 +82,12 @@ ChannelSet::~ChannelSet() = default;
 ChannelSet::ChannelSet(ChannelSet&&) noexcept = default;
 ChannelSet& ChannelSet::operator=(ChannelSet&&) noexcept = default;
 
-std::span<const ChannelSource> ChannelSet::channels() const { return content_->channels; }
-std::size_t ChannelSet::regroupings() const { return content_->regroupings; }
+std::span<const ChannelSource> ChannelSet::channels() const {
+    return content_->channels;
+}
+std::size_t ChannelSet::regroupings() const {
+    return content_->regroupings;
+}
 
 Result<Program> ChannelSet::add(std::span<const ChannelSource> added) {
     return guarded([&]() -> Program {
@@ -115,13 +111,9 @@ Result<Program> ChannelSet::add(std::span<const ChannelSource> added) {
             auto classes = std::make_shared<const EventClasses>(next.sets);
             if (next.classes) {
                 const std::vector<EventClass> map = class_map(*classes, *next.classes);
-                for (Dfa& leaf : next.leaves) {
-                    refine(leaf, map);
-                }
+                for (Dfa& leaf : next.leaves) { refine(leaf, map); }
                 for (std::vector<Group>* groups : {&next.grouping.tables, &next.grouping.lanes}) {
-                    for (Group& group : *groups) {
-                        refine(group.dfa, map);
-                    }
+                    for (Group& group : *groups) { refine(group.dfa, map); }
                 }
             }
             next.classes = std::move(classes);

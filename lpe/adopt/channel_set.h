@@ -23,8 +23,8 @@ class ChannelSet {
 
     /// Adds channels and returns the program of all, numbered in the order in which they came. It accepts what
     /// Program::compile of the whole list would, from tables that may be up to twice as large. Event classes are new:
-    /// events are to be classified again. Errors, after which the set is what it was: those of Program::compile; channels
-    /// with `rest_of`, which depend on all others.
+    /// events are to be classified again. Errors, after which the set is what it was: those of Program::compile;
+    /// channels with `rest_of`, which depend on all others.
     Result<Program> add(std::span<const ChannelSource> channels);
 
     [[nodiscard]] std::span<const ChannelSource> channels() const;

@@ -26,9 +26,7 @@ constexpr std::size_t hash_bytes = 8;
 /// FNV-1a, 64 bits (Fowler, Noll, Vo).
 std::uint64_t hash_of(std::string_view bytes) {
     std::uint64_t hash = 0xCBF29CE484222325ULL;
-    for (const char byte : bytes) {
-        hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001B3ULL;
-    }
+    for (const char byte : bytes) { hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001B3ULL; }
     return hash;
 }
 
@@ -42,9 +40,7 @@ void visit_tables(Tables& tables, Visitor& visitor) {
     visitor.array(tables.next_state);
     visitor.array(tables.accept_begin);
     visitor.array(tables.accept_lists);
-    for (auto& words : tables.lane_words) {
-        visitor.number(words);
-    }
+    for (auto& words : tables.lane_words) { visitor.number(words); }
     visitor.number(tables.first_ended);
     visitor.array(tables.lane_image);
     visitor.array(tables.lane_accept);
@@ -73,9 +69,7 @@ class Writer {
     template <class Integer>
     void array(const std::vector<Integer>& values) {
         number(std::uint64_t{values.size()});
-        for (const Integer value : values) {
-            number(value);
-        }
+        for (const Integer value : values) { number(value); }
     }
     /// Structures of 32-bit numbers.
     template <class Record>
@@ -93,9 +87,7 @@ class Writer {
     }
     void texts(const std::vector<std::string>& values) {
         number(std::uint64_t{values.size()});
-        for (const std::string& value : values) {
-            text(value);
-        }
+        for (const std::string& value : values) { text(value); }
     }
 };
 
@@ -115,18 +107,14 @@ class Reader {
     template <class Integer>
     void array(std::vector<Integer>& values) {
         values.resize(count(sizeof(Integer)));
-        for (Integer& value : values) {
-            number(value);
-        }
+        for (Integer& value : values) { number(value); }
     }
     template <class Record>
     void records(std::vector<Record>& values) {
         values.resize(count(sizeof(Record)));
         for (Record& value : values) {
             std::array<std::uint32_t, sizeof(Record) / 4> fields;
-            for (std::uint32_t& field : fields) {
-                number(field);
-            }
+            for (std::uint32_t& field : fields) { number(field); }
             value = std::bit_cast<Record>(fields);
         }
     }
@@ -137,9 +125,7 @@ class Reader {
     }
     void texts(std::vector<std::string>& values) {
         values.resize(count(8));
-        for (std::string& value : values) {
-            text(value);
-        }
+        for (std::string& value : values) { text(value); }
     }
     [[nodiscard]] std::size_t position() const { return at_; }
     [[nodiscard]] bool at_end() const { return at_ == bytes_.size(); }
@@ -165,9 +151,7 @@ class Reader {
 };
 
 void require(bool holds, const char* what) {
-    if (!holds) {
-        fail(std::string("the compiled program contradicts itself: ") + what);
-    }
+    if (!holds) { fail(std::string("the compiled program contradicts itself: ") + what); }
 }
 
 template <class Integer>
@@ -180,7 +164,9 @@ void require_offsets(const std::vector<std::uint32_t>& offsets, std::uint64_t si
     require(!offsets.empty() && std::is_sorted(offsets.begin(), offsets.end()) && offsets.back() <= size, what);
 }
 
-bool within(std::uint64_t first, std::uint64_t count, std::uint64_t size) { return first + count <= size; }
+bool within(std::uint64_t first, std::uint64_t count, std::uint64_t size) {
+    return first + count <= size;
+}
 
 void check_classes(const ClassTable& table, std::size_t class_count) {
     const std::size_t nodes = table.nodes.size();
@@ -202,9 +188,7 @@ void check_classes(const ClassTable& table, std::size_t class_count) {
     for (const ClassTable::Name& name : table.names) {
         require(name.text < texts && name.node < nodes, "names of labels");
     }
-    for (const ClassTable::Kind& kind : table.kinds) {
-        require(kind.node < nodes, "kinds of labels");
-    }
+    for (const ClassTable::Kind& kind : table.kinds) { require(kind.node < nodes, "kinds of labels"); }
 }
 
 void check_lanes(const ProgramTables& tables, std::uint64_t states) {
@@ -216,9 +200,7 @@ void check_lanes(const ProgramTables& tables, std::uint64_t states) {
     const std::uint64_t lane_words =
         std::uint64_t{tables.lane_words[0]} + 2ULL * tables.lane_words[1] + 3ULL * tables.lane_words[2];
     require(tables.starts.size() == tables.table_count + lane_words, "words of state");
-    if (lane_words == 0) {
-        return;
-    }
+    if (lane_words == 0) { return; }
     require(tables.table_count >= 1 && tables.first_ended >= 2 && tables.first_ended <= states, "phases of a path");
     const std::uint64_t terminals = states - tables.first_ended;
     require(tables.lane_image.size() == std::uint64_t{tables.class_count} * view.image_stride,
@@ -270,9 +252,7 @@ Program read(std::string_view bytes) {
                  std::to_string(version),
              "compile the channels again");
     }
-    if (bytes.size() < magic.size() + sizeof found + hash_bytes) {
-        fail("the compiled program ends early");
-    }
+    if (bytes.size() < magic.size() + sizeof found + hash_bytes) { fail("the compiled program ends early"); }
     Reader ending(bytes.substr(bytes.size() - hash_bytes));
     std::uint64_t hash = 0;
     ending.number(hash);
@@ -339,9 +319,7 @@ Status save(const Program& program, const std::string& path) {
 
 Result<Program> load(const std::string& path) {
     const auto bytes = read_input(path, NamedBy::file, "a compiled program", Budget::file_bytes);
-    if (!bytes) {
-        return bytes.error();
-    }
+    if (!bytes) { return bytes.error(); }
     return program_from_bytes(*bytes, path);
 }
 

@@ -24,9 +24,7 @@ Status Vocabulary::check_name(const std::string& name) const {
         return error_of("'" + name +
                         "' cannot be the name of an event or lobe; expected text without quotes, '\\', '*' and '?'");
     }
-    if (entries_.count(name) != 0) {
-        return error_of("the name '" + name + "' is registered already");
-    }
+    if (entries_.count(name) != 0) { return error_of("the name '" + name + "' is registered already"); }
     return success();
 }
 
@@ -46,9 +44,7 @@ Result<int> Vocabulary::add_event(const std::string& name) {
 }
 
 Status Vocabulary::add_event(const std::string& name, int number) {
-    if (Status status = check_name(name); !status) {
-        return status;
-    }
+    if (Status status = check_name(name); !status) { return status; }
     if (number < 1 || number > user_events) {
         return error_of("there is no user event U" + std::to_string(number) + " for '" + name + "'; expected 1 to 12");
     }
@@ -57,9 +53,7 @@ Status Vocabulary::add_event(const std::string& name, int number) {
 }
 
 Status Vocabulary::add_lobe(const std::string& name, Scatter scatter, int number) {
-    if (Status status = check_name(name); !status) {
-        return status;
-    }
+    if (Status status = check_name(name); !status) { return status; }
     if (scatter == Scatter::none || scatter == Scatter::straight) {
         return error_of("the lobe '" + name + "' is neither diffuse, glossy nor singular");
     }
@@ -75,9 +69,7 @@ Status Vocabulary::add_lobe(const std::string& name, Scatter scatter, int number
 
 std::optional<CoreSet> Vocabulary::cores(std::string_view name) const {
     const auto place = entries_.find(name);
-    if (place == entries_.end()) {
-        return std::nullopt;
-    }
+    if (place == entries_.end()) { return std::nullopt; }
     const Entry& entry = place->second;
     const auto number = static_cast<std::uint8_t>(entry.number);
     CoreSet cores;
@@ -104,9 +96,7 @@ bool Vocabulary::is_event(std::string_view name) const {
 Error Vocabulary::unknown(std::string_view name, bool event) const {
     std::vector<std::string_view> names;
     for (const auto& [known, entry] : entries_) {
-        if ((entry.scatter == Scatter::none) == event) {
-            names.push_back(known);
-        }
+        if ((entry.scatter == Scatter::none) == event) { names.push_back(known); }
     }
     const std::string near = nearest(name, names.data(), names.size());
     return error_of("no " + std::string(event ? "event" : "lobe") + " is registered as '" + std::string(name) + "'",
@@ -115,17 +105,13 @@ Error Vocabulary::unknown(std::string_view name, bool event) const {
 
 Result<Event> Vocabulary::event(std::string_view name, std::vector<std::string> labels) const {
     const auto place = entries_.find(name);
-    if (place == entries_.end() || place->second.scatter != Scatter::none) {
-        return unknown(name, true);
-    }
+    if (place == entries_.end() || place->second.scatter != Scatter::none) { return unknown(name, true); }
     return Event{EventType::user, Scatter::none, static_cast<std::uint8_t>(place->second.number), std::move(labels)};
 }
 
 Result<Event> Vocabulary::scattering(EventType type, std::string_view lobe, std::vector<std::string> labels) const {
     const auto place = entries_.find(lobe);
-    if (place == entries_.end() || place->second.scatter == Scatter::none) {
-        return unknown(lobe, false);
-    }
+    if (place == entries_.end() || place->second.scatter == Scatter::none) { return unknown(lobe, false); }
     return Event{type, place->second.scatter, static_cast<std::uint8_t>(place->second.number), std::move(labels)};
 }
 

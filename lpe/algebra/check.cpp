@@ -30,22 +30,16 @@ Dfa counted(const Languages& languages, std::size_t count) {
 constexpr std::uint32_t missed_code = 1, twice_code = 2, outside_code = 3;
 
 std::uint32_t violation(std::uint32_t counted_output, bool in_beauty) {
-    if (counted_output == 0) {
-        return 0;
-    }
+    if (counted_output == 0) { return 0; }
     const std::uint32_t channels = counted_output - 1;
-    if (in_beauty) {
-        return channels == 0 ? missed_code : channels == 1 ? 0 : twice_code;
-    }
+    if (in_beauty) { return channels == 0 ? missed_code : channels == 1 ? 0 : twice_code; }
     return channels == 0 ? 0 : outside_code;
 }
 
 PartitionReport partition_report(std::span<const ChannelSource> channels, const std::optional<ChannelSource>& beauty,
                                  const Words& words) {
     std::vector<ChannelSource> all(channels.begin(), channels.end());
-    if (beauty) {
-        all.push_back(*beauty);
-    }
+    if (beauty) { all.push_back(*beauty); }
     Question question = pose(all, words, "a partition");
     const Languages& languages = question.languages;
     const auto judge = [](void* /*context*/, std::uint32_t n, std::uint32_t b) { return violation(n, b != 0); };
@@ -65,9 +59,7 @@ PartitionReport partition_report(std::span<const ChannelSource> channels, const 
     report.witness = witness_of(*word, *languages.classes);
     report.channels = accepting(languages.channels, channels.size(), *word);
     std::uint32_t state = violations.start;
-    for (const EventClass event_class : *word) {
-        state = violations.step(state, event_class);
-    }
+    for (const EventClass event_class : *word) { state = violations.step(state, event_class); }
     switch (violations.output[state]) {
         case missed_code:
             report.verdict = Verdict::missed;

@@ -1,6 +1,6 @@
-// The algebra's verdicts: is a set of channels a partition of the beauty, are channels disjoint, are two expressions the
-// same? Each answer is a proof by exhausting an automaton, or the shortest path that shows the contrary. All are relative
-// to W (lpe/words.h): paths that no scene can produce never decide anything.
+// The algebra's verdicts: is a set of channels a partition of the beauty, are channels disjoint, are two expressions
+// the same? Each answer is a proof by exhausting an automaton, or the shortest path that shows the contrary. All are
+// relative to W (lpe/words.h): paths that no scene can produce never decide anything.
 #pragma once
 
 #include <cstddef>
@@ -31,11 +31,13 @@ struct PartitionReport {
     Witness witness;                    ///< empty when the verdict is `partition`
     std::vector<std::size_t> channels;  ///< that accept the witness: none when missed, two or more when counted twice
     std::string summary;                ///< one sentence for people, channels named, witness included
-    std::vector<std::string> warnings;  ///< e.g. where the two readings of '|' differ, with a word that tells them apart
+    std::vector<std::string>
+        warnings;  ///< e.g. where the two readings of '|' differ, with a word that tells them apart
 };
 
-/// Whether every word of W that `beauty` accepts (all of W when absent) is accepted by exactly one channel and no channel
-/// accepts another word of W. Errors: a channel that does not parse, carries prefixes, or is too large to prove.
+/// Whether every word of W that `beauty` accepts (all of W when absent) is accepted by exactly one channel and no
+/// channel accepts another word of W. Errors: a channel that does not parse, carries prefixes, or is too large to
+/// prove.
 Result<PartitionReport> check_partition(std::span<const ChannelSource> channels,
                                         const std::optional<ChannelSource>& beauty = std::nullopt,
                                         const Words& words = {});

@@ -16,16 +16,10 @@ std::string label_text(const std::string& label, Dialect dialect) {
 
 /// 'floor', ['a''b'], [^'a'] or '.'
 std::string slot_text(const LabelChoice& choice, Dialect dialect) {
-    if (choice.kind == LabelChoice::Kind::any) {
-        return ".";
-    }
+    if (choice.kind == LabelChoice::Kind::any) { return "."; }
     std::vector<std::string> items;
-    for (const std::string& name : choice.names) {
-        items.push_back(label_text(name, dialect));
-    }
-    for (const std::string& glob : choice.globs) {
-        items.push_back("'" + glob + "'");
-    }
+    for (const std::string& name : choice.names) { items.push_back(label_text(name, dialect)); }
+    for (const std::string& glob : choice.globs) { items.push_back("'" + glob + "'"); }
     const bool except = choice.kind == LabelChoice::Kind::except;
     // To renderman no label is the empty label. To osl it is none, and [^'a'] wants some label: "(.-'a')" and "''" are
     // how we write what osl has no words for.
@@ -37,18 +31,12 @@ std::string slot_text(const LabelChoice& choice, Dialect dialect) {
     }
     if (dialect == Dialect::osl && except && !any_name && choice.empty_allowed) {
         std::string text = "(.";
-        for (const std::string& item : items) {
-            text += "-" + item;
-        }
+        for (const std::string& item : items) { text += "-" + item; }
         return text + ")";
     }
-    if (!except && items.size() == 1) {
-        return items.front();
-    }
+    if (!except && items.size() == 1) { return items.front(); }
     std::string text = except ? "[^" : "[";
-    for (const std::string& item : items) {
-        text += item;
-    }
+    for (const std::string& item : items) { text += item; }
     return text + "]";
 }
 
@@ -61,9 +49,7 @@ struct Letter {
 std::vector<Letter> scatter_letters(const std::vector<Scatter>& scatters, const ScatteringOutline& part,
                                     Dialect dialect) {
     std::vector<Letter> letters;
-    if (has_scatter(scatters, Scatter::diffuse)) {
-        letters.push_back({"D", {}, {}});
-    }
+    if (has_scatter(scatters, Scatter::diffuse)) { letters.push_back({"D", {}, {}}); }
     if (has_scatter(scatters, Scatter::glossy) &&
         !(dialect == Dialect::renderman && has_scatter(scatters, Scatter::singular))) {
         letters.push_back({"G", {}, {}});
@@ -75,9 +61,7 @@ std::vector<Letter> scatter_letters(const std::vector<Scatter>& scatters, const 
     }
     std::vector<Letter> numbered;
     for (const Letter& letter : letters) {
-        if (part.numbers.empty() || part.numbers_excluded) {
-            numbered.push_back(letter);
-        }
+        if (part.numbers.empty() || part.numbers_excluded) { numbered.push_back(letter); }
         for (const std::uint8_t number : part.numbers) {
             const bool glossy = letter.text == "G";  // has no numbers of its own: it shares those of S
             const std::string text = (glossy ? "S" : letter.text) + std::to_string(number);
@@ -94,9 +78,7 @@ std::vector<Letter> scatter_letters(const std::vector<Scatter>& scatters, const 
 /// The events of one type: <R[DS]'floor'>, D, (<RS>-<RS2>).
 void add_surface(const std::string& type, const std::vector<Scatter>& scatters, const ScatteringOutline& part,
                  const std::string& labels, Dialect dialect, std::vector<std::string>& items) {
-    if (scatters.empty()) {
-        return;
-    }
+    if (scatters.empty()) { return; }
     if (scatters.size() == 3 && part.numbers.empty() && type != ".") {
         items.push_back(labels.empty() ? type : "<" + type + "." + labels + ">");
         return;
@@ -111,23 +93,15 @@ void add_surface(const std::string& type, const std::vector<Scatter>& scatters, 
             continue;
         }
         items.push_back(event(letter.text));
-        if (!letter.also.empty()) {
-            items.back() += "&" + event(letter.also);
-        }
-        for (const std::string& without : letter.without) {
-            items.back() += "-" + event(without);
-        }
+        if (!letter.also.empty()) { items.back() += "&" + event(letter.also); }
+        for (const std::string& without : letter.without) { items.back() += "-" + event(without); }
     }
     if (plain.size() > 1 && !(type == "." && labels.empty())) {
         std::string list = "[";
-        for (const std::string& letter : plain) {
-            list += letter;
-        }
+        for (const std::string& letter : plain) { list += letter; }
         plain = {list + "]"};
     }
-    for (const std::string& letter : plain) {
-        items.push_back(event(letter));
-    }
+    for (const std::string& letter : plain) { items.push_back(event(letter)); }
 }
 
 bool has_type(const EventBox& box, EventType type) {
@@ -137,9 +111,7 @@ bool has_type(const EventBox& box, EventType type) {
 std::string label_slots(const EventBox& box, Dialect dialect) {
     std::string first = slot_text(box.first, dialect);
     std::string second = slot_text(box.second, dialect);
-    if (second != ".") {
-        return first + second;
-    }
+    if (second != ".") { return first + second; }
     return first == "." ? "" : first;
 }
 
@@ -158,12 +130,8 @@ std::vector<std::string> terminal_items(const EventBox& box, const std::vector<C
         items.push_back(narrower ? item("L") + "-" + item("B") : item("L"));
         background = background && dialect == Dialect::osl;
     }
-    if (background) {
-        items.push_back(item("B"));
-    }
-    if (has_type(box, EventType::emission)) {
-        items.push_back(item("O"));
-    }
+    if (background) { items.push_back(item("B")); }
+    if (has_type(box, EventType::emission)) { items.push_back(item("O")); }
     return items;
 }
 
@@ -173,15 +141,18 @@ std::vector<std::string> EventTeller::notation(const EventBox& box) const {
     const std::string labels = label_slots(box, dialect_);
     std::vector<std::string> items;
     switch (box.role) {
-        case EventRole::camera: return {"C"};
-        case EventRole::terminal: return terminal_items(box, terminals_, dialect_);
+        case EventRole::camera:
+            return {"C"};
+        case EventRole::terminal:
+            return terminal_items(box, terminals_, dialect_);
         case EventRole::user:
             for (const CoreKind& core : box.cores) {
                 const std::string name = "U" + std::to_string(core.numbers.front());
                 items.push_back(labels.empty() ? name : "<." + name + labels + ">");
             }
             return items;
-        case EventRole::scattering: break;
+        case EventRole::scattering:
+            break;
     }
     for (const ScatteringOutline& part : outline(box.cores, scattering_)) {
         if (part.reflection == part.transmission) {
@@ -190,12 +161,8 @@ std::vector<std::string> EventTeller::notation(const EventBox& box) const {
             add_surface("R", part.reflection, part, labels, dialect_, items);
             add_surface("T", part.transmission, part, labels, dialect_, items);
         }
-        if (part.straight) {
-            items.push_back("<Ts" + labels + ">");
-        }
-        if (part.volume) {
-            items.push_back(labels.empty() ? "V" : "<V." + labels + ">");
-        }
+        if (part.straight) { items.push_back("<Ts" + labels + ">"); }
+        if (part.volume) { items.push_back(labels.empty() ? "V" : "<V." + labels + ">"); }
     }
     return items;
 }

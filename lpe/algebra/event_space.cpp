@@ -20,15 +20,13 @@ namespace {
 struct Tests {
     std::set<std::string> object_names, lobe_names, group_names;
     std::set<std::string> object_globs, lobe_globs, group_globs;
-    std::set<std::string> seen;      // keys of event sets that were read
+    std::set<std::string> seen;  // keys of event sets that were read
     std::vector<CoreSet> core_sets;
 };
 
 bool has_role(const CoreSet& cores, EventRole role) {
     for (std::size_t core = 0; core < core_count; ++core) {
-        if (cores[core] && role_of(core_event(core).type) == role) {
-            return true;
-        }
+        if (cores[core] && role_of(core_event(core).type) == role) { return true; }
     }
     return false;
 }
@@ -42,32 +40,22 @@ void add_pattern(const EventPattern& pattern, Tests& tests) {
     if (std::find(tests.core_sets.begin(), tests.core_sets.end(), pattern.cores) == tests.core_sets.end()) {
         tests.core_sets.push_back(pattern.cores);
     }
-    if (pattern.labels.empty()) {
-        return;
-    }
+    if (pattern.labels.empty()) { return; }
     if (has_role(pattern.cores, EventRole::terminal)) {
         add_test(pattern.labels[0], tests.group_names, tests.group_globs);
     }
     if (has_role(pattern.cores, EventRole::scattering) || has_role(pattern.cores, EventRole::user)) {
         add_test(pattern.labels[0], tests.object_names, tests.object_globs);
-        if (pattern.labels.size() > 1) {
-            add_test(pattern.labels[1], tests.lobe_names, tests.lobe_globs);
-        }
+        if (pattern.labels.size() > 1) { add_test(pattern.labels[1], tests.lobe_names, tests.lobe_globs); }
     }
 }
 
 void add_tree(const Node& node, Tests& tests) {
     if (node.kind == NodeKind::event && tests.seen.insert(node.events.key()).second) {
-        for (const EventPattern& pattern : node.events.any_of) {
-            add_pattern(pattern, tests);
-        }
-        for (const EventPattern& pattern : node.events.none_of) {
-            add_pattern(pattern, tests);
-        }
+        for (const EventPattern& pattern : node.events.any_of) { add_pattern(pattern, tests); }
+        for (const EventPattern& pattern : node.events.none_of) { add_pattern(pattern, tests); }
     }
-    for (const NodePtr& child : node.children) {
-        add_tree(*child, tests);
-    }
+    for (const NodePtr& child : node.children) { add_tree(*child, tests); }
 }
 
 int highest_number(Scatter scatter) {
@@ -80,13 +68,9 @@ void add_cores(EventType type, Scatter scatter, const Tests& tests, std::vector<
     for (int number = 0; number <= highest_number(scatter); ++number) {
         const std::size_t core = core_index({type, scatter, static_cast<std::uint8_t>(number), {}});
         std::vector<bool> answers;
-        for (const CoreSet& set : tests.core_sets) {
-            answers.push_back(set[core]);
-        }
+        for (const CoreSet& set : tests.core_sets) { answers.push_back(set[core]); }
         const auto [place, fresh] = known.emplace(std::move(answers), cores.size());
-        if (fresh) {
-            cores.push_back({type, scatter, {}});
-        }
+        if (fresh) { cores.push_back({type, scatter, {}}); }
         cores[place->second].numbers.push_back(static_cast<std::uint8_t>(number));
     }
 }
@@ -99,23 +83,25 @@ Event example(const CoreKind& core, const std::string& first, const std::string&
 
 EventRole role_of(EventType type) {
     switch (type) {
-        case EventType::camera: return EventRole::camera;
+        case EventType::camera:
+            return EventRole::camera;
         case EventType::reflection:
         case EventType::transmission:
-        case EventType::volume: return EventRole::scattering;
+        case EventType::volume:
+            return EventRole::scattering;
         case EventType::light:
         case EventType::background:
-        case EventType::emission: return EventRole::terminal;
-        case EventType::user: return EventRole::user;
+        case EventType::emission:
+            return EventRole::terminal;
+        case EventType::user:
+            return EventRole::user;
     }
     return EventRole::user;
 }
 
 EventSpace::EventSpace(const std::vector<const Node*>& trees) {
     Tests tests;
-    for (const Node* tree : trees) {
-        add_tree(*tree, tests);
-    }
+    for (const Node* tree : trees) { add_tree(*tree, tests); }
     cores_.push_back({EventType::camera, Scatter::none, {0}});
     for (const EventType type : {EventType::reflection, EventType::transmission}) {
         for (const Scatter scatter : {Scatter::diffuse, Scatter::glossy, Scatter::singular}) {
@@ -136,9 +122,7 @@ EventSpace::EventSpace(const std::vector<const Node*>& trees) {
         all.insert("");
         for (const std::string& name : all) {
             Value value{name, true, {}};
-            for (const std::string& glob : slot.globs) {
-                value.globs.push_back(glob_matches(glob, name));
-            }
+            for (const std::string& glob : slot.globs) { value.globs.push_back(glob_matches(glob, name)); }
             slot.values.push_back(std::move(value));
         }
         for (LabelKind& kind : label_kinds(slot.globs, {all.begin(), all.end()})) {
@@ -189,14 +173,10 @@ std::vector<EventBox> EventSpace::boxes(const std::function<Membership(const Eve
         std::vector<std::pair<Matrix, std::vector<CoreKind>>> groups;
         std::vector<CoreKind> whole;
         for (const CoreKind& core : cores_) {
-            if (role_of(core.type) != role) {
-                continue;
-            }
+            if (role_of(core.type) != role) { continue; }
             Matrix matrix = ask(core, member);
             const auto count = [&](Membership m) { return std::count(matrix.begin(), matrix.end(), m); };
-            if (count(Membership::in) == 0) {
-                continue;
-            }
+            if (count(Membership::in) == 0) { continue; }
             if (count(Membership::out) == 0) {
                 whole.push_back(core);
                 continue;
@@ -209,12 +189,8 @@ std::vector<EventBox> EventSpace::boxes(const std::function<Membership(const Eve
                 known->second.push_back(core);
             }
         }
-        if (!whole.empty()) {
-            result.push_back({role, std::move(whole), {}, {}});
-        }
-        for (const auto& [matrix, cores] : groups) {
-            cut(role, cores, matrix, result);
-        }
+        if (!whole.empty()) { result.push_back({role, std::move(whole), {}, {}}); }
+        for (const auto& [matrix, cores] : groups) { cut(role, cores, matrix, result); }
     }
     // In the order of cores, so that L stands before O whatever their labels.
     const auto earlier = [](const EventBox& a, const EventBox& b) {
@@ -250,9 +226,7 @@ void EventSpace::cut(EventRole role, const std::vector<CoreKind>& cores, const M
         for (std::size_t column = 0; column < width; ++column) {
             in.push_back(matrix[row * width + column] == Membership::in);
         }
-        if (std::find(in.begin(), in.end(), true) == in.end()) {
-            continue;
-        }
+        if (std::find(in.begin(), in.end(), true) == in.end()) { continue; }
         const auto same = [&](const auto& entry) { return entry.first == in; };
         const auto known = std::find_if(distinct.begin(), distinct.end(), same);
         const auto index = static_cast<std::size_t>(known - distinct.begin());
@@ -275,7 +249,7 @@ void EventSpace::cut(EventRole role, const std::vector<CoreKind>& cores, const M
 
 LabelChoice EventSpace::choice(const Slot& slot, const std::vector<bool>& in, const std::vector<bool>& possible) {
     LabelChoice result;
-    bool rest_in = false;       // labels that nothing names
+    bool rest_in = false;  // labels that nothing names
     bool all = true;
     std::vector<std::size_t> open;  // kinds of labels that globs tell apart
     for (std::size_t k = 0; k < slot.values.size(); ++k) {
@@ -288,9 +262,7 @@ LabelChoice EventSpace::choice(const Slot& slot, const std::vector<bool>& in, co
             rest_in = in[k];
         }
     }
-    if (all) {
-        return {};
-    }
+    if (all) { return {}; }
     result.kind = rest_in ? LabelChoice::Kind::except : LabelChoice::Kind::only;
     // List what differs from the rest: globs whose labels all differ first, then the names that no such glob covers.
     std::vector<bool> listed(slot.values.size(), false);

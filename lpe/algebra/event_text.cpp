@@ -29,13 +29,9 @@ struct Lobe {
 const std::vector<Lobe>& lobes() {
     static const std::vector<Lobe> list = [] {
         std::vector<Lobe> all{{Scatter::none, 0}};
-        for (int k = 0; k <= 4; ++k) {
-            all.push_back({Scatter::diffuse, k});
-        }
+        for (int k = 0; k <= 4; ++k) { all.push_back({Scatter::diffuse, k}); }
         for (const Scatter scatter : {Scatter::glossy, Scatter::singular}) {
-            for (int k = 0; k <= 8; ++k) {
-                all.push_back({scatter, k});
-            }
+            for (int k = 0; k <= 8; ++k) { all.push_back({scatter, k}); }
         }
         return all;
     }();
@@ -49,9 +45,7 @@ bool occurs(EventType type, const Lobe& lobe) {
 
 std::string joined(const std::vector<std::string>& texts) {
     std::string all;
-    for (const std::string& text : texts) {
-        all += text;
-    }
+    for (const std::string& text : texts) { all += text; }
     return all;
 }
 
@@ -77,19 +71,13 @@ std::optional<std::vector<std::string>> choose(const Letters& letters, const std
                 best = &letter;
             }
         }
-        if (best == nullptr) {
-            return std::nullopt;
-        }
-        for (std::size_t v = 0; v < left.size(); ++v) {
-            left[v] = left[v] && !best->values[v];
-        }
+        if (best == nullptr) { return std::nullopt; }
+        for (std::size_t v = 0; v < left.size(); ++v) { left[v] = left[v] && !best->values[v]; }
         chosen.push_back(best);
     }
     std::sort(chosen.begin(), chosen.end());  // the letters' own order
     std::vector<std::string> texts;
-    for (const auto* letter : chosen) {
-        texts.push_back(letter->text);
-    }
+    for (const auto* letter : chosen) { texts.push_back(letter->text); }
     return texts;
 }
 
@@ -98,9 +86,7 @@ std::optional<std::vector<std::string>> choose(const Letters& letters, const std
 void SlotLabels::gather(const Node& root) {
     const auto add = [](std::vector<std::string>& list, const std::vector<std::string>& more) {
         for (const std::string& each : more) {
-            if (std::find(list.begin(), list.end(), each) == list.end()) {
-                list.push_back(each);
-            }
+            if (std::find(list.begin(), list.end(), each) == list.end()) { list.push_back(each); }
         }
     };
     for (const auto* patterns : {&root.events.any_of, &root.events.none_of}) {
@@ -115,9 +101,7 @@ void SlotLabels::gather(const Node& root) {
             }
         }
     }
-    for (const NodePtr& child : root.children) {
-        gather(*child);
-    }
+    for (const NodePtr& child : root.children) { gather(*child); }
 }
 
 EventWriter::EventWriter(const EventClasses& classes, const SlotLabels& labels, bool extensions) {
@@ -131,9 +115,7 @@ EventWriter::EventWriter(const EventClasses& classes, const SlotLabels& labels, 
     class_of_cell_.assign(sizes_[0] * sizes_[1] * sizes_[2] * sizes_[3], no_class);
     for (std::size_t type = 0; type < sizes_[0]; ++type) {
         for (std::size_t lobe = 0; lobe < sizes_[1]; ++lobe) {
-            if (!occurs(types[type], lobes()[lobe])) {
-                continue;
-            }
+            if (!occurs(types[type], lobes()[lobe])) { continue; }
             Event event{types[type], lobes()[lobe].scatter, static_cast<std::uint8_t>(lobes()[lobe].number), {"", ""}};
             for (std::size_t a = 0; a < sizes_[2]; ++a) {
                 for (std::size_t b = 0; b < sizes_[3]; ++b) {
@@ -158,14 +140,10 @@ void EventWriter::add_types(bool extensions) {
     add("C", {EventType::camera});
     add("L", {EventType::light, EventType::background});
     add("O", {EventType::emission});
-    if (extensions) {
-        add("B", {EventType::background});
-    }
+    if (extensions) { add("B", {EventType::background}); }
     add("R", {EventType::reflection});
     add("T", {EventType::transmission});
-    if (extensions) {
-        add("V", {EventType::volume});
-    }
+    if (extensions) { add("V", {EventType::volume}); }
 }
 
 void EventWriter::add_lobes(bool extensions) {
@@ -180,15 +158,9 @@ void EventWriter::add_lobes(bool extensions) {
     };
     add("D", {Scatter::diffuse}, 0);
     add("S", {Scatter::glossy, Scatter::singular}, 0);
-    if (extensions) {
-        add("G", {Scatter::glossy}, 0);
-    }
-    for (int k = 1; k <= 4; ++k) {
-        add("D" + std::to_string(k), {Scatter::diffuse}, k);
-    }
-    for (int k = 1; k <= 8; ++k) {
-        add("S" + std::to_string(k), {Scatter::glossy, Scatter::singular}, k);
-    }
+    if (extensions) { add("G", {Scatter::glossy}, 0); }
+    for (int k = 1; k <= 4; ++k) { add("D" + std::to_string(k), {Scatter::diffuse}, k); }
+    for (int k = 1; k <= 8; ++k) { add("S" + std::to_string(k), {Scatter::glossy, Scatter::singular}, k); }
 }
 
 void EventWriter::add_labels(std::size_t slot, const std::vector<std::string>& names,
@@ -196,9 +168,7 @@ void EventWriter::add_labels(std::size_t slot, const std::vector<std::string>& n
     // One value for every name, and one for every kind of other labels.
     std::vector<std::string>& examples = label_examples_[slot];
     examples = names;
-    for (LabelKind& kind : label_kinds(globs, names)) {
-        examples.push_back(std::move(kind.example));
-    }
+    for (LabelKind& kind : label_kinds(globs, names)) { examples.push_back(std::move(kind.example)); }
     sizes_[slot + 2] = examples.size();
     for (std::size_t k = 0; k < names.size(); ++k) {
         Values values(examples.size(), false);
@@ -207,9 +177,7 @@ void EventWriter::add_labels(std::size_t slot, const std::vector<std::string>& n
     }
     for (const std::string& glob : globs) {
         Values values(examples.size(), false);
-        for (std::size_t k = 0; k < examples.size(); ++k) {
-            values[k] = glob_matches(glob, examples[k]);
-        }
+        for (std::size_t k = 0; k < examples.size(); ++k) { values[k] = glob_matches(glob, examples[k]); }
         letters_[slot + 2].push_back({"'" + glob + "'", std::move(values)});
     }
 }
@@ -235,9 +203,7 @@ bool EventWriter::fits(const std::vector<Cell>& cells, const Box& box) const {
         for (std::size_t b = 0; box[0][a] && b < sizes_[1]; ++b) {
             for (std::size_t c = 0; box[1][b] && c < sizes_[2]; ++c) {
                 for (std::size_t d = 0; box[2][c] && d < sizes_[3]; ++d) {
-                    if (box[3][d] && cells[index({a, b, c, d})] == Cell::avoided) {
-                        return false;
-                    }
+                    if (box[3][d] && cells[index({a, b, c, d})] == Cell::avoided) { return false; }
                 }
             }
         }
@@ -274,9 +240,7 @@ EventWriter::Values EventWriter::values_in_use(const std::vector<Cell>& cells, c
         for (at[1] = 0; at[1] < sizes_[1] && box[0][at[0]]; ++at[1]) {
             for (at[2] = 0; at[2] < sizes_[2] && box[1][at[1]]; ++at[2]) {
                 for (at[3] = 0; at[3] < sizes_[3] && box[2][at[2]]; ++at[3]) {
-                    if (box[3][at[3]] && cells[index(at)] == Cell::wanted) {
-                        used[at[slot]] = true;
-                    }
+                    if (box[3][at[3]] && cells[index(at)] == Cell::wanted) { used[at[slot]] = true; }
                 }
             }
         }
@@ -286,7 +250,7 @@ EventWriter::Values EventWriter::values_in_use(const std::vector<Cell>& cells, c
 
 /// The box as items of a list: "<RD'floor'>", or several bare letters.
 std::optional<std::vector<std::string>> EventWriter::box_text(const std::vector<Cell>& cells, const Box& box,
-                                                             const std::string& label) const {
+                                                              const std::string& label) const {
     std::array<std::vector<std::string>, slots> parts;
     std::array<std::string, slots> text;
     for (std::size_t slot = 0; slot < slots; ++slot) {
@@ -299,9 +263,7 @@ std::optional<std::vector<std::string>> EventWriter::box_text(const std::vector<
         const Values used = values_in_use(cells, box, slot);
         const auto positive = choose(letters_[slot], used, outside);
         const auto negative = choose(letters_[slot], outside, used);
-        if (!positive && !negative) {
-            return std::nullopt;
-        }
+        if (!positive && !negative) { return std::nullopt; }
         if (positive && (!negative || joined(*positive).size() <= joined(*negative).size() + 1)) {
             parts[slot] = *positive;
             text[slot] = positive->size() == 1 ? positive->front() : "[" + joined(*positive) + "]";
@@ -309,22 +271,14 @@ std::optional<std::vector<std::string>> EventWriter::box_text(const std::vector<
             text[slot] = "[^" + joined(*negative) + "]";
         }
     }
-    if (!label.empty()) {
-        text[2] = label;
-    }
+    if (!label.empty()) { text[2] = label; }
     const bool any_label = text[2] == "." && text[3] == ".";
-    if (any_label && text[0] == "." && text[1] == ".") {
-        return std::vector<std::string>{"."};
-    }
+    if (any_label && text[0] == "." && text[1] == ".") { return std::vector<std::string>{"."}; }
     // Alone in its slot a list of letters is a list of events.
     for (const std::size_t slot : {std::size_t{0}, std::size_t{1}}) {
-        if (any_label && text[1 - slot] == "." && !parts[slot].empty()) {
-            return parts[slot];
-        }
+        if (any_label && text[1 - slot] == "." && !parts[slot].empty()) { return parts[slot]; }
     }
-    if (text[0] == "." && text[1] == "." && text[3] == "." && parts[2].size() == 1) {
-        return parts[2];
-    }
+    if (text[0] == "." && text[1] == "." && text[3] == "." && parts[2].size() == 1) { return parts[2]; }
     const std::string labels = any_label ? "" : text[3] == "." ? text[2] : text[2] + text[3];
     const std::string lobe = labels.empty() && text[1] == "." ? "" : text[1];
     return std::vector<std::string>{"<" + text[0] + lobe + labels + ">"};
@@ -347,12 +301,8 @@ std::optional<EventWriter::Box> EventWriter::best_box(const std::vector<Cell>& c
     do {
         Box box = grown(cells, at, order);
         std::size_t gain = 0;
-        for (std::size_t i = 0; i < left.size(); ++i) {
-            gain += left[i] == Cell::wanted && holds(box, i) ? 1U : 0U;
-        }
-        if (best && gain < most) {
-            continue;
-        }
+        for (std::size_t i = 0; i < left.size(); ++i) { gain += left[i] == Cell::wanted && holds(box, i) ? 1U : 0U; }
+        if (best && gain < most) { continue; }
         const auto text = box_text(cells, box);
         const std::size_t length = text ? joined(*text).size() : 0;
         if (text && (!best || gain > most || length < shortest)) {
@@ -369,13 +319,9 @@ std::optional<std::vector<std::string>> EventWriter::cover(const std::vector<Cel
     std::vector<Box> boxes;
     std::vector<Cell> left = cells;
     for (std::size_t k = 0; k < cells.size(); ++k) {
-        if (left[k] != Cell::wanted) {
-            continue;
-        }
+        if (left[k] != Cell::wanted) { continue; }
         std::optional<Box> box = best_box(cells, left, k);
-        if (!box || boxes.size() >= most_boxes) {
-            return std::nullopt;
-        }
+        if (!box || boxes.size() >= most_boxes) { return std::nullopt; }
         for (std::size_t i = 0; i < left.size(); ++i) {
             left[i] = left[i] == Cell::wanted && holds(*box, i) ? Cell::free : left[i];
         }
@@ -403,13 +349,9 @@ std::optional<std::vector<std::string>> EventWriter::texts(const std::vector<Cel
                 later[i] = Cell::free;
             }
         }
-        if (!needed) {
-            continue;
-        }
+        if (!needed) { continue; }
         const auto text = box_text(open, boxes[mine], label);
-        if (!text) {
-            return std::nullopt;
-        }
+        if (!text) { return std::nullopt; }
         items.insert(items.begin(), text->begin(), text->end());
         open = std::move(later);
     }
@@ -422,18 +364,14 @@ std::optional<std::string> EventWriter::write(const ClassSet& wanted, const Clas
     };
     const auto items = cover(table(wanted, avoided));
     std::optional<std::string> text;
-    if (items && !items->empty()) {
-        text = items->size() == 1 ? items->front() : as_list(*items, "[");
-    }
+    if (items && !items->empty()) { text = items->size() == 1 ? items->front() : as_list(*items, "["); }
     if (text && text->size() <= 4) {
         return text;  // no excluding form is shorter
     }
     const auto others = cover(table(avoided, wanted));
     if (others && !others->empty()) {
         std::string negative = as_list(*others, "[^");
-        if (!text || negative.size() < text->size()) {
-            text = std::move(negative);
-        }
+        if (!text || negative.size() < text->size()) { text = std::move(negative); }
     }
     return text;
 }

@@ -1,9 +1,10 @@
-// Sets of events as people write them: a set of event classes becomes one item of a `renderman` expression, `D`, `[DS]`,
+// Sets of events as people write them: a set of event classes becomes one item of a `renderman` expression, `D`,
+// `[DS]`,
 // `<R[^D2]>`, `<L.[^'key''fill']>`.
 //
-// The set is seen as a table over four slots (type, lobe, first label, second label). It is covered by boxes, each a set of
-// values a slot, and a box is a <...>; of the cover and the excluding form [^...] the shorter is taken. Events that cannot
-// stand where the item will stand are free: a box may hold them or not, whatever is shorter.
+// The set is seen as a table over four slots (type, lobe, first label, second label). It is covered by boxes, each a
+// set of values a slot, and a box is a <...>; of the cover and the excluding form [^...] the shorter is taken. Events
+// that cannot stand where the item will stand are free: a box may hold them or not, whatever is shorter.
 #pragma once
 
 #include <array>
@@ -29,15 +30,17 @@ struct SlotLabels {
 
 class EventWriter {
   public:
-    /// Throws Failure when the labels are too many to lay out. `extensions`: the letters B, V and G may be written, which
-    /// RenderMan does not know.
+    /// Throws Failure when the labels are too many to lay out. `extensions`: the letters B, V and G may be written,
+    /// which RenderMan does not know.
     EventWriter(const EventClasses& classes, const SlotLabels& labels, bool extensions = true);
 
-    /// An item that matches every class of `wanted` and none of `avoided`; nothing where only a longer construction could.
+    /// An item that matches every class of `wanted` and none of `avoided`; nothing where only a longer construction
+    /// could.
     [[nodiscard]] std::optional<std::string> write(const ClassSet& wanted, const ClassSet& avoided) const;
-    /// The same for the events that also carry a first label: `label` is its text, "'floor'" or "[^'floor''wall']". The sets
-    /// say nothing of labels then. Several items come without brackets around them.
-    [[nodiscard]] std::optional<std::string> write_labelled(const ClassSet& wanted, const ClassSet& avoided, const std::string& label) const;
+    /// The same for the events that also carry a first label: `label` is its text, "'floor'" or "[^'floor''wall']". The
+    /// sets say nothing of labels then. Several items come without brackets around them.
+    [[nodiscard]] std::optional<std::string> write_labelled(const ClassSet& wanted, const ClassSet& avoided,
+                                                            const std::string& label) const;
 
   private:
     static constexpr std::size_t slots = 4;  // type, lobe, first label, second label
@@ -57,10 +60,13 @@ class EventWriter {
     [[nodiscard]] Box grown(const std::vector<Cell>& cells, const std::array<std::size_t, slots>& from,
                             const std::array<std::size_t, slots>& order) const;
     [[nodiscard]] bool holds(const Box& box, std::size_t cell) const;
-    [[nodiscard]] std::optional<Box> best_box(const std::vector<Cell>& cells, const std::vector<Cell>& left, std::size_t cell) const;
-    [[nodiscard]] std::optional<std::vector<std::string>> texts(const std::vector<Cell>& cells, const std::vector<Box>& boxes,
+    [[nodiscard]] std::optional<Box> best_box(const std::vector<Cell>& cells, const std::vector<Cell>& left,
+                                              std::size_t cell) const;
+    [[nodiscard]] std::optional<std::vector<std::string>> texts(const std::vector<Cell>& cells,
+                                                                const std::vector<Box>& boxes,
                                                                 const std::string& label) const;
-    [[nodiscard]] std::optional<std::vector<std::string>> cover(const std::vector<Cell>& cells, const std::string& label = {}) const;
+    [[nodiscard]] std::optional<std::vector<std::string>> cover(const std::vector<Cell>& cells,
+                                                                const std::string& label = {}) const;
     [[nodiscard]] Values values_in_use(const std::vector<Cell>& cells, const Box& box, std::size_t slot) const;
     [[nodiscard]] std::optional<std::vector<std::string>> box_text(const std::vector<Cell>& cells, const Box& box,
                                                                    const std::string& label = {}) const;

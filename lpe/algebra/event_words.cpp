@@ -12,7 +12,9 @@ bool has_scatter(const std::vector<Scatter>& list, Scatter scatter) {
 
 namespace {
 
-std::string quoted(const std::string& text) { return "'" + text + "'"; }
+std::string quoted(const std::string& text) {
+    return "'" + text + "'";
+}
 
 /// "diffuse or specular "
 std::string adjectives(const std::vector<Scatter>& scatters, Dialect dialect) {
@@ -20,18 +22,12 @@ std::string adjectives(const std::vector<Scatter>& scatters, Dialect dialect) {
     const bool glossy = has_scatter(scatters, Scatter::glossy);
     const bool singular = has_scatter(scatters, Scatter::singular);
     std::vector<std::string> words;
-    if (diffuse) {
-        words.emplace_back("diffuse");
-    }
+    if (diffuse) { words.emplace_back("diffuse"); }
     if (dialect == Dialect::renderman && glossy && singular) {
         words.emplace_back("specular");
     } else {
-        if (glossy) {
-            words.emplace_back("glossy");
-        }
-        if (singular) {
-            words.emplace_back(dialect == Dialect::renderman ? "mirror-like" : "specular");
-        }
+        if (glossy) { words.emplace_back("glossy"); }
+        if (singular) { words.emplace_back(dialect == Dialect::renderman ? "mirror-like" : "specular"); }
     }
     return joined_by(words) + " ";
 }
@@ -39,12 +35,8 @@ std::string adjectives(const std::vector<Scatter>& scatters, Dialect dialect) {
 /// The labels of a choice, each as a noun: `labelled` stands before what a glob matches.
 std::vector<std::string> listed(const LabelChoice& choice, const std::string& matched) {
     std::vector<std::string> items;
-    for (const std::string& name : choice.names) {
-        items.push_back(quoted(name));
-    }
-    for (const std::string& glob : choice.globs) {
-        items.push_back(matched + quoted(glob));
-    }
+    for (const std::string& name : choice.names) { items.push_back(quoted(name)); }
+    for (const std::string& glob : choice.globs) { items.push_back(matched + quoted(glob)); }
     return shortened(std::move(items));
 }
 
@@ -52,9 +44,7 @@ std::vector<std::string> listed(const LabelChoice& choice, const std::string& ma
 std::string object_words(const LabelChoice& choice) {
     std::vector<std::string> items = listed(choice, "what is called ");
     if (choice.kind == LabelChoice::Kind::only) {
-        if (choice.empty_allowed) {
-            items.emplace_back("what has no label");
-        }
+        if (choice.empty_allowed) { items.emplace_back("what has no label"); }
         return joined_by(items);
     }
     const std::string what = choice.empty_allowed ? "anything" : "anything labelled";
@@ -65,9 +55,7 @@ std::string lobe_words(const LabelChoice& choice) {
     std::vector<std::string> items = listed(choice, "");
     if (choice.kind == LabelChoice::Kind::only) {
         std::string text = items.empty() ? "" : "the lobe " + joined_by(items);
-        if (choice.empty_allowed) {
-            text += text.empty() ? "an unnamed lobe" : " or an unnamed one";
-        }
+        if (choice.empty_allowed) { text += text.empty() ? "an unnamed lobe" : " or an unnamed one"; }
         return text;
     }
     const std::string what = choice.empty_allowed ? "any lobe" : "any named lobe";
@@ -78,9 +66,7 @@ std::string group_words(const LabelChoice& choice) {
     std::vector<std::string> items = listed(choice, "");
     if (choice.kind == LabelChoice::Kind::only) {
         std::string text = items.empty() ? "" : "group " + joined_by(items);
-        if (choice.empty_allowed) {
-            text += text.empty() ? "no group" : " or of no group";
-        }
+        if (choice.empty_allowed) { text += text.empty() ? "no group" : " or of no group"; }
         return text;
     }
     const std::string what = choice.empty_allowed ? "any group" : "any named group";
@@ -91,17 +77,13 @@ std::string group_words(const LabelChoice& choice) {
 std::string number_words(const ScatteringOutline& part) {
     std::vector<Scatter> all = part.reflection;
     all.insert(all.end(), part.transmission.begin(), part.transmission.end());
-    if (part.numbers.empty()) {
-        return {};
-    }
+    if (part.numbers.empty()) { return {}; }
     std::vector<std::string> items;
     for (const auto& [letter, present] :
          {std::pair{'D', has_scatter(all, Scatter::diffuse)},
           std::pair{'S', has_scatter(all, Scatter::glossy) || has_scatter(all, Scatter::singular)}}) {
         for (const std::uint8_t number : part.numbers) {
-            if (present) {
-                items.push_back(std::string(1, letter) + std::to_string(number));
-            }
+            if (present) { items.push_back(std::string(1, letter) + std::to_string(number)); }
         }
     }
     return part.numbers_excluded ? " (any lobe but " + joined_by(items, " and ") + ")"
@@ -125,19 +107,11 @@ std::vector<NounForms> nouns(const ScatteringOutline& part, Dialect dialect) {
     if (!part.reflection.empty() && part.reflection == part.transmission) {
         add(part.reflection, "scattering", " at ");
     } else {
-        if (!part.reflection.empty()) {
-            add(part.reflection, "reflection", " off ");
-        }
-        if (!part.transmission.empty()) {
-            add(part.transmission, "transmission", " through ");
-        }
+        if (!part.reflection.empty()) { add(part.reflection, "reflection", " off "); }
+        if (!part.transmission.empty()) { add(part.transmission, "transmission", " through "); }
     }
-    if (part.straight) {
-        forms.push_back({"straight passage", "straight passages", " through "});
-    }
-    if (part.volume) {
-        forms.push_back({"volume scattering", "volume scatterings", " in "});
-    }
+    if (part.straight) { forms.push_back({"straight passage", "straight passages", " through "}); }
+    if (part.volume) { forms.push_back({"volume scattering", "volume scatterings", " in "}); }
     return forms;
 }
 
@@ -154,9 +128,7 @@ bool has_type(const std::vector<CoreKind>& cores, EventType type) {
 EventPhrase scattering_phrase(const EventBox& box, const std::vector<CoreKind>& possible, bool all, Dialect dialect) {
     EventPhrase phrase;
     std::string lobe;
-    if (box.second.kind != LabelChoice::Kind::any) {
-        lobe = " by " + lobe_words(box.second);
-    }
+    if (box.second.kind != LabelChoice::Kind::any) { lobe = " by " + lobe_words(box.second); }
     const std::string object = box.first.kind == LabelChoice::Kind::any ? "" : object_words(box.first);
     if (all) {
         const std::string tail = (object.empty() ? "" : " at " + object) + lobe;
@@ -192,12 +164,8 @@ EventPhrase terminal_phrase(const EventBox& box, const std::vector<CoreKind>& po
         const std::string but = dialect == Dialect::renderman ? " other than the background" : "";
         add("a light" + but, "lights" + but);
     }
-    if (background && !merged) {
-        add("the background", "backgrounds");
-    }
-    if (has_type(box.cores, EventType::emission)) {
-        add("emission", "emissions");
-    }
+    if (background && !merged) { add("the background", "backgrounds"); }
+    if (has_type(box.cores, EventType::emission)) { add("emission", "emissions"); }
     return phrase;
 }
 
@@ -205,9 +173,7 @@ EventPhrase user_phrase(const EventBox& box) {
     EventPhrase phrase;
     for (const CoreKind& core : box.cores) {
         std::string text = "user event U" + std::to_string(core.numbers.front());
-        if (box.first.kind != LabelChoice::Kind::any) {
-            text += " labelled " + object_words(box.first);
-        }
+        if (box.first.kind != LabelChoice::Kind::any) { text += " labelled " + object_words(box.first); }
         phrase.one.push_back(text);
         phrase.many.push_back(text.replace(0, 10, "user events"));
     }
@@ -249,9 +215,7 @@ std::vector<ScatteringOutline> outline(const std::vector<CoreKind>& cores, const
     std::vector<ScatteringOutline> parts;
     for (auto& [cell, numbers] : cells) {
         auto& [all, chosen] = numbers;
-        if (chosen.empty()) {
-            continue;
-        }
+        if (chosen.empty()) { continue; }
         std::sort(all.begin(), all.end());
         std::sort(chosen.begin(), chosen.end());
         ScatteringOutline wanted;
@@ -268,9 +232,7 @@ std::vector<ScatteringOutline> outline(const std::vector<CoreKind>& cores, const
             return part.numbers == wanted.numbers && part.numbers_excluded == wanted.numbers_excluded;
         };
         auto part = std::find_if(parts.begin(), parts.end(), same);
-        if (part == parts.end()) {
-            part = parts.insert(parts.end(), std::move(wanted));
-        }
+        if (part == parts.end()) { part = parts.insert(parts.end(), std::move(wanted)); }
         const auto [type, scatter] = cell;
         if (type == EventType::volume) {
             part->volume = true;
@@ -284,28 +246,29 @@ std::vector<ScatteringOutline> outline(const std::vector<CoreKind>& cores, const
 }
 
 EventTeller::EventTeller(const EventSpace& space, Dialect dialect, const Members& occurring)
-    : space_(space), dialect_(dialect), scattering_(space.possible(EventRole::scattering, occurring)),
+    : space_(space),
+      dialect_(dialect),
+      scattering_(space.possible(EventRole::scattering, occurring)),
       terminals_(space.possible(EventRole::terminal, occurring)) {}
 
 bool EventTeller::is_all(const EventBox& box) const {
-    if (box.first.kind != LabelChoice::Kind::any || box.second.kind != LabelChoice::Kind::any) {
-        return false;
-    }
-    if (box.role == EventRole::camera) {
-        return true;
-    }
+    if (box.first.kind != LabelChoice::Kind::any || box.second.kind != LabelChoice::Kind::any) { return false; }
+    if (box.role == EventRole::camera) { return true; }
     const std::vector<CoreKind>& possible = box.role == EventRole::scattering ? scattering_ : terminals_;
-    return box.role != EventRole::user && std::all_of(possible.begin(), possible.end(), [&](const CoreKind& core) {
-        return contains(box.cores, core);
-    });
+    return box.role != EventRole::user && std::all_of(possible.begin(), possible.end(),
+                                                      [&](const CoreKind& core) { return contains(box.cores, core); });
 }
 
 EventPhrase EventTeller::phrase(const EventBox& box) const {
     switch (box.role) {
-        case EventRole::camera: return {{"camera"}, {"cameras"}};
-        case EventRole::user: return user_phrase(box);
-        case EventRole::terminal: return terminal_phrase(box, terminals_, dialect_);
-        case EventRole::scattering: break;
+        case EventRole::camera:
+            return {{"camera"}, {"cameras"}};
+        case EventRole::user:
+            return user_phrase(box);
+        case EventRole::terminal:
+            return terminal_phrase(box, terminals_, dialect_);
+        case EventRole::scattering:
+            break;
     }
     const bool all = std::all_of(scattering_.begin(), scattering_.end(),
                                  [&](const CoreKind& core) { return contains(box.cores, core); });

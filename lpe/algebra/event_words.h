@@ -9,8 +9,8 @@
 
 namespace raylex::lpe {
 
-/// "diffuse reflection off 'floor'" and "diffuse reflections off 'floor'", one entry for each alternative. Terminals bring
-/// their article: "a light of group 'key'", "emission".
+/// "diffuse reflection off 'floor'" and "diffuse reflections off 'floor'", one entry for each alternative. Terminals
+/// bring their article: "a light of group 'key'", "emission".
 struct EventPhrase {
     std::vector<std::string> one, many;
     [[nodiscard]] bool empty() const { return one.empty(); }
@@ -50,12 +50,13 @@ class EventTeller {
 
 /// The scattering cores of a box, taken apart into groups of equal lobe numbers.
 struct ScatteringOutline {
-    std::vector<std::uint8_t> numbers;          ///< none: every lobe number
-    bool numbers_excluded = false;              ///< every number but these
+    std::vector<std::uint8_t> numbers;  ///< none: every lobe number
+    bool numbers_excluded = false;      ///< every number but these
     std::vector<Scatter> reflection, transmission;
     bool straight = false;
     bool volume = false;
 };
-[[nodiscard]] std::vector<ScatteringOutline> outline(const std::vector<CoreKind>& cores, const std::vector<CoreKind>& possible);
+[[nodiscard]] std::vector<ScatteringOutline> outline(const std::vector<CoreKind>& cores,
+                                                     const std::vector<CoreKind>& possible);
 
 }  // namespace raylex::lpe

@@ -17,15 +17,15 @@ namespace raylex::lpe {
 
 struct Explanation {
     Dialect dialect = Dialect::renderman;
-    std::string expression;               ///< the text that the pieces are of: names replaced by what they stand for
-    std::string sentence;                 ///< "From the camera, one diffuse reflection, ending at a light."
+    std::string expression;  ///< the text that the pieces are of: names replaced by what they stand for
+    std::string sentence;    ///< "From the camera, one diffuse reflection, ending at a light."
     std::vector<Piece> pieces;
     std::vector<std::pair<std::string, std::string>> prefixes;  ///< name and effect on what is splatted
-    std::vector<Witness> samples;         ///< paths it accepts, the shortest first; none when it can never match
-    bool beauty = false;                  ///< by meaning, in W, without prefixes
-    std::vector<std::string> same_as;     ///< "It is the beauty.", "It is the shipped channel 'directDiffuse'."
-    std::vector<std::string> notes;       ///< what it never matches, and how letters were taken
-    std::vector<std::string> warnings;    ///< readings that differ, pieces that can never match, look-alike letters
+    std::vector<Witness> samples;       ///< paths it accepts, the shortest first; none when it can never match
+    bool beauty = false;                ///< by meaning, in W, without prefixes
+    std::vector<std::string> same_as;   ///< "It is the beauty.", "It is the shipped channel 'directDiffuse'."
+    std::vector<std::string> notes;     ///< what it never matches, and how letters were taken
+    std::vector<std::string> warnings;  ///< readings that differ, pieces that can never match, look-alike letters
 };
 
 /// Errors: the expression does not parse or is too large.

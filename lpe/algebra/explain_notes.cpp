@@ -35,9 +35,7 @@ void read_traits(const Node& node, Traits& traits) {
             }
         }
     }
-    for (const NodePtr& child : node.children) {
-        read_traits(*child, traits);
-    }
+    for (const NodePtr& child : node.children) { read_traits(*child, traits); }
 }
 
 /// Whether the letter stands in the expression outside labels.
@@ -74,9 +72,7 @@ void notes_on_ends(const Study& study, std::vector<std::string>& notes) {
     if (light && background && renderman && has_letter(study.source.expression, 'L')) {
         notes.emplace_back("L is every light, the background (infinite lights) included; B is the background alone.");
     }
-    if (!light && !background && emission) {
-        notes.emplace_back("It never ends at a light (L): O is emission alone.");
-    }
+    if (!light && !background && emission) { notes.emplace_back("It never ends at a light (L): O is emission alone."); }
 }
 
 void notes_on_scattering(const Study& study, std::vector<std::string>& notes) {

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "lpe/failure.h"
 #include "lpe/language/names.h"
 #include "lpe/language/parser.h"
 #include "lpe/limits.h"
 #include "lpe/shipped.h"
-#include "lpe/failure.h"
 
 namespace raylex::lpe {
 
@@ -16,9 +16,7 @@ namespace {
 bool has_user_events(const Node& node) {
     for (const EventPattern& pattern : node.events.any_of) {
         for (std::size_t core = core_count - user_numbers; core < core_count; ++core) {
-            if (pattern.cores[core]) {
-                return true;
-            }
+            if (pattern.cores[core]) { return true; }
         }
     }
     return std::any_of(node.children.begin(), node.children.end(),
@@ -38,9 +36,7 @@ Expression words_with_users(Words words) {
     words.max_depth.reset();
     WordSets sets = word_sets(words, false);
     EventPattern users{{}, {}, Missing::is_empty, Extra::ignored};
-    for (std::size_t core = core_count - user_numbers; core < core_count; ++core) {
-        users.cores.set(core);
-    }
+    for (std::size_t core = core_count - user_numbers; core < core_count; ++core) { users.cores.set(core); }
     sets.scattering.any_of.push_back(std::move(users));
     Expression expression;
     expression.dialect = Dialect::osl;
@@ -71,7 +67,9 @@ Languages with_words(std::vector<ChannelSource>& sources, std::vector<Expression
     return languages;
 }
 
-bool has_word(const Dfa& dfa) { return shortest_word(dfa, is_set).has_value(); }
+bool has_word(const Dfa& dfa) {
+    return shortest_word(dfa, is_set).has_value();
+}
 
 struct Known {
     std::string words;  // "the shipped channel 'volume'"
@@ -94,10 +92,14 @@ std::vector<Known> known_channels(Dialect dialect) {
 
 std::string without_words(Feature feature) {
     switch (feature) {
-        case Feature::volume: return "no medium";
-        case Feature::background: return "no background";
-        case Feature::emission: return "no emission";
-        default: return "no cutout";
+        case Feature::volume:
+            return "no medium";
+        case Feature::background:
+            return "no background";
+        case Feature::emission:
+            return "no emission";
+        default:
+            return "no cutout";
     }
 }
 
@@ -114,9 +116,7 @@ std::optional<std::vector<Feature>> excused_by(const Dfa& difference_words, cons
                 possible = possible && study.occurs(features.back());
             }
         }
-        if (!possible || features.size() > most || (best && best->size() <= features.size())) {
-            continue;
-        }
+        if (!possible || features.size() > most || (best && best->size() <= features.size())) { continue; }
         Dfa left = difference_words;
         Dfa shared = study.paths;
         for (const Feature feature : features) {
@@ -124,32 +124,30 @@ std::optional<std::vector<Feature>> excused_by(const Dfa& difference_words, cons
             shared = difference(shared, study.feature(feature));
         }
         // Where nothing is left of the channel itself, being the same says nothing.
-        if (!has_word(left) && has_word(shared)) {
-            best = std::move(features);
-        }
+        if (!has_word(left) && has_word(shared)) { best = std::move(features); }
     }
     return best;
 }
 
 std::string where(const std::vector<Feature>& missing) {
     std::vector<std::string> items;
-    for (const Feature feature : missing) {
-        items.push_back(without_words(feature));
-    }
+    for (const Feature feature : missing) { items.push_back(without_words(feature)); }
     return items.empty() ? "" : " where there is " + joined_by(items, " and ");
 }
 
 }  // namespace
 
-bool Study::accepts_some(Feature which) const { return has_word(intersection(paths, feature(which))); }
-bool Study::occurs(Feature which) const { return has_word(intersection(all, feature(which))); }
+bool Study::accepts_some(Feature which) const {
+    return has_word(intersection(paths, feature(which)));
+}
+bool Study::occurs(Feature which) const {
+    return has_word(intersection(all, feature(which)));
+}
 
 Study study(const ChannelSource& channel, const Words& words) {
     Study study;
     Result<Expansion> expansion = expand_names(channel);
-    if (!expansion) {
-        throw Failure{std::move(expansion).error()};
-    }
+    if (!expansion) { throw Failure{std::move(expansion).error()}; }
     study.source = std::move(expansion->source);
     study.expression = parse(study.source);
     study.expression.warnings.insert(study.expression.warnings.begin(), expansion->warnings.begin(),
@@ -169,9 +167,7 @@ Study study(const ChannelSource& channel, const Words& words) {
     study.expression = std::move(expressions.front());
     study.all = *study.languages.words;
     study.paths = intersection(study.all, study.languages.channels.front());
-    for (std::size_t k = 0; k < feature_count; ++k) {
-        study.features[k] = std::move(study.languages.channels[k + 1]);
-    }
+    for (std::size_t k = 0; k < feature_count; ++k) { study.features[k] = std::move(study.languages.channels[k + 1]); }
     return study;
 }
 
@@ -188,9 +184,7 @@ std::vector<bool> have_paths(const Study& study, std::vector<NodePtr> trees) {
     }
     const Languages languages =
         with_words(sources, expressions, study.words, study.user_events, study.source.dialect == Dialect::osl);
-    for (const Dfa& dfa : languages.channels) {
-        answers.push_back(has_word(intersection(*languages.words, dfa)));
-    }
+    for (const Dfa& dfa : languages.channels) { answers.push_back(has_word(intersection(*languages.words, dfa))); }
     return answers;
 }
 
@@ -205,9 +199,7 @@ std::vector<std::string> known_equals(const Study& study, bool& is_beauty) {
         return sentences;
     }
     constexpr std::size_t small = 200;  // states: what ships has fewer than ten, so nothing larger is the same
-    if (study.user_events || study.paths.states() > small) {
-        return sentences;
-    }
+    if (study.user_events || study.paths.states() > small) { return sentences; }
     std::vector<Known> known = known_channels(study.source.dialect);
     std::vector<ChannelSource> sources{study.source};
     std::vector<Expression> expressions;
@@ -232,13 +224,9 @@ std::vector<std::string> known_equals(const Study& study, bool& is_beauty) {
         for (std::size_t k = 0; k < known.size(); ++k) {
             const Dfa differing = symmetric_difference(beside.paths, beside.languages.channels[k + 1], beside.all);
             const auto missing = excused_by(differing, beside, most);
-            if (missing && missing->size() == most) {
-                found.emplace_back(where(*missing), known[k].words);
-            }
+            if (missing && missing->size() == most) { found.emplace_back(where(*missing), known[k].words); }
         }
-        for (const auto& [place, what] : found) {
-            sentences.push_back(subject + what + place + ".");
-        }
+        for (const auto& [place, what] : found) { sentences.push_back(subject + what + place + "."); }
         if (!found.empty()) {
             break;  // exactly equal to something: what holds only elsewhere is noise
         }

@@ -16,13 +16,13 @@
 namespace raylex::lpe {
 
 struct Study {
-    ChannelSource source;      ///< names replaced by what they stand for
+    ChannelSource source;  ///< names replaced by what they stand for
     Expression expression;
     Words words;               ///< without straight-through events where they are no letters
     bool user_events = false;  ///< the expression has some; they may stand among the scattering then
     Languages languages;
-    Dfa all;                   ///< W
-    Dfa paths;                 ///< what the expression accepts of W
+    Dfa all;    ///< W
+    Dfa paths;  ///< what the expression accepts of W
     std::array<Dfa, feature_count> features;
 
     [[nodiscard]] const Dfa& feature(Feature which) const { return features[static_cast<std::size_t>(which)]; }

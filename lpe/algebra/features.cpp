@@ -8,14 +8,22 @@ namespace {
 
 bool has_feature(const Event& event, Feature feature) {
     switch (feature) {
-        case Feature::volume: return event.type == EventType::volume;
-        case Feature::background: return event.type == EventType::background;
-        case Feature::emission: return event.type == EventType::emission;
-        case Feature::straight: return event.scatter == Scatter::straight;
-        case Feature::light: return event.type == EventType::light;
-        case Feature::diffuse: return event.scatter == Scatter::diffuse;
-        case Feature::glossy: return event.scatter == Scatter::glossy;
-        case Feature::singular: return event.scatter == Scatter::singular;
+        case Feature::volume:
+            return event.type == EventType::volume;
+        case Feature::background:
+            return event.type == EventType::background;
+        case Feature::emission:
+            return event.type == EventType::emission;
+        case Feature::straight:
+            return event.scatter == Scatter::straight;
+        case Feature::light:
+            return event.type == EventType::light;
+        case Feature::diffuse:
+            return event.scatter == Scatter::diffuse;
+        case Feature::glossy:
+            return event.scatter == Scatter::glossy;
+        case Feature::singular:
+            return event.scatter == Scatter::singular;
     }
     return false;
 }

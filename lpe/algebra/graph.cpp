@@ -21,9 +21,7 @@ Dfa together(const Languages& languages, std::size_t channels) {
     Dfa all = empty_dfa(languages.classes->count());
     for (std::size_t k = 0; k < channels; ++k) {
         Dfa one = intersection(*languages.words, languages.channels[k]);
-        for (std::uint32_t& output : one.output) {
-            output = output != 0 ? 1U << k : 0U;
-        }
+        for (std::uint32_t& output : one.output) { output = output != 0 ? 1U << k : 0U; }
         all = required(product(all, one, union_of(), limits::boolean_states));
     }
     return all;
@@ -62,9 +60,7 @@ std::vector<GraphEdge> edges_from(std::uint32_t state, const Dfa& dfa, const Eve
     std::vector<GraphEdge> edges;
     for (const std::uint32_t target : targets) {
         const EventTeller::Members members = [&](const Event& event) {
-            if (occurring(event) != Membership::in) {
-                return Membership::never;
-            }
+            if (occurring(event) != Membership::in) { return Membership::never; }
             return dfa.step(state, classes.classify(event)) == target ? Membership::in : Membership::out;
         };
         GraphEdge edge{state - 1, target - 1, {}};
@@ -75,9 +71,7 @@ std::vector<GraphEdge> edges_from(std::uint32_t state, const Dfa& dfa, const Eve
                 }
             }
         }
-        if (!edge.items.empty()) {
-            edges.push_back(std::move(edge));
-        }
+        if (!edge.items.empty()) { edges.push_back(std::move(edge)); }
     }
     return edges;
 }
@@ -106,9 +100,7 @@ Graph build(std::span<const ChannelSource> channels, const Words& words) {
         const std::string& name = channels[k].name;
         graph.channels.push_back(name.empty() ? channels[k].expression : name);
         osl = osl && channels[k].dialect == Dialect::osl;
-        if (question.expressions[k].root) {
-            trees.push_back(question.expressions[k].root.get());
-        }
+        if (question.expressions[k].root) { trees.push_back(question.expressions[k].root.get()); }
     }
     const std::uint32_t under_way = all_words.step(all_words.start, classes.classify(Event{}));
     const EventTeller::Members occurring = [&](const Event& event) {
@@ -123,14 +115,10 @@ Graph build(std::span<const ChannelSource> channels, const Words& words) {
     for (std::uint32_t state = 1; state < dfa.states(); ++state) {
         GraphState entry;
         for (std::size_t k = 0; k < channels.size(); ++k) {
-            if ((dfa.output[state] >> k & 1U) != 0) {
-                entry.accepts.push_back(k);
-            }
+            if ((dfa.output[state] >> k & 1U) != 0) { entry.accepts.push_back(k); }
         }
         std::vector<Event> events;
-        for (const EventClass event_class : way[state]) {
-            events.push_back(classes.example(event_class));
-        }
+        for (const EventClass event_class : way[state]) { events.push_back(classes.example(event_class)); }
         entry.reached_by = to_sentence(events);
         graph.states.push_back(std::move(entry));
         for (GraphEdge& edge : edges_from(state, dfa, classes, teller, occurring)) {
@@ -143,9 +131,7 @@ Graph build(std::span<const ChannelSource> channels, const Words& words) {
 std::string dot_text(const std::string& text) {
     std::string escaped;
     for (const char c : text) {
-        if (c == '"' || c == '\\') {
-            escaped += '\\';
-        }
+        if (c == '"' || c == '\\') { escaped += '\\'; }
         if (c == '\n') {
             escaped += "\\n";
         } else if (static_cast<unsigned char>(c) >= 0x20) {
@@ -165,9 +151,7 @@ std::string to_dot(const Graph& graph) {
     std::string dot =
         "digraph lpe {\n    rankdir=LR;\n    node [shape=circle, fontname=\"Helvetica\", label=\"\", width=0.25];\n"
         "    edge [fontname=\"Courier\"];\n    begin [shape=none, width=0, height=0];\n";
-    if (!graph.states.empty()) {
-        dot += "    begin -> s0;\n";
-    }
+    if (!graph.states.empty()) { dot += "    begin -> s0;\n"; }
     for (std::size_t k = 0; k < graph.states.size(); ++k) {
         dot += "    s" + std::to_string(k) + " [tooltip=" + dot_text(graph.states[k].reached_by);
         std::string names;
@@ -178,9 +162,7 @@ std::string to_dot(const Graph& graph) {
     }
     for (const GraphEdge& edge : graph.edges) {
         std::string label;
-        for (const std::string& item : edge.items) {
-            label += (label.empty() ? "" : " ") + item;
-        }
+        for (const std::string& item : edge.items) { label += (label.empty() ? "" : " ") + item; }
         dot += "    s" + std::to_string(edge.from) + " -> s" + std::to_string(edge.to) + " [label=" + dot_text(label) +
                "];\n";
     }

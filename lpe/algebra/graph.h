@@ -1,4 +1,5 @@
-// The minimal automaton of some channels as a graph to look at: what a path's state is, and what leads from one to another.
+// The minimal automaton of some channels as a graph to look at: what a path's state is, and what leads from one to
+// another.
 #pragma once
 
 #include <cstddef>
@@ -19,19 +20,19 @@ struct GraphState {
 
 struct GraphEdge {
     std::size_t from = 0, to = 0;
-    std::vector<std::string> items;    ///< the events that lead there, in the notation of expressions; never empty
+    std::vector<std::string> items;  ///< the events that lead there, in the notation of expressions; never empty
 };
 
 /// State 0 is the start; the dead state and what leads to it are left out. Channels are cut to W.
 struct Graph {
     std::vector<std::string> channels;  ///< names, or expressions where there is none
     std::vector<GraphState> states;
-    std::vector<GraphEdge> edges;       ///< at most one between two states
+    std::vector<GraphEdge> edges;  ///< at most one between two states
     std::vector<std::string> warnings;
 };
 
-/// Labels are those that the expressions name, whatever an alphabet in `words` says. Errors: an expression that does not
-/// parse, more than 32 channels, or more states than limits::graph_states.
+/// Labels are those that the expressions name, whatever an alphabet in `words` says. Errors: an expression that does
+/// not parse, more than 32 channels, or more states than limits::graph_states.
 Result<Graph> graph_of(std::span<const ChannelSource> channels, const Words& words = {});
 
 /// In Graphviz' DOT language.

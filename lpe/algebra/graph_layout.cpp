@@ -10,7 +10,7 @@ namespace raylex::lpe {
 namespace {
 
 constexpr double state_size = 22, gap_y = 14, margin = 24;
-constexpr std::size_t longest_line = 30;  // characters of a label's line
+constexpr std::size_t longest_line = 30;                                  // characters of a label's line
 constexpr double narrowest_gap = 34, widest_gap = 120, gap_per_edge = 2;  // between layers, where edges go up and down
 constexpr int ordering_sweeps = 24, placing_sweeps = 40;
 
@@ -19,9 +19,7 @@ bool has_operator(const std::string& item) {
     bool quoted = false;
     for (std::size_t i = 0; i < item.size(); ++i) {
         quoted = quoted != (item[i] == '\'' && (i == 0 || item[i - 1] != '\\'));
-        if (!quoted && (item[i] == '-' || item[i] == '&')) {
-            return true;
-        }
+        if (!quoted && (item[i] == '-' || item[i] == '&')) { return true; }
     }
     return false;
 }
@@ -31,7 +29,7 @@ struct Vertex {
     std::size_t layer = 0;
     double width = 0, height = 0, above = 0;  // `above`: more room at the top
     double y = 0;
-    std::vector<std::size_t> left, right;     // neighbours in the layers beside
+    std::vector<std::size_t> left, right;  // neighbours in the layers beside
 };
 
 class Layout {
@@ -40,9 +38,7 @@ class Layout {
 
     GraphLayout run() {
         add_states();
-        for (std::size_t k = 0; k < graph_.edges.size(); ++k) {
-            add_edge(k);
-        }
+        for (std::size_t k = 0; k < graph_.edges.size(); ++k) { add_edge(k); }
         order();
         place();
         return finish();
@@ -77,9 +73,7 @@ class Layout {
             }
         }
         for (const GraphEdge& edge : graph_.edges) {
-            if (!leaves[edge.to]) {
-                layer[edge.to] = std::max(layer[edge.to], layer[edge.from] + 2);
-            }
+            if (!leaves[edge.to]) { layer[edge.to] = std::max(layer[edge.to], layer[edge.from] + 2); }
         }
         return layer;
     }
@@ -136,9 +130,7 @@ class Layout {
 
     static double width_of(const std::vector<std::string>& lines) {
         std::size_t longest = 0;
-        for (const std::string& line : lines) {
-            longest = std::max(longest, characters(line));
-        }
+        for (const std::string& line : lines) { longest = std::max(longest, characters(line)); }
         return static_cast<double>(longest) * letter_width + 8;
     }
 
@@ -174,9 +166,7 @@ class Layout {
             point.height = layer == labelled ? height : 4;
             point.width = layer == labelled ? width : 0;
             route.push_back(add(std::move(point)));
-            if (route.size() > 1) {
-                connect(route[route.size() - 2], route.back());
-            }
+            if (route.size() > 1) { connect(route[route.size() - 2], route.back()); }
         }
         connect(forward ? edge.from : edge.to, route.front());
         if (from == to) {
@@ -184,9 +174,7 @@ class Layout {
         } else {
             connect(route.back(), forward ? edge.to : edge.from);
         }
-        if (!forward && from != to) {
-            std::reverse(route.begin(), route.end());
-        }
+        if (!forward && from != to) { std::reverse(route.begin(), route.end()); }
         routes_.push_back(std::move(route));
         layout_.edges.push_back(std::move(drawn));
     }
@@ -196,9 +184,7 @@ class Layout {
     [[nodiscard]] std::vector<std::size_t> positions() const {
         std::vector<std::size_t> position(vertices_.size());
         for (const std::vector<std::size_t>& layer : layers_) {
-            for (std::size_t i = 0; i < layer.size(); ++i) {
-                position[layer[i]] = i;
-            }
+            for (std::size_t i = 0; i < layer.size(); ++i) { position[layer[i]] = i; }
         }
         return position;
     }
@@ -209,9 +195,7 @@ class Layout {
         for (const std::vector<std::size_t>& layer : layers_) {
             std::vector<std::pair<std::size_t, std::size_t>> links;
             for (const std::size_t v : layer) {
-                for (const std::size_t w : vertices_[v].right) {
-                    links.emplace_back(position[v], position[w]);
-                }
+                for (const std::size_t w : vertices_[v].right) { links.emplace_back(position[v], position[w]); }
             }
             for (std::size_t a = 0; a < links.size(); ++a) {
                 for (std::size_t b = a + 1; b < links.size(); ++b) {
@@ -237,9 +221,7 @@ class Layout {
                 for (const std::size_t v : layer) {
                     const std::vector<std::size_t>& beside = rightwards ? vertices_[v].left : vertices_[v].right;
                     double sum = 0;
-                    for (const std::size_t w : beside) {
-                        sum += static_cast<double>(position[w]);
-                    }
+                    for (const std::size_t w : beside) { sum += static_cast<double>(position[w]); }
                     keys.emplace_back(
                         beside.empty() ? static_cast<double>(position[v]) : sum / static_cast<double>(beside.size()),
                         v);
@@ -284,16 +266,12 @@ class Layout {
         }
         std::size_t i = 0;
         for (const Pool& pool : pools) {
-            for (std::size_t n = 0; n < pool.count; ++n, ++i) {
-                vertices_[layer[i]].y = pool.mean() + offset[i];
-            }
+            for (std::size_t n = 0; n < pool.count; ++n, ++i) { vertices_[layer[i]].y = pool.mean() + offset[i]; }
         }
     }
 
     void place() {
-        for (const std::vector<std::size_t>& layer : layers_) {
-            settle(layer, std::vector<double>(layer.size(), 0));
-        }
+        for (const std::vector<std::size_t>& layer : layers_) { settle(layer, std::vector<double>(layer.size(), 0)); }
         for (int sweep = 0; sweep < placing_sweeps; ++sweep) {
             for (std::size_t i = 0; i < layers_.size(); ++i) {
                 const std::vector<std::size_t>& layer = layers_[sweep % 2 == 0 ? i : layers_.size() - 1 - i];
@@ -341,9 +319,7 @@ class Layout {
         };
         for (std::size_t k = 0; k < graph_.states.size(); ++k) {
             layout_.states.push_back(box(k));
-            if (graph_.states[k].accepts.empty()) {
-                layout_.states.back().width = state_size;
-            }
+            if (graph_.states[k].accepts.empty()) { layout_.states.back().width = state_size; }
         }
         for (std::size_t k = 0; k < routes_.size(); ++k) {
             for (const std::size_t v : routes_[k]) {
@@ -376,9 +352,7 @@ std::vector<std::string> accepted_names(const Graph& graph, std::size_t state) {
         constexpr std::size_t longest = 40;
         if (name.size() > longest) {
             std::size_t end = longest;
-            while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xC0U) == 0x80U) {
-                --end;
-            }
+            while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xC0U) == 0x80U) { --end; }
             name = name.substr(0, end) + "...";
         }
         names.push_back(std::move(name));
@@ -386,6 +360,8 @@ std::vector<std::string> accepted_names(const Graph& graph, std::size_t state) {
     return names;
 }
 
-GraphLayout layout_of(const Graph& graph) { return Layout(graph).run(); }
+GraphLayout layout_of(const Graph& graph) {
+    return Layout(graph).run();
+}
 
 }  // namespace raylex::lpe

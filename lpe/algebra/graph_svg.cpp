@@ -17,18 +17,29 @@ std::string number(double value) {
     return text.data();
 }
 
-std::string point(double x, double y) { return number(x) + " " + number(y); }
+std::string point(double x, double y) {
+    return number(x) + " " + number(y);
+}
 
 /// Text as XML wants it; bytes that are no text become '?'.
 std::string xml(const std::string& text) {
     std::string escaped;
     for (const char c : text) {
         switch (c) {
-            case '&': escaped += "&amp;"; break;
-            case '<': escaped += "&lt;"; break;
-            case '>': escaped += "&gt;"; break;
-            case '"': escaped += "&quot;"; break;
-            default: escaped += static_cast<unsigned char>(c) < 0x20 ? '?' : c;
+            case '&':
+                escaped += "&amp;";
+                break;
+            case '<':
+                escaped += "&lt;";
+                break;
+            case '>':
+                escaped += "&gt;";
+                break;
+            case '"':
+                escaped += "&quot;";
+                break;
+            default:
+                escaped += static_cast<unsigned char>(c) < 0x20 ? '?' : c;
         }
     }
     return escaped;
@@ -46,7 +57,9 @@ std::string text_lines(const std::vector<std::string>& lines, double x, double y
 }
 
 /// Where an edge leaves or meets a state: on the side that it comes from.
-double side_x(const Box& state, double other_x) { return state.x + (other_x >= state.x ? 1 : -1) * state.width / 2; }
+double side_x(const Box& state, double other_x) {
+    return state.x + (other_x >= state.x ? 1 : -1) * state.width / 2;
+}
 
 class Curve {
   public:
@@ -162,12 +175,8 @@ std::string to_svg(const Graph& graph) {
     const Box& start = layout.states.front();
     svg += "<path class=\"edge\" d=\"M " + point(start.x - start.width / 2 - 28, start.y) + " L " +
            point(start.x - start.width / 2, start.y) + "\"/>\n";
-    for (const DrawnEdge& edge : layout.edges) {
-        svg += edge_svg(graph, layout, edge);
-    }
-    for (std::size_t k = 0; k < graph.states.size(); ++k) {
-        svg += state_svg(graph, layout, k);
-    }
+    for (const DrawnEdge& edge : layout.edges) { svg += edge_svg(graph, layout, edge); }
+    for (std::size_t k = 0; k < graph.states.size(); ++k) { svg += state_svg(graph, layout, k); }
     return svg + "</svg>\n";
 }
 

@@ -212,9 +212,7 @@ Overview overview_of(std::span<const ChannelSource> channels, const std::optiona
         }
     }
     find_overlaps(cuts, *languages.classes, overview);
-    if (!overview.holes_unknown.empty()) {
-        return overview;
-    }
+    if (!overview.holes_unknown.empty()) { return overview; }
     const bool osl =
         std::any_of(all.begin(), all.end(), [](const ChannelSource& c) { return c.dialect == Dialect::osl; });
     try {

@@ -19,9 +19,7 @@ constexpr std::array<Move, 4> moves{{{EventRole::camera, before_camera, under_wa
 bool has_role(const EventSet& set, EventRole role) {
     for (const EventPattern& pattern : set.any_of) {
         for (std::size_t core = 0; core < core_count; ++core) {
-            if (pattern.cores[core] && role_of(core_event(core).type) == role) {
-                return true;
-            }
+            if (pattern.cores[core] && role_of(core_event(core).type) == role) { return true; }
         }
     }
     return false;
@@ -66,21 +64,15 @@ ProgressSet PathRoles::forward_once(const Node& node, ProgressSet in) {
     switch (node.kind) {
         case NodeKind::event:
             for (const Move& move : moves) {
-                if ((in & move.from) != 0 && has_role(node.events, move.role)) {
-                    out |= move.to;
-                }
+                if ((in & move.from) != 0 && has_role(node.events, move.role)) { out |= move.to; }
             }
             return out;
         case NodeKind::sequence:
             out = in;
-            for (const NodePtr& child : node.children) {
-                out = forward(*child, out);
-            }
+            for (const NodePtr& child : node.children) { out = forward(*child, out); }
             return out;
         case NodeKind::alternatives:
-            for (const NodePtr& child : node.children) {
-                out |= forward(*child, in);
-            }
+            for (const NodePtr& child : node.children) { out |= forward(*child, in); }
             return out;
         case NodeKind::repeat: {
             ProgressSet now = in;
@@ -98,7 +90,9 @@ ProgressSet PathRoles::forward_once(const Node& node, ProgressSet in) {
             out = forward(*node.children.front(), in);
             forward(*node.children.back(), in);
             return out;
-        case NodeKind::complement: forward(*node.children.front(), in); return any_later(in);
+        case NodeKind::complement:
+            forward(*node.children.front(), in);
+            return any_later(in);
     }
     return out;
 }
@@ -106,9 +100,7 @@ ProgressSet PathRoles::forward_once(const Node& node, ProgressSet in) {
 /// What a path can have been before the node to be `out` behind it. A repetition's rounds are not told apart.
 ProgressSet PathRoles::backward(const Node& node, ProgressSet out) {
     std::optional<ProgressSet>& answer = known_[&node].backward[out];
-    if (!answer) {
-        answer = backward_once(node, out);
-    }
+    if (!answer) { answer = backward_once(node, out); }
     return *answer;
 }
 
@@ -118,9 +110,7 @@ ProgressSet PathRoles::backward_once(const Node& node, ProgressSet out) {
     switch (node.kind) {
         case NodeKind::event:
             for (const Move& move : moves) {
-                if ((out & move.to) != 0 && has_role(node.events, move.role)) {
-                    in |= move.from;
-                }
+                if ((out & move.to) != 0 && has_role(node.events, move.role)) { in |= move.from; }
             }
             break;
         case NodeKind::sequence:
@@ -130,9 +120,7 @@ ProgressSet PathRoles::backward_once(const Node& node, ProgressSet out) {
             }
             break;
         case NodeKind::alternatives:
-            for (const NodePtr& child : node.children) {
-                in |= backward(*child, out);
-            }
+            for (const NodePtr& child : node.children) { in |= backward(*child, out); }
             break;
         case NodeKind::repeat: {
             in = node.min == 0 ? out : ProgressSet{0};
@@ -164,9 +152,7 @@ ProgressSet PathRoles::backward_once(const Node& node, ProgressSet out) {
 
 bool PathRoles::can_be(const Node& event, EventRole role) const {
     const auto place = known_.find(&event);
-    if (!possible_ || place == known_.end()) {
-        return !possible_;
-    }
+    if (!possible_ || place == known_.end()) { return !possible_; }
     const Range& range = place->second.range;
     return std::any_of(moves.begin(), moves.end(), [&](const Move& move) {
         return move.role == role && (range.in & move.from) != 0 && (range.out & move.to) != 0;

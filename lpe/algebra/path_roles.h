@@ -1,4 +1,5 @@
-// Which part of a path each event of an expression can be. Words of W are camera, scattering, terminal in this order, so a
+// Which part of a path each event of an expression can be. Words of W are camera, scattering, terminal in this order,
+// so a
 // '.' after the camera is no camera, and the one at the end is a terminal. Only the order is looked at, not labels.
 #pragma once
 

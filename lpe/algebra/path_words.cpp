@@ -21,35 +21,25 @@ bool single_events(const Node& node, std::vector<const Node*>& events) {
         return true;
     }
     const bool one_child = node.kind == NodeKind::sequence && node.children.size() == 1;
-    if (node.children.empty() || (node.kind != NodeKind::alternatives && !one_child)) {
-        return false;
-    }
+    if (node.children.empty() || (node.kind != NodeKind::alternatives && !one_child)) { return false; }
     return std::all_of(node.children.begin(), node.children.end(),
                        [&](const NodePtr& child) { return single_events(*child, events); });
 }
 
 std::string number_word(int number) {
-    constexpr std::array<std::string_view, 13> words{"no",  "one",   "two",   "three", "four",   "five",  "six",
-                                                     "seven", "eight", "nine",  "ten",  "eleven", "twelve"};
+    constexpr std::array<std::string_view, 13> words{"no",    "one",   "two",  "three", "four",   "five",  "six",
+                                                     "seven", "eight", "nine", "ten",   "eleven", "twelve"};
     return number < static_cast<int>(words.size()) ? std::string(words[static_cast<std::size_t>(number)])
                                                    : std::to_string(number);
 }
 
 /// "one diffuse reflection", "any number of scatterings of any kind", "up to three ..."
 std::string counted_words(const EventPhrase& phrase, int min, int max) {
-    if (min == 1 && max == 1) {
-        return "one " + joined_by(phrase.one);
-    }
-    if (min == 0 && max == 1) {
-        return "at most one " + joined_by(phrase.one);
-    }
+    if (min == 1 && max == 1) { return "one " + joined_by(phrase.one); }
+    if (min == 0 && max == 1) { return "at most one " + joined_by(phrase.one); }
     const std::string many = joined_by(phrase.many);
-    if (max == Node::unbounded) {
-        return (min == 0 ? "any number of " : number_word(min) + " or more ") + many;
-    }
-    if (min == max) {
-        return number_word(min) + " " + many;
-    }
+    if (max == Node::unbounded) { return (min == 0 ? "any number of " : number_word(min) + " or more ") + many; }
+    if (min == max) { return number_word(min) + " " + many; }
     return (min == 0 ? "up to " + number_word(max) : number_word(min) + " to " + number_word(max)) + " " + many;
 }
 
@@ -67,9 +57,7 @@ std::string times_words(int min, int max) {
     if (max == Node::unbounded) {
         return min == 0 ? "any number of times" : min == 1 ? "once or more" : number_word(min) + " times or more";
     }
-    if (min == max) {
-        return number_word(min) + " times";
-    }
+    if (min == max) { return number_word(min) + " times"; }
     return min == 0 ? "up to " + number_word(max) + " times" : number_word(min) + " to " + number_word(max) + " times";
 }
 
@@ -78,27 +66,21 @@ std::string times_words(int min, int max) {
 PathTeller::PathTeller(const EventTeller& events, const EventTeller::Members& occurring, const Node& root)
     : events_(events), occurring_(occurring), root_(root), roles_(root) {}
 
-bool PathTeller::too_long(const Node& /*node*/) { return ++said_ > most_nodes || depth_ > most_depth; }
+bool PathTeller::too_long(const Node& /*node*/) {
+    return ++said_ > most_nodes || depth_ > most_depth;
+}
 
 /// The events that these nodes mean where they can stand in a path.
 EventPhrase PathTeller::phrase(const std::vector<const Node*>& nodes, EventRole role) {
     std::vector<const Node*> able;
     for (const Node* node : nodes) {
-        if (roles_.can_be(*node, role)) {
-            able.push_back(node);
-        }
+        if (roles_.can_be(*node, role)) { able.push_back(node); }
     }
-    if (able.empty()) {
-        return {};
-    }
+    if (able.empty()) { return {}; }
     const auto known = phrases_.find({able, role});
-    if (known != phrases_.end()) {
-        return known->second;
-    }
+    if (known != phrases_.end()) { return known->second; }
     const EventTeller::Members members = [&](const Event& event) {
-        if (role_of(event.type) != role || occurring_(event) != Membership::in) {
-            return Membership::never;
-        }
+        if (role_of(event.type) != role || occurring_(event) != Membership::in) { return Membership::never; }
         const bool in =
             std::any_of(able.begin(), able.end(), [&](const Node* node) { return matches(node->events, event); });
         return in ? Membership::in : Membership::out;
@@ -109,18 +91,14 @@ EventPhrase PathTeller::phrase(const std::vector<const Node*>& nodes, EventRole 
 std::vector<PathTeller::Step> PathTeller::event_steps(const Node& node, const std::vector<const Node*>& events,
                                                       Count count) {
     std::vector<Step> result;
-    if (count.max == 0) {
-        return result;
-    }
+    if (count.max == 0) { return result; }
     const bool camera = !phrase(events, EventRole::camera).empty();
     EventPhrase middle = phrase(events, EventRole::scattering);
     EventPhrase user = phrase(events, EventRole::user);
     std::move(user.one.begin(), user.one.end(), std::back_inserter(middle.one));
     std::move(user.many.begin(), user.many.end(), std::back_inserter(middle.many));
     const EventPhrase end = phrase(events, EventRole::terminal);
-    if (!camera && middle.empty() && end.empty()) {
-        return {{StepKind::middle, "an event that cannot occur here"}};
-    }
+    if (!camera && middle.empty() && end.empty()) { return {{StepKind::middle, "an event that cannot occur here"}}; }
     const auto one_less = [&count] {
         count.min = std::max(count.min - 1, 0);
         count.max = count.max == Node::unbounded ? Node::unbounded : count.max - 1;
@@ -130,9 +108,7 @@ std::vector<PathTeller::Step> PathTeller::event_steps(const Node& node, const st
         one_less();
     }
     const bool ends = !end.empty() && roles_.always_ends(node);
-    if (ends) {
-        one_less();
-    }
+    if (ends) { one_less(); }
     if (!middle.empty() && count.max != 0) {
         result.push_back({StepKind::middle, counted_words(middle, count.min, count.max)});
     }
@@ -150,18 +126,12 @@ std::vector<PathTeller::Step> PathTeller::event_steps(const Node& node, const st
 std::vector<PathTeller::Step> PathTeller::repeat_steps(const Node& node) {
     const Node& child = *node.children.front();
     std::vector<const Node*> events;
-    if (single_events(child, events)) {
-        return event_steps(node, events, {node.min, node.max});
-    }
-    if (node.max == 0) {
-        return {};
-    }
+    if (single_events(child, events)) { return event_steps(node, events, {node.min, node.max}); }
+    if (node.max == 0) { return {}; }
     const bool camera = std::exchange(after_camera_, false);
     const std::string inner = join(steps(child), true);
     after_camera_ = camera;
-    if (node.min == 0 && node.max == 1) {
-        return {{StepKind::middle, "optionally (" + inner + ")"}};
-    }
+    if (node.min == 0 && node.max == 1) { return {{StepKind::middle, "optionally (" + inner + ")"}}; }
     return {{StepKind::middle, times_words(node.min, node.max) + " (" + inner + ")"}};
 }
 
@@ -172,9 +142,7 @@ std::vector<PathTeller::Step> PathTeller::choice_steps(const Node& node) {
         const bool nested = child->kind == NodeKind::alternatives;
         std::vector<const Node*> events;
         if (nested && !single_events(*child, events)) {
-            for (const NodePtr& grandchild : child->children) {
-                options.push_back(grandchild.get());
-            }
+            for (const NodePtr& grandchild : child->children) { options.push_back(grandchild.get()); }
         } else {
             options.push_back(child.get());
         }
@@ -218,9 +186,7 @@ std::vector<PathTeller::Step> PathTeller::language_steps(const Node& node) {
 }
 
 std::vector<PathTeller::Step> PathTeller::steps(const Node& node) {
-    if (too_long(node)) {
-        return {{StepKind::middle, ellipsis}};
-    }
+    if (too_long(node)) { return {{StepKind::middle, ellipsis}}; }
     ++depth_;
     std::vector<Step> result;
     std::vector<const Node*> events;
@@ -277,15 +243,11 @@ std::string PathTeller::sentence() {
 }
 
 void PathTeller::add_pieces(const Node& node, int depth, std::vector<Piece>& pieces) {
-    if (pieces.size() > most_pieces || depth > most_depth) {
-        return;
-    }
+    if (pieces.size() > most_pieces || depth > most_depth) { return; }
     std::vector<const Node*> events;
     const bool simple = single_events(node, events);
     if (!simple && node.kind == NodeKind::sequence) {
-        for (const NodePtr& child : node.children) {
-            add_pieces(*child, depth, pieces);
-        }
+        for (const NodePtr& child : node.children) { add_pieces(*child, depth, pieces); }
         return;
     }
     if (pieces.size() == most_pieces) {
@@ -298,9 +260,7 @@ void PathTeller::add_pieces(const Node& node, int depth, std::vector<Piece>& pie
         said_ = 0;
         const std::vector<Step> parts = steps(node);
         std::string words = join(parts, false);
-        if (parts.size() == 1 && parts.front().kind == StepKind::camera) {
-            words = "the camera";
-        }
+        if (parts.size() == 1 && parts.front().kind == StepKind::camera) { words = "the camera"; }
         pieces.push_back({node.begin, node.end, depth, words});
         return;
     }
@@ -309,10 +269,17 @@ void PathTeller::add_pieces(const Node& node, int depth, std::vector<Piece>& pie
         case NodeKind::repeat:
             head = node.min == 0 && node.max == 1 ? "this or nothing:" : times_words(node.min, node.max) + ", this:";
             break;
-        case NodeKind::complement: head = "every path but those that this accepts:"; break;
-        case NodeKind::intersection: head = "paths that both of these accept:"; break;
-        case NodeKind::difference: head = "paths that the first of these accepts and the second does not:"; break;
-        default: head = "one of these:";
+        case NodeKind::complement:
+            head = "every path but those that this accepts:";
+            break;
+        case NodeKind::intersection:
+            head = "paths that both of these accept:";
+            break;
+        case NodeKind::difference:
+            head = "paths that the first of these accepts and the second does not:";
+            break;
+        default:
+            head = "one of these:";
     }
     pieces.push_back({node.begin, node.end, depth, head});
     for (const NodePtr& child : node.children) {

@@ -25,7 +25,8 @@ class PathTeller {
     /// `root` is the whole expression. All arguments must outlive the teller.
     PathTeller(const EventTeller& events, const EventTeller::Members& occurring, const Node& root);
 
-    /// "from the camera, one diffuse reflection, ending at a light". What is too long to be said is left out with a mark.
+    /// "from the camera, one diffuse reflection, ending at a light". What is too long to be said is left out with a
+    /// mark.
     std::string sentence();
     std::vector<Piece> pieces();
 
@@ -54,7 +55,7 @@ class PathTeller {
     const EventTeller::Members& occurring_;
     const Node& root_;
     PathRoles roles_;
-    int said_ = 0;   // nodes told so far
+    int said_ = 0;  // nodes told so far
     int depth_ = 0;
     bool after_camera_ = false;
     std::map<std::pair<std::vector<const Node*>, EventRole>, EventPhrase> phrases_;

@@ -18,8 +18,12 @@ Dfa made_of(Operation operation, const Languages& languages) {
     Dfa result = operation == Operation::complement ? difference(words, channels[0]) : intersection(words, channels[0]);
     for (std::size_t k = 1; k < channels.size(); ++k) {
         switch (operation) {
-            case Operation::intersection: result = intersection(result, channels[k]); break;
-            case Operation::difference: result = difference(result, channels[k]); break;
+            case Operation::intersection:
+                result = intersection(result, channels[k]);
+                break;
+            case Operation::difference:
+                result = difference(result, channels[k]);
+                break;
             default:
                 result =
                     required(product(result, intersection(words, channels[k]), union_of(), limits::boolean_states));

@@ -1,4 +1,5 @@
-// Languages made of languages, and a look into them: which paths are in one channel and not in another, how many, which.
+// Languages made of languages, and a look into them: which paths are in one channel and not in another, how many,
+// which.
 #pragma once
 
 #include <cstddef>
@@ -31,9 +32,9 @@ struct PathSetOptions {
 
 /// What is known of a set of paths, cut to W.
 struct PathSet {
-    std::vector<Witness> samples;      ///< the shortest first; none when there is no path
-    /// Paths of 0, 1, ... events, at most 1e18. Events that differ in type or scattering count as different; lobe numbers
-    /// and labels only as far as the expressions tell them apart.
+    std::vector<Witness> samples;  ///< the shortest first; none when there is no path
+    /// Paths of 0, 1, ... events, at most 1e18. Events that differ in type or scattering count as different; lobe
+    /// numbers and labels only as far as the expressions tell them apart.
     std::vector<std::uint64_t> counts;
     std::optional<std::size_t> longest;  ///< events of the longest path, where there is a longest
     std::size_t states = 0;              ///< of the minimal automaton, the dead one left out
@@ -41,7 +42,8 @@ struct PathSet {
     [[nodiscard]] bool empty() const { return samples.empty(); }
 };
 
-/// Errors: an expression that does not parse or is too large; no channel, or more than one for `words` and `complement`.
+/// Errors: an expression that does not parse or is too large; no channel, or more than one for `words` and
+/// `complement`.
 Result<PathSet> look_at_paths(Operation operation, std::span<const ChannelSource> channels, const Words& words = {},
                               const PathSetOptions& options = {});
 

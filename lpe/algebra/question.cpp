@@ -12,9 +12,7 @@ namespace raylex::lpe {
 
 Witness witness_of(const std::vector<EventClass>& word, const EventClasses& classes) {
     Witness witness;
-    for (const EventClass event_class : word) {
-        witness.events.push_back(classes.example(event_class));
-    }
+    for (const EventClass event_class : word) { witness.events.push_back(classes.example(event_class)); }
     witness.text = to_text(witness.events);
     witness.sentence = to_sentence(witness.events);
     return witness;
@@ -25,12 +23,8 @@ std::vector<std::size_t> accepting(const std::vector<Dfa>& dfas, std::size_t cou
     std::vector<std::size_t> channels;
     for (std::size_t k = 0; k < count; ++k) {
         std::uint32_t state = dfas[k].start;
-        for (const EventClass event_class : word) {
-            state = dfas[k].step(state, event_class);
-        }
-        if (dfas[k].output[state] != 0) {
-            channels.push_back(k);
-        }
+        for (const EventClass event_class : word) { state = dfas[k].step(state, event_class); }
+        if (dfas[k].output[state] != 0) { channels.push_back(k); }
     }
     return channels;
 }
@@ -45,13 +39,13 @@ std::string name_list(std::span<const ChannelSource> channels, const std::vector
 }
 
 std::string name_of(const ChannelSource& channel) {
-    if (!channel.name.empty()) {
-        return "'" + channel.name + "'";
-    }
+    if (!channel.name.empty()) { return "'" + channel.name + "'"; }
     return (channel.dialect == Dialect::osl ? "'osl:" : "'") + channel.expression + "'";
 }
 
-std::string in_words(const Witness& witness) { return witness.sentence + " (" + witness.text + ")"; }
+std::string in_words(const Witness& witness) {
+    return witness.sentence + " (" + witness.text + ")";
+}
 
 Dfa required(std::optional<Dfa> dfa) {
     if (!dfa) {
@@ -65,7 +59,9 @@ Dfa intersection(const Dfa& a, const Dfa& b) {
     return required(product(a, b, intersection_of(), limits::boolean_states));
 }
 
-Dfa difference(const Dfa& a, const Dfa& b) { return required(product(a, b, difference_of(), limits::boolean_states)); }
+Dfa difference(const Dfa& a, const Dfa& b) {
+    return required(product(a, b, difference_of(), limits::boolean_states));
+}
 
 Dfa symmetric_difference(const Dfa& a, const Dfa& b, const Dfa& words) {
     const auto differ = [](void* /*context*/, std::uint32_t x, std::uint32_t y) { return x ^ y; };
@@ -75,9 +71,7 @@ Dfa symmetric_difference(const Dfa& a, const Dfa& b, const Dfa& words) {
 
 void warn_about_bar(const ChannelSource& source, const Expression& expression, const Words& words,
                     std::vector<std::string>& warnings) {
-    if (!expression.has_bar) {
-        return;
-    }
+    if (!expression.has_bar) { return; }
     std::vector<Expression> readings;
     readings.push_back(parse(source, BarReading::tight));
     readings.push_back(parse(source, BarReading::loose));
@@ -88,9 +82,7 @@ void warn_about_bar(const ChannelSource& source, const Expression& expression, c
     const Languages languages = build_languages(sources, readings, options);
     const Dfa different = symmetric_difference(languages.channels[0], languages.channels[1], *languages.words);
     const auto word = shortest_word(different, is_set);
-    if (!word) {
-        return;
-    }
+    if (!word) { return; }
     const Witness witness = witness_of(*word, *languages.classes);
     const bool tight_accepts = !accepting(languages.channels, 1, *word).empty();
     std::string warning = source.name.empty() ? "'|'" : "channel '" + source.name + "': '|'";
@@ -112,9 +104,7 @@ Expression letters() {
             const Event same = core_event(other);
             set.any_of.front().cores[other] = same.type == event.type && same.scatter == event.scatter;
         }
-        if (event.lobe_number == 0) {
-            expression.root->children.push_back(make_event(std::move(set)));
-        }
+        if (event.lobe_number == 0) { expression.root->children.push_back(make_event(std::move(set))); }
     }
     return expression;
 }

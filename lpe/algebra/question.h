@@ -19,8 +19,8 @@ struct Question {
 };
 
 /// Reads the channels. `refuse_prefixes_in`: what channels with prefixes cannot take part in ("a partition"), or null.
-/// `telling_letters`: no event class holds events of different type or scattering, so that words of classes are words of
-/// letters. Throws Failure.
+/// `telling_letters`: no event class holds events of different type or scattering, so that words of classes are words
+/// of letters. Throws Failure.
 [[nodiscard]] Question pose(std::span<const ChannelSource> channels, const Words& words, const char* refuse_prefixes_in,
                             bool telling_letters = false);
 
@@ -32,7 +32,8 @@ struct Question {
 
 [[nodiscard]] Witness witness_of(const std::vector<EventClass>& word, const EventClasses& classes);
 /// The first `count` automata that accept the word.
-[[nodiscard]] std::vector<std::size_t> accepting(const std::vector<Dfa>& dfas, std::size_t count, const std::vector<EventClass>& word);
+[[nodiscard]] std::vector<std::size_t> accepting(const std::vector<Dfa>& dfas, std::size_t count,
+                                                 const std::vector<EventClass>& word);
 
 /// "'a'", "'a' and 'b'", "'a', 'b' and 'c'"
 [[nodiscard]] std::string name_list(std::span<const ChannelSource> channels, const std::vector<std::size_t>& which);
@@ -48,9 +49,12 @@ struct Question {
 /// The words of `words` on which exactly one of the two automata accepts.
 [[nodiscard]] Dfa symmetric_difference(const Dfa& a, const Dfa& b, const Dfa& words);
 
-[[nodiscard]] inline bool is_set(std::uint32_t output) { return output != 0; }
+[[nodiscard]] inline bool is_set(std::uint32_t output) {
+    return output != 0;
+}
 
 /// Adds a warning when `expression` would mean something else with '|' looser than concatenation.
-void warn_about_bar(const ChannelSource& source, const Expression& expression, const Words& words, std::vector<std::string>& warnings);
+void warn_about_bar(const ChannelSource& source, const Expression& expression, const Words& words,
+                    std::vector<std::string>& warnings);
 
 }  // namespace raylex::lpe

@@ -9,7 +9,9 @@ namespace {
 
 using Kind = Regex::Kind;
 
-bool same(const RegexPtr& a, const RegexPtr& b) { return a->text == b->text; }
+bool same(const RegexPtr& a, const RegexPtr& b) {
+    return a->text == b->text;
+}
 
 /// What stands under a repetition, and how often; anything else is itself, once.
 struct Counted {
@@ -18,18 +20,16 @@ struct Counted {
 };
 
 Counted counted(const RegexPtr& regex) {
-    if (regex->kind == Kind::repeat) {
-        return {regex->parts.front(), regex->min, regex->max};
-    }
+    if (regex->kind == Kind::repeat) { return {regex->parts.front(), regex->min, regex->max}; }
     return {regex, 1, 1};
 }
 
-int plus(int a, int b) { return a == Regex::unbounded || b == Regex::unbounded ? Regex::unbounded : a + b; }
+int plus(int a, int b) {
+    return a == Regex::unbounded || b == Regex::unbounded ? Regex::unbounded : a + b;
+}
 
 std::vector<RegexPtr> parts_of(const RegexPtr& regex) {
-    if (regex->kind == Kind::epsilon) {
-        return {};
-    }
+    if (regex->kind == Kind::epsilon) { return {}; }
     return regex->kind == Kind::sequence ? regex->parts : std::vector<RegexPtr>{regex};
 }
 
@@ -39,12 +39,8 @@ std::string atom(const RegexPtr& regex) {
 }
 
 std::string suffix(int min, int max) {
-    if (max == Regex::unbounded) {
-        return min == 0 ? "*" : min == 1 ? "+" : "{" + std::to_string(min) + ",}";
-    }
-    if (min == 0 && max == 1) {
-        return "?";
-    }
+    if (max == Regex::unbounded) { return min == 0 ? "*" : min == 1 ? "+" : "{" + std::to_string(min) + ",}"; }
+    if (min == 0 && max == 1) { return "?"; }
     return min == max ? "{" + std::to_string(min) + "}" : "{" + std::to_string(min) + "," + std::to_string(max) + "}";
 }
 
@@ -57,18 +53,17 @@ std::string choice(const RegexPtr& regex) {
 
 RegexPtr RegexBuilder::finish(Regex regex) {
     switch (regex.kind) {
-        case Kind::epsilon: regex.text.clear(); break;
-        case Kind::events: break;  // written by events()
+        case Kind::epsilon:
+            regex.text.clear();
+            break;
+        case Kind::events:
+            break;  // written by events()
         case Kind::sequence:
-            for (const RegexPtr& part : regex.parts) {
-                regex.text += part->text;
-            }
+            for (const RegexPtr& part : regex.parts) { regex.text += part->text; }
             break;
         case Kind::alternatives:
             // In parentheses, so that both readings of '|' agree.
-            for (const RegexPtr& part : regex.parts) {
-                regex.text += (regex.text.empty() ? "(" : "|") + choice(part);
-            }
+            for (const RegexPtr& part : regex.parts) { regex.text += (regex.text.empty() ? "(" : "|") + choice(part); }
             regex.text += ")";
             break;
         case Kind::repeat: {
@@ -99,21 +94,15 @@ RegexPtr RegexBuilder::events(ClassSet set) {
 }
 
 RegexPtr RegexBuilder::repeat(const RegexPtr& part, int min, int max) {
-    if (part->kind == Kind::epsilon || (min == 1 && max == 1)) {
-        return part;
-    }
+    if (part->kind == Kind::epsilon || (min == 1 && max == 1)) { return part; }
     const Counted inner = counted(part);
     // (X?)* = (X+)* = (X*)+ = X*, (X+)? = X*: repetitions of repetitions that leave no gaps.
     if (part->kind == Kind::repeat && inner.min <= 1 && (inner.max == Regex::unbounded || max == Regex::unbounded) &&
         min <= 1) {
         return repeat(inner.part, std::min(inner.min, min), Regex::unbounded);
     }
-    if (part->nullable && max == Regex::unbounded) {
-        min = 0;
-    }
-    if (part->nullable && min == 0 && max == 1) {
-        return part;
-    }
+    if (part->nullable && max == Regex::unbounded) { min = 0; }
+    if (part->nullable && min == 0 && max == 1) { return part; }
     Regex regex;
     regex.kind = Kind::repeat;
     regex.parts = {part};
@@ -124,12 +113,8 @@ RegexPtr RegexBuilder::repeat(const RegexPtr& part, int min, int max) {
 }
 
 RegexPtr RegexBuilder::star(const RegexPtr& a) {
-    if (!a) {
-        return epsilon();
-    }
-    if (a->kind == Kind::repeat && a->min == 0 && a->max == 1) {
-        return repeat(a->parts.front(), 0, Regex::unbounded);
-    }
+    if (!a) { return epsilon(); }
+    if (a->kind == Kind::repeat && a->min == 0 && a->max == 1) { return repeat(a->parts.front(), 0, Regex::unbounded); }
     return repeat(a, 0, Regex::unbounded);
 }
 
@@ -146,12 +131,8 @@ RegexPtr RegexBuilder::sequence_of(std::vector<RegexPtr> parts) {
         }
         joined.push_back(std::move(part));
     }
-    if (joined.empty()) {
-        return epsilon();
-    }
-    if (joined.size() == 1) {
-        return joined.front();
-    }
+    if (joined.empty()) { return epsilon(); }
+    if (joined.size() == 1) { return joined.front(); }
     Regex regex;
     regex.kind = Kind::sequence;
     regex.nullable = std::all_of(joined.begin(), joined.end(), [](const RegexPtr& part) { return part->nullable; });
@@ -160,13 +141,9 @@ RegexPtr RegexBuilder::sequence_of(std::vector<RegexPtr> parts) {
 }
 
 RegexPtr RegexBuilder::sequence(const RegexPtr& a, const RegexPtr& b) {
-    if (!a || !b) {
-        return nullptr;
-    }
+    if (!a || !b) { return nullptr; }
     std::vector<RegexPtr> parts = parts_of(a);
-    for (RegexPtr& part : parts_of(b)) {
-        parts.push_back(std::move(part));
-    }
+    for (RegexPtr& part : parts_of(b)) { parts.push_back(std::move(part)); }
     const auto optional = std::find_if(parts.begin(), parts.end(), [](const RegexPtr& part) {
         return part->kind == Kind::repeat && part->min == 0 && part->max == 1;
     });
@@ -179,9 +156,7 @@ RegexPtr RegexBuilder::sequence(const RegexPtr& a, const RegexPtr& b) {
     without.erase(without.begin() + at);
     const auto all_of = [this](const std::vector<RegexPtr>& list) {
         RegexPtr whole = epsilon();
-        for (const RegexPtr& part : list) {
-            whole = sequence(whole, part);
-        }
+        for (const RegexPtr& part : list) { whole = sequence(whole, part); }
         return whole;
     };
     return alternatives(all_of(without), all_of(with));
@@ -190,16 +165,12 @@ RegexPtr RegexBuilder::sequence(const RegexPtr& a, const RegexPtr& b) {
 /// What the first or last parts of both share, taken out: AX | AY = A(X|Y). Null when they share nothing.
 RegexPtr RegexBuilder::factored(const RegexPtr& a, const RegexPtr& b, bool from_front) {
     std::vector<RegexPtr> left = parts_of(a), right = parts_of(b);
-    if (left.empty() || right.empty()) {
-        return nullptr;
-    }
+    if (left.empty() || right.empty()) { return nullptr; }
     const auto end_of = [&](std::vector<RegexPtr>& list) -> RegexPtr& {
         return from_front ? list.front() : list.back();
     };
     const Counted x = counted(end_of(left)), y = counted(end_of(right));
-    if (!same(x.part, y.part)) {
-        return nullptr;
-    }
+    if (!same(x.part, y.part)) { return nullptr; }
     // X{2,}A | XB = X(X+A | B): one X at a time, so that every overlap is seen.
     RegexPtr shared;
     if (same(end_of(left), end_of(right))) {
@@ -233,21 +204,15 @@ RegexPtr RegexBuilder::factored(const RegexPtr& a, const RegexPtr& b, bool from_
 
 /// Both as one simpler expression, or null.
 RegexPtr RegexBuilder::merged(const RegexPtr& a, const RegexPtr& b) {
-    if (same(a, b)) {
-        return a;
-    }
+    if (same(a, b)) { return a; }
     if (a->kind == Kind::events && b->kind == Kind::events) {
         ClassSet both = a->events;
-        for (std::size_t k = 0; k < both.size(); ++k) {
-            both[k] = both[k] || b->events[k];
-        }
+        for (std::size_t k = 0; k < both.size(); ++k) { both[k] = both[k] || b->events[k]; }
         return events(std::move(both));
     }
     if (a->kind == Kind::epsilon || b->kind == Kind::epsilon) {
         const RegexPtr& other = a->kind == Kind::epsilon ? b : a;
-        if (other->nullable) {
-            return other;
-        }
+        if (other->nullable) { return other; }
         return repeat(other, 0, 1);
     }
     const Counted x = counted(a), y = counted(b);
@@ -283,11 +248,8 @@ bool RegexBuilder::merge(std::vector<RegexPtr>& parts) {
 }
 
 RegexPtr RegexBuilder::alternatives_of(std::vector<RegexPtr> parts) {
-    while (!failed_ && parts.size() > 1 && merge(parts)) {
-    }
-    if (parts.size() == 1) {
-        return parts.front();
-    }
+    while (!failed_ && parts.size() > 1 && merge(parts)) {}
+    if (parts.size() == 1) { return parts.front(); }
     Regex regex;
     regex.kind = Kind::alternatives;
     regex.nullable = std::any_of(parts.begin(), parts.end(), [](const RegexPtr& part) { return part->nullable; });
@@ -296,9 +258,7 @@ RegexPtr RegexBuilder::alternatives_of(std::vector<RegexPtr> parts) {
 }
 
 RegexPtr RegexBuilder::alternatives(const RegexPtr& a, const RegexPtr& b) {
-    if (!a || !b) {
-        return a ? a : b;
-    }
+    if (!a || !b) { return a ? a : b; }
     std::vector<RegexPtr> parts;
     for (const RegexPtr& side : {a, b}) {
         if (side->kind == Kind::alternatives) {
@@ -311,9 +271,7 @@ RegexPtr RegexBuilder::alternatives(const RegexPtr& a, const RegexPtr& b) {
 }
 
 std::string RegexBuilder::text(const RegexPtr& regex) const {
-    if (regex->kind != Kind::alternatives) {
-        return regex->text;
-    }
+    if (regex->kind != Kind::alternatives) { return regex->text; }
     return regex->text.substr(1, regex->text.size() - 2);
 }
 

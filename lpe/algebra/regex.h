@@ -24,12 +24,12 @@ struct Regex {
     ClassSet events;
     std::vector<RegexPtr> parts;  // of a sequence or of alternatives; the one part of a repetition
     int min = 1, max = 1;
-    std::string text;             // as it stands in a sequence; equal texts are equal languages
+    std::string text;  // as it stands in a sequence; equal texts are equal languages
     bool nullable = false;
 };
 
-/// Builds expressions, simplified, and writes their texts. Gives up (`failed`) as soon as a set of events has no text or an
-/// expression passes the length bound.
+/// Builds expressions, simplified, and writes their texts. Gives up (`failed`) as soon as a set of events has no text
+/// or an expression passes the length bound.
 class RegexBuilder {
   public:
     /// `write` turns a set of events into one item, or into nothing when it cannot. Without `optional_mark` X?Y is

@@ -85,12 +85,8 @@ Graph graph_of(const Dfa& dfa, const Roles& roles, RegexBuilder& builder) {
                 sets.try_emplace(target, dfa.column_of_class.size(), false).first->second[k] = true;
             }
         }
-        for (auto& [target, set] : sets) {
-            graph.edges[{state, target}] = builder.events(std::move(set));
-        }
-        if (dfa.output[state] != 0) {
-            graph.edges[{state, graph.end}] = builder.epsilon();
-        }
+        for (auto& [target, set] : sets) { graph.edges[{state, target}] = builder.events(std::move(set)); }
+        if (dfa.output[state] != 0) { graph.edges[{state, graph.end}] = builder.epsilon(); }
     }
     return graph;
 }
@@ -142,9 +138,7 @@ enum class Order { cheapest, from_the_end, from_the_start };
 std::optional<std::string> eliminated(Graph graph, Order order, RegexBuilder builder) {
     std::vector<std::size_t> left;
     for (std::size_t state = 1; state < graph.end; ++state) {
-        if (state != graph.start) {
-            left.push_back(state);
-        }
+        if (state != graph.start) { left.push_back(state); }
     }
     while (!left.empty() && !builder.failed()) {
         std::size_t pick = order == Order::from_the_end ? left.size() - 1 : 0;
@@ -167,9 +161,7 @@ std::optional<std::string> eliminated(Graph graph, Order order, RegexBuilder bui
 
 std::optional<std::string> text_of(const Dfa& language, const Languages& languages, const SlotLabels& labels,
                                    Reader reader = Reader::raylex) {
-    if (language.states() > most_states || language.start == 0) {
-        return std::nullopt;
-    }
+    if (language.states() > most_states || language.start == 0) { return std::nullopt; }
     const Roles roles = find_roles(languages);
     const EventWriter writer(*languages.classes, labels, reader == Reader::raylex);
     // An item among terminals may match scattering events no more than it may match other terminals, and the other way
@@ -194,18 +186,12 @@ std::optional<std::string> text_of(const Dfa& language, const Languages& languag
     // While states are taken out texts may be longer than the result.
     RegexBuilder builder(write, 8 * longest_printed_expression, reader == Reader::raylex);
     const Graph graph = graph_of(language, roles, builder);
-    if (builder.failed()) {
-        return std::nullopt;
-    }
+    if (builder.failed()) { return std::nullopt; }
     std::optional<std::string> best;
     for (const Order order : {Order::cheapest, Order::from_the_end, Order::from_the_start}) {
         std::optional<std::string> text = eliminated(graph, order, builder);
-        if (text && reader == Reader::renderman && !extensions_in(*text).empty()) {
-            continue;
-        }
-        if (text && (!best || text->size() < best->size())) {
-            best = std::move(text);
-        }
+        if (text && reader == Reader::renderman && !extensions_in(*text).empty()) { continue; }
+        if (text && (!best || text->size() < best->size())) { best = std::move(text); }
     }
     return best && best->size() <= longest_printed_expression ? best : std::nullopt;
 }
@@ -246,26 +232,18 @@ std::optional<std::string> left_over(std::span<const ChannelSource> channels,
                                      const std::optional<ChannelSource>& beauty, const Words& words, Reader reader) {
     std::vector<ChannelSource> all(channels.begin(), channels.end());
     const std::size_t count = all.size();
-    if (beauty) {
-        all.push_back(*beauty);
-    }
+    if (beauty) { all.push_back(*beauty); }
     ChannelSource rest;
     rest.name = "rest";
-    for (std::size_t k = 0; k < count; ++k) {
-        rest.rest_of.push_back(k);
-    }
+    for (std::size_t k = 0; k < count; ++k) { rest.rest_of.push_back(k); }
     all.push_back(std::move(rest));
     const PrintingQuestion question = pose_for_printing(all, words);
-    if (question.labels.deeper) {
-        return std::nullopt;
-    }
+    if (question.labels.deeper) { return std::nullopt; }
     Dfa language = question.languages.channels.back();
     if (beauty) {
         const auto cut =
             product(language, question.languages.channels[count], intersection_of(), limits::boolean_states);
-        if (!cut) {
-            return std::nullopt;
-        }
+        if (!cut) { return std::nullopt; }
         language = minimized(*cut);
     }
     return text_of(language, question.languages, question.labels, reader);
@@ -306,19 +284,13 @@ std::optional<std::string> rest_text(std::span<const ChannelSource> channels,
             continue;
         }
         std::optional<std::string> text = std::move(*left);
-        if (!text || (best && best->size() <= text->size())) {
-            continue;
-        }
+        if (!text || (best && best->size() <= text->size())) { continue; }
         std::vector<ChannelSource> whole(channels.begin(), channels.end());
         whole.push_back(printed(*text));
         const Result<PartitionReport> proof = check_partition(whole, beauty, words);
-        if (proof && proof->verdict == Verdict::partition) {
-            best = std::move(text);
-        }
+        if (proof && proof->verdict == Verdict::partition) { best = std::move(text); }
     }
-    if (!best && failure) {
-        throw Failure{std::move(*failure)};
-    }
+    if (!best && failure) { throw Failure{std::move(*failure)}; }
     return best;
 }
 
@@ -335,13 +307,9 @@ Result<std::optional<std::string>> plain_expression(const ChannelSource& channel
         const PrintingQuestion question = pose_for_printing({&channel, 1}, words);
         const auto cut = product(*question.languages.words, question.languages.channels[0], intersection_of(),
                                  limits::boolean_states);
-        if (!cut || question.labels.deeper) {
-            return std::nullopt;
-        }
+        if (!cut || question.labels.deeper) { return std::nullopt; }
         std::optional<std::string> text = text_of(minimized(*cut), question.languages, question.labels);
-        if (!text) {
-            return std::nullopt;
-        }
+        if (!text) { return std::nullopt; }
         const auto difference = find_difference(channel, printed(*text), words);
         return difference && !difference->has_value() ? text : std::nullopt;
     });

@@ -19,10 +19,10 @@ inline constexpr std::size_t longest_printed_expression = 160;
 /// Whose parser a text is for: ours, or RenderMan's own, which has no V, B, G, '?', '-', '&', '!' and no globs.
 enum class Reader : std::uint8_t { raylex, renderman };
 
-/// An expression for what the channels leave of `beauty` (of W when absent): every word of it that none of them accepts.
-/// Nothing when no short one was found, or when they leave nothing. What is returned was read again and proved: together
-/// with the channels it covers every word, and it shares none with them. What `words` rule out is used where that makes
-/// the text shorter, and only there. Errors: a channel that does not parse.
+/// An expression for what the channels leave of `beauty` (of W when absent): every word of it that none of them
+/// accepts. Nothing when no short one was found, or when they leave nothing. What is returned was read again and
+/// proved: together with the channels it covers every word, and it shares none with them. What `words` rule out is used
+/// where that makes the text shorter, and only there. Errors: a channel that does not parse.
 Result<std::optional<std::string>> rest_expression(std::span<const ChannelSource> channels,
                                                    const std::optional<ChannelSource>& beauty = std::nullopt,
                                                    const Words& words = {}, Reader reader = Reader::raylex);

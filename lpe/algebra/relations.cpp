@@ -30,23 +30,17 @@ Proof proof_of(Question& question, std::span<const ChannelSource> channels, cons
 
 std::string all_names(std::span<const ChannelSource> channels) {
     std::vector<std::size_t> which;
-    for (std::size_t k = 0; k < channels.size(); ++k) {
-        which.push_back(k);
-    }
+    for (std::size_t k = 0; k < channels.size(); ++k) { which.push_back(k); }
     return name_list(channels, which);
 }
 
 Proof covers(std::span<const ChannelSource> channels, const std::optional<ChannelSource>& beauty, const Words& words) {
     std::vector<ChannelSource> all(channels.begin(), channels.end());
-    if (beauty) {
-        all.push_back(*beauty);
-    }
+    if (beauty) { all.push_back(*beauty); }
     Question question = pose(all, words, "a coverage");
     const Languages& languages = question.languages;
     std::vector<const Dfa*> members;
-    for (std::size_t k = 0; k < channels.size(); ++k) {
-        members.push_back(&languages.channels[k]);
-    }
+    for (std::size_t k = 0; k < channels.size(); ++k) { members.push_back(&languages.channels[k]); }
     const Dfa any =
         joined(members, union_of(), limits::boolean_states, languages.classes->count(), "the channels of this proof");
     const Dfa whole = beauty ? intersection(*languages.words, languages.channels.back()) : *languages.words;
@@ -123,9 +117,7 @@ Result<Proof> check_empty(const ChannelSource& channel, const Words& words) {
 Result<bool> is_beauty(const ChannelSource& expression, const Words& words) {
     return guarded([&] {
         const Question question = pose({&expression, 1}, words, nullptr);
-        if (!question.expressions[0].prefixes.empty()) {
-            return false;
-        }
+        if (!question.expressions[0].prefixes.empty()) { return false; }
         const Dfa missing = difference(*question.languages.words, question.languages.channels[0]);
         return !shortest_word(missing, is_set).has_value();
     });

@@ -1,6 +1,6 @@
 // How languages stand to one another: coverage, equality, containment, emptiness. Every answer is a proof over W
-// (lpe/words.h) or comes with the shortest path that shows the contrary. Channels may be of different dialects; prefixes
-// change what is splatted and not which paths match, so they play no part here.
+// (lpe/words.h) or comes with the shortest path that shows the contrary. Channels may be of different dialects;
+// prefixes change what is splatted and not which paths match, so they play no part here.
 #pragma once
 
 #include <cstddef>
@@ -27,8 +27,8 @@ struct Proof {
 // Errors of all: an expression that does not parse, or is too large to prove.
 
 /// Whether every path of W that `beauty` accepts (all of W when absent) is accepted by at least one channel.
-Result<Proof> check_covers(std::span<const ChannelSource> channels, const std::optional<ChannelSource>& beauty = std::nullopt,
-                           const Words& words = {});
+Result<Proof> check_covers(std::span<const ChannelSource> channels,
+                           const std::optional<ChannelSource>& beauty = std::nullopt, const Words& words = {});
 
 /// Whether all channels accept the same paths of W.
 Result<Proof> check_equal(std::span<const ChannelSource> channels, const Words& words = {});
@@ -39,8 +39,8 @@ Result<Proof> check_contains(const ChannelSource& outer, const ChannelSource& in
 /// Whether the channel accepts no path of W.
 Result<Proof> check_empty(const ChannelSource& channel, const Words& words = {});
 
-/// Whether the expression, however it is written, accepts every path of W and has no prefixes, so that its channel is the
-/// beauty.
+/// Whether the expression, however it is written, accepts every path of W and has no prefixes, so that its channel is
+/// the beauty.
 Result<bool> is_beauty(const ChannelSource& expression, const Words& words = {});
 
 }  // namespace raylex::lpe

@@ -25,13 +25,9 @@ class Walker {
                 if (distance_[next] >= left) {  // `unreachable` too
                     continue;
                 }
-                if (!best || cost(state, k) < cost(state, *best)) {
-                    best = k;
-                }
+                if (!best || cost(state, k) < cost(state, *best)) { best = k; }
             }
-            if (!best) {
-                break;
-            }
+            if (!best) { break; }
             ++uses_[*best];
             ++turns_[{state, *best}];
             word.push_back(static_cast<EventClass>(*best));
@@ -69,9 +65,7 @@ std::vector<std::uint32_t> events_to_acceptance(const Dfa& dfa) {
     for (std::uint32_t state = 0; state < dfa.states(); ++state) {
         for (std::size_t column = 0; column < dfa.columns; ++column) {
             std::vector<std::uint32_t>& list = from[dfa.next[state * dfa.columns + column]];
-            if (list.empty() || list.back() != state) {
-                list.push_back(state);
-            }
+            if (list.empty() || list.back() != state) { list.push_back(state); }
         }
     }
     std::vector<std::uint32_t> distance(dfa.states(), unreachable);
@@ -96,9 +90,7 @@ std::vector<std::uint32_t> events_to_acceptance(const Dfa& dfa) {
 std::vector<std::vector<EventClass>> sample_words(const Dfa& dfa, std::size_t count) {
     std::vector<std::vector<EventClass>> words;
     const auto shortest = shortest_word(dfa, [](std::uint32_t output) { return output != 0; });
-    if (!shortest || count == 0) {
-        return words;
-    }
+    if (!shortest || count == 0) { return words; }
     const std::vector<std::uint32_t> distance = events_to_acceptance(dfa);
     Walker walker(dfa, distance);
     words.push_back(*shortest);
@@ -106,9 +98,7 @@ std::vector<std::vector<EventClass>> sample_words(const Dfa& dfa, std::size_t co
     constexpr std::array<std::size_t, 8> longer{0, 1, 2, 1, 3, 2, 4, 0};
     for (std::size_t trial = 0; words.size() < count && trial < 4 * count; ++trial) {
         std::vector<EventClass> word = walker.walk(shortest->size() + longer[trial % longer.size()]);
-        if (std::find(words.begin(), words.end(), word) == words.end()) {
-            words.push_back(std::move(word));
-        }
+        if (std::find(words.begin(), words.end(), word) == words.end()) { words.push_back(std::move(word)); }
     }
     const auto shorter = [](const auto& a, const auto& b) { return a.size() < b.size(); };
     std::stable_sort(words.begin() + 1, words.end(), shorter);
@@ -117,9 +107,7 @@ std::vector<std::vector<EventClass>> sample_words(const Dfa& dfa, std::size_t co
 
 std::vector<std::uint64_t> count_words(const Dfa& dfa, std::size_t longest) {
     std::vector<std::uint64_t> classes_of_column(dfa.columns, 0);
-    for (const std::uint16_t column : dfa.column_of_class) {
-        ++classes_of_column[column];
-    }
+    for (const std::uint16_t column : dfa.column_of_class) { ++classes_of_column[column]; }
     std::vector<std::uint64_t> counts;
     std::vector<std::uint64_t> here(dfa.states(), 0);
     here[dfa.start] = 1;
@@ -129,9 +117,7 @@ std::vector<std::uint64_t> count_words(const Dfa& dfa, std::size_t longest) {
             accepted += dfa.output[state] != 0 ? std::min(here[state], most_words - accepted) : 0;
         }
         counts.push_back(accepted);
-        if (length == longest) {
-            return counts;
-        }
+        if (length == longest) { return counts; }
         std::vector<std::uint64_t> next(dfa.states(), 0);
         for (std::size_t state = 1; state < dfa.states(); ++state) {
             for (std::size_t column = 0; here[state] > 0 && column < dfa.columns; ++column) {
@@ -149,18 +135,14 @@ std::vector<std::uint64_t> count_words(const Dfa& dfa, std::size_t longest) {
 std::optional<std::size_t> longest_word(const Dfa& dfa) {
     // Longest ways over states that can still accept; a state met again on its own way means there is no longest.
     const std::vector<std::uint32_t> distance = events_to_acceptance(dfa);
-    if (distance[dfa.start] == unreachable) {
-        return std::nullopt;
-    }
+    if (distance[dfa.start] == unreachable) { return std::nullopt; }
     // Rounds of relaxation: a way without loops has fewer events than there are states.
     std::vector<std::size_t> incoming(dfa.states(), 0);
     const auto live_targets = [&](std::uint32_t state) {
         std::vector<std::uint32_t> targets;
         for (std::size_t column = 0; column < dfa.columns; ++column) {
             const std::uint32_t next = dfa.next[state * dfa.columns + column];
-            if (distance[next] != unreachable) {
-                targets.push_back(next);
-            }
+            if (distance[next] != unreachable) { targets.push_back(next); }
         }
         std::sort(targets.begin(), targets.end());
         targets.erase(std::unique(targets.begin(), targets.end()), targets.end());
@@ -180,18 +162,14 @@ std::optional<std::size_t> longest_word(const Dfa& dfa) {
     }
     std::vector<std::size_t> length(dfa.states(), 0);
     std::vector<std::uint32_t> ready;
-    if (incoming[dfa.start] == 0) {
-        ready.push_back(dfa.start);
-    }
+    if (incoming[dfa.start] == 0) { ready.push_back(dfa.start); }
     std::size_t longest = 0;
     for (std::size_t i = 0; i < ready.size(); ++i) {
         const std::uint32_t state = ready[i];
         longest = dfa.output[state] != 0 ? std::max(longest, length[state]) : longest;
         for (const std::uint32_t next : live_targets(state)) {
             length[next] = std::max(length[next], length[state] + 1);
-            if (--incoming[next] == 0) {
-                ready.push_back(next);
-            }
+            if (--incoming[next] == 0) { ready.push_back(next); }
         }
     }
     return ready.size() == reached.size() ? std::optional<std::size_t>(longest) : std::nullopt;

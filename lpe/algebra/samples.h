@@ -10,8 +10,8 @@
 
 namespace raylex::lpe {
 
-/// Up to `count` different accepted words: the shortest first, then words a little longer that show events and turns not
-/// shown yet. Nothing when the language is empty.
+/// Up to `count` different accepted words: the shortest first, then words a little longer that show events and turns
+/// not shown yet. Nothing when the language is empty.
 [[nodiscard]] std::vector<std::vector<EventClass>> sample_words(const Dfa& dfa, std::size_t count);
 
 /// How many words of 0, 1, ... `longest` classes are accepted; numbers from most_words on are cut to it.

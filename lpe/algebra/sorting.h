@@ -21,6 +21,7 @@ struct Sorting {
 /// Sorts the channels into partitions of `beauty` (of W when absent): from the first channel that is in none yet, the
 /// shortest path missed so far is given to one channel after the other that counts it. Errors as check_partition's.
 Result<Sorting> sort_into_partitions(std::span<const ChannelSource> channels,
-                                     const std::optional<ChannelSource>& beauty = std::nullopt, const Words& words = {});
+                                     const std::optional<ChannelSource>& beauty = std::nullopt,
+                                     const Words& words = {});
 
 }  // namespace raylex::lpe

@@ -19,18 +19,16 @@ constexpr std::size_t most_marked_events = 200;
 
 /// The events of a tree in the order of the text, and whether operators on languages stand anywhere.
 void gather(const Node& node, std::vector<const Node*>& events, bool& operators) {
-    if (node.kind == NodeKind::event) {
-        events.push_back(&node);
-    }
+    if (node.kind == NodeKind::event) { events.push_back(&node); }
     operators = operators || node.kind == NodeKind::complement || node.kind == NodeKind::intersection ||
                 node.kind == NodeKind::difference;
-    for (const NodePtr& child : node.children) {
-        gather(*child, events, operators);
-    }
+    for (const NodePtr& child : node.children) { gather(*child, events, operators); }
 }
 
 /// The event that stands for the k-th event of the expression: user event 0, which nothing else matches.
-Event marker(std::size_t k) { return {EventType::user, Scatter::none, 0, {std::to_string(k)}}; }
+Event marker(std::size_t k) {
+    return {EventType::user, Scatter::none, 0, {std::to_string(k)}};
+}
 
 /// The tree with "or the k-th marker" at its k-th event.
 NodePtr marked(const Node& node, std::size_t& k) {
@@ -38,12 +36,8 @@ NodePtr marked(const Node& node, std::size_t& k) {
     copy->events = node.events;
     copy->min = node.min;
     copy->max = node.max;
-    for (const NodePtr& child : node.children) {
-        copy->children.push_back(marked(*child, k));
-    }
-    if (node.kind != NodeKind::event) {
-        return copy;
-    }
+    for (const NodePtr& child : node.children) { copy->children.push_back(marked(*child, k)); }
+    if (node.kind != NodeKind::event) { return copy; }
     const Event mark = marker(k++);
     EventPattern pattern{{}, {{false, mark.labels, {}}}, Missing::is_empty, Extra::ignored};
     pattern.cores.set(core_index(mark));
@@ -55,9 +49,7 @@ NodePtr marked(const Node& node, std::size_t& k) {
 
 std::uint32_t after(const Dfa& dfa, const EventClasses& classes, std::span<const Event> events) {
     std::uint32_t state = dfa.start;
-    for (const Event& event : events) {
-        state = dfa.step(state, classes.classify(event));
-    }
+    for (const Event& event : events) { state = dfa.step(state, classes.classify(event)); }
     return state;
 }
 
@@ -78,9 +70,7 @@ std::vector<const Node*> next_events(const ChannelSource& source, const Node& ro
     const std::uint32_t state = after(dfa, *languages.classes, prefix);
     std::vector<const Node*> next;
     for (std::size_t k = 0; k < events.size(); ++k) {
-        if (dfa.step(state, languages.classes->classify(marker(k))) != 0) {
-            next.push_back(events[k]);
-        }
+        if (dfa.step(state, languages.classes->classify(marker(k))) != 0) { next.push_back(events[k]); }
     }
     return next;
 }
@@ -104,21 +94,15 @@ std::string wanted_words(const EventTeller& teller, const EventTeller::Members& 
 std::string label_hint(const Event& event, const std::vector<const Node*>& next) {
     for (const Node* node : next) {
         for (const EventPattern& pattern : node->events.any_of) {
-            if (!pattern.cores[core_index(event)]) {
-                continue;
-            }
+            if (!pattern.cores[core_index(event)]) { continue; }
             for (std::size_t slot = 0; slot < pattern.labels.size(); ++slot) {
                 const LabelTest& test = pattern.labels[slot];
                 const std::string label = slot < event.labels.size() ? event.labels[slot] : "";
-                if (test.negated || test.names.empty() || test.matches(label)) {
-                    continue;
-                }
+                if (test.negated || test.names.empty() || test.matches(label)) { continue; }
                 const std::vector<std::string_view> names(test.names.begin(), test.names.end());
                 const std::string near = nearest(label, names.data(), names.size());
                 std::vector<std::string> quoted;
-                for (const std::string& name : test.names) {
-                    quoted.push_back("'" + name + "'");
-                }
+                for (const std::string& name : test.names) { quoted.push_back("'" + name + "'"); }
                 const std::string found =
                     label.empty() ? "it has no label where " : "its label '" + label + "' is not ";
                 return found + joined_by(shortened(std::move(quoted))) + (label.empty() ? " is wanted" : "") +
@@ -135,9 +119,7 @@ std::uint32_t walk_along(std::span<const Event> events, const Dfa& dfa, const Ev
     answer.any_path = state != 0;
     while (state != 0 && answer.live_events < events.size()) {
         const std::uint32_t next = dfa.step(state, classes.classify(events[answer.live_events]));
-        if (next == 0) {
-            break;
-        }
+        if (next == 0) { break; }
         state = next;
         ++answer.live_events;
     }
@@ -157,9 +139,7 @@ WhyNot reason(const ChannelSource& channel, std::span<const Event> events) {
     const Dfa& dfa = languages.channels.front();
     const EventClasses& classes = *languages.classes;
     const std::uint32_t state = walk_along(events, dfa, classes, answer);
-    if (answer.matches || !answer.any_path) {
-        return answer;
-    }
+    if (answer.matches || !answer.any_path) { return answer; }
     std::vector<const Node*> all;
     bool operators = false;
     gather(*expression.root, all, operators);
@@ -178,13 +158,9 @@ WhyNot reason(const ChannelSource& channel, std::span<const Event> events) {
         return absent ? Membership::never : Membership::in;
     };
     const EventTeller::Members members = [&](const Event& event) {
-        if (occurring(event) != Membership::in) {
-            return Membership::never;
-        }
+        if (occurring(event) != Membership::in) { return Membership::never; }
         if (!by_piece) {
-            if ((role_of(event.type) == EventRole::camera) != (answer.live_events == 0)) {
-                return Membership::never;
-            }
+            if ((role_of(event.type) == EventRole::camera) != (answer.live_events == 0)) { return Membership::never; }
             return dfa.step(state, classes.classify(event)) != 0 ? Membership::in : Membership::out;
         }
         const bool in = std::any_of(next.begin(), next.end(), [&](const Node* node) {
@@ -195,12 +171,8 @@ WhyNot reason(const ChannelSource& channel, std::span<const Event> events) {
     const EventSpace space({expression.root.get()});
     const EventTeller teller(space, source.dialect, occurring);
     answer.wanted = wanted_words(teller, members);
-    for (const Node* node : next) {
-        answer.pieces.push_back({node->begin, node->end});
-    }
-    if (answer.live_events < events.size()) {
-        answer.hint = label_hint(events[answer.live_events], next);
-    }
+    for (const Node* node : next) { answer.pieces.push_back({node->begin, node->end}); }
+    if (answer.live_events < events.size()) { answer.hint = label_hint(events[answer.live_events], next); }
     return answer;
 }
 

@@ -14,13 +14,9 @@ class PairMap {
   public:
     /// The value of the key, `fresh` when it was not there before.
     std::pair<std::uint32_t, bool> insert(std::uint64_t key, std::uint32_t fresh) {
-        if (2 * (size_ + 1) > slots_.size()) {
-            grow();
-        }
+        if (2 * (size_ + 1) > slots_.size()) { grow(); }
         Slot& slot = find(key);
-        if (slot.key == key) {
-            return {slot.value, false};
-        }
+        if (slot.key == key) { return {slot.value, false}; }
         slot = {key, fresh};
         ++size_;
         return {fresh, true};
@@ -34,18 +30,14 @@ class PairMap {
     Slot& find(std::uint64_t key) {
         // Bits 32 and above of the product depend on both states.
         std::size_t at = static_cast<std::size_t>((key * 0x9E3779B97F4A7C15ULL) >> 32) & (slots_.size() - 1);
-        while (slots_[at].key != 0 && slots_[at].key != key) {
-            at = (at + 1) & (slots_.size() - 1);
-        }
+        while (slots_[at].key != 0 && slots_[at].key != key) { at = (at + 1) & (slots_.size() - 1); }
         return slots_[at];
     }
     void grow() {
         std::vector<Slot> old(std::max<std::size_t>(64, 2 * slots_.size()));
         std::swap(old, slots_);
         for (const Slot& slot : old) {
-            if (slot.key != 0) {
-                find(slot.key) = slot;
-            }
+            if (slot.key != 0) { find(slot.key) = slot; }
         }
     }
     std::vector<Slot> slots_;
@@ -65,17 +57,21 @@ JointColumns join_columns(const Dfa& a, const Dfa& b) {
     for (std::size_t k = 0; k < a.column_of_class.size(); ++k) {
         const std::uint32_t key = static_cast<std::uint32_t>(a.column_of_class[k]) << 16 | b.column_of_class[k];
         const auto [place, fresh] = seen.emplace(key, static_cast<std::uint16_t>(joint.pairs.size()));
-        if (fresh) {
-            joint.pairs.emplace_back(a.column_of_class[k], b.column_of_class[k]);
-        }
+        if (fresh) { joint.pairs.emplace_back(a.column_of_class[k], b.column_of_class[k]); }
         joint.of_class.push_back(place->second);
     }
     return joint;
 }
 
-std::uint32_t combine_union(void* /*context*/, std::uint32_t a, std::uint32_t b) { return a | b; }
-std::uint32_t combine_intersection(void* /*context*/, std::uint32_t a, std::uint32_t b) { return a & b; }
-std::uint32_t combine_difference(void* /*context*/, std::uint32_t a, std::uint32_t b) { return a & ~b & 1U; }
+std::uint32_t combine_union(void* /*context*/, std::uint32_t a, std::uint32_t b) {
+    return a | b;
+}
+std::uint32_t combine_intersection(void* /*context*/, std::uint32_t a, std::uint32_t b) {
+    return a & b;
+}
+std::uint32_t combine_difference(void* /*context*/, std::uint32_t a, std::uint32_t b) {
+    return a & ~b & 1U;
+}
 std::uint32_t combine_count(void* /*context*/, std::uint32_t a, std::uint32_t b) {
     return std::min<std::uint32_t>(a + b, 2);
 }
@@ -104,10 +100,18 @@ Dfa empty_dfa(std::size_t class_count) {
     return dfa;
 }
 
-Combination union_of() { return {combine_union, nullptr, false, false}; }
-Combination intersection_of() { return {combine_intersection, nullptr, true, false}; }
-Combination difference_of() { return {combine_difference, nullptr, false, true}; }
-Combination count_of() { return {combine_count, nullptr, false, false}; }
+Combination union_of() {
+    return {combine_union, nullptr, false, false};
+}
+Combination intersection_of() {
+    return {combine_intersection, nullptr, true, false};
+}
+Combination difference_of() {
+    return {combine_difference, nullptr, false, true};
+}
+Combination count_of() {
+    return {combine_count, nullptr, false, false};
+}
 
 std::optional<Dfa> product(const Dfa& a, const Dfa& b, const Combination& combination, std::size_t state_cap) {
     JointColumns joint = join_columns(a, b);
@@ -124,9 +128,7 @@ std::optional<Dfa> product(const Dfa& a, const Dfa& b, const Combination& combin
         }
         const auto fresh = static_cast<std::uint32_t>(pairs.size());
         const auto [state, is_new] = numbers.insert(static_cast<std::uint64_t>(p) << 32 | q, fresh);
-        if (is_new) {
-            pairs.emplace_back(p, q);
-        }
+        if (is_new) { pairs.emplace_back(p, q); }
         return state;
     };
     result.start = number(a.start, b.start);
@@ -138,9 +140,7 @@ std::optional<Dfa> product(const Dfa& a, const Dfa& b, const Combination& combin
         for (const auto& [column_a, column_b] : joint.pairs) {
             result.next.push_back(number(from_a[column_a], from_b[column_b]));
         }
-        if (pairs.size() > state_cap) {
-            return std::nullopt;
-        }
+        if (pairs.size() > state_cap) { return std::nullopt; }
     }
     result.output.reserve(pairs.size());
     for (const auto& [p, q] : pairs) {
@@ -169,9 +169,7 @@ std::optional<std::vector<EventClass>> shortest_word(const Dfa& dfa, bool (*want
         std::uint32_t state = queue[i];
         if (wanted(dfa.output[state])) {
             std::vector<EventClass> word;
-            for (; state != dfa.start; state = came_from[state].first) {
-                word.push_back(came_from[state].second);
-            }
+            for (; state != dfa.start; state = came_from[state].first) { word.push_back(came_from[state].second); }
             std::reverse(word.begin(), word.end());
             return word;
         }

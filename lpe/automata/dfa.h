@@ -1,6 +1,6 @@
 // Complete deterministic automata with outputs (Moore machines) over event classes. State 0 is dead: no output, and
-// every event stays there. Output 0 means "nothing"; what other numbers mean is the caller's business (1 for acceptance,
-// a count, an index of a list of channels).
+// every event stays there. Output 0 means "nothing"; what other numbers mean is the caller's business (1 for
+// acceptance, a count, an index of a list of channels).
 //
 // Classes that an automaton treats alike share a column, so tables stay small whatever other channels tell apart.
 #pragma once
@@ -19,8 +19,8 @@ namespace raylex::lpe {
 struct Dfa {
     std::vector<std::uint16_t> column_of_class;
     std::size_t columns = 0;
-    std::vector<std::uint32_t> next;     // [state][column]
-    std::vector<std::uint32_t> output;   // [state]
+    std::vector<std::uint32_t> next;    // [state][column]
+    std::vector<std::uint32_t> output;  // [state]
     std::uint32_t start = 0;
 
     [[nodiscard]] std::size_t states() const { return output.size(); }
@@ -34,8 +34,8 @@ struct Dfa {
 /// The automaton of the empty language.
 [[nodiscard]] Dfa empty_dfa(std::size_t class_count);
 
-/// The smallest automaton with the same outputs (Hopcroft), numbered in breadth-first order from the start, so that equal
-/// languages give equal tables.
+/// The smallest automaton with the same outputs (Hopcroft), numbered in breadth-first order from the start, so that
+/// equal languages give equal tables.
 [[nodiscard]] Dfa minimized(const Dfa& dfa);
 
 /// How a product combines two outputs. `combine` must give 0 for (0, 0).
@@ -52,11 +52,13 @@ struct Combination {
 /// 0, 1 or "2 or more" accepting sides.
 [[nodiscard]] Combination count_of();
 
-/// Both automata side by side, reachable pairs only; nothing when that takes more than `state_cap` states or too large a
-/// table. The product of minimal automata under outputs that tell both sides apart is minimal.
-[[nodiscard]] std::optional<Dfa> product(const Dfa& a, const Dfa& b, const Combination& combination, std::size_t state_cap);
+/// Both automata side by side, reachable pairs only; nothing when that takes more than `state_cap` states or too large
+/// a table. The product of minimal automata under outputs that tell both sides apart is minimal.
+[[nodiscard]] std::optional<Dfa> product(const Dfa& a, const Dfa& b, const Combination& combination,
+                                         std::size_t state_cap);
 
 /// The shortest word, as classes, after which the output satisfies `wanted`; among equals the one of lowest classes.
-[[nodiscard]] std::optional<std::vector<EventClass>> shortest_word(const Dfa& dfa, bool (*wanted)(std::uint32_t output));
+[[nodiscard]] std::optional<std::vector<EventClass>> shortest_word(const Dfa& dfa,
+                                                                   bool (*wanted)(std::uint32_t output));
 
 }  // namespace raylex::lpe

@@ -27,8 +27,8 @@ struct ListMerger {
 
     static std::uint32_t combine(void* context, std::uint32_t a, std::uint32_t b) {
         auto& self = *static_cast<ListMerger*>(context);
-        const auto [place, fresh] = self.index.emplace(static_cast<std::uint64_t>(a) << 32 | b,
-                                                       static_cast<std::uint32_t>(self.merged.size()));
+        const auto [place, fresh] =
+            self.index.emplace(static_cast<std::uint64_t>(a) << 32 | b, static_cast<std::uint32_t>(self.merged.size()));
         if (fresh) {
             ChannelList list;
             std::merge(self.left[a].begin(), self.left[a].end(), self.right[b].begin(), self.right[b].end(),
@@ -42,29 +42,23 @@ struct ListMerger {
 std::optional<Group> merged(const Group& a, const Group& b, std::size_t state_cap) {
     ListMerger merger{a.lists, b.lists};
     std::optional<Dfa> dfa = product(a.dfa, b.dfa, {ListMerger::combine, &merger, false, false}, state_cap);
-    if (!dfa) {
-        return std::nullopt;
-    }
+    if (!dfa) { return std::nullopt; }
     return Group{std::move(*dfa), std::move(merger.merged)};
 }
 
 /// States up to which a product is in proportion to its parts: sums of a few parts, not their product.
-std::size_t proportionate(const Group& a, const Group& b) { return 4 * (a.dfa.states() + b.dfa.states()) + 256; }
+std::size_t proportionate(const Group& a, const Group& b) {
+    return 4 * (a.dfa.states() + b.dfa.states()) + 256;
+}
 
 /// Nothing as soon as some part of the tree needs more than `most` groups.
 std::optional<std::vector<Group>> merge_balanced(std::span<const Group> leaves, std::size_t state_cap,
                                                  std::size_t most) {
-    if (leaves.size() <= 1) {
-        return std::vector<Group>(leaves.begin(), leaves.end());
-    }
+    if (leaves.size() <= 1) { return std::vector<Group>(leaves.begin(), leaves.end()); }
     std::optional<std::vector<Group>> groups = merge_balanced(leaves.first(leaves.size() / 2), state_cap, most);
-    if (!groups) {
-        return std::nullopt;
-    }
+    if (!groups) { return std::nullopt; }
     std::optional<std::vector<Group>> others = merge_balanced(leaves.subspan(leaves.size() / 2), state_cap, most);
-    if (!others) {
-        return std::nullopt;
-    }
+    if (!others) { return std::nullopt; }
     for (Group& right : *others) {
         bool placed = false;
         for (Group& left : *groups) {
@@ -75,12 +69,8 @@ std::optional<std::vector<Group>> merge_balanced(std::span<const Group> leaves, 
                 break;
             }
         }
-        if (!placed) {
-            groups->push_back(std::move(right));
-        }
-        if (groups->size() > most) {
-            return std::nullopt;
-        }
+        if (!placed) { groups->push_back(std::move(right)); }
+        if (groups->size() > most) { return std::nullopt; }
     }
     return groups;
 }
@@ -108,15 +98,11 @@ void merge_smallest(std::vector<Group>& groups, std::size_t wanted, std::size_t 
 
 std::string channel_names(const Group& group, std::span<const ChannelSource> channels) {
     std::set<std::uint16_t> inside;
-    for (const ChannelList& list : group.lists) {
-        inside.insert(list.begin(), list.end());
-    }
+    for (const ChannelList& list : group.lists) { inside.insert(list.begin(), list.end()); }
     std::string names;
     std::size_t count = 0;
     for (const std::uint16_t k : inside) {
-        if (++count <= 4) {
-            names += (names.empty() ? "" : ", ") + channels[k].name;
-        }
+        if (++count <= 4) { names += (names.empty() ? "" : ", ") + channels[k].name; }
     }
     return count > 4 ? names + " and " + std::to_string(count - 4) + " more" : names;
 }
@@ -158,13 +144,9 @@ std::vector<std::uint32_t> interior_states(const Dfa& dfa, const std::vector<Pla
             states.push_back(state);
         }
     };
-    for (const std::uint16_t column : camera) {
-        visit(dfa.next[dfa.start * dfa.columns + column]);
-    }
+    for (const std::uint16_t column : camera) { visit(dfa.next[dfa.start * dfa.columns + column]); }
     for (std::size_t i = 0; i < states.size() && states.size() <= most; ++i) {
-        for (const std::uint16_t column : scattering) {
-            visit(dfa.next[states[i] * dfa.columns + column]);
-        }
+        for (const std::uint16_t column : scattering) { visit(dfa.next[states[i] * dfa.columns + column]); }
     }
     return states;
 }
@@ -173,9 +155,7 @@ std::vector<std::uint32_t> interior_states(const Dfa& dfa, const std::vector<Pla
 std::vector<bool> recurrent(const Dfa& dfa, const std::vector<Place>& places,
                             const std::vector<std::uint32_t>& states) {
     std::unordered_map<std::uint32_t, std::size_t> index;
-    for (std::size_t i = 0; i < states.size(); ++i) {
-        index.emplace(states[i], i);
-    }
+    for (std::size_t i = 0; i < states.size(); ++i) { index.emplace(states[i], i); }
     std::vector<std::uint64_t> reach(states.size(), 0);
     for (std::size_t i = 0; i < states.size(); ++i) {
         for (std::size_t k = 0; k < places.size(); ++k) {
@@ -185,14 +165,10 @@ std::vector<bool> recurrent(const Dfa& dfa, const std::vector<Place>& places,
         }
     }
     for (std::size_t through = 0; through < states.size(); ++through) {  // Warshall's closure
-        for (std::uint64_t& row : reach) {
-            row |= (row >> through & 1U) != 0 ? reach[through] : 0;
-        }
+        for (std::uint64_t& row : reach) { row |= (row >> through & 1U) != 0 ? reach[through] : 0; }
     }
     std::vector<bool> on_cycle(states.size());
-    for (std::size_t i = 0; i < states.size(); ++i) {
-        on_cycle[i] = (reach[i] >> i & 1U) != 0;
-    }
+    for (std::size_t i = 0; i < states.size(); ++i) { on_cycle[i] = (reach[i] >> i & 1U) != 0; }
     return on_cycle;
 }
 
@@ -215,9 +191,7 @@ class LateExits {
         }
         const std::vector<bool> stays = recurrent(dfa, places_, states);
         for (std::size_t i = 0; i < states.size(); ++i) {
-            if (!stays[i]) {
-                continue;
-            }
+            if (!stays[i]) { continue; }
             ClassSet exits(places_.size(), false);
             bool any = false;
             for (std::size_t k = 0; k < places_.size(); ++k) {
@@ -262,9 +236,7 @@ std::vector<Place> without_deadly(const std::vector<Group>& lanes, std::vector<P
             }
         }
     }
-    for (std::size_t k = 0; k < places.size(); ++k) {
-        places[k] = always_dies[k] ? Place::nowhere : places[k];
-    }
+    for (std::size_t k = 0; k < places.size(); ++k) { places[k] = always_dies[k] ? Place::nowhere : places[k]; }
     return places;
 }
 
@@ -279,9 +251,7 @@ class LanePacker {
         // Where tables multiply all the same, families that stand alone are packed too, then all that can be.
         for (const std::size_t most_members : {std::size_t{2}, leaves_.size()}) {
             constexpr std::size_t fine = 3;
-            if (best.tables.size() <= fine) {
-                break;
-            }
+            if (best.tables.size() <= fine) { break; }
             std::vector<std::size_t> in_tables;
             for (auto& [signature, family] : families_) {
                 if (!family.all_small || family.members.size() > most_members) {
@@ -289,9 +259,7 @@ class LanePacker {
                 }
             }
             Grouping other = built(std::move(in_tables));
-            if (words(other) < words(best)) {
-                best = std::move(other);
-            }
+            if (words(other) < words(best)) { best = std::move(other); }
         }
         return best;
     }
@@ -299,17 +267,13 @@ class LanePacker {
   private:
     void sort_into_families() {
         LateExits exits(places_);
-        for (std::size_t k = 0; k < leaves_.size(); ++k) {
-            families_[exits.of(leaves_[k].dfa)].members.push_back(k);
-        }
+        for (std::size_t k = 0; k < leaves_.size(); ++k) { families_[exits.of(leaves_[k].dfa)].members.push_back(k); }
         for (auto& [signature, family] : families_) {
             for (const std::size_t k : family.members) {
                 family.all_small = family.all_small && !lane_codes(leaves_[k].dfa, places_).empty();
             }
             if (family.all_small) {
-                for (const std::size_t k : family.members) {
-                    add_lane(family.lanes, leaves_[k]);
-                }
+                for (const std::size_t k : family.members) { add_lane(family.lanes, leaves_[k]); }
             }
             constexpr std::size_t two_bits = 4;
             family.wide = family.lanes.size() != 1 || lane_codes(family.lanes.front().dfa, places_).size() > two_bits;
@@ -332,9 +296,7 @@ class LanePacker {
     std::vector<std::size_t> choose_tables() const {
         LateExits::Signature waited_for;
         for (const auto& [signature, family] : families_) {
-            if (family.wide) {
-                waited_for.insert(signature.begin(), signature.end());
-            }
+            if (family.wide) { waited_for.insert(signature.begin(), signature.end()); }
         }
         std::vector<std::size_t> chosen;
         for (const auto& [signature, family] : families_) {
@@ -350,9 +312,7 @@ class LanePacker {
         std::sort(in_tables.begin(), in_tables.end());
         Grouping grouping;
         std::vector<Group> leaves;
-        for (const std::size_t k : in_tables) {
-            leaves.push_back(leaves_[k]);
-        }
+        for (const std::size_t k : in_tables) { leaves.push_back(leaves_[k]); }
         grouping.tables = *merge_balanced(leaves, options_.state_cap, leaves.size() + 1);
         for (auto& [signature, family] : families_) {
             if (!std::binary_search(in_tables.begin(), in_tables.end(), family.members.front())) {
@@ -378,19 +338,13 @@ class LanePacker {
 
     /// Lanes of several bits that hardly make a table larger cost less there.
     void move_wide_lanes(Grouping& grouping) const {
-        if (grouping.tables.empty()) {
-            return;
-        }
+        if (grouping.tables.empty()) { return; }
         Group& table = grouping.tables.front();
         std::erase_if(grouping.lanes, [&](const Group& lane) {
-            if (lane_codes(lane.dfa, grouping.lane_places).size() <= 2) {
-                return false;
-            }
+            if (lane_codes(lane.dfa, grouping.lane_places).size() <= 2) { return false; }
             const std::size_t states = table.dfa.states();
             std::optional<Group> both = merged(table, lane, std::min(options_.state_cap, states + states / 2 + 64));
-            if (both) {
-                table = std::move(*both);
-            }
+            if (both) { table = std::move(*both); }
             return both.has_value();
         });
         grouping.lane_places = without_deadly(grouping.lanes, places_);
@@ -425,12 +379,8 @@ std::vector<Place> places_of(const EventClasses& classes) {
 std::vector<std::uint32_t> lane_codes(const Dfa& dfa, const std::vector<Place>& places) {
     bool dies = false;
     std::vector<std::uint32_t> states = interior_states(dfa, places, lane_code_limit, dies);
-    if (dies || states.empty()) {
-        states.insert(states.begin(), 0);
-    }
-    if (states.size() > lane_code_limit) {
-        states.clear();
-    }
+    if (dies || states.empty()) { states.insert(states.begin(), 0); }
+    if (states.size() > lane_code_limit) { states.clear(); }
     return states;
 }
 
@@ -441,9 +391,7 @@ Grouping group_channels(std::vector<Dfa> dfas, std::span<const ChannelSource> ch
         leaves.push_back({std::move(dfas[k]), {{}, {static_cast<std::uint16_t>(k)}}});
     }
     Grouping grouping;
-    if (leaves.empty()) {
-        return grouping;
-    }
+    if (leaves.empty()) { return grouping; }
     // One or two tables are faster than anything else.
     constexpr std::size_t fast_groups = 2;
     const std::size_t most = places.empty() ? leaves.size() + 1 : std::min(fast_groups, options.group_cap);
@@ -455,9 +403,7 @@ Grouping group_channels(std::vector<Dfa> dfas, std::span<const ChannelSource> ch
     if (grouping.tables.size() > options.group_cap) {
         merge_smallest(grouping.tables, options.group_cap, options.state_cap);
     }
-    if (grouping.tables.size() > options.group_cap) {
-        fail_groups(grouping, channels, options);
-    }
+    if (grouping.tables.size() > options.group_cap) { fail_groups(grouping, channels, options); }
     return grouping;
 }
 
@@ -467,9 +413,7 @@ bool add_channel(Grouping& grouping, Group channel, const std::vector<Place>& pl
         const std::size_t hardly_more = states + states / 2 + 4 * channel.dfa.states();
         if (std::optional<Group> both = merged(table, channel, std::min(options.state_cap, hardly_more))) {
             table = std::move(*both);
-            if (!grouping.lanes.empty()) {
-                grouping.lane_places = without_deadly(grouping.lanes, places);
-            }
+            if (!grouping.lanes.empty()) { grouping.lane_places = without_deadly(grouping.lanes, places); }
             return true;
         }
     }
@@ -488,9 +432,7 @@ bool add_channel(Grouping& grouping, Group channel, const std::vector<Place>& pl
     constexpr std::size_t fine_tables = 2;
     if (grouping.tables.size() < std::min(fine_tables, options.group_cap)) {
         grouping.tables.push_back(std::move(channel));
-        if (!grouping.lanes.empty()) {
-            grouping.lane_places = without_deadly(grouping.lanes, places);
-        }
+        if (!grouping.lanes.empty()) { grouping.lane_places = without_deadly(grouping.lanes, places); }
         return true;
     }
     return false;

@@ -1,10 +1,10 @@
 // Which channels share a table and which are packed into lanes (program_view.h).
 //
 // Automata are multiplied together, in a balanced tree so that all but the last few products are small. A product of
-// minimal automata that remembers which side accepts is minimal itself, so nothing is minimised on the way. That is right
-// for channels that look at the first few events: their products grow like sums. Where channels ask about anything
-// "anywhere" on the path (C.*X.*) the product doubles with each of them; a product that grows out of proportion to its
-// parts is given up, and such channels become lanes, which cost bits.
+// minimal automata that remembers which side accepts is minimal itself, so nothing is minimised on the way. That is
+// right for channels that look at the first few events: their products grow like sums. Where channels ask about
+// anything "anywhere" on the path (C.*X.*) the product doubles with each of them; a product that grows out of
+// proportion to its parts is given up, and such channels become lanes, which cost bits.
 #pragma once
 
 #include <cstdint>
@@ -45,8 +45,9 @@ struct Grouping {
 [[nodiscard]] Grouping group_channels(std::vector<Dfa> dfas, std::span<const ChannelSource> channels,
                                       const std::vector<Place>& places, const CompileOptions& options);
 
-/// Puts one more channel (a group of its own) where it hardly adds to what is there: into a table, a lane, a table of its
-/// own. False, and nothing done, when that is nowhere.
-[[nodiscard]] bool add_channel(Grouping& grouping, Group channel, const std::vector<Place>& places, const CompileOptions& options);
+/// Puts one more channel (a group of its own) where it hardly adds to what is there: into a table, a lane, a table of
+/// its own. False, and nothing done, when that is nowhere.
+[[nodiscard]] bool add_channel(Grouping& grouping, Group channel, const std::vector<Place>& places,
+                               const CompileOptions& options);
 
 }  // namespace raylex::lpe

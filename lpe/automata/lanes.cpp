@@ -13,13 +13,15 @@ namespace {
 /// One automaton and where its bits stand.
 struct Lane {
     const Group* group = nullptr;
-    std::vector<std::uint32_t> codes;                        // code -> state
+    std::vector<std::uint32_t> codes;  // code -> state
     std::unordered_map<std::uint32_t, std::uint32_t> code_of;
     std::uint32_t kind = 0, word = 0, bit = 0;
-    std::size_t number = 0;                                  // among all lanes, kind by kind
+    std::size_t number = 0;  // among all lanes, kind by kind
 };
 
-std::uint32_t kind_of(std::size_t codes) { return codes <= 2 ? 0 : codes <= 4 ? 1 : 2; }
+std::uint32_t kind_of(std::size_t codes) {
+    return codes <= 2 ? 0 : codes <= 4 ? 1 : 2;
+}
 
 class Packer {
   public:
@@ -57,9 +59,7 @@ class Packer {
     /// Words before a kind, when each of its words takes `per_word[kind]`.
     [[nodiscard]] std::size_t offset(std::uint32_t kind, const std::array<std::size_t, 3>& per_word) const {
         std::size_t sum = 0;
-        for (std::uint32_t k = 0; k < kind; ++k) {
-            sum += per_word[k] * tables_.words[k];
-        }
+        for (std::uint32_t k = 0; k < kind; ++k) { sum += per_word[k] * tables_.words[k]; }
         return sum;
     }
 
@@ -74,9 +74,7 @@ class Packer {
     void write_images() {
         tables_.image.assign(places_.size(), std::vector<std::uint32_t>(offset(3, images_per_word) + 1, 0));
         for (std::size_t k = 0; k < places_.size(); ++k) {
-            if (places_[k] != Place::camera && places_[k] != Place::scattering) {
-                continue;
-            }
+            if (places_[k] != Place::camera && places_[k] != Place::scattering) { continue; }
             tables_.image[k].back() = can_die_ ? 0 : 1;
             for (const Lane& lane : lanes_) {
                 const Dfa& dfa = lane.group->dfa;
@@ -94,9 +92,7 @@ class Packer {
         std::map<std::vector<std::uint32_t>, std::uint16_t> seen;
         std::vector<std::uint16_t> terminal_of_class(places_.size(), no_terminal);
         for (std::size_t k = 0; k < places_.size(); ++k) {
-            if (places_[k] != Place::terminal) {
-                continue;
-            }
+            if (places_[k] != Place::terminal) { continue; }
             std::vector<std::uint32_t> outputs;
             for (const Lane& lane : lanes_) {
                 for (const std::uint32_t state : lane.codes) {
@@ -107,9 +103,7 @@ class Packer {
                 continue;
             }
             const auto [place, fresh] = seen.emplace(outputs, static_cast<std::uint16_t>(seen.size()));
-            if (fresh) {
-                add_terminal(outputs);
-            }
+            if (fresh) { add_terminal(outputs); }
             terminal_of_class[k] = place->second;
             tables_.image[k] = ended_[place->second];
         }
@@ -128,10 +122,10 @@ class Packer {
         std::size_t first = 0;
         for (const Lane& lane : lanes_) {
             const std::size_t codes = lane.codes.size();
-            const auto rejecting = static_cast<std::uint32_t>(
-                std::find(outputs.begin() + static_cast<std::ptrdiff_t>(first),
-                          outputs.begin() + static_cast<std::ptrdiff_t>(first + codes), 0U) -
-                outputs.begin() - static_cast<std::ptrdiff_t>(first));
+            const auto rejecting =
+                static_cast<std::uint32_t>(std::find(outputs.begin() + static_cast<std::ptrdiff_t>(first),
+                                                     outputs.begin() + static_cast<std::ptrdiff_t>(first + codes), 0U) -
+                                           outputs.begin() - static_cast<std::ptrdiff_t>(first));
             image.back() |= rejecting == codes ? 1U : 0U;
             for (std::uint32_t code = 0; code < codes; ++code) {
                 const std::uint32_t output = outputs[first + code];
@@ -173,8 +167,8 @@ class Packer {
     static constexpr std::array<std::size_t, 3> images_per_word{2, 8, 24}, accepts_per_word{2, 4, 8};
     const std::vector<Place>& places_;
     std::vector<Lane> lanes_;
-    bool can_die_ = false;                            // all words 0 underway means that no lane can accept any more
-    std::vector<std::vector<std::uint32_t>> ended_;   // [terminal] image
+    bool can_die_ = false;                           // all words 0 underway means that no lane can accept any more
+    std::vector<std::vector<std::uint32_t>> ended_;  // [terminal] image
     std::size_t terminals_ = 0;
     LaneTables tables_;
 };
@@ -187,13 +181,9 @@ LaneTables pack_lanes(const std::vector<Group>& lanes, const std::vector<Place>&
 
 std::size_t lane_word_count(const std::vector<Group>& lanes, const std::vector<Place>& places) {
     std::array<std::size_t, ProgramView::lane_kinds> lanes_of{};
-    for (const Group& lane : lanes) {
-        ++lanes_of[kind_of(lane_codes(lane.dfa, places).size())];
-    }
+    for (const Group& lane : lanes) { ++lanes_of[kind_of(lane_codes(lane.dfa, places).size())]; }
     std::size_t words = 0;
-    for (std::size_t kind = 0; kind < lanes_of.size(); ++kind) {
-        words += (kind + 1) * ((lanes_of[kind] + 31) / 32);
-    }
+    for (std::size_t kind = 0; kind < lanes_of.size(); ++kind) { words += (kind + 1) * ((lanes_of[kind] + 31) / 32); }
     return words;
 }
 

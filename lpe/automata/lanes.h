@@ -14,10 +14,10 @@ namespace raylex::lpe {
 struct LaneTables {
     std::array<std::uint32_t, ProgramView::lane_kinds> words{};  ///< of one plane, by kind
     std::uint32_t lane_count = 0;
-    Group phase;                                  ///< dead, start, underway, one state per terminal
+    Group phase;                                     ///< dead, start, underway, one state per terminal
     std::vector<std::vector<std::uint32_t>> image;   ///< [class]; all 0 where the path dies
-    std::vector<std::uint32_t> accept;            ///< [terminal][kind][code][word]
-    std::vector<ChannelList> lists;               ///< [terminal][lane][8]
+    std::vector<std::uint32_t> accept;               ///< [terminal][kind][code][word]
+    std::vector<ChannelList> lists;                  ///< [terminal][lane][8]
     static constexpr std::uint32_t first_ended = 3;  ///< state of `phase` for terminal 0
 };
 

@@ -4,10 +4,10 @@
 #include <unordered_map>
 #include <utility>
 
-#include "lpe/failure.h"
-#include "lpe/limits.h"
 #include "lpe/automata/nfa.h"
+#include "lpe/failure.h"
 #include "lpe/language/parser.h"
+#include "lpe/limits.h"
 
 namespace raylex::lpe {
 
@@ -18,18 +18,12 @@ class SetTable {
   public:
     std::size_t add(EventSet set) {
         const auto [place, fresh] = index_.emplace(set.key(), sets_.size());
-        if (fresh) {
-            sets_.push_back(std::move(set));
-        }
+        if (fresh) { sets_.push_back(std::move(set)); }
         return place->second;
     }
     void add_tree(Node& node) {
-        if (node.kind == NodeKind::event) {
-            node.event_set = add(node.events);
-        }
-        for (const NodePtr& child : node.children) {
-            add_tree(*child);
-        }
+        if (node.kind == NodeKind::event) { node.event_set = add(node.events); }
+        for (const NodePtr& child : node.children) { add_tree(*child); }
     }
     [[nodiscard]] const std::vector<EventSet>& sets() const { return sets_; }
     [[nodiscard]] std::vector<EventSet> take() { return std::move(sets_); }
@@ -39,7 +33,9 @@ class SetTable {
     std::unordered_map<std::string, std::size_t> index_;
 };
 
-EventSet set_of_cores(const CoreSet& cores) { return {{{cores, {}, Missing::is_empty, Extra::ignored}}, {}}; }
+EventSet set_of_cores(const CoreSet& cores) {
+    return {{{cores, {}, Missing::is_empty, Extra::ignored}}, {}};
+}
 
 NodePtr any_number_of(EventSet events) {
     NodePtr repeat = make_node(NodeKind::repeat);
@@ -72,9 +68,7 @@ NodePtr words_tree(WordSets sets) {
 void ignore_straight_events(Dfa& dfa, const ClassSet& straight) {
     const auto loop = static_cast<std::uint16_t>(dfa.columns);
     for (std::size_t k = 0; k < straight.size(); ++k) {
-        if (straight[k]) {
-            dfa.column_of_class[k] = loop;
-        }
+        if (straight[k]) { dfa.column_of_class[k] = loop; }
     }
     std::vector<std::uint32_t> next;
     next.reserve(dfa.states() * (dfa.columns + 1));
@@ -111,12 +105,8 @@ Dfa build_rest(const ChannelSource& rest, std::span<const ChannelSource> channel
 
 Dfa joined(std::span<const Dfa* const> dfas, const Combination& combination, std::size_t state_cap,
            std::size_t class_count, const std::string& what) {
-    if (dfas.empty()) {
-        return empty_dfa(class_count);
-    }
-    if (dfas.size() == 1) {
-        return *dfas.front();
-    }
+    if (dfas.empty()) { return empty_dfa(class_count); }
+    if (dfas.size() == 1) { return *dfas.front(); }
     const Dfa left = joined(dfas.first(dfas.size() / 2), combination, state_cap, class_count, what);
     const Dfa right = joined(dfas.subspan(dfas.size() / 2), combination, state_cap, class_count, what);
     const std::optional<Dfa> both = product(left, right, combination, state_cap);
@@ -168,9 +158,7 @@ Languages build_languages(std::span<const ChannelSource> channels, std::span<Exp
 
     SetTable table;
     for (Expression& expression : expressions) {
-        if (expression.root) {
-            table.add_tree(*expression.root);
-        }
+        if (expression.root) { table.add_tree(*expression.root); }
     }
     const std::size_t straight_set = table.add(set_of_cores(straight_cores()));
     const std::size_t renderman_set = table.add(set_of_cores(wildcard_cores(Dialect::renderman)));
@@ -205,9 +193,7 @@ Languages build_languages(std::span<const ChannelSource> channels, std::span<Exp
         if (!expressions[k].root) { continue; }
         try {
             languages.channels.back() = build_channel(expressions[k], build);
-        } catch (Failure& failure) {
-            throw Failure{SourceText::whole_error(channels[k], std::move(failure.error))};
-        }
+        } catch (Failure& failure) { throw Failure{SourceText::whole_error(channels[k], std::move(failure.error))}; }
     }
     for (std::size_t k = 0; k < channels.size(); ++k) {
         if (!channels[k].rest_of.empty()) {

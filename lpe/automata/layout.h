@@ -9,13 +9,14 @@
 
 namespace raylex::lpe {
 
-/// Lays out groups that were made of the channels. Throws Failure when they take more words than CompileOptions::word_cap.
-[[nodiscard]] ProgramTables lay_out(const EventClasses& classes, const Grouping& grouping, std::span<const ChannelSource> channels,
-                                    const CompileOptions& options);
+/// Lays out groups that were made of the channels. Throws Failure when they take more words than
+/// CompileOptions::word_cap.
+[[nodiscard]] ProgramTables lay_out(const EventClasses& classes, const Grouping& grouping,
+                                    std::span<const ChannelSource> channels, const CompileOptions& options);
 
-/// Groups the channels first. Channel k accepts by dfas[k], minimal over `classes` and, unless CompileOptions::any_word, cut to words of a renderer.
-/// Throws Failure when they fit in no way that the options allow.
-[[nodiscard]] ProgramTables lay_out(const EventClasses& classes, std::vector<Dfa> dfas, std::span<const ChannelSource> channels,
-                                    const CompileOptions& options);
+/// Groups the channels first. Channel k accepts by dfas[k], minimal over `classes` and, unless
+/// CompileOptions::any_word, cut to words of a renderer. Throws Failure when they fit in no way that the options allow.
+[[nodiscard]] ProgramTables lay_out(const EventClasses& classes, std::vector<Dfa> dfas,
+                                    std::span<const ChannelSource> channels, const CompileOptions& options);
 
 }  // namespace raylex::lpe

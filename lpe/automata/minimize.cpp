@@ -15,9 +15,7 @@ class Partition {
   public:
     explicit Partition(const std::vector<std::uint32_t>& outputs)
         : elements_(outputs.size()), place_(outputs.size()), block_(outputs.size()) {
-        for (std::uint32_t state = 0; state < outputs.size(); ++state) {
-            elements_[state] = state;
-        }
+        for (std::uint32_t state = 0; state < outputs.size(); ++state) { elements_[state] = state; }
         std::stable_sort(elements_.begin(), elements_.end(),
                          [&outputs](std::uint32_t a, std::uint32_t b) { return outputs[a] < outputs[b]; });
         for (std::uint32_t i = 0; i < elements_.size(); ++i) {
@@ -42,12 +40,8 @@ class Partition {
     void mark(std::uint32_t state) {
         const std::uint32_t block = block_[state];
         const std::uint32_t boundary = begin_[block] + marked_[block];
-        if (place_[state] < boundary) {
-            return;
-        }
-        if (marked_[block]++ == 0) {
-            touched_.push_back(block);
-        }
+        if (place_[state] < boundary) { return; }
+        if (marked_[block]++ == 0) { touched_.push_back(block); }
         const std::uint32_t other = elements_[boundary];
         std::swap(elements_[place_[state]], elements_[boundary]);
         std::swap(place_[state], place_[other]);
@@ -59,17 +53,13 @@ class Partition {
         for (const std::uint32_t block : touched_) {
             const std::uint32_t count = marked_[block];
             marked_[block] = 0;
-            if (count == block_size(block)) {
-                continue;
-            }
+            if (count == block_size(block)) { continue; }
             const auto fresh = static_cast<std::uint32_t>(size());
             begin_.push_back(begin_[block]);
             end_.push_back(begin_[block] + count);
             marked_.push_back(0);
             begin_[block] += count;
-            for (std::uint32_t i = begin_[fresh]; i < end_[fresh]; ++i) {
-                block_[elements_[i]] = fresh;
-            }
+            for (std::uint32_t i = begin_[fresh]; i < end_[fresh]; ++i) { block_[elements_[i]] = fresh; }
             split(block, fresh);
         }
         touched_.clear();
@@ -96,9 +86,7 @@ Predecessors invert(const Dfa& dfa) {
             ++inverse.first[column * states + dfa.next[state * dfa.columns + column] + 1];
         }
     }
-    for (std::size_t i = 1; i < inverse.first.size(); ++i) {
-        inverse.first[i] += inverse.first[i - 1];
-    }
+    for (std::size_t i = 1; i < inverse.first.size(); ++i) { inverse.first[i] += inverse.first[i - 1]; }
     std::vector<std::uint32_t> fill(inverse.first.begin(), inverse.first.end() - 1);
     for (std::uint32_t state = 0; state < states; ++state) {
         for (std::size_t column = 0; column < dfa.columns; ++column) {
@@ -154,24 +142,16 @@ void merge_columns(Dfa& dfa) {
             targets[state] = dfa.next[state * dfa.columns + column];
         }
         const auto [place, fresh] = seen.emplace(std::move(targets), static_cast<std::uint16_t>(kept.size()));
-        if (fresh) {
-            kept.push_back(column);
-        }
+        if (fresh) { kept.push_back(column); }
         merged[column] = place->second;
     }
-    if (kept.size() == dfa.columns) {
-        return;
-    }
+    if (kept.size() == dfa.columns) { return; }
     std::vector<std::uint32_t> next;
     next.reserve(dfa.states() * kept.size());
     for (std::size_t state = 0; state < dfa.states(); ++state) {
-        for (const std::size_t column : kept) {
-            next.push_back(dfa.next[state * dfa.columns + column]);
-        }
+        for (const std::size_t column : kept) { next.push_back(dfa.next[state * dfa.columns + column]); }
     }
-    for (std::uint16_t& column : dfa.column_of_class) {
-        column = merged[column];
-    }
+    for (std::uint16_t& column : dfa.column_of_class) { column = merged[column]; }
     dfa.next = std::move(next);
     dfa.columns = kept.size();
 }

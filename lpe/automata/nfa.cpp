@@ -36,13 +36,18 @@ class Nfa {
 
     Fragment build(const Node& node) {
         switch (node.kind) {
-            case NodeKind::event: return symbol_fragment(intern(lookup_.classes->members(node.event_set)));
-            case NodeKind::sequence: return build_sequence(node);
-            case NodeKind::alternatives: return build_alternatives(node);
-            case NodeKind::repeat: return build_repeat(node);
+            case NodeKind::event:
+                return symbol_fragment(intern(lookup_.classes->members(node.event_set)));
+            case NodeKind::sequence:
+                return build_sequence(node);
+            case NodeKind::alternatives:
+                return build_alternatives(node);
+            case NodeKind::repeat:
+                return build_repeat(node);
             case NodeKind::complement:
             case NodeKind::intersection:
-            case NodeKind::difference: return embed(build_boolean(node));
+            case NodeKind::difference:
+                return embed(build_boolean(node));
         }
         return {};
     }
@@ -64,9 +69,7 @@ class Nfa {
     }
 
     void connect(std::uint32_t from, std::uint32_t to) {
-        while (states_[from].silent[1] != none) {
-            from = states_[from].silent[1];
-        }
+        while (states_[from].silent[1] != none) { from = states_[from].silent[1]; }
         if (states_[from].silent[0] == none) {
             states_[from].silent[0] = to;
             return;
@@ -78,9 +81,7 @@ class Nfa {
 
     std::uint32_t intern(const ClassSet& set) {
         const auto [place, fresh] = symbol_of_.emplace(set, static_cast<std::uint32_t>(symbols_.size()));
-        if (fresh) {
-            symbols_.push_back(set);
-        }
+        if (fresh) { symbols_.push_back(set); }
         return place->second;
     }
 
@@ -124,9 +125,7 @@ class Nfa {
     Fragment build_repeat(const Node& node) {
         const Node& child = *node.children.front();
         Fragment whole = empty_fragment();
-        for (int i = 0; i < node.min; ++i) {
-            append(whole, build(child));
-        }
+        for (int i = 0; i < node.min; ++i) { append(whole, build(child)); }
         if (node.max == Node::unbounded) {
             const Fragment loop = build(child);
             const std::uint32_t hub = add_state();
@@ -164,12 +163,8 @@ class Nfa {
     Fragment embed(const Dfa& dfa) {
         const Fragment whole{add_state(), add_state()};
         std::vector<std::uint32_t> place(dfa.states(), none);
-        for (std::size_t state = 1; state < dfa.states(); ++state) {
-            place[state] = add_state();
-        }
-        if (dfa.start != 0) {
-            connect(whole.first, place[dfa.start]);
-        }
+        for (std::size_t state = 1; state < dfa.states(); ++state) { place[state] = add_state(); }
+        if (dfa.start != 0) { connect(whole.first, place[dfa.start]); }
         for (std::size_t state = 1; state < dfa.states(); ++state) {
             std::map<std::uint32_t, ClassSet> by_target;
             for (std::size_t k = 0; k < dfa.column_of_class.size(); ++k) {
@@ -186,9 +181,7 @@ class Nfa {
                 fan = states_[fan].silent[1] == none ? fan : states_[fan].silent[1];
                 connect(edge.last, place[target]);
             }
-            if (dfa.output[state] != 0) {
-                connect(fan, whole.last);
-            }
+            if (dfa.output[state] != 0) { connect(fan, whole.last); }
         }
         return whole;
     }
@@ -232,9 +225,7 @@ class Determinizer {
                 begin_subset();
                 for (const std::uint32_t from : subset) {
                     const NfaState& edge = nfa_.states()[from];
-                    if (edge.symbol != none && symbol_in_column_[column][edge.symbol]) {
-                        close(edge.target);
-                    }
+                    if (edge.symbol != none && symbol_in_column_[column][edge.symbol]) { close(edge.target); }
                 }
                 dfa_.next.push_back(number(take_subset()));
             }
@@ -250,13 +241,9 @@ class Determinizer {
         std::map<std::vector<bool>, std::uint16_t> seen;
         for (std::size_t k = 0; k < class_count; ++k) {
             std::vector<bool> signature(symbols.size());
-            for (std::size_t s = 0; s < symbols.size(); ++s) {
-                signature[s] = symbols[s][k];
-            }
+            for (std::size_t s = 0; s < symbols.size(); ++s) { signature[s] = symbols[s][k]; }
             const auto [place, fresh] = seen.emplace(signature, static_cast<std::uint16_t>(symbol_in_column_.size()));
-            if (fresh) {
-                symbol_in_column_.push_back(std::move(signature));
-            }
+            if (fresh) { symbol_in_column_.push_back(std::move(signature)); }
             dfa_.column_of_class.push_back(place->second);
         }
         dfa_.columns = symbol_in_column_.size();
@@ -273,19 +260,13 @@ class Determinizer {
         while (!pending_.empty()) {
             const std::uint32_t at = pending_.back();
             pending_.pop_back();
-            if (stamp_[at] == round_) {
-                continue;
-            }
+            if (stamp_[at] == round_) { continue; }
             stamp_[at] = round_;
             work_.spend(1);
             const NfaState& entry = nfa_.states()[at];
-            if (entry.symbol != none || at == whole_.last) {
-                subset_.push_back(at);
-            }
+            if (entry.symbol != none || at == whole_.last) { subset_.push_back(at); }
             for (const std::uint32_t next : entry.silent) {
-                if (next != none) {
-                    pending_.push_back(next);
-                }
+                if (next != none) { pending_.push_back(next); }
             }
         }
     }
@@ -357,9 +338,7 @@ Dfa build_node(const Node& root, const ClassLookup& lookup, std::size_t state_ca
 
 const Dfa& Nfa::build_boolean(const Node& node) {
     const auto known = cache_.find(&node);
-    if (known != cache_.end()) {
-        return known->second;
-    }
+    if (known != cache_.end()) { return known->second; }
     Dfa first = build_node(*node.children.front(), lookup_, state_cap_, cache_);
     Dfa second;
     Combination combination = difference_of();

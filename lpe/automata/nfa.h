@@ -1,12 +1,12 @@
-// Trees to automata: Thompson's construction, then subset construction. Operators on whole languages (&, -, !) are worked
-// out on minimal automata and embedded, so they may stand anywhere in an expression.
+// Trees to automata: Thompson's construction, then subset construction. Operators on whole languages (&, -, !) are
+// worked out on minimal automata and embedded, so they may stand anywhere in an expression.
 #pragma once
 
 #include <cstddef>
 #include <unordered_map>
 
-#include "lpe/language/ast.h"
 #include "lpe/automata/dfa.h"
+#include "lpe/language/ast.h"
 
 namespace raylex::lpe {
 

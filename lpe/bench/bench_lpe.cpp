@@ -24,9 +24,7 @@ using namespace raylex::lpe::bench;
 std::vector<EventClass> event_classes(const Program& program, const std::vector<RandomPath>& paths) {
     std::vector<EventClass> events;
     for (const RandomPath& path : paths) {
-        for (const Event& event : path.events) {
-            events.push_back(program.classify(event));
-        }
+        for (const Event& event : path.events) { events.push_back(program.classify(event)); }
     }
     return events;
 }
@@ -76,9 +74,7 @@ void accumulate(benchmark::State& state, const std::string& set) {
     std::size_t matches = 0, paths = 0;
     for (const RandomPath& path : random_paths(4096)) {
         std::vector<State> at(program.starts().begin(), program.starts().end());
-        for (const Event& event : path.events) {
-            program.advance(at.data(), program.classify(event), at.data());
-        }
+        for (const Event& event : path.events) { program.advance(at.data(), program.classify(event), at.data()); }
         std::size_t accepting = 0;
         program.for_each_accepted(at.data(), [&](std::uint16_t) { ++accepting; });
         matches += accepting;
@@ -93,9 +89,7 @@ void accumulate(benchmark::State& state, const std::string& set) {
     for (auto _ : state) {
         for (std::size_t k = 0; k < paths; ++k) {
             program.for_each_accepted(&ends[k * words], [&](std::uint16_t channel) {
-                for (std::size_t c = 0; c < 4; ++c) {
-                    layers[channel].rgba[c] += colour.rgba[c];
-                }
+                for (std::size_t c = 0; c < 4; ++c) { layers[channel].rgba[c] += colour.rgba[c]; }
             });
             benchmark::ClobberMemory();
         }
@@ -106,9 +100,7 @@ void accumulate(benchmark::State& state, const std::string& set) {
 
 void compile(benchmark::State& state, const std::string& set) {
     const auto channels = named_set(set, static_cast<std::size_t>(state.range(0)));
-    for (auto _ : state) {
-        benchmark::DoNotOptimize(compile_or_exit(channels));
-    }
+    for (auto _ : state) { benchmark::DoNotOptimize(compile_or_exit(channels)); }
 }
 
 void compile_generated(benchmark::State& state) {
@@ -149,9 +141,7 @@ void classify(benchmark::State& state, const std::string& set) {
         events.insert(events.end(), path.events.begin(), path.events.end());
     }
     for (auto _ : state) {
-        for (const Event& event : events) {
-            benchmark::DoNotOptimize(program.classify(event));
-        }
+        for (const Event& event : events) { benchmark::DoNotOptimize(program.classify(event)); }
     }
     report(state, program, events.size());
 }
@@ -217,7 +207,9 @@ void prove(benchmark::State& state, const std::vector<ChannelSource>& channels) 
     }
 }
 
-void prove_generated(benchmark::State& state) { prove(state, generated_split()); }
+void prove_generated(benchmark::State& state) {
+    prove(state, generated_split());
+}
 
 void prove_shipped(benchmark::State& state) {
     std::vector<ChannelSource> channels;

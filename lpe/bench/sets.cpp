@@ -41,9 +41,7 @@ std::vector<ChannelSource> anywhere_labels(std::size_t count) {
 }
 
 std::vector<ChannelSource> named_set(const std::string& name, std::size_t count) {
-    if (name == "labels") {
-        return anywhere_labels(count);
-    }
+    if (name == "labels") { return anywhere_labels(count); }
     if (name == "mixture") {
         std::vector<ChannelSource> channels = file_set("firsthit", count / 2);
         const std::vector<ChannelSource> labels = anywhere_labels(count - count / 2);

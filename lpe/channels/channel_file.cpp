@@ -30,21 +30,13 @@ ChannelFormat find_format(std::string_view path, std::string_view text) {
     if (text.starts_with("\x1f\x8b")) {
         fail_in(origin, "this file is compressed; expected plain text", "'gunzip' or 'catrib -ascii' makes one");
     }
-    if (text.starts_with("#usda") || ends_with_any(path, {".usda", ".usd"})) {
-        return ChannelFormat::usda;
-    }
-    if (ends_with_any(path, {".rib"})) {
-        return ChannelFormat::rib;
-    }
-    if (ends_with_any(path, {".ini"})) {
-        return ChannelFormat::ini;
-    }
+    if (text.starts_with("#usda") || ends_with_any(path, {".usda", ".usd"})) { return ChannelFormat::usda; }
+    if (ends_with_any(path, {".rib"})) { return ChannelFormat::rib; }
+    if (ends_with_any(path, {".ini"})) { return ChannelFormat::ini; }
     if (text.starts_with("##RenderMan RIB") || text.find("DisplayChannel") != std::string_view::npos) {
         return ChannelFormat::rib;
     }
-    if (text.find("/prman/lpe/") != std::string_view::npos) {
-        return ChannelFormat::ini;
-    }
+    if (text.find("/prman/lpe/") != std::string_view::npos) { return ChannelFormat::ini; }
     fail_in(origin, "cannot tell what kind of channel file this is; expected .toml, .rib, .usda or .ini",
             "name the kind with --format");
 }
@@ -62,9 +54,12 @@ Result<ChannelFile> parse_channel_file(std::string_view text, const std::string&
                                 std::to_string(limits::channel_file_bytes) + " are read");
         }
         switch (format) {
-            case ChannelFormat::rib: return parse_rib(text, origin);
-            case ChannelFormat::usda: return parse_usda(text, origin);
-            case ChannelFormat::ini: break;
+            case ChannelFormat::rib:
+                return parse_rib(text, origin);
+            case ChannelFormat::usda:
+                return parse_usda(text, origin);
+            case ChannelFormat::ini:
+                break;
         }
         return parse_ini(text, origin);
     });

@@ -1,5 +1,5 @@
-// Channels as other tools keep them: RIB DisplayChannel lines, USD ASCII RenderVar prims, rendermn.ini macros. What a file
-// says beside expressions (pixel filters, statistics, attributes of a prim) is kept and written back.
+// Channels as other tools keep them: RIB DisplayChannel lines, USD ASCII RenderVar prims, rendermn.ini macros. What a
+// file says beside expressions (pixel filters, statistics, attributes of a prim) is kept and written back.
 //
 // A file is read without the tool that wrote it and without a scene. Whatever its bytes are, reading takes time in
 // proportion to its size, which limits.h bounds.
@@ -20,21 +20,21 @@ enum class ChannelFormat : std::uint8_t { rib, usda, ini };
 
 /// A channel with what stands around its expression.
 struct FileChannel {
-    ChannelSource source;             ///< name and expression; its map leads to the bytes of the file
-    std::string type = "color";       ///< as the format says it: "color", "varying color", "color3f"
-    std::string comment;              ///< lines of comment directly above, without their marks, '\n' between them
-    /// What else the file says of the channel, word for word: parameters of a DisplayChannel ("\"string filter\" \"box\""),
-    /// attributes of a prim ("token driver:parameters:aov:format = \"color3h\"").
+    ChannelSource source;        ///< name and expression; its map leads to the bytes of the file
+    std::string type = "color";  ///< as the format says it: "color", "varying color", "color3f"
+    std::string comment;         ///< lines of comment directly above, without their marks, '\n' between them
+    /// What else the file says of the channel, word for word: parameters of a DisplayChannel ("\"string filter\"
+    /// \"box\""), attributes of a prim ("token driver:parameters:aov:format = \"color3h\"").
     std::vector<std::string> parameters;
-    std::string prim_metadata;        ///< usda: the (...) behind the prim's name, word for word
+    std::string prim_metadata;  ///< usda: the (...) behind the prim's name, word for word
 };
 
 /// An option such as `lpe:diffuse2 = "Diffuse,HairDiffuse"`; lobe_slots.h says what it means.
 struct LobeOption {
-    std::string slot;                 ///< "diffuse2"
-    std::string names;                ///< "Diffuse,HairDiffuse"
+    std::string slot;   ///< "diffuse2"
+    std::string names;  ///< "Diffuse,HairDiffuse"
     std::string origin;
-    int line = 0, column = 0;         ///< of the first byte of `names`
+    int line = 0, column = 0;  ///< of the first byte of `names`
 };
 
 struct ChannelFile {
@@ -52,10 +52,11 @@ Result<ChannelFormat> channel_format(std::string_view path, std::string_view tex
 /// Errors carry `origin`, line and column.
 Result<ChannelFile> parse_channel_file(std::string_view text, const std::string& origin, ChannelFormat format);
 
-/// The file's text. Names that the format cannot hold are changed into ones it can (usda: the prim's name; the channel's
-/// own name stays in an attribute). Errors: expressions in a dialect that the format cannot hold, a name that cannot be
-/// written. `warnings` gets what was left out.
-Result<std::string> write_channel_file(const ChannelFile& file, ChannelFormat format, std::vector<std::string>& warnings);
+/// The file's text. Names that the format cannot hold are changed into ones it can (usda: the prim's name; the
+/// channel's own name stays in an attribute). Errors: expressions in a dialect that the format cannot hold, a name that
+/// cannot be written. `warnings` gets what was left out.
+Result<std::string> write_channel_file(const ChannelFile& file, ChannelFormat format,
+                                       std::vector<std::string>& warnings);
 
 // One per format; parse_channel_file and write_channel_file choose.
 [[nodiscard]] ChannelFile parse_rib(std::string_view text, const std::string& origin);   ///< throws Failure

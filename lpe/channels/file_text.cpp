@@ -24,9 +24,7 @@ std::size_t MappedText::position(std::size_t offset) const {
 FileText::FileText(std::string_view text, const std::string& origin)
     : file_(std::make_shared<const TextFile>(TextFile{origin, std::string(text), true})), line_begins_{0} {
     for (std::size_t i = 0; i < text.size(); ++i) {
-        if (text[i] == '\n') {
-            line_begins_.push_back(i + 1);
-        }
+        if (text[i] == '\n') { line_begins_.push_back(i + 1); }
     }
 }
 
@@ -35,9 +33,7 @@ std::string_view FileText::take_line() {
     const std::size_t end = std::min(text().find('\n', begin), text().size());
     position_ = std::min(end + 1, text().size());
     std::string_view line = text().substr(begin, end - begin);
-    if (!line.empty() && line.back() == '\r') {
-        line.remove_suffix(1);
-    }
+    if (!line.empty() && line.back() == '\r') { line.remove_suffix(1); }
     return line;
 }
 
@@ -63,9 +59,7 @@ void FileText::fail_at(std::size_t position, std::string message, std::string hi
 }
 
 std::string FileText::describe(std::size_t position) const {
-    if (position >= text().size()) {
-        return "the end of the file";
-    }
+    if (position >= text().size()) { return "the end of the file"; }
     ChannelSource around;
     around.expression = std::string(text().substr(position, 8));
     return SourceText(around).describe(0);
@@ -81,9 +75,7 @@ ChannelSource FileText::source(std::string name, const MappedText& text, std::si
     auto map = std::make_shared<SourceMap>();
     map->spans.push_back({0, file_, text.position(offset), {}});
     for (const MappedText::Run& run : text.runs_) {
-        if (run.offset > offset) {
-            map->spans.push_back({run.offset - offset, file_, run.position, {}});
-        }
+        if (run.offset > offset) { map->spans.push_back({run.offset - offset, file_, run.position, {}}); }
     }
     source.map = std::move(map);
     return source;
@@ -91,9 +83,7 @@ ChannelSource FileText::source(std::string name, const MappedText& text, std::si
 
 std::size_t expression_offset(std::string_view source) {
     const std::size_t mark = source.find("lpe:");
-    if (mark == std::string_view::npos) {
-        return mark;
-    }
+    if (mark == std::string_view::npos) { return mark; }
     // Before the mark: nothing, or words of a type declaration ("varying color").
     const bool declared = std::all_of(source.begin(), source.begin() + static_cast<std::ptrdiff_t>(mark), [](char c) {
         return c == ' ' || c == '\t' || c == '_' || (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') ||

@@ -1,5 +1,5 @@
-// What the readers of channel files share: positions that become lines and columns, strings that know where each of their
-// bytes stood.
+// What the readers of channel files share: positions that become lines and columns, strings that know where each of
+// their bytes stood.
 #pragma once
 
 #include <cstddef>

@@ -15,7 +15,9 @@ namespace raylex::lpe {
 
 namespace {
 
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+bool is_blank(char c) {
+    return c == ' ' || c == '\t' || c == '\r';
+}
 
 class IniReader {
   public:
@@ -37,17 +39,13 @@ class IniReader {
     static constexpr std::string_view root = "/prman/lpe/", macro = "macro/";
 
     void skip_blank() {
-        while (is_blank(in_.peek())) {
-            in_.move_to(in_.position() + 1);
-        }
+        while (is_blank(in_.peek())) { in_.move_to(in_.position() + 1); }
     }
 
     void read_entry() {
         const std::size_t begin = in_.position();
         std::size_t end = begin;
-        while (end < in_.text().size() && !is_blank(in_.text()[end]) && in_.text()[end] != '\n') {
-            ++end;
-        }
+        while (end < in_.text().size() && !is_blank(in_.text()[end]) && in_.text()[end] != '\n') { ++end; }
         const std::string_view path = in_.text().substr(begin + root.size(), end - begin - root.size());
         in_.move_to(end);
         const MappedText value = take_value();
@@ -101,9 +99,7 @@ class IniReader {
             kept = is_blank(all[at]) ? kept : whole.text().size();
         }
         in_.move_to(std::min(at + 1, all.size()));
-        for (std::size_t i = 0; i < kept; ++i) {
-            value.append(whole.text()[i], whole.position(i));
-        }
+        for (std::size_t i = 0; i < kept; ++i) { value.append(whole.text()[i], whole.position(i)); }
         return value;
     }
 
@@ -114,6 +110,8 @@ class IniReader {
 
 }  // namespace
 
-ChannelFile parse_ini(std::string_view text, const std::string& origin) { return IniReader(text, origin).run(); }
+ChannelFile parse_ini(std::string_view text, const std::string& origin) {
+    return IniReader(text, origin).run();
+}
 
 }  // namespace raylex::lpe

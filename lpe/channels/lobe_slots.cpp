@@ -57,14 +57,10 @@ struct SlotPlace {
 
 SlotPlace place_of_slot(std::string_view name) {
     for (std::size_t kind = 0; kind < kind_names.size(); ++kind) {
-        if (!name.starts_with(kind_names[kind])) {
-            continue;
-        }
+        if (!name.starts_with(kind_names[kind])) { continue; }
         const std::string_view digits = name.substr(kind_names[kind].size());
         for (int number = 1; number <= highest[kind]; ++number) {
-            if (digits == std::to_string(number)) {
-                return {kind, number};
-            }
+            if (digits == std::to_string(number)) { return {kind, number}; }
         }
     }
     return {};
@@ -82,7 +78,9 @@ Error error_about(const LobeOption& option, std::string message, std::string hin
 
 }  // namespace
 
-std::span<const LobeSlot> default_lobe_slots() { return default_table; }
+std::span<const LobeSlot> default_lobe_slots() {
+    return default_table;
+}
 
 LobeSlots::LobeSlots() {
     for (const LobeSlot& entry : default_table) {
@@ -136,22 +134,25 @@ std::uint8_t LobeSlots::find(Kind kind, std::string_view lobe) const {
 
 std::uint8_t LobeSlots::number(Scatter scatter, std::string_view lobe) const {
     switch (scatter) {
-        case Scatter::diffuse: return find(diffuse, lobe);
+        case Scatter::diffuse:
+            return find(diffuse, lobe);
         case Scatter::glossy:
-        case Scatter::singular: return find(specular, lobe);
-        default: return 0;
+        case Scatter::singular:
+            return find(specular, lobe);
+        default:
+            return 0;
     }
 }
 
-std::uint8_t LobeSlots::user_number(std::string_view lobe) const { return find(user, lobe); }
+std::uint8_t LobeSlots::user_number(std::string_view lobe) const {
+    return find(user, lobe);
+}
 
 std::vector<std::pair<std::string, std::string>> LobeSlots::settings() const {
     std::vector<std::pair<std::string, std::string>> result;
     for (std::size_t kind = 0; kind < kind_names.size(); ++kind) {
         for (const auto& [number, slot] : slots_[kind]) {
-            if (slot.set) {
-                result.emplace_back(std::string(kind_names[kind]) + std::to_string(number), slot.text);
-            }
+            if (slot.set) { result.emplace_back(std::string(kind_names[kind]) + std::to_string(number), slot.text); }
         }
     }
     return result;

@@ -1,5 +1,5 @@
-// RenderMan's numbered lobes are slots that options fill by name: `lpe:diffuse2 = "Diffuse,HairDiffuse"` makes D2 of every
-// lobe of one of these names. A name that no slot holds gets the unnumbered lobe, 0.
+// RenderMan's numbered lobes are slots that options fill by name: `lpe:diffuse2 = "Diffuse,HairDiffuse"` makes D2 of
+// every lobe of one of these names. A name that no slot holds gets the unnumbered lobe, 0.
 #pragma once
 
 #include <array>
@@ -22,7 +22,8 @@ struct LobeSlot {
     std::string_view names;  ///< "Diffuse,HairDiffuse"
 };
 
-/// The defaults: RenderMan's published ones, and the names that raylex's own materials use (lpe/README.md, event table).
+/// The defaults: RenderMan's published ones, and the names that raylex's own materials use (lpe/README.md, event
+/// table).
 [[nodiscard]] std::span<const LobeSlot> default_lobe_slots();
 
 class LobeSlots {
@@ -30,7 +31,8 @@ class LobeSlots {
     LobeSlots();  ///< the defaults
 
     /// Fills a slot ("diffuse2" or "lpe:diffuse2": diffuse1-4, specular1-8, user1-12) with these names instead of its
-    /// defaults. An empty list empties it. Errors, at the option's place: no such slot, a lobe name in two slots of a kind.
+    /// defaults. An empty list empties it. Errors, at the option's place: no such slot, a lobe name in two slots of a
+    /// kind.
     Status set(const LobeOption& option);
 
     /// D, S or U number of a lobe; 0 when no slot holds it. Slots that were set win over defaults.

@@ -18,22 +18,20 @@ namespace raylex::lpe {
 
 namespace {
 
-bool is_white(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\f' || c == '\v'; }
-bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
+bool is_white(char c) {
+    return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\f' || c == '\v';
+}
+bool is_letter(char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
+}
 
 /// "varying color name" as its type and its name.
 std::pair<std::string, std::string> split_declaration(std::string_view text) {
-    while (!text.empty() && is_white(text.back())) {
-        text.remove_suffix(1);
-    }
+    while (!text.empty() && is_white(text.back())) { text.remove_suffix(1); }
     const std::size_t blank = text.find_last_of(" \t");
-    if (blank == std::string_view::npos) {
-        return {"color", std::string(text)};
-    }
+    if (blank == std::string_view::npos) { return {"color", std::string(text)}; }
     std::string_view type = text.substr(0, blank);
-    while (!type.empty() && is_white(type.back())) {
-        type.remove_suffix(1);
-    }
+    while (!type.empty() && is_white(type.back())) { type.remove_suffix(1); }
     return {std::string(type), std::string(text.substr(blank + 1))};
 }
 
@@ -124,16 +122,10 @@ class RibReader {
     /// The escape at `at`; returns its end.
     std::size_t take_escape(MappedText& text, std::size_t at) {
         const std::string_view all = in_.text();
-        if (at + 1 >= all.size()) {
-            return at + 1;
-        }
+        if (at + 1 >= all.size()) { return at + 1; }
         const char c = all[at + 1];
-        if (c == '\n') {
-            return at + 2;
-        }
-        if (c == '\r') {
-            return at + (at + 2 < all.size() && all[at + 2] == '\n' ? 3 : 2);
-        }
+        if (c == '\n') { return at + 2; }
+        if (c == '\r') { return at + (at + 2 < all.size() && all[at + 2] == '\n' ? 3 : 2); }
         if (c >= '0' && c <= '7') {
             int value = 0;
             std::size_t end = at + 1;
@@ -170,14 +162,10 @@ class RibReader {
         in_.move_to(opening + 1);
         std::size_t strings = 0, others = 0;
         for (skip_blank(); in_.peek() != ']' || in_.at_end(); skip_blank()) {
-            if (in_.at_end()) {
-                in_.fail_at(opening, "the array is not closed; expected ']'");
-            }
+            if (in_.at_end()) { in_.fail_at(opening, "the array is not closed; expected ']'"); }
             if (in_.peek() == '"') {
                 MappedText string = take_string();
-                if (++strings == 1) {
-                    value.string = std::move(string);
-                }
+                if (++strings == 1) { value.string = std::move(string); }
             } else {
                 take_number();
                 ++others;
@@ -204,9 +192,7 @@ class RibReader {
     }
 
     void skip_arguments() {
-        while (at_argument()) {
-            take_value();
-        }
+        while (at_argument()) { take_value(); }
     }
 
     /// A comma-free list: "declaration" value "declaration" value ...
@@ -276,9 +262,7 @@ class RibReader {
             in_.fail_at(expression.position(offset),
                         "channel '" + name + "' has an empty expression; expected one behind 'lpe:'");
         }
-        if (name.empty()) {
-            in_.fail_at(name_begin, "DisplayChannel has an empty name; expected \"color name\"");
-        }
+        if (name.empty()) { in_.fail_at(name_begin, "DisplayChannel has an empty name; expected \"color name\""); }
         channel.source = in_.source(name, expression, offset);
         channel.comment = comment;
         file_.channels.push_back(std::move(channel));
@@ -286,9 +270,7 @@ class RibReader {
 
     /// Option "lpe" "string diffuse2" ["Diffuse,HairDiffuse"]
     void read_option() {
-        if (!at_argument() || in_.peek() != '"' || take_string().text() != "lpe") {
-            return;
-        }
+        if (!at_argument() || in_.peek() != '"' || take_string().text() != "lpe") { return; }
         take_parameters([&](std::size_t begin, const MappedText& declaration, const Value& value) {
             const std::string slot = split_declaration(declaration.text()).second;
             if (!value.is_string) {
@@ -317,6 +299,8 @@ class RibReader {
 
 }  // namespace
 
-ChannelFile parse_rib(std::string_view text, const std::string& origin) { return RibReader(text, origin).run(); }
+ChannelFile parse_rib(std::string_view text, const std::string& origin) {
+    return RibReader(text, origin).run();
+}
 
 }  // namespace raylex::lpe

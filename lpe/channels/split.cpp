@@ -22,9 +22,7 @@ constexpr std::size_t longest_name = 128;  // of a layer
 
 template <class T>
 T required(Result<T> result) {
-    if (!result) {
-        throw Failure{std::move(result).error()};
-    }
+    if (!result) { throw Failure{std::move(result).error()}; }
     return *std::move(result);
 }
 
@@ -33,14 +31,10 @@ std::string any_events(int count, bool open_ended, Dialect dialect) {
     if (dialect == Dialect::osl) {
         // Straight-through events may stand anywhere and decide nothing.
         std::string text;
-        if (count > 0) {
-            text = "([DGSV]<Ts>*)" + (count > 1 ? "{" + std::to_string(count) + "}" : std::string());
-        }
+        if (count > 0) { text = "([DGSV]<Ts>*)" + (count > 1 ? "{" + std::to_string(count) + "}" : std::string()); }
         return text + (open_ended ? "[DGSsV]*" : "");
     }
-    if (open_ended) {
-        return count == 0 ? ".*" : count == 1 ? ".+" : ".{" + std::to_string(count) + ",}";
-    }
+    if (open_ended) { return count == 0 ? ".*" : count == 1 ? ".+" : ".{" + std::to_string(count) + ",}"; }
     return count < 3 ? std::string(static_cast<std::size_t>(count), '.') : ".{" + std::to_string(count) + "}";
 }
 
@@ -96,9 +90,7 @@ class Generator {
 
     /// `of` when it is less than the beauty: every channel is then cut to it.
     void find_whole() {
-        if (!request_.of) {
-            return;
-        }
+        if (!request_.of) { return; }
         const ChannelSource of = required(expand_names(*request_.of)).source;
         const std::vector<std::string> prefixes = required(expression_prefixes(of));
         if (!prefixes.empty()) {
@@ -111,9 +103,7 @@ class Generator {
         ChannelSource beauty;
         beauty.expression = beauty_expression(request_.dialect);
         beauty.dialect = request_.dialect;
-        if (!required(find_difference(of, beauty, request_.words))) {
-            return;
-        }
+        if (!required(find_difference(of, beauty, request_.words))) { return; }
         if (request_.dialect == Dialect::osl || of.dialect == Dialect::osl) {
             fail("osl has no operator that cuts a split to '" + of.expression +
                  "'; expected --dialect renderman, or the whole beauty");
@@ -135,20 +125,28 @@ class Generator {
         for (const SplitAxis axis : request_.by) {
             std::string part;
             switch (axis) {
-                case SplitAxis::light_group: part = terminal.group; break;
-                case SplitAxis::terminal: part = terminal.terminal; break;
-                case SplitAxis::lobe: part = first.lobe; break;
-                case SplitAxis::object: part = first.object; break;
-                case SplitAxis::bounce: part = bounce.name; break;
+                case SplitAxis::light_group:
+                    part = terminal.group;
+                    break;
+                case SplitAxis::terminal:
+                    part = terminal.terminal;
+                    break;
+                case SplitAxis::lobe:
+                    part = first.lobe;
+                    break;
+                case SplitAxis::object:
+                    part = first.object;
+                    break;
+                case SplitAxis::bounce:
+                    part = bounce.name;
+                    break;
             }
             const bool of_scattering = axis != SplitAxis::light_group && axis != SplitAxis::terminal;
             if (of_scattering && !visible.empty()) {
                 part = shown ? "" : visible;
                 shown = true;
             }
-            if (!part.empty()) {
-                name += (name.empty() || name == request_.prefix ? "" : "_") + part;
-            }
+            if (!part.empty()) { name += (name.empty() || name == request_.prefix ? "" : "_") + part; }
         }
         ChannelSource channel;
         channel.name = layer_name(std::move(name));
@@ -171,9 +169,7 @@ class Generator {
             name.insert(0, "_");
         }
         for (const char* reserved : {"beauty", "rgba", "R", "G", "B", "A", "Y"}) {
-            if (name == reserved) {
-                name += "_";
-            }
+            if (name == reserved) { name += "_"; }
         }
         if (name.size() > longest_name) {
             fail("the name '" + name + "' has " + std::to_string(name.size()) + " bytes; a layer's has at most " +
@@ -181,9 +177,7 @@ class Generator {
                  "split by fewer axes, or give the lobes short names: coat=S4");
         }
         const std::string stem = name;
-        for (int k = 2; !names_.insert(name).second; ++k) {
-            name = stem + "_" + std::to_string(k);
-        }
+        for (int k = 2; !names_.insert(name).second; ++k) { name = stem + "_" + std::to_string(k); }
         return name;
     }
 
@@ -211,9 +205,7 @@ class Generator {
 
 Result<SplitAxis> parse_split_axis(std::string_view text) {
     for (std::size_t k = 0; k < axis_names.size(); ++k) {
-        if (axis_names[k] == text) {
-            return static_cast<SplitAxis>(k);
-        }
+        if (axis_names[k] == text) { return static_cast<SplitAxis>(k); }
     }
     Error error;
     error.message = "unknown axis '" + std::string(text) + "'; expected light-group, lobe, bounce, object or terminal";

@@ -29,12 +29,8 @@ std::string bin_name(const std::string& label, std::vector<std::string>& taken) 
             name += '_';
         }
     }
-    while (name.size() > 1 && name.back() == '_') {
-        name.pop_back();
-    }
-    if (name.size() > 1 && name.front() == '_' && label.front() != '_') {
-        name.erase(0, 1);
-    }
+    while (name.size() > 1 && name.back() == '_') { name.pop_back(); }
+    if (name.size() > 1 && name.front() == '_' && label.front() != '_') { name.erase(0, 1); }
     const std::string stem = name;
     for (int k = 2; std::find(taken.begin(), taken.end(), name) != taken.end(); ++k) {
         name = stem + "_" + std::to_string(k);
@@ -44,9 +40,7 @@ std::string bin_name(const std::string& label, std::vector<std::string>& taken) 
 }
 
 std::string label_text(const std::string& label, Dialect dialect) {
-    if (dialect == Dialect::renderman) {
-        return quoted_label(label);
-    }
+    if (dialect == Dialect::renderman) { return quoted_label(label); }
     if (label.find('\'') != std::string::npos) {
         fail("the label \"" + label + "\" has a quote in it, which osl cannot write; expected --dialect renderman");
     }
@@ -55,37 +49,27 @@ std::string label_text(const std::string& label, Dialect dialect) {
 
 std::string quoted_list(const std::vector<std::string>& labels, Dialect dialect) {
     std::string text;
-    for (const std::string& label : labels) {
-        text += label_text(label, dialect);
-    }
+    for (const std::string& label : labels) { text += label_text(label, dialect); }
     return text;
 }
 
 std::vector<std::string> unique_names(const std::vector<std::string>& list, const char* axis, const char* option) {
     std::vector<std::string> result;
     for (const std::string& each : list) {
-        if (!each.empty() && std::find(result.begin(), result.end(), each) == result.end()) {
-            result.push_back(each);
-        }
+        if (!each.empty() && std::find(result.begin(), result.end(), each) == result.end()) { result.push_back(each); }
     }
-    if (result.empty()) {
-        fail(std::string("a split by ") + axis + " needs names; expected " + option);
-    }
+    if (result.empty()) { fail(std::string("a split by ") + axis + " needs names; expected " + option); }
     return result;
 }
 
 std::vector<BounceBin> bounce_bins(const SplitRequest& request) {
-    if (!has_axis(request, SplitAxis::bounce)) {
-        return {{"", 1, true}};
-    }
+    if (!has_axis(request, SplitAxis::bounce)) { return {{"", 1, true}}; }
     const int count = request.bounces;
     if (count < 1 || count > most_bounces) {
         fail("the split has " + std::to_string(count) + " bins of bounces; expected 1 to " +
              std::to_string(most_bounces));
     }
-    if (count == 2) {
-        return {{"direct", 1, false}, {"indirect", 2, true}};
-    }
+    if (count == 2) { return {{"direct", 1, false}, {"indirect", 2, true}}; }
     std::vector<BounceBin> bins;
     for (int k = 1; k <= count; ++k) {
         bins.push_back({"bounce" + std::to_string(k) + (k == count ? "plus" : ""), k, k == count});
@@ -119,9 +103,7 @@ std::vector<LightKind> light_kinds(const SplitRequest& request) {
 
 std::string one_of(const std::vector<std::string>& items) {
     std::string text;
-    for (const std::string& item : items) {
-        text += item;
-    }
+    for (const std::string& item : items) { text += item; }
     return items.size() == 1 ? text : "[" + text + "]";
 }
 
@@ -145,9 +127,7 @@ void add_group(std::vector<TerminalBin>& bins, const SplitRequest& request, cons
             together.emplace_back("O");
         }
     }
-    if (!by_kind) {
-        bins.push_back({name, "", one_of(together)});
-    }
+    if (!by_kind) { bins.push_back({name, "", one_of(together)}); }
 }
 
 }  // namespace

@@ -9,18 +9,18 @@
 namespace raylex::lpe {
 
 struct FirstBin {
-    std::string lobe, object;      ///< names of the bins; empty where the split has no such axis
-    std::string text;              ///< one item: the first scattering event
+    std::string lobe, object;  ///< names of the bins; empty where the split has no such axis
+    std::string text;          ///< one item: the first scattering event
 };
 
 struct BounceBin {
     std::string name;
-    int least = 1;                 ///< scattering events
+    int least = 1;  ///< scattering events
     bool open_ended = false;
 };
 
 struct TerminalBin {
-    std::string group, terminal;   ///< names of the bins
+    std::string group, terminal;  ///< names of the bins
     std::string text;
 };
 
@@ -38,6 +38,7 @@ struct TerminalBin {
 [[nodiscard]] std::string label_text(const std::string& label, Dialect dialect);
 [[nodiscard]] std::string quoted_list(const std::vector<std::string>& labels, Dialect dialect = Dialect::renderman);
 /// The names of an axis, each once. Throws Failure when there are none; `option` says how to give them.
-[[nodiscard]] std::vector<std::string> unique_names(const std::vector<std::string>& list, const char* axis, const char* option);
+[[nodiscard]] std::vector<std::string> unique_names(const std::vector<std::string>& list, const char* axis,
+                                                    const char* option);
 
 }  // namespace raylex::lpe

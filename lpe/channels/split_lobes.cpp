@@ -27,9 +27,7 @@ CoreSet scattering_cores(const Words& words) {
             }
         }
     }
-    if (words.volume) {
-        cores.set(core_index({EventType::volume, Scatter::none, 0, {}}));
-    }
+    if (words.volume) { cores.set(core_index({EventType::volume, Scatter::none, 0, {}})); }
     return cores;
 }
 
@@ -41,17 +39,11 @@ CoreSet volume_cores() {
 
 /// The events an item such as RD, S4, <TS8>, T, V or R[GS] means; nothing when it is none.
 std::optional<CoreSet> read_event(std::string_view text, Dialect dialect) {
-    if (text.size() > 2 && text.front() == '<' && text.back() == '>') {
-        text = text.substr(1, text.size() - 2);
-    }
-    if (text == "V") {
-        return volume_cores();
-    }
+    if (text.size() > 2 && text.front() == '<' && text.back() == '>') { text = text.substr(1, text.size() - 2); }
+    if (text == "V") { return volume_cores(); }
     std::vector<EventType> types{EventType::reflection, EventType::transmission};
     if (!text.empty() && (text.front() == 'R' || text.front() == 'T' || text.front() == '.')) {
-        if (text.front() != '.') {
-            types = {text.front() == 'R' ? EventType::reflection : EventType::transmission};
-        }
+        if (text.front() != '.') { types = {text.front() == 'R' ? EventType::reflection : EventType::transmission}; }
         text.remove_prefix(1);
     }
     std::string letters;
@@ -80,9 +72,7 @@ std::optional<CoreSet> read_event(std::string_view text, Dialect dialect) {
                 const bool fits =
                     letter == '.' || letter == own || (letter == 'S' && own == 'G' && dialect == Dialect::renderman);
                 for (std::uint8_t k = 0; fits && k <= (own == 'D' ? 4 : 8); ++k) {
-                    if (number == 0 || k == number) {
-                        cores.set(core_index({type, scatter, k, {}}));
-                    }
+                    if (number == 0 || k == number) { cores.set(core_index({type, scatter, k, {}})); }
                 }
             }
         }
@@ -93,9 +83,7 @@ std::optional<CoreSet> read_event(std::string_view text, Dialect dialect) {
 std::vector<std::string> usual_lobes(const SplitRequest& request) {
     const std::string specular = request.dialect == Dialect::osl ? "[GS]" : "S";
     std::vector<std::string> lobes{"diffuse=RD", "specular=R" + specular, "subsurface=TD", "transmissive=T" + specular};
-    if (request.words.volume) {
-        lobes.emplace_back("volume=V");
-    }
+    if (request.words.volume) { lobes.emplace_back("volume=V"); }
     return lobes;
 }
 
@@ -140,9 +128,7 @@ void part(std::vector<LobeItem>& items, const CoreSet& all) {
         }
         left &= ~asked;
     }
-    if (left.any()) {
-        items.push_back({"other", "other", true, left});
-    }
+    if (left.any()) { items.push_back({"other", "other", true, left}); }
 }
 
 /// Event items crossed with objects, as texts of the renderman dialect.
@@ -197,9 +183,7 @@ class RendermanFirst {
         ClassSet set(classes_.count(), false);
         for (std::size_t k = 0; k < 2 * lobes_.size(); ++k) {
             const bool mine = k == 2 * lobe || (!media && k == 2 * lobe + 1);
-            for (std::size_t c = 0; c < set.size() && !mine; ++c) {
-                set[c] = set[c] || classes_.members(k)[c];
-            }
+            for (std::size_t c = 0; c < set.size() && !mine; ++c) { set[c] = set[c] || classes_.members(k)[c]; }
         }
         return set;
     }
@@ -210,17 +194,13 @@ class RendermanFirst {
 
     [[nodiscard]] std::string outside(std::size_t lobe, const std::string& label) const {
         const bool media = (lobes_[lobe].cores & volume_cores()).any();
-        if (lobes_[lobe].cores == volume_cores()) {
-            return "V";
-        }
+        if (lobes_[lobe].cores == volume_cores()) { return "V"; }
         const std::string text = labelled(lobe, label) + (media ? "V" : "");
         return text.find('>') == text.size() - 1 ? text : "[" + text + "]";
     }
 
     [[nodiscard]] std::string written(const std::optional<std::string>& text, std::size_t lobe) const {
-        if (!text) {
-            fail("the lobe '" + lobes_[lobe].text + "' has no short expression beside the other lobes");
-        }
+        if (!text) { fail("the lobe '" + lobes_[lobe].text + "' has no short expression beside the other lobes"); }
         return *text;
     }
 
@@ -235,25 +215,17 @@ std::string osl_text(const CoreSet& cores) {
     for (const EventType type : {EventType::reflection, EventType::transmission}) {
         std::string letters;
         for (const Scatter scatter : {Scatter::diffuse, Scatter::glossy, Scatter::singular}) {
-            if (cores.test(core_index({type, scatter, 0, {}}))) {
-                letters += scatter_letter(scatter);
-            }
+            if (cores.test(core_index({type, scatter, 0, {}}))) { letters += scatter_letter(scatter); }
         }
         if (!letters.empty()) {
             items.push_back(std::string("<") + type_letter(type) +
                             (letters.size() == 1 ? letters : "[" + letters + "]") + ">");
         }
     }
-    if ((cores & volume_cores()).any()) {
-        items.emplace_back("V");
-    }
-    if (items.size() == 1) {
-        return items.front();
-    }
+    if ((cores & volume_cores()).any()) { items.emplace_back("V"); }
+    if (items.size() == 1) { return items.front(); }
     std::string text = "[";
-    for (const std::string& item : items) {
-        text += item;
-    }
+    for (const std::string& item : items) { text += item; }
     return text + "]";
 }
 
@@ -273,9 +245,7 @@ std::vector<FirstBin> osl_first(const SplitRequest& request, std::vector<LobeIte
     }
     part(lobes, scattering_cores(request.words));
     std::vector<FirstBin> bins;
-    for (const LobeItem& item : lobes) {
-        bins.push_back({item.name, "", osl_text(item.cores)});
-    }
+    for (const LobeItem& item : lobes) { bins.push_back({item.name, "", osl_text(item.cores)}); }
     return bins;
 }
 
@@ -283,9 +253,7 @@ std::vector<FirstBin> osl_first(const SplitRequest& request, std::vector<LobeIte
 std::vector<FirstBin> named_first(const std::vector<LobeItem>& lobes, const std::vector<std::string>& objects,
                                   bool by_object) {
     std::vector<std::string> lobe_labels, taken{"other"};
-    for (const LobeItem& item : lobes) {
-        lobe_labels.push_back(item.text);
-    }
+    for (const LobeItem& item : lobes) { lobe_labels.push_back(item.text); }
     std::vector<FirstBin> bins;
     for (std::size_t object = 0; object <= objects.size(); ++object) {
         const bool rest = object == objects.size();
@@ -305,23 +273,13 @@ std::vector<FirstBin> named_first(const std::vector<LobeItem>& lobes, const std:
 
 std::vector<FirstBin> first_bins(const SplitRequest& request) {
     const bool by_lobe = has_axis(request, SplitAxis::lobe), by_object = has_axis(request, SplitAxis::object);
-    if (!by_lobe && !by_object) {
-        return {};
-    }
+    if (!by_lobe && !by_object) { return {}; }
     std::vector<std::string> objects;
-    if (by_object) {
-        objects = unique_names(request.objects, "object", "--objects floor,wall");
-    }
+    if (by_object) { objects = unique_names(request.objects, "object", "--objects floor,wall"); }
     std::vector<LobeItem> lobes{{"", "any", true, scattering_cores(request.words)}};
-    if (by_lobe) {
-        lobes = read_lobes(request);
-    }
-    if (request.dialect == Dialect::osl) {
-        return osl_first(request, std::move(lobes));
-    }
-    if (!lobes.front().is_event) {
-        return named_first(lobes, objects, by_object);
-    }
+    if (by_lobe) { lobes = read_lobes(request); }
+    if (request.dialect == Dialect::osl) { return osl_first(request, std::move(lobes)); }
+    if (!lobes.front().is_event) { return named_first(lobes, objects, by_object); }
     part(lobes, scattering_cores(request.words));
     return RendermanFirst(lobes).run(objects, by_object);
 }

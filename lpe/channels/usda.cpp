@@ -25,12 +25,12 @@ namespace {
 bool is_name_letter(char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || (static_cast<unsigned char>(c) & 0x80U) != 0;
 }
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_digit(char c) {
+    return c >= '0' && c <= '9';
+}
 
 int hexadecimal(char c) {
-    if (is_digit(c)) {
-        return c - '0';
-    }
+    if (is_digit(c)) { return c - '0'; }
     const char small = static_cast<char>(c | 0x20);
     return small >= 'a' && small <= 'f' ? small - 'a' + 10 : -1;
 }
@@ -43,7 +43,7 @@ struct StringAttribute {
 
 /// A prim whose braces are open.
 struct Prim {
-    bool prims_inside = true;   ///< false between variantSet's braces, where variants stand
+    bool prims_inside = true;  ///< false between variantSet's braces, where variants stand
     bool render_var = false, untyped = false;
     std::string name;
     std::size_t begin = 0;
@@ -65,12 +65,8 @@ class UsdaReader {
                             : "");
         }
         skip_blank();
-        if (in_.peek() == '(') {
-            skip_balanced();
-        }
-        for (skip_blank(); !in_.at_end(); skip_blank()) {
-            read_statement();
-        }
+        if (in_.peek() == '(') { skip_balanced(); }
+        for (skip_blank(); !in_.at_end(); skip_blank()) { read_statement(); }
         if (!open_.empty()) {
             in_.fail_at(open_.back().begin, "the prim '" + open_.back().name + "' is not closed; expected '}'");
         }
@@ -84,9 +80,7 @@ class UsdaReader {
     void skip_blank(bool lines = true) {
         while (!in_.at_end()) {
             const char c = in_.peek();
-            if ((c == '\n' || c == ';') && !lines) {
-                return;
-            }
+            if ((c == '\n' || c == ';') && !lines) { return; }
             if (c == '#' || in_.starts_with("//")) {
                 take_comment();
             } else if (in_.starts_with("/*")) {
@@ -96,9 +90,7 @@ class UsdaReader {
                 }
                 in_.move_to(end + 2);
             } else if (c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == ';') {
-                if (c == '\n' && ++newlines_ > 1) {
-                    comment_.clear();
-                }
+                if (c == '\n' && ++newlines_ > 1) { comment_.clear(); }
                 in_.move_to(in_.position() + 1);
             } else {
                 return;
@@ -143,9 +135,7 @@ class UsdaReader {
                 newlines_ = 0;
                 return text;
             }
-            if (all[at] == '\n' && !triple) {
-                break;
-            }
+            if (all[at] == '\n' && !triple) { break; }
             if (all[at] == '\\' && at + 1 < all.size()) {
                 at = take_escape(text, at);
             } else {
@@ -187,9 +177,7 @@ class UsdaReader {
         do {
             skip_blank();
             const char c = in_.peek();
-            if (in_.at_end()) {
-                in_.fail_at(begin, "the '" + std::string(1, in_.text()[begin]) + "' is not closed");
-            }
+            if (in_.at_end()) { in_.fail_at(begin, "the '" + std::string(1, in_.text()[begin]) + "' is not closed"); }
             if (c == '(' || c == '[' || c == '{') {
                 if (open.size() >= limits::file_nesting) {
                     in_.fail_at(in_.position(),
@@ -266,9 +254,7 @@ class UsdaReader {
             skip_blank();
             open_.push_back(make_prim(begin));
             open_.back().prims_inside = false;
-            if (in_.peek() == '"' || in_.peek() == '\'') {
-                open_.back().name = take_string().text();
-            }
+            if (in_.peek() == '"' || in_.peek() == '\'') { open_.back().name = take_string().text(); }
             expect('=');
             expect('{');
         } else {
@@ -329,9 +315,7 @@ class UsdaReader {
         Prim variant = make_prim(begin);
         variant.name = take_string().text();
         skip_blank();
-        if (in_.peek() == '(') {
-            skip_balanced();
-        }
+        if (in_.peek() == '(') { skip_balanced(); }
         expect('{');
         open_.push_back(std::move(variant));
     }
@@ -383,25 +367,19 @@ class UsdaReader {
         } else if (name == "sourceType" && value.is_string) {
             prim.source_type = std::move(value);
         } else {
-            if (name == "driver:parameters:aov:name" && value.is_string) {
-                prim.aov_name = value;
-            }
+            if (name == "driver:parameters:aov:name" && value.is_string) { prim.aov_name = value; }
             prim.channel.parameters.emplace_back(statement);
         }
     }
 
     void close_prim() {
-        if (open_.empty()) {
-            in_.fail_at(in_.position(), "found '}' without a prim that it closes");
-        }
+        if (open_.empty()) { in_.fail_at(in_.position(), "found '}' without a prim that it closes"); }
         in_.move_to(in_.position() + 1);
         newlines_ = 0;
         Prim prim = std::move(open_.back());
         open_.pop_back();
         const bool says_lpe = prim.source_type && prim.source_type->text.text() == "lpe";
-        if (prim.render_var || (prim.untyped && says_lpe)) {
-            add_channel(std::move(prim), says_lpe);
-        }
+        if (prim.render_var || (prim.untyped && says_lpe)) { add_channel(std::move(prim), says_lpe); }
     }
 
     void add_channel(Prim prim, bool says_lpe) {
@@ -447,6 +425,8 @@ class UsdaReader {
 
 }  // namespace
 
-ChannelFile parse_usda(std::string_view text, const std::string& origin) { return UsdaReader(text, origin).run(); }
+ChannelFile parse_usda(std::string_view text, const std::string& origin) {
+    return UsdaReader(text, origin).run();
+}
 
 }  // namespace raylex::lpe

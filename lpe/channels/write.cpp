@@ -25,12 +25,23 @@ std::string quoted(std::string_view text) {
     std::string result = "\"";
     for (const char c : text) {
         switch (c) {
-            case '"': result += "\\\""; break;
-            case '\\': result += "\\\\"; break;
-            case '\n': result += "\\n"; break;
-            case '\r': result += "\\r"; break;
-            case '\t': result += "\\t"; break;
-            default: result += c;
+            case '"':
+                result += "\\\"";
+                break;
+            case '\\':
+                result += "\\\\";
+                break;
+            case '\n':
+                result += "\\n";
+                break;
+            case '\r':
+                result += "\\r";
+                break;
+            case '\t':
+                result += "\\t";
+                break;
+            default:
+                result += c;
         }
     }
     return result + "\"";
@@ -59,9 +70,7 @@ std::string one_line(const ChannelSource& source) {
         }
         result += c == '\n' || c == '\r' ? ' ' : c;
     }
-    while (!result.empty() && result.back() == ' ') {
-        result.pop_back();
-    }
+    while (!result.empty() && result.back() == ' ') { result.pop_back(); }
     if (result.find_first_not_of(" \t") == std::string::npos) {
         refuse(source, "channel '" + source.name + "' has nothing but blanks and comments; expected an expression",
                "write a .toml or .usda file");
@@ -109,9 +118,7 @@ class Writer {
             text += commented(channel.comment, "#");
             text += "DisplayChannel " + quoted((declared ? channel.type : "color") + " " + channel.source.name) +
                     " \"string source\" [" + quoted("color lpe:" + one_line(channel.source)) + "]";
-            for (const std::string& parameter : kept(channel, "\"")) {
-                text += " " + parameter;
-            }
+            for (const std::string& parameter : kept(channel, "\"")) { text += " " + parameter; }
             text += "\n";
         }
         finish("RIB");
@@ -136,9 +143,7 @@ class Writer {
             require_renderman(source, "rendermn.ini");
             note_extensions(source, extensions_);
             MacroTable probe;
-            if (Status usable = probe.add(source); !usable) {
-                throw Failure{usable.error()};
-            }
+            if (Status usable = probe.add(source); !usable) { throw Failure{usable.error()}; }
             const std::string line = marked(one_line(source));
             if (line.ends_with('\\')) {
                 refuse(source,
@@ -147,9 +152,7 @@ class Writer {
             }
             text += "/prman/lpe/macro/" + source.name + "  " + line + "\n";
         };
-        for (const ChannelSource& macro : file_.macros) {
-            add(macro);
-        }
+        for (const ChannelSource& macro : file_.macros) { add(macro); }
         for (const FileChannel& channel : file_.channels) {
             text += commented(channel.comment, "#");
             add(channel.source);
@@ -181,9 +184,7 @@ class Writer {
             if (prim != channel.source.name && !has_name) {
                 text += "            token driver:parameters:aov:name = " + quoted(channel.source.name) + "\n";
             }
-            for (const std::string& parameter : parameters) {
-                text += "            " + parameter + "\n";
-            }
+            for (const std::string& parameter : parameters) { text += "            " + parameter + "\n"; }
             text += "        }\n";
         }
         text += "    }\n}\n";
@@ -215,13 +216,9 @@ class Writer {
             const bool fits = c == '_' || (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
             prim += fits ? c : '_';
         }
-        if (prim.empty() || (prim.front() >= '0' && prim.front() <= '9')) {
-            prim.insert(0, "_");
-        }
+        if (prim.empty() || (prim.front() >= '0' && prim.front() <= '9')) { prim.insert(0, "_"); }
         const std::string stem = prim;
-        for (int k = 2; !prims_.insert(prim).second; ++k) {
-            prim = stem + "_" + std::to_string(k);
-        }
+        for (int k = 2; !prims_.insert(prim).second; ++k) { prim = stem + "_" + std::to_string(k); }
         return prim;
     }
 
@@ -232,9 +229,7 @@ class Writer {
         }
         if (!extensions_.empty()) {
             std::string list;
-            for (const std::string& each : extensions_) {
-                list += (list.empty() ? "'" : ", '") + each + "'";
-            }
+            for (const std::string& each : extensions_) { list += (list.empty() ? "'" : ", '") + each + "'"; }
             warnings_.push_back("the expressions use " + list + ", which raylex reads and RenderMan does not");
         }
     }
@@ -252,9 +247,12 @@ Result<std::string> write_channel_file(const ChannelFile& file, ChannelFormat fo
     return guarded([&]() -> std::string {
         Writer writer(file, warnings);
         switch (format) {
-            case ChannelFormat::rib: return writer.rib();
-            case ChannelFormat::usda: return writer.usda();
-            case ChannelFormat::ini: break;
+            case ChannelFormat::rib:
+                return writer.rib();
+            case ChannelFormat::usda:
+                return writer.usda();
+            case ChannelFormat::ini:
+                break;
         }
         return writer.ini();
     });

@@ -19,7 +19,7 @@ enum class NodeKind : std::uint8_t {
     repeat,        ///< the child `min` to `max` times
     complement,    ///< every word of non-user events but the child's
     intersection,
-    difference     ///< words of the first child that the second does not accept
+    difference  ///< words of the first child that the second does not accept
 };
 
 struct Node {
@@ -69,8 +69,8 @@ struct Expression {
     return node;
 }
 
-/// Which operator of `|` and concatenation binds tighter. Both dialects say `|`; people used to other regular expressions
-/// expect the contrary, so both readings can be compared.
+/// Which operator of `|` and concatenation binds tighter. Both dialects say `|`; people used to other regular
+/// expressions expect the contrary, so both readings can be compared.
 enum class BarReading : std::uint8_t { tight, loose };
 
 }  // namespace raylex::lpe

@@ -10,9 +10,7 @@ namespace raylex::lpe {
 
 std::uint32_t ClassTable::classify(const Event& event) const {
     std::size_t count = event.labels.size();
-    while (count > 0 && event.labels[count - 1].empty()) {
-        --count;
-    }
+    while (count > 0 && event.labels[count - 1].empty()) { --count; }
     const Node* node = &nodes[node_of_core[core_index(event)]];
     std::vector<std::uint8_t> matched;
     for (std::size_t slot = 0; slot < count && node->leaf == 0; ++slot) {
@@ -36,9 +34,7 @@ std::uint32_t ClassTable::classify(const Event& event) const {
                 next = &nodes[kind.node];
             }
         }
-        if (next == nullptr) {
-            return 0;
-        }
+        if (next == nullptr) { return 0; }
         node = next;
     }
     return node->end_class;

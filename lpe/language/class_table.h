@@ -1,8 +1,8 @@
 // From an event to its class, as plain arrays: what a compiled program carries, and what its file holds.
 //
-// A small automaton over (core, label, label, ...): the core (pattern.h) picks a node; each label leads to the next node,
-// by name where some expression names it, else by which of the node's globs match it; the node where the labels end has
-// the class. Empty trailing labels are absent ones.
+// A small automaton over (core, label, label, ...): the core (pattern.h) picks a node; each label leads to the next
+// node, by name where some expression names it, else by which of the node's globs match it; the node where the labels
+// end has the class. Empty trailing labels are absent ones.
 #pragma once
 
 #include <cstdint>
@@ -16,26 +16,27 @@ namespace raylex::lpe {
 
 struct ClassTable {
     struct Node {
-        std::uint32_t end_class = 0;               ///< of an event whose labels end here
-        std::uint32_t leaf = 1;                    ///< 1: further labels change nothing
-        std::uint32_t first_name = 0, names = 0;   ///< into `names`, sorted by text
-        std::uint32_t first_glob = 0, globs = 0;   ///< into `globs`
-        std::uint32_t first_kind = 0, kinds = 0;   ///< into `kinds`, for labels that have no name here
+        std::uint32_t end_class = 0;              ///< of an event whose labels end here
+        std::uint32_t leaf = 1;                   ///< 1: further labels change nothing
+        std::uint32_t first_name = 0, names = 0;  ///< into `names`, sorted by text
+        std::uint32_t first_glob = 0, globs = 0;  ///< into `globs`
+        std::uint32_t first_kind = 0, kinds = 0;  ///< into `kinds`, for labels that have no name here
     };
     struct Name {
-        std::uint32_t text = 0, node = 0;          ///< label -> node
+        std::uint32_t text = 0, node = 0;  ///< label -> node
     };
     struct Kind {
-        std::uint32_t first_match = 0, node = 0;   ///< matches[first_match ...]: for each glob of the node, 1 if it matches
+        std::uint32_t first_match = 0,
+                      node = 0;  ///< matches[first_match ...]: for each glob of the node, 1 if it matches
     };
 
-    std::vector<std::uint32_t> node_of_core;       ///< [core_count]
+    std::vector<std::uint32_t> node_of_core;  ///< [core_count]
     std::vector<Node> nodes;
     std::vector<Name> names;
-    std::vector<std::uint32_t> globs;              ///< texts
+    std::vector<std::uint32_t> globs;  ///< texts
     std::vector<Kind> kinds;
     std::vector<std::uint8_t> matches;
-    std::vector<std::uint32_t> text_begin{0};      ///< [text + 1] into `characters`
+    std::vector<std::uint32_t> text_begin{0};  ///< [text + 1] into `characters`
     std::string characters;
 
     [[nodiscard]] std::string_view text(std::uint32_t index) const {

@@ -30,9 +30,7 @@ class EventClasses::Builder {
                 patterns_.push_back({&pattern, static_cast<std::uint32_t>(set), true});
             }
         }
-        for (const Entry& entry : patterns_) {
-            deepest_ = std::max(deepest_, entry.pattern->labels.size());
-        }
+        for (const Entry& entry : patterns_) { deepest_ = std::max(deepest_, entry.pattern->labels.size()); }
     }
 
     void run() {
@@ -42,20 +40,14 @@ class EventClasses::Builder {
         for (std::size_t core = 0; core < core_count; ++core) {
             Alive alive;
             for (std::uint32_t k = 0; k < patterns_.size(); ++k) {
-                if (patterns_[k].pattern->cores.test(core)) {
-                    alive.push_back(k);
-                }
+                if (patterns_[k].pattern->cores.test(core)) { alive.push_back(k); }
             }
             classes_.table_.node_of_core[core] = reach({std::move(alive), 0, core_event(core)}, false);
         }
-        for (std::size_t node = 0; node < reached_.size(); ++node) {
-            expand(node);
-        }
+        for (std::size_t node = 0; node < reached_.size(); ++node) { expand(node); }
         classes_.members_.assign(sets_.size(), ClassSet(classes_.count(), false));
         for (const auto& [sets, event_class] : class_of_sets_) {
-            for (const std::uint32_t set : sets) {
-                classes_.members_[set][event_class] = true;
-            }
+            for (const std::uint32_t set : sets) { classes_.members_[set][event_class] = true; }
         }
     }
 
@@ -72,9 +64,7 @@ class EventClasses::Builder {
         const auto [place, fresh] = node_of_.emplace(std::move(key), static_cast<std::uint32_t>(reached_.size()));
         if (fresh) {
             ClassTable::Node node;
-            if (!after_empty) {
-                node.end_class = end_class(reached);
-            }
+            if (!after_empty) { node.end_class = end_class(reached); }
             classes_.table_.nodes.push_back(node);
             reached_.push_back(std::move(reached));
         }
@@ -111,21 +101,20 @@ class EventClasses::Builder {
 
     static bool accepts_at_end(const EventPattern& pattern, std::size_t position) {
         for (std::size_t slot = position; slot < pattern.labels.size(); ++slot) {
-            if (pattern.missing == Missing::refuses || !pattern.labels[slot].matches({})) {
-                return false;
-            }
+            if (pattern.missing == Missing::refuses || !pattern.labels[slot].matches({})) { return false; }
         }
         return true;
     }
 
     static bool accepts_label(const EventPattern& pattern, std::size_t position, const std::string& label) {
-        if (position < pattern.labels.size()) {
-            return pattern.labels[position].matches(label);
-        }
+        if (position < pattern.labels.size()) { return pattern.labels[position].matches(label); }
         switch (pattern.extra) {
-            case Extra::ignored: return true;
-            case Extra::refused: return false;
-            case Extra::unreserved: break;
+            case Extra::ignored:
+                return true;
+            case Extra::refused:
+                return false;
+            case Extra::unreserved:
+                break;
         }
         return !std::binary_search(reserved_names().begin(), reserved_names().end(), label);
     }
@@ -157,16 +146,12 @@ class EventClasses::Builder {
         }
         // Steps may add nodes, so the table's arrays are filled when all of this node's are known.
         std::vector<std::pair<std::string, std::uint32_t>> named;
-        for (const std::string& name : names) {
-            named.emplace_back(name, step(here, name));
-        }
+        for (const std::string& name : names) { named.emplace_back(name, step(here, name)); }
         std::vector<std::pair<std::vector<bool>, std::uint32_t>> kinds;
         const std::vector<std::string> glob_list(globs.begin(), globs.end());
         if (glob_list.empty()) {
             std::string other = "other";
-            for (int k = 2; names.count(other) != 0; ++k) {
-                other = "other" + std::to_string(k);
-            }
+            for (int k = 2; names.count(other) != 0; ++k) { other = "other" + std::to_string(k); }
             kinds.emplace_back(std::vector<bool>{}, step(here, other));
         } else {
             for (const LabelKind& kind : label_kinds(glob_list, {names.begin(), names.end()})) {
@@ -184,12 +169,8 @@ class EventClasses::Builder {
         const auto count = [](const auto& list) { return static_cast<std::uint32_t>(list.size()); };
         node = {node.end_class,     0,           count(table.names), count(named), count(table.globs), count(globs),
                 count(table.kinds), count(kinds)};
-        for (const auto& [name, target] : named) {
-            table.names.push_back({text(name), target});
-        }
-        for (const std::string& glob : globs) {
-            table.globs.push_back(text(glob));
-        }
+        for (const auto& [name, target] : named) { table.names.push_back({text(name), target}); }
+        for (const std::string& glob : globs) { table.globs.push_back(text(glob)); }
         for (const auto& [matched, target] : kinds) {
             table.kinds.push_back({count(table.matches), target});
             table.matches.insert(table.matches.end(), matched.begin(), matched.end());
@@ -209,9 +190,7 @@ class EventClasses::Builder {
         }
         Reached next{{}, here.position + 1, here.example};
         for (const std::uint32_t k : here.alive) {
-            if (accepts_label(*patterns_[k].pattern, here.position, label)) {
-                next.alive.push_back(k);
-            }
+            if (accepts_label(*patterns_[k].pattern, here.position, label)) { next.alive.push_back(k); }
         }
         next.example.labels.push_back(label);
         return reach(std::move(next), label.empty());
@@ -228,6 +207,8 @@ class EventClasses::Builder {
     std::unordered_map<std::string, std::uint32_t> text_index_;
 };
 
-EventClasses::EventClasses(std::vector<EventSet> sets) { Builder(*this, std::move(sets)).run(); }
+EventClasses::EventClasses(std::vector<EventSet> sets) {
+    Builder(*this, std::move(sets)).run();
+}
 
 }  // namespace raylex::lpe

@@ -28,14 +28,16 @@ class EventClasses {
     [[nodiscard]] std::size_t count() const { return examples_.size(); }
     /// The classes whose events are in set `set` (an index into the constructor's list).
     [[nodiscard]] const ClassSet& members(std::size_t set) const { return members_[set]; }
-    [[nodiscard]] EventClass classify(const Event& event) const { return static_cast<EventClass>(table_.classify(event)); }
+    [[nodiscard]] EventClass classify(const Event& event) const {
+        return static_cast<EventClass>(table_.classify(event));
+    }
     [[nodiscard]] const ClassTable& table() const { return table_; }
     /// The plainest event of the class.
     [[nodiscard]] const Event& example(EventClass event_class) const { return examples_[event_class]; }
 
   private:
     using Alive = std::vector<std::uint32_t>;  // patterns that may still match, ascending
-    struct Reached;  // a node while it is being built
+    struct Reached;                            // a node while it is being built
     class Builder;
 
     ClassTable table_;

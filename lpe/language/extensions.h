@@ -1,4 +1,5 @@
-// What of an expression of the `renderman` dialect is ours and not RenderMan's: texts offered to RenderMan have none of it.
+// What of an expression of the `renderman` dialect is ours and not RenderMan's: texts offered to RenderMan have none of
+// it.
 #pragma once
 
 #include <string>
@@ -7,8 +8,8 @@
 
 namespace raylex::lpe {
 
-/// Each once, in the order of their first places: "V", "?", "&", "{n,m}", "a blank", "a glob in a label". `expression` is
-/// one that parses.
+/// Each once, in the order of their first places: "V", "?", "&", "{n,m}", "a blank", "a glob in a label". `expression`
+/// is one that parses.
 [[nodiscard]] std::vector<std::string> extensions_in(std::string_view expression);
 
 /// Whether volume scattering is named, so that its author counts on it.

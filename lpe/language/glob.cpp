@@ -27,9 +27,7 @@ std::vector<GlobStep> read_glob(std::string_view glob) {
         } else if (glob[i] == '?') {
             steps.push_back({Piece::one, 0});
         } else {
-            if (glob[i] == '\\' && i + 1 < glob.size()) {
-                ++i;
-            }
+            if (glob[i] == '\\' && i + 1 < glob.size()) { ++i; }
             steps.push_back({Piece::byte, glob[i]});
         }
     }
@@ -38,13 +36,13 @@ std::vector<GlobStep> read_glob(std::string_view glob) {
 
 std::vector<GlobStep> read_name(std::string_view name) {
     std::vector<GlobStep> steps;
-    for (const char byte : name) {
-        steps.push_back({Piece::byte, byte});
-    }
+    for (const char byte : name) { steps.push_back({Piece::byte, byte}); }
     return steps;
 }
 
-bool is_continuation(char byte) { return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U; }
+bool is_continuation(char byte) {
+    return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U;
+}
 
 // Positions in `steps`, ascending, '*' skipped where it matches nothing.
 using Positions = std::vector<std::size_t>;
@@ -54,14 +52,12 @@ void add_position(Positions& positions, const std::vector<GlobStep>& steps, std:
         if (std::find(positions.begin(), positions.end(), position) == positions.end()) {
             positions.push_back(position);
         }
-        if (position >= steps.size() || steps[position].piece != Piece::many) {
-            return;
-        }
+        if (position >= steps.size() || steps[position].piece != Piece::many) { return; }
     }
 }
 
-/// Whatever can follow an earlier position can follow the last '*' that is reached, which takes anything in between: the
-/// earlier ones are left out, so that a glob of many '*' stays at few positions.
+/// Whatever can follow an earlier position can follow the last '*' that is reached, which takes anything in between:
+/// the earlier ones are left out, so that a glob of many '*' stays at few positions.
 void keep_from_last_star(Positions& positions, const std::vector<GlobStep>& steps) {
     std::sort(positions.begin(), positions.end());
     for (std::size_t i = positions.size(); i-- > 0;) {
@@ -78,9 +74,7 @@ Positions advance(const std::vector<GlobStep>& steps, const Positions& positions
         if (position > 0 && steps[position - 1].piece == Piece::one && is_continuation(byte)) {
             add_position(next, steps, position);  // the rest of the character that '?' took
         }
-        if (position >= steps.size()) {
-            continue;
-        }
+        if (position >= steps.size()) { continue; }
         const GlobStep& step = steps[position];
         if (step.piece == Piece::many) {
             add_position(next, steps, position);
@@ -108,9 +102,7 @@ std::vector<char> distinguished_bytes(const std::vector<std::vector<GlobStep>>& 
     std::set<char> bytes;
     for (const auto& steps : all) {
         for (const GlobStep& step : steps) {
-            if (step.piece == Piece::byte) {
-                bytes.insert(step.byte);
-            }
+            if (step.piece == Piece::byte) { bytes.insert(step.byte); }
         }
     }
     std::vector<char> alphabet(bytes.begin(), bytes.end());
@@ -129,33 +121,27 @@ std::vector<char> distinguished_bytes(const std::vector<std::vector<GlobStep>>& 
 bool glob_matches(std::string_view glob, std::string_view label) {
     const std::vector<GlobStep> steps = read_glob(glob);
     Positions positions = start_positions(steps);
-    for (const char byte : label) {
-        positions = advance(steps, positions, byte);
-    }
+    for (const char byte : label) { positions = advance(steps, positions, byte); }
     return accepts(steps, positions);
 }
 
 std::string quoted_label(std::string_view label) {
     std::string text = "'";
     for (const char c : label) {
-        if (c == '\'' || c == '\\' || c == '*' || c == '?') {
-            text += '\\';
-        }
+        if (c == '\'' || c == '\\' || c == '*' || c == '?') { text += '\\'; }
         text += c;
     }
     return text + "'";
 }
 
-bool is_glob(std::string_view text) { return text.find_first_of("*?\\") != std::string_view::npos; }
+bool is_glob(std::string_view text) {
+    return text.find_first_of("*?\\") != std::string_view::npos;
+}
 
 std::vector<LabelKind> label_kinds(const std::vector<std::string>& globs, const std::vector<std::string>& names) {
     std::vector<std::vector<GlobStep>> all;
-    for (const std::string& glob : globs) {
-        all.push_back(read_glob(glob));
-    }
-    for (const std::string& name : names) {
-        all.push_back(read_name(name));
-    }
+    for (const std::string& glob : globs) { all.push_back(read_glob(glob)); }
+    for (const std::string& name : names) { all.push_back(read_name(name)); }
     using Joint = std::vector<Positions>;
     const std::vector<char> alphabet = distinguished_bytes(all);
     std::map<Joint, std::size_t> seen;
@@ -165,9 +151,7 @@ std::vector<LabelKind> label_kinds(const std::vector<std::string>& globs, const 
     std::size_t work = 0;
     const auto reach = [&](Joint joint, std::string label) {
         const auto [place, fresh] = seen.emplace(std::move(joint), queue.size());
-        if (!fresh) {
-            return;
-        }
+        if (!fresh) { return; }
         work += label.size() + all.size();
         if (queue.size() > limits::glob_states || work > limits::label_tests) {
             fail("the label globs combine to more than " + std::to_string(limits::glob_states) + " cases",
@@ -180,26 +164,18 @@ std::vector<LabelKind> label_kinds(const std::vector<std::string>& globs, const 
             }
         }
         std::vector<bool> matched(globs.size());
-        for (std::size_t i = 0; i < globs.size(); ++i) {
-            matched[i] = accepts(all[i], place->first[i]);
-        }
-        if (found.insert(matched).second) {
-            kinds.push_back({std::move(matched), std::move(label)});
-        }
+        for (std::size_t i = 0; i < globs.size(); ++i) { matched[i] = accepts(all[i], place->first[i]); }
+        if (found.insert(matched).second) { kinds.push_back({std::move(matched), std::move(label)}); }
     };
     Joint start;
-    for (const auto& steps : all) {
-        start.push_back(start_positions(steps));
-    }
+    for (const auto& steps : all) { start.push_back(start_positions(steps)); }
     reach(std::move(start), {});
     for (std::size_t i = 0; i < queue.size(); ++i) {
         const Joint* from = queue[i].first;
         const std::string label = queue[i].second;
         for (const char byte : alphabet) {
             Joint joint;
-            for (std::size_t k = 0; k < all.size(); ++k) {
-                joint.push_back(advance(all[k], (*from)[k], byte));
-            }
+            for (std::size_t k = 0; k < all.size(); ++k) { joint.push_back(advance(all[k], (*from)[k], byte)); }
             reach(std::move(joint), label + byte);
         }
     }

@@ -21,8 +21,9 @@ struct LabelKind {
     std::string example;
 };
 
-/// Every combination of globs that some label not among `names` realises, exactly. Throws Failure when the globs are too
-/// many to combine.
-[[nodiscard]] std::vector<LabelKind> label_kinds(const std::vector<std::string>& globs, const std::vector<std::string>& names);
+/// Every combination of globs that some label not among `names` realises, exactly. Throws Failure when the globs are
+/// too many to combine.
+[[nodiscard]] std::vector<LabelKind> label_kinds(const std::vector<std::string>& globs,
+                                                 const std::vector<std::string>& names);
 
 }  // namespace raylex::lpe

@@ -38,20 +38,26 @@ constexpr std::array<NamedExpression, 16> builtin_table{{
     {"transmissive", "C<TS>.*[<L.>O]"},
 }};
 
-bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+bool is_letter(char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
+}
+bool is_digit(char c) {
+    return c >= '0' && c <= '9';
+}
+bool is_blank(char c) {
+    return c == ' ' || c == '\t' || c == '\n' || c == '\r';
+}
 
 /// The end of the name that begins at `begin`; `begin` itself when none does.
 std::size_t name_end(std::string_view text, std::size_t begin) {
     std::size_t end = begin;
-    while (end < text.size() && (is_letter(text[end]) || (end > begin && is_digit(text[end])))) {
-        ++end;
-    }
+    while (end < text.size() && (is_letter(text[end]) || (end > begin && is_digit(text[end])))) { ++end; }
     return end;
 }
 
-bool is_name(std::string_view text) { return !text.empty() && name_end(text, 0) == text.size(); }
+bool is_name(std::string_view text) {
+    return !text.empty() && name_end(text, 0) == text.size();
+}
 
 /// Letters and lobe numbers only: CDL, CS2O.
 bool reads_as_expression(std::string_view name) {
@@ -102,9 +108,7 @@ Head read_head(std::string_view text) {
     std::size_t at = skip_blank(text, 0);
     for (;;) {
         const std::size_t end = name_end(text, at);
-        if (end == at || end >= text.size() || (text[end] != ';' && text[end] != ':')) {
-            break;
-        }
+        if (end == at || end >= text.size() || (text[end] != ';' && text[end] != ':')) { break; }
         const std::string_view word = text.substr(at, end - at);
         if (text[end] == ':' && (word != "lpe" || head.body_begin != 0)) {
             break;  // the parser says what is wrong with it
@@ -160,9 +164,7 @@ class Expander {
     }
 
     [[nodiscard]] static std::shared_ptr<const SourceMap> map_of(const ChannelSource& source) {
-        if (source.map && !source.map->spans.empty()) {
-            return source.map;
-        }
+        if (source.map && !source.map->spans.empty()) { return source.map; }
         auto map = std::make_shared<SourceMap>();
         auto file = file_of(source);
         const std::size_t position = file->text.size() - source.expression.size();
@@ -179,13 +181,12 @@ class Expander {
 
     /// Appends bytes [begin, end) of the text with their places.
     void copy(const Reading& from, std::size_t begin, std::size_t end) {
-        if (begin >= end) {
-            return;
-        }
+        if (begin >= end) { return; }
         std::string& out = expansion_.source.expression;
         if (out.size() + (end - begin) > limits::text_bytes) {
-            fail_at(from, begin, "the expression has more than " + std::to_string(limits::text_bytes) +
-                                     " bytes once its names are replaced; expected a shorter one");
+            fail_at(from, begin,
+                    "the expression has more than " + std::to_string(limits::text_bytes) +
+                        " bytes once its names are replaced; expected a shorter one");
         }
         mark(from, begin);
         const auto& spans = from.map->spans;
@@ -240,9 +241,7 @@ class Expander {
                 open_.pop_back();
                 return;
             }
-            if (looks_like_word(name)) {
-                fail_unknown(reading, begin, name);
-            }
+            if (looks_like_word(name)) { fail_unknown(reading, begin, name); }
         }
         copy(reading, via.empty() ? 0 : head.mark_end, head.body_begin);
         append_body(reading, head.body_begin);
@@ -277,16 +276,12 @@ class Expander {
         const std::size_t begin = at + (braces ? 2 : 1);
         const std::size_t end = name_end(from.text, begin);
         const std::string_view name = from.text.substr(begin, end - begin);
-        if (name.empty()) {
-            fail_at(from, begin, "expected a name after '$', as in $myDiffuse or ${myDiffuse}");
-        }
+        if (name.empty()) { fail_at(from, begin, "expected a name after '$', as in $myDiffuse or ${myDiffuse}"); }
         if (braces && (end >= from.text.size() || from.text[end] != '}')) {
             fail_at(from, end, "expected '}' after the name '" + std::string(name) + "'");
         }
         const std::optional<Resolved> known = resolve(name);
-        if (!known) {
-            fail_unknown(from, begin, name);
-        }
+        if (!known) { fail_unknown(from, begin, name); }
         const Head head = read_head(known->definition.expression);
         if (!head.first_prefix.empty()) {
             fail_at(from, begin,
@@ -306,9 +301,7 @@ class Expander {
         const auto again = std::find(open_.begin(), open_.end(), name);
         if (again != open_.end()) {
             std::string circle;
-            for (auto it = again; it != open_.end(); ++it) {
-                circle += *it + " -> ";
-            }
+            for (auto it = again; it != open_.end(); ++it) { circle += *it + " -> "; }
             fail_at(from, at, "the macro '" + std::string(name) + "' uses itself: " + circle + std::string(name));
         }
         if (open_.size() >= limits::macro_depth) {
@@ -318,9 +311,7 @@ class Expander {
     }
 
     [[nodiscard]] std::optional<ChannelSource> definition_of(std::string_view name) const {
-        if (const ChannelSource* macro = macros_.find(name)) {
-            return *macro;
-        }
+        if (const ChannelSource* macro = macros_.find(name)) { return *macro; }
         for (const NamedExpression& entry : builtin_names()) {
             if (entry.name == name) {
                 ChannelSource source;
@@ -334,33 +325,23 @@ class Expander {
 
     [[nodiscard]] std::optional<Resolved> resolve(std::string_view name) const {
         const std::string via = "in the macro '" + std::string(name) + "'";
-        if (std::optional<ChannelSource> whole = definition_of(name)) {
-            return Resolved{std::move(*whole), {}, via};
-        }
+        if (std::optional<ChannelSource> whole = definition_of(name)) { return Resolved{std::move(*whole), {}, via}; }
         for (std::size_t bar = name.rfind('_'); bar != std::string_view::npos && bar > 0;
              bar = name.rfind('_', bar - 1)) {
             std::optional<ChannelSource> stem =
                 bar + 1 < name.size() ? definition_of(name.substr(0, bar)) : std::nullopt;
-            if (stem) {
-                return Resolved{std::move(*stem), std::string(name.substr(bar + 1)), via};
-            }
+            if (stem) { return Resolved{std::move(*stem), std::string(name.substr(bar + 1)), via}; }
         }
         return std::nullopt;
     }
 
     [[noreturn]] void fail_unknown(const Reading& from, std::size_t at, std::string_view name) const {
         std::vector<std::string_view> known;
-        for (const ChannelSource& macro : macros_.list()) {
-            known.push_back(macro.name);
-        }
-        for (const NamedExpression& entry : builtin_names()) {
-            known.push_back(entry.name);
-        }
+        for (const ChannelSource& macro : macros_.list()) { known.push_back(macro.name); }
+        for (const NamedExpression& entry : builtin_names()) { known.push_back(entry.name); }
         const std::string near = nearest(name, known.data(), known.size());
         std::string list;
-        for (const std::string_view each : known) {
-            list += (list.empty() ? "" : ", ") + std::string(each);
-        }
+        for (const std::string_view each : known) { list += (list.empty() ? "" : ", ") + std::string(each); }
         fail_at(from, at, "unknown name '" + std::string(name) + "'; expected an expression, or one of: " + list,
                 near.empty() ? "labels are quoted, as in <RD'floor'>" : "did you mean '" + near + "'?");
     }
@@ -382,9 +363,7 @@ class Expander {
         std::size_t end = at;
         for (const char wanted : {'<', 'L', '.', '>'}) {
             end = skip_blank(text, end);
-            if (end >= text.size() || text[end] != wanted) {
-                return at;
-            }
+            if (end >= text.size() || text[end] != wanted) { return at; }
             ++end;
         }
         return end;
@@ -412,15 +391,15 @@ class Expander {
 
 /// Whether the text may hold a name at all; nearly none does.
 bool may_have_names(std::string_view text) {
-    if (text.find('$') != std::string_view::npos) {
-        return true;
-    }
+    if (text.find('$') != std::string_view::npos) { return true; }
     return !lone_name(text).empty();
 }
 
 }  // namespace
 
-std::span<const NamedExpression> builtin_names() { return builtin_table; }
+std::span<const NamedExpression> builtin_names() {
+    return builtin_table;
+}
 
 Status MacroTable::add(ChannelSource definition) {
     return guarded([&] {

@@ -1,8 +1,8 @@
 // Names for expressions in the `renderman` dialect: the built-in ones, and macros that users define.
 //
 // A name stands for a whole channel (`lpe:diffuse`, `diffuse`, `unoccluded;myDiffuse`), as in RenderMan, or inside an
-// expression as `$name` or `${name}` (ours), where it reads as if it stood in parentheses. `NAME_GROUP` is the channel of
-// that name for one light group: every `<L.>` of its expression becomes `<L.'GROUP'>`.
+// expression as `$name` or `${name}` (ours), where it reads as if it stood in parentheses. `NAME_GROUP` is the channel
+// of that name for one light group: every `<L.>` of its expression becomes `<L.'GROUP'>`.
 #pragma once
 
 #include <cstddef>
@@ -40,9 +40,9 @@ struct Expansion {
     std::vector<std::string> warnings;
 };
 
-/// Replaces names by what they stand for: the user's macros first, then the built-in ones. Other dialects have no names:
-/// their channels come back as they are. Errors: an unknown name, names that use one another in a circle (the circle is
-/// shown), a macro with prefixes inside an expression.
+/// Replaces names by what they stand for: the user's macros first, then the built-in ones. Other dialects have no
+/// names: their channels come back as they are. Errors: an unknown name, names that use one another in a circle (the
+/// circle is shown), a macro with prefixes inside an expression.
 Result<Expansion> expand_names(const ChannelSource& source, const MacroTable& macros = {});
 
 }  // namespace raylex::lpe

@@ -16,21 +16,15 @@ std::string symbol_of(Scatter scatter) {
 void add_registered(CoreSet& cores, const LabelTest& type, const LabelTest& scatter, const Vocabulary& vocabulary) {
     if (!type.negated && scatter.matches(none_symbol)) {
         for (const std::string& name : type.names) {
-            if (vocabulary.is_event(name)) {
-                cores |= *vocabulary.cores(name);
-            }
+            if (vocabulary.is_event(name)) { cores |= *vocabulary.cores(name); }
         }
     }
-    if (scatter.negated) {
-        return;
-    }
+    if (scatter.negated) { return; }
     for (const std::string& name : scatter.names) {
         const std::optional<CoreSet> named = vocabulary.is_event(name) ? std::nullopt : vocabulary.cores(name);
         for (std::size_t core = 0; named && core < core_count - user_numbers; ++core) {
             const char letter = type_letter(core_event(core).type);
-            if (named->test(core) && type.matches({&letter, 1})) {
-                cores.set(core);
-            }
+            if (named->test(core) && type.matches({&letter, 1})) { cores.set(core); }
         }
     }
 }
@@ -39,9 +33,7 @@ void add_scatterings(CoreSet& cores, EventType type, const LabelTest& test) {
     for (int scatter = 0; scatter < scatter_kinds; ++scatter) {
         if (test.matches(symbol_of(static_cast<Scatter>(scatter)))) {
             const std::size_t first = core_index({type, static_cast<Scatter>(scatter), 0, {}});
-            for (std::size_t number = 0; number < lobe_numbers; ++number) {
-                cores.set(first + number);
-            }
+            for (std::size_t number = 0; number < lobe_numbers; ++number) { cores.set(first + number); }
         }
     }
 }
@@ -70,9 +62,7 @@ EventSet osl_events(const SymbolSequences& sequences, bool open, const Vocabular
                 add_scatterings(pattern.cores, static_cast<EventType>(type), symbols[1]);
             }
         }
-        if (vocabulary != nullptr) {
-            add_registered(pattern.cores, symbols[0], symbols[1], *vocabulary);
-        }
+        if (vocabulary != nullptr) { add_registered(pattern.cores, symbols[0], symbols[1], *vocabulary); }
         pattern.labels.assign(symbols.begin() + 2, symbols.end());
         for (LabelTest& label : pattern.labels) {
             std::erase(label.names, none_symbol);  // a label that is there is never NONE

@@ -1,5 +1,5 @@
-// The event level of the `osl` dialect, where an event is a word of symbols: type, scatter, labels. parser_osl.cpp reads
-// the words.
+// The event level of the `osl` dialect, where an event is a word of symbols: type, scatter, labels. parser_osl.cpp
+// reads the words.
 #pragma once
 
 #include <string_view>
@@ -10,8 +10,8 @@
 
 namespace raylex::lpe {
 
-/// OSL's NONE, which the unquoted letter x stands for. No quoted text is equal to it, as it is to no label: quoted texts
-/// hold no quote.
+/// OSL's NONE, which the unquoted letter x stands for. No quoted text is equal to it, as it is to no label: quoted
+/// texts hold no quote.
 inline constexpr std::string_view none_symbol = "'";
 
 using SymbolSequence = std::vector<LabelTest>;

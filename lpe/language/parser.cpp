@@ -14,13 +14,9 @@ Expression parse(const ChannelSource& source, BarReading bar) {
         text.fail_at(limits::text_bytes, "the expression has " + std::to_string(text.size()) + " bytes; at most " +
                                              std::to_string(limits::text_bytes) + " are read");
     }
-    if (source.dialect == Dialect::osl) {
-        return parse_osl(text, bar);
-    }
+    if (source.dialect == Dialect::osl) { return parse_osl(text, bar); }
     Result<Expansion> expansion = expand_names(source);
-    if (!expansion) {
-        throw Failure{std::move(expansion).error()};
-    }
+    if (!expansion) { throw Failure{std::move(expansion).error()}; }
     Expression expression = parse_renderman(SourceText(expansion->source), bar);
     expression.warnings.insert(expression.warnings.begin(), expansion->warnings.begin(), expansion->warnings.end());
     return expression;

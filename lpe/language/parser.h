@@ -2,8 +2,8 @@
 #pragma once
 
 #include "lpe/language/ast.h"
-#include "lpe/program.h"
 #include "lpe/language/source_text.h"
+#include "lpe/program.h"
 
 namespace raylex::lpe {
 

@@ -16,9 +16,9 @@
 #include <utility>
 #include <vector>
 
-#include "lpe/limits.h"
 #include "lpe/language/osl_events.h"
 #include "lpe/language/parser.h"
+#include "lpe/limits.h"
 
 namespace raylex::lpe {
 
@@ -28,13 +28,27 @@ enum class Slot : int { type = 0, scatter = 1, label = 2, unknown = 3 };
 
 Slot slot_of(char symbol) {
     switch (symbol) {
-        case 'C': case 'L': case 'B': case 'V': case 'T': case 'R': case 'O': return Slot::type;
-        case 'D': case 'G': case 'S': case 's': return Slot::scatter;
-        default: return Slot::unknown;
+        case 'C':
+        case 'L':
+        case 'B':
+        case 'V':
+        case 'T':
+        case 'R':
+        case 'O':
+            return Slot::type;
+        case 'D':
+        case 'G':
+        case 'S':
+        case 's':
+            return Slot::scatter;
+        default:
+            return Slot::unknown;
     }
 }
 
-LabelTest one_symbol(std::string name) { return {false, {std::move(name)}, {}}; }
+LabelTest one_symbol(std::string name) {
+    return {false, {std::move(name)}, {}};
+}
 
 class OslParser {
   public:
@@ -149,14 +163,10 @@ class OslParser {
 
     NodePtr parse_list() {
         const std::size_t opening = position_++;
-        if (at('^')) {
-            return make_event(parse_negated_list(opening));
-        }
+        if (at('^')) { return make_event(parse_negated_list(opening)); }
         enter(opening);
         NodePtr list = make_node(NodeKind::alternatives);
-        while (!at_end() && !at(']')) {
-            list->children.push_back(parse_item());
-        }
+        while (!at_end() && !at(']')) { list->children.push_back(parse_item()); }
         expect_closing(']', '[', opening);
         --depth_;
         return list;
@@ -237,9 +247,7 @@ class OslParser {
             symbols.push_back(one_symbol(name));
         } else if (name != ".") {
             const Slot slot = slot_of(name.front());
-            if (slot == Slot::unknown) {
-                fail_unknown(offset);
-            }
+            if (slot == Slot::unknown) { fail_unknown(offset); }
             symbols[static_cast<std::size_t>(slot)] = one_symbol(name);
         }
         return osl_events({symbols}, true, source_.vocabulary());
@@ -253,27 +261,25 @@ class OslParser {
         } else if (hint.empty() && ((c >= '0' && c <= '9') || c == 'U' || c == ';' || c == ':' || c == '?')) {
             hint = "lobe numbers, user events, prefixes and '?' belong to the renderman dialect";
         }
-        source_.fail_at(offset, "found " + source_.describe(offset) +
-                                    "; expected an event: C L B V T R O D G S s . 'label' <...> [...] or (...)", hint);
+        source_.fail_at(offset,
+                        "found " + source_.describe(offset) +
+                            "; expected an event: C L B V T R O D G S s . 'label' <...> [...] or (...)",
+                        hint);
     }
 
     // ---- symbols inside <...> -----------------------------------------------------------------------------------
 
-    /// One byte, or a quoted text; second: whether it was quoted. Quoted, a text is compared as it is, so 'x' is a label
-    /// like any other and 'D' is the symbol D.
+    /// One byte, or a quoted text; second: whether it was quoted. Quoted, a text is compared as it is, so 'x' is a
+    /// label like any other and 'D' is the symbol D.
     std::pair<std::string, bool> parse_symbol() {
         if (at('x')) {
             ++position_;
             return {std::string(none_symbol), false};
         }
-        if (!at('\'')) {
-            return {std::string(1, text_[position_++]), false};
-        }
+        if (!at('\'')) { return {std::string(1, text_[position_++]), false}; }
         const std::size_t opening = position_;
         const std::size_t end = text_.find('\'', opening + 1);
-        if (end == std::string_view::npos) {
-            source_.fail_at(opening, "the quote is not closed; expected a second '");
-        }
+        if (end == std::string_view::npos) { source_.fail_at(opening, "the quote is not closed; expected a second '"); }
         position_ = end + 1;
         return {std::string(text_.substr(opening + 1, end - opening - 1)), true};
     }
@@ -332,9 +338,7 @@ class OslParser {
     SymbolSequences parse_symbol_item() {
         const std::size_t offset = position_;
         SymbolSequences item;
-        if (at('<')) {
-            source_.fail_at(offset, "found '<' inside <...>; groups do not nest");
-        }
+        if (at('<')) { source_.fail_at(offset, "found '<' inside <...>; groups do not nest"); }
         if (at('(')) {
             item = parse_symbol_parenthesis();
         } else if (at('[')) {
@@ -388,14 +392,10 @@ class OslParser {
 
     SymbolSequences parse_symbol_list() {
         const std::size_t opening = position_++;
-        if (at('^')) {
-            return {{parse_negated_symbols(opening).first}};
-        }
+        if (at('^')) { return {{parse_negated_symbols(opening).first}}; }
         enter(opening);
         SymbolSequences list;
-        while (!at_end() && !at(']')) {
-            add_alternatives(list, parse_symbol_item());
-        }
+        while (!at_end() && !at(']')) { add_alternatives(list, parse_symbol_item()); }
         expect_closing(']', '[', opening);
         --depth_;
         return list;
@@ -426,6 +426,8 @@ class OslParser {
 
 }  // namespace
 
-Expression parse_osl(const SourceText& text, BarReading bar) { return OslParser(text, bar).run(); }
+Expression parse_osl(const SourceText& text, BarReading bar) {
+    return OslParser(text, bar).run();
+}
 
 }  // namespace raylex::lpe

@@ -24,18 +24,14 @@ CoreSet build_straight_cores() {
 
 CoreSet build_wildcard_cores(Dialect dialect) {
     CoreSet cores;
-    for (std::size_t core = 0; core < user_base; ++core) {
-        cores.set(core);
-    }
+    for (std::size_t core = 0; core < user_base; ++core) { cores.set(core); }
     return dialect == Dialect::renderman ? cores & ~build_straight_cores() : cores;
 }
 
 /// Labels without trailing empty ones.
 std::size_t label_count(const Event& event) {
     std::size_t count = event.labels.size();
-    while (count > 0 && event.labels[count - 1].empty()) {
-        --count;
-    }
+    while (count > 0 && event.labels[count - 1].empty()) { --count; }
     return count;
 }
 
@@ -45,9 +41,7 @@ void append_key(std::string& key, const EventPattern& pattern) {
     key += static_cast<char>('0' + static_cast<int>(pattern.extra));
     const auto append_texts = [&key](const std::vector<std::string>& texts) {
         key += std::to_string(texts.size()) + ":";
-        for (const std::string& text : texts) {
-            key += std::to_string(text.size()) + ":" + text;
-        }
+        for (const std::string& text : texts) { key += std::to_string(text.size()) + ":" + text; }
     };
     for (const LabelTest& test : pattern.labels) {
         key += test.negated ? '!' : '=';
@@ -82,8 +76,12 @@ Event core_event(std::size_t core) {
     return event;
 }
 
-char type_letter(EventType type) { return type_letters[static_cast<std::size_t>(type)]; }
-char scatter_letter(Scatter scatter) { return scatter_letters[static_cast<std::size_t>(scatter)]; }
+char type_letter(EventType type) {
+    return type_letters[static_cast<std::size_t>(type)];
+}
+char scatter_letter(Scatter scatter) {
+    return scatter_letters[static_cast<std::size_t>(scatter)];
+}
 
 bool LabelTest::matches(std::string_view label) const {
     const bool named = std::binary_search(names.begin(), names.end(), label);
@@ -94,9 +92,7 @@ bool LabelTest::matches(std::string_view label) const {
 
 void LabelTest::add_name(std::string name) {
     const auto place = std::lower_bound(names.begin(), names.end(), name);
-    if (place == names.end() || *place != name) {
-        names.insert(place, std::move(name));
-    }
+    if (place == names.end() || *place != name) { names.insert(place, std::move(name)); }
 }
 
 void LabelTest::unite(const LabelTest& other) {
@@ -118,25 +114,17 @@ void LabelTest::unite(const LabelTest& other) {
 
 std::string EventSet::key() const {
     std::string key;
-    for (const EventPattern& pattern : any_of) {
-        append_key(key, pattern);
-    }
+    for (const EventPattern& pattern : any_of) { append_key(key, pattern); }
     key += '^';
-    for (const EventPattern& pattern : none_of) {
-        append_key(key, pattern);
-    }
+    for (const EventPattern& pattern : none_of) { append_key(key, pattern); }
     return key;
 }
 
 bool matches(const EventPattern& pattern, const Event& event) {
-    if (!pattern.cores.test(core_index(event))) {
-        return false;
-    }
+    if (!pattern.cores.test(core_index(event))) { return false; }
     const std::size_t count = label_count(event);
     for (std::size_t slot = 0; slot < pattern.labels.size(); ++slot) {
-        if (slot >= count && pattern.missing == Missing::refuses) {
-            return false;
-        }
+        if (slot >= count && pattern.missing == Missing::refuses) { return false; }
         if (!pattern.labels[slot].matches(slot < count ? std::string_view(event.labels[slot]) : std::string_view())) {
             return false;
         }
@@ -158,7 +146,8 @@ bool matches(const EventSet& set, const Event& event) {
 }
 
 const std::vector<std::string>& reserved_names() {
-    // OSL's basic symbols with a text. Its NONE, the unquoted x, is equal to no text, so a label named x is as any other.
+    // OSL's basic symbols with a text. Its NONE, the unquoted x, is equal to no text, so a label named x is as any
+    // other.
     static const std::vector<std::string> names = [] {
         std::vector<std::string> list{"B", "C", "D", "G", "L", "O", "R", "S", "T", "V", "s"};
         std::sort(list.begin(), list.end());

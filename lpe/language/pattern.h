@@ -16,10 +16,10 @@
 
 namespace raylex::lpe {
 
-inline constexpr int scene_types = 7;     ///< EventType values before `user`
+inline constexpr int scene_types = 7;  ///< EventType values before `user`
 inline constexpr int scatter_kinds = 5;
-inline constexpr int lobe_numbers = 9;    ///< 0 (unnumbered) and 1..8
-inline constexpr int user_numbers = 13;   ///< 0 (never matched) and 1..12
+inline constexpr int lobe_numbers = 9;   ///< 0 (unnumbered) and 1..8
+inline constexpr int user_numbers = 13;  ///< 0 (never matched) and 1..12
 inline constexpr std::size_t core_count = scene_types * scatter_kinds * lobe_numbers + user_numbers;
 using CoreSet = std::bitset<core_count>;
 

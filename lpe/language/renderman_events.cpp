@@ -9,7 +9,9 @@ namespace raylex::lpe {
 
 namespace {
 
-const CoreSet& universe() { return wildcard_cores(Dialect::renderman); }
+const CoreSet& universe() {
+    return wildcard_cores(Dialect::renderman);
+}
 
 CoreSet cores_of_type(EventType type) {
     CoreSet cores;
@@ -34,14 +36,14 @@ CoreSet cores_of_scatter(Scatter scatter, int number) {
     return cores & universe();
 }
 
-EventSet plain(const CoreSet& cores) { return {{{cores, {}, Missing::is_empty, Extra::ignored}}, {}}; }
+EventSet plain(const CoreSet& cores) {
+    return {{{cores, {}, Missing::is_empty, Extra::ignored}}, {}};
+}
 
 std::string unescaped(const std::string& label) {
     std::string plain_label;
     for (std::size_t i = 0; i < label.size(); ++i) {
-        if (label[i] == '\\' && i + 1 < label.size()) {
-            ++i;
-        }
+        if (label[i] == '\\' && i + 1 < label.size()) { ++i; }
         plain_label += label[i];
     }
     return plain_label;
@@ -64,9 +66,7 @@ bool RendermanEvents::at_end() {
 }
 
 bool RendermanEvents::take(char c) {
-    if (!at(c)) {
-        return false;
-    }
+    if (!at(c)) { return false; }
     ++position_;
     return true;
 }
@@ -97,13 +97,9 @@ void RendermanEvents::expect_closing(char closer, char opener, std::size_t openi
 }
 
 EventSet RendermanEvents::parse_event() {
-    if (at('<')) {
-        return parse_group();
-    }
+    if (at('<')) { return parse_group(); }
     CoreSet cores;
-    if (take_registered(cores)) {
-        return plain(cores);
-    }
+    if (take_registered(cores)) { return plain(cores); }
     if (at('\'')) {
         EventPattern pattern{universe(), {parse_labels()}, Missing::is_empty, Extra::ignored};
         return {{std::move(pattern)}, {}};
@@ -118,31 +114,49 @@ EventSet RendermanEvents::parse_event() {
 }
 
 bool RendermanEvents::take_type(CoreSet& cores) {
-    if (at_end()) {
-        return false;
-    }
+    if (at_end()) { return false; }
     switch (text_[position_]) {
-        case '.': cores = universe(); break;
-        case 'C': cores = cores_of_type(EventType::camera); break;
-        case 'R': cores = cores_of_type(EventType::reflection); break;
-        case 'T': cores = cores_of_type(EventType::transmission); break;
-        case 'V': cores = cores_of_type(EventType::volume); break;
-        case 'B': cores = cores_of_type(EventType::background); break;
-        case 'O': cores = cores_of_type(EventType::emission); break;
-        case 'L': cores = cores_of_type(EventType::light) | cores_of_type(EventType::background); break;
-        default: return false;
+        case '.':
+            cores = universe();
+            break;
+        case 'C':
+            cores = cores_of_type(EventType::camera);
+            break;
+        case 'R':
+            cores = cores_of_type(EventType::reflection);
+            break;
+        case 'T':
+            cores = cores_of_type(EventType::transmission);
+            break;
+        case 'V':
+            cores = cores_of_type(EventType::volume);
+            break;
+        case 'B':
+            cores = cores_of_type(EventType::background);
+            break;
+        case 'O':
+            cores = cores_of_type(EventType::emission);
+            break;
+        case 'L':
+            cores = cores_of_type(EventType::light) | cores_of_type(EventType::background);
+            break;
+        default:
+            return false;
     }
     ++position_;
     return true;
 }
 
 bool RendermanEvents::take_scatter(CoreSet& cores) {
-    if (at_end()) {
-        return false;
-    }
+    if (at_end()) { return false; }
     switch (text_[position_]) {
-        case 'G': ++position_; cores = cores_of_scatter(Scatter::glossy, 0); return true;
-        case 'D': cores = cores_of_scatter(Scatter::diffuse, parse_lobe_number("D", 4)); return true;
+        case 'G':
+            ++position_;
+            cores = cores_of_scatter(Scatter::glossy, 0);
+            return true;
+        case 'D':
+            cores = cores_of_scatter(Scatter::diffuse, parse_lobe_number("D", 4));
+            return true;
         case 'S': {
             const int number = parse_lobe_number("S", 8);
             cores = cores_of_scatter(Scatter::glossy, number) | cores_of_scatter(Scatter::singular, number);
@@ -151,14 +165,13 @@ bool RendermanEvents::take_scatter(CoreSet& cores) {
         case 'U': {
             const std::size_t offset = position_;
             const int number = parse_lobe_number("U", 12);
-            if (number == 0) {
-                source_.fail_at(offset, "'U' needs its number; expected U1 to U12");
-            }
+            if (number == 0) { source_.fail_at(offset, "'U' needs its number; expected U1 to U12"); }
             cores.reset();
             cores.set(core_index({EventType::user, Scatter::none, static_cast<std::uint8_t>(number), {}}));
             return true;
         }
-        default: return false;
+        default:
+            return false;
     }
 }
 
@@ -181,9 +194,7 @@ int RendermanEvents::parse_lobe_number(const std::string& letter, int highest) {
 EventSet RendermanEvents::parse_group() {
     const std::size_t opening = position_++;
     EventPattern pattern{universe(), {}, Missing::is_empty, Extra::ignored};
-    if (at('>')) {
-        fail_unexpected("'<>' is empty; expected an event type: C L O B V R T or .");
-    }
+    if (at('>')) { fail_unexpected("'<>' is empty; expected an event type: C L O B V R T or ."); }
     pattern.cores = parse_slot(Slot::type);
     if (!at('>')) {
         const CoreSet scatter = parse_slot(Slot::scatter);
@@ -191,13 +202,9 @@ EventSet RendermanEvents::parse_group() {
         const bool user = (scatter & ~universe()).any();
         pattern.cores = user && pattern.cores == universe() ? scatter : pattern.cores & scatter;
     }
-    while (!at_end() && !at('>')) {
-        pattern.labels.push_back(parse_labels());
-    }
+    while (!at_end() && !at('>')) { pattern.labels.push_back(parse_labels()); }
     expect_closing('>', '<', opening);
-    while (!pattern.labels.empty() && pattern.labels.back().is_any()) {
-        pattern.labels.pop_back();
-    }
+    while (!pattern.labels.empty() && pattern.labels.back().is_any()) { pattern.labels.pop_back(); }
     return {{std::move(pattern)}, {}};
 }
 
@@ -208,14 +215,10 @@ CoreSet RendermanEvents::parse_slot(Slot slot) {
                                            : "the second slot is the scattering; write '.' there, as in <L.'key'>");
     }
     const std::size_t opening = position_;
-    if (!take('[')) {
-        return parse_slot_letter(slot);
-    }
+    if (!take('[')) { return parse_slot_letter(slot); }
     const bool negated = take('^');
     CoreSet cores;
-    do {
-        cores |= parse_slot_letter(slot);
-    } while (!at_end() && !at(']'));
+    do { cores |= parse_slot_letter(slot); } while (!at_end() && !at(']'));
     expect_closing(']', '[', opening);
     return negated ? universe() & ~cores : cores;
 }
@@ -234,13 +237,9 @@ CoreSet RendermanEvents::parse_slot_letter(Slot slot) {
 
 std::optional<CoreSet> RendermanEvents::find_registered(std::size_t& after) {
     const Vocabulary* vocabulary = source_.vocabulary();
-    if (vocabulary == nullptr || !at('\'')) {
-        return std::nullopt;
-    }
+    if (vocabulary == nullptr || !at('\'')) { return std::nullopt; }
     const std::size_t end = text_.find('\'', position_ + 1);
-    if (end == std::string_view::npos) {
-        return std::nullopt;
-    }
+    if (end == std::string_view::npos) { return std::nullopt; }
     after = end + 1;
     return vocabulary->cores(text_.substr(position_ + 1, end - position_ - 1));
 }
@@ -258,37 +257,27 @@ bool RendermanEvents::take_registered(CoreSet& cores) {
 LabelTest RendermanEvents::parse_labels() {
     at_end();
     const std::size_t opening = position_;
-    if (take('.')) {
-        return LabelTest::any();
-    }
+    if (take('.')) { return LabelTest::any(); }
     LabelTest test;
     if (!take('[')) {
         add_label(test);
         return test;
     }
     test.negated = take('^');
-    do {
-        add_label(test);
-    } while (!at_end() && !at(']'));
+    do { add_label(test); } while (!at_end() && !at(']'));
     expect_closing(']', '[', opening);
     return test;
 }
 
 void RendermanEvents::add_label(LabelTest& test) {
-    if (!at('\'')) {
-        fail_unexpected("expected a quoted label such as 'floor', '.' or [...] of labels");
-    }
+    if (!at('\'')) { fail_unexpected("expected a quoted label such as 'floor', '.' or [...] of labels"); }
     const std::size_t opening = position_++;
     std::string label;
     while (position_ < text_.size() && text_[position_] != '\'') {
-        if (text_[position_] == '\\' && position_ + 1 < text_.size()) {
-            label += text_[position_++];
-        }
+        if (text_[position_] == '\\' && position_ + 1 < text_.size()) { label += text_[position_++]; }
         label += text_[position_++];
     }
-    if (position_ >= text_.size()) {
-        source_.fail_at(opening, "the quote is not closed; expected a second '");
-    }
+    if (position_ >= text_.size()) { source_.fail_at(opening, "the quote is not closed; expected a second '"); }
     ++position_;
     if (!is_glob(label)) {
         test.add_name(std::move(label));

@@ -18,17 +18,11 @@ TextPlace place_of(const TextFile& file, std::size_t position) {
     TextPlace place;
     place.line =
         1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(begin), '\n'));
-    if (!file.numbered && text.find('\n') == std::string::npos) {
-        place.line = 0;
-    }
+    if (!file.numbered && text.find('\n') == std::string::npos) { place.line = 0; }
     place.column = static_cast<int>(position - begin) + 1;
     const std::size_t end = std::min(text.find('\n', begin), text.size());
-    if (end - begin <= longest_excerpt) {
-        place.line_text = text.substr(begin, end - begin);
-    }
-    if (!place.line_text.empty() && place.line_text.back() == '\r') {
-        place.line_text.pop_back();
-    }
+    if (end - begin <= longest_excerpt) { place.line_text = text.substr(begin, end - begin); }
+    if (!place.line_text.empty() && place.line_text.back() == '\r') { place.line_text.pop_back(); }
     return place;
 }
 

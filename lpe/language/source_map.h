@@ -18,7 +18,7 @@ struct TextFile {
 
 struct TextPlace {
     int line = 1, column = 1;  ///< from 1; the column counts bytes; line 0 where lines are not numbered
-    std::string line_text;  ///< empty when the line is too long to show
+    std::string line_text;     ///< empty when the line is too long to show
 };
 
 /// The line and column of byte `position` (at most the size of the text), and the text of that line.

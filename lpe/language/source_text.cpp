@@ -44,18 +44,12 @@ struct Character {
 Character decode(std::string_view text, std::size_t offset) {
     const auto byte = [&](std::size_t i) { return static_cast<std::uint32_t>(static_cast<unsigned char>(text[i])); };
     const std::uint32_t lead = byte(offset);
-    if (lead < 0x80) {
-        return {lead, 1, true};
-    }
+    if (lead < 0x80) { return {lead, 1, true}; }
     const std::size_t length = lead >= 0xF0 && lead < 0xF8 ? 4 : lead >= 0xE0 && lead < 0xF0 ? 3 : lead >= 0xC0 ? 2 : 1;
-    if (length == 1 || lead >= 0xF8 || offset + length > text.size()) {
-        return {lead, 1, false};
-    }
+    if (length == 1 || lead >= 0xF8 || offset + length > text.size()) { return {lead, 1, false}; }
     std::uint32_t code_point = lead & (0xFFU >> (length + 1));
     for (std::size_t i = 1; i < length; ++i) {
-        if ((byte(offset + i) & 0xC0U) != 0x80U) {
-            return {lead, 1, false};
-        }
+        if ((byte(offset + i) & 0xC0U) != 0x80U) { return {lead, 1, false}; }
         code_point = code_point << 6 | (byte(offset + i) & 0x3FU);
     }
     return {code_point, length, true};
@@ -73,9 +67,7 @@ Error mapped_error(const SourceMap& map, std::size_t offset, std::string message
     Error error;
     error.message = std::move(message);
     error.hint = std::move(hint);
-    if (!span.via.empty()) {
-        error.hint += (error.hint.empty() ? "" : "\n") + span.via;
-    }
+    if (!span.via.empty()) { error.hint += (error.hint.empty() ? "" : "\n") + span.via; }
     error.file = span.file->name;
     error.line = place.line;
     error.column = place.column;
@@ -125,29 +117,21 @@ Error SourceText::whole_error(const ChannelSource& source, Error error) {
 }
 
 std::string SourceText::describe(std::size_t offset) const {
-    if (offset >= size()) {
-        return "the end of the expression";
-    }
+    if (offset >= size()) { return "the end of the expression"; }
     const Character character = decode(text(), offset);
     if (!character.valid || character.code_point < 0x20 || character.code_point == 0x7F) {
-        if (text()[offset] == '\n') {
-            return "the end of the line";
-        }
+        if (text()[offset] == '\n') { return "the end of the line"; }
         return hexadecimal("the byte 0x%02X", character.code_point);
     }
     std::string shown(1, '\'');
     shown += text().substr(offset, character.bytes);
     shown += '\'';
-    if (character.code_point >= 0x80) {
-        shown += hexadecimal(" (U+%04X)", character.code_point);
-    }
+    if (character.code_point >= 0x80) { shown += hexadecimal(" (U+%04X)", character.code_point); }
     return shown;
 }
 
 std::string SourceText::look_alike_hint(std::size_t offset) const {
-    if (offset >= size()) {
-        return {};
-    }
+    if (offset >= size()) { return {}; }
     const Character character = decode(text(), offset);
     if (character.valid && character.code_point >= 0xFF01 && character.code_point <= 0xFF5E) {
         return "this is a full-width character; did you mean '" +
@@ -170,9 +154,7 @@ std::string nearest(std::string_view word, const std::string_view* candidates, s
         const std::string_view candidate = candidates[k];
         // Levenshtein distance, one row at a time.
         std::vector<std::size_t> row(candidate.size() + 1);
-        for (std::size_t j = 0; j < row.size(); ++j) {
-            row[j] = j;
-        }
+        for (std::size_t j = 0; j < row.size(); ++j) { row[j] = j; }
         for (std::size_t i = 0; i < word.size(); ++i) {
             std::size_t diagonal = row[0];
             row[0] = i + 1;

@@ -13,8 +13,8 @@ using raylex::display::StoredType;
 
 namespace {
 
-double value(const raylex::display::ExrImage& a, const raylex::display::ExrImage& b, ErrorMetric metric,
-             char component, const std::string& layer = "") {
+double value(const raylex::display::ExrImage& a, const raylex::display::ExrImage& b, ErrorMetric metric, char component,
+             const std::string& layer = "") {
     const auto result = compare(a, b, metric, layer, component);
     if (!result) FAIL(result.error().message);
     return *result;
@@ -35,8 +35,7 @@ TEST_CASE("metrics are the formulas they name, computed by hand", "[display][com
     CHECK(value(image, reference, ErrorMetric::mae, 'B') == Approx(0.25).epsilon(1e-12));
     CHECK(value(image, reference, ErrorMetric::mae, 'A') == Approx((0.5 + 0.5 + 2 + 0.5) / 6).epsilon(1e-12));
     CHECK(value(image, reference, ErrorMetric::mape, 'R') == Approx((0.5 / 1.01 + 0.5 / 0.01) / 2).epsilon(1e-12));
-    CHECK(value(image, reference, ErrorMetric::relmse, 'R') ==
-          Approx((0.25 / 1.01 + 0.25 / 0.01) / 2).epsilon(1e-12));
+    CHECK(value(image, reference, ErrorMetric::relmse, 'R') == Approx((0.25 / 1.01 + 0.25 / 0.01) / 2).epsilon(1e-12));
     CHECK(value(image, reference, ErrorMetric::relmse, 'A') ==
           Approx((0.25 / 1.01 + 0.25 / 0.01 + 0 + 4 / 4.01 + 0.25 / 0.26 + 0) / 6).epsilon(1e-12));
     CHECK(value(image, reference, ErrorMetric::mean_ratio, 'G') == Approx(6.0 / 4.0).epsilon(1e-12));

@@ -147,7 +147,7 @@ TEST_CASE("extra rows take their share of what the rows in front let through", "
     CHECK(samples[0].alpha == 0.25f);
     CHECK(samples[1].alpha == 0.5f);
     CHECK(samples[2].alpha == 1);
-    CHECK(samples[1].values[0] == Approx(2 / 0.75));     // unpremultiplied by the front's transmittance
+    CHECK(samples[1].values[0] == Approx(2 / 0.75));  // unpremultiplied by the front's transmittance
     CHECK(samples[2].values[0] == Approx(4 / 0.375));
     CHECK(flat_alpha(samples) == 1);
 }
@@ -214,8 +214,8 @@ TEST_CASE("flattening by the library's own compositor agrees", "[display][deep]"
     compositor.readPixels(0, 11);
     const auto beauty = image.flat.resolve(0), coverage = image.flat.resolve_alpha();
     for (std::size_t i = 0; i < 144; ++i) {
-        CHECK(alpha[i] == Approx(coverage[i]).margin(4e-6));        // 33 samples of 2^-23
-        CHECK(red[i] == Approx(beauty[3 * i]).epsilon(2e-5));       // as above, behind little transmittance
+        CHECK(alpha[i] == Approx(coverage[i]).margin(4e-6));   // 33 samples of 2^-23
+        CHECK(red[i] == Approx(beauty[3 * i]).epsilon(2e-5));  // as above, behind little transmittance
     }
 }
 

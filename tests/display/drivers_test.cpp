@@ -200,8 +200,9 @@ TEST_CASE("a viewer that leaves, and one that does not read, end in one warning"
         CHECK(seconds_of([&] { drivers.update(10, 0.01 * i, source_of(buffer)); }) < 1.5);
         take();
     }
-    CHECK(seconds_of([&] { REQUIRE(drivers.close({buffer, 0, {}}).ok()); }) <
-          DriverSet::patience_seconds + 3);  // and the second that it may drain
+    CHECK(seconds_of([&] {
+              REQUIRE(drivers.close({buffer, 0, {}}).ok());
+          }) < DriverSet::patience_seconds + 3);  // and the second that it may drain
     take();
     if (leaves) CHECK(warnings.size() == 1);
     else CHECK(warnings.size() <= 1);  // the system's own buffers may have held it all
@@ -287,17 +288,17 @@ TEST_CASE("a registered driver comes in by the same door", "[display][drivers]")
         double last = 0;
     };
     static Counter* made = nullptr;
-    display_driver_registry().add({"counter",
-                                   "counts",
-                                   {{"step", ParameterType::real, "1", "of what"}},
-                                   [](const raylex::ParameterSet& set, const DriverContext&)
-                                       -> raylex::Result<std::unique_ptr<DisplayDriver>> {
-                                       auto step = set.real_or("step", 1);
-                                       if (!step) return step.error();
-                                       auto counter = std::make_unique<Counter>();
-                                       made = counter.get();
-                                       return std::unique_ptr<DisplayDriver>(std::move(counter));
-                                   }});
+    display_driver_registry().add(
+        {"counter",
+         "counts",
+         {{"step", ParameterType::real, "1", "of what"}},
+         [](const raylex::ParameterSet& set, const DriverContext&) -> raylex::Result<std::unique_ptr<DisplayDriver>> {
+             auto step = set.real_or("step", 1);
+             if (!step) return step.error();
+             auto counter = std::make_unique<Counter>();
+             made = counter.get();
+             return std::unique_ptr<DisplayDriver>(std::move(counter));
+         }});
     const FrameBuffer buffer = filled_for_drivers();
     const auto list = driver_channels();
     DriverSet drivers;

@@ -79,7 +79,8 @@ class TevReceiver {
             return value;
         }
         std::string text() {
-            const auto* zero = static_cast<const unsigned char*>(std::memchr(at, 0, static_cast<std::size_t>(end - at)));
+            const auto* zero =
+                static_cast<const unsigned char*>(std::memchr(at, 0, static_cast<std::size_t>(end - at)));
             if (zero == nullptr) {
                 bad = true;
                 return {};
@@ -134,8 +135,8 @@ class TevReceiver {
                     if (index < 0 || index >= floats) return complain("pixels beyond the packet");
                     float value;
                     std::memcpy(&value, reader.at + 4 * index, 4);
-                    image.channels[channels[c]][static_cast<std::size_t>((y + i / width) * image.width + x + i % width)] =
-                        value;
+                    image.channels[channels[c]]
+                                  [static_cast<std::size_t>((y + i / width) * image.width + x + i % width)] = value;
                 }
             }
             reader.at = reader.end;

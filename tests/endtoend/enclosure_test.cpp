@@ -90,8 +90,8 @@ TEST_CASE("Enclosure: every word of up to 8 reflections and 200 random expressio
           "[enclosure][statistical]") {
     // Without roulette a path meets the rarest word, of 8 mirrors, with (ks / (kd + ks))^8 = 1 / 746: 590,000 paths
     // find it with a relative error of 3.6 %. Light paths end at each wall, most of them out of the camera's sight.
-    const Method method = GENERATE(Method{"path", 256, 0.05}, Method{"bdpt", 64, 0.1},
-                                   Method{"lighttracer", 192, 0.12}, Method{"pssmlt", 192, 0.15});
+    const Method method = GENERATE(Method{"path", 256, 0.05}, Method{"bdpt", 64, 0.1}, Method{"lighttracer", 192, 0.12},
+                                   Method{"pssmlt", 192, 0.15});
     CAPTURE(method.integrator);
     const bool light_tracer = method.integrator == std::string("lighttracer");
     const std::vector<EnclosureWord> words = enclosure_words(kd, ks, longest);

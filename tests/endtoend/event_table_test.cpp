@@ -1,8 +1,8 @@
 // The normative event table of lpe/README.md, one rendered test per row.
 //
-// A camera looks at one surface; a constant sky (or one light) is all there is. For each row the channels that the table
-// names, told apart by event, scatter letter, object and lobe label in the strict `osl` dialect, must together carry all
-// light of one-event paths, each of them some: so every event is as the table says, and there is no other.
+// A camera looks at one surface; a constant sky (or one light) is all there is. For each row the channels that the
+// table names, told apart by event, scatter letter, object and lobe label in the strict `osl` dialect, must together
+// carry all light of one-event paths, each of them some: so every event is as the table says, and there is no other.
 #include "endtoend/analytic.h"
 
 using namespace raylex;
@@ -12,8 +12,8 @@ namespace {
 
 struct Row {
     const char* what;
-    const char* material;                 ///< pbrt Material line(s)
-    std::vector<const char*> events;      ///< osl symbols expected at the first hit
+    const char* material;             ///< pbrt Material line(s)
+    std::vector<const char*> events;  ///< osl symbols expected at the first hit
 };
 
 std::string scene_text(const std::string& material, const std::string& light, const std::string& shape_extra = "") {
@@ -22,8 +22,10 @@ std::string scene_text(const std::string& material, const std::string& light, co
         Camera "perspective" "float fov" 20
         Film "rgb" "integer xresolution" 8 "integer yresolution" 8
         WorldBegin
-    )" + light + "\n" + material + R"(
-        Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-4 -4 0 4 -4 0 4 4 0 -4 4 0] )" + shape_extra + "\n";
+    )" + light +
+           "\n" + material + R"(
+        Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-4 -4 0 4 -4 0 4 4 0 -4 4 0] )" +
+           shape_extra + "\n";
 }
 
 display::ChannelDefinition osl_channel(const std::string& name, const std::string& expression) {
@@ -48,7 +50,8 @@ std::vector<double> render_means(transport::SceneDescription scene, std::vector<
     settings.integrator = integrator;
     const auto output = render_or_fail(scene, settings);
     std::vector<double> result;
-    for (std::size_t i = 0; i < settings.channels.size(); ++i) result.push_back(image_mean(output, requested(output, i)).mean);
+    for (std::size_t i = 0; i < settings.channels.size(); ++i)
+        result.push_back(image_mean(output, requested(output, i)).mean);
     return result;
 }
 
@@ -62,10 +65,16 @@ TEST_CASE("Every material gives the events of the normative table and no others"
         {"smooth conductor", R"(Material "conductor" "float roughness" 0)", {"<RS'obj''conductor'>"}},
         {"rough conductor", R"(Material "conductor" "float roughness" 0.3)", {"<RG'obj''conductor'>"}},
         {"smooth dielectric", R"(Material "dielectric" "float eta" 1.5)", {"<RS'obj''glass'>", "<TS'obj''glass'>"}},
-        {"rough dielectric", R"(Material "dielectric" "float eta" 1.5 "float roughness" 0.3)", {"<RG'obj''glass'>", "<TG'obj''glass'>"}},
+        {"rough dielectric",
+         R"(Material "dielectric" "float eta" 1.5 "float roughness" 0.3)",
+         {"<RG'obj''glass'>", "<TG'obj''glass'>"}},
         {"thin dielectric", R"(Material "thindielectric" "float eta" 1.5)", {"<RS'obj''glass'>", "<TS'obj''glass'>"}},
-        {"smooth coat over diffuse", R"(Material "coateddiffuse" "float roughness" 0)", {"<RS'obj''coat'>", "<RD'obj''diffuse'>"}},
-        {"rough coat over diffuse", R"(Material "coateddiffuse" "float roughness" 0.3)", {"<RG'obj''coat'>", "<RD'obj''diffuse'>"}},
+        {"smooth coat over diffuse",
+         R"(Material "coateddiffuse" "float roughness" 0)",
+         {"<RS'obj''coat'>", "<RD'obj''diffuse'>"}},
+        {"rough coat over diffuse",
+         R"(Material "coateddiffuse" "float roughness" 0.3)",
+         {"<RG'obj''coat'>", "<RD'obj''diffuse'>"}},
         {"smooth coat over smooth conductor",
          R"(Material "coatedconductor" "float interface.roughness" 0 "float conductor.roughness" 0)",
          {"<RS'obj''coat'>", "<RS'obj''conductor'>"}},
@@ -80,10 +89,12 @@ TEST_CASE("Every material gives the events of the normative table and no others"
             MakeNamedMaterial "b" "string type" "conductor" "float roughness" 0
             Material "mix" "string materials" ["a" "b"] "float amount" 0.5)",
          {"<RD'obj''diffuse'>", "<RS'obj''conductor'>"}},
-        {"additive", R"(Material "raylex:additive" "rgb diffuse" [.3 .3 .3] "rgb specular" [.4 .4 .4] "float roughness" 0.3)",
+        {"additive",
+         R"(Material "raylex:additive" "rgb diffuse" [.3 .3 .3] "rgb specular" [.4 .4 .4] "float roughness" 0.3)",
          {"<RD'obj''diffuse'>", "<RG'obj''specular'>"}},
         {"mirror", R"(Material "raylex:mirror" "rgb reflectance" [.7 .7 .7])", {"<RS'obj''mirror'>"}},
-        {"diffuse and mirror", R"(Material "raylex:diffuse-mirror" "rgb diffuse" [.3 .3 .3] "rgb specular" [.4 .4 .4])",
+        {"diffuse and mirror",
+         R"(Material "raylex:diffuse-mirror" "rgb diffuse" [.3 .3 .3] "rgb specular" [.4 .4 .4])",
          {"<RD'obj''diffuse'>", "<RS'obj''mirror'>"}},
         {"sheet", R"(Material "raylex:sheet" "rgb transmittance" [.7 .7 .7])", {"<TS'obj''sheet'>"}},
     };
@@ -101,7 +112,7 @@ TEST_CASE("Every material gives the events of the normative table and no others"
             sum += means[i];
         }
         CAPTURE(row.what, means[0], sum);
-        CHECK(std::abs(sum - means[0]) <= 1e-12 * means[0]);   // Law 1, in the double accumulators
+        CHECK(std::abs(sum - means[0]) <= 1e-12 * means[0]);  // Law 1, in the double accumulators
         CHECK(means[0] > 0.01);
     }
 }
@@ -128,7 +139,7 @@ TEST_CASE("Lights are L and the environment is B with their group, seen or sampl
         const char* what;
         const char* text;
         const char* letter;
-        bool delta;            ///< cannot be hit
+        bool delta;  ///< cannot be hit
     };
     const LightRow rows[] = {
         {"point", R"(LightSource "point" "rgb I" [9 9 9] "point3 from" [0 0 2])", "L", true},
@@ -155,8 +166,10 @@ TEST_CASE("Lights are L and the environment is B with their group, seen or sampl
         const std::string other_letter = std::string(row.letter) == "L" ? "B" : "L";
         for (const char* strategy : {"mis", "light", "scattering"}) {
             if (row.delta && std::string(strategy) == "scattering") continue;
-            const auto means = render_means(scene, {osl_channel("grouped", grouped), osl_channel("all", "C<RD>[LBO]"),
-                                                    osl_channel("other", "C<RD>" + other_letter)}, strategy);
+            const auto means = render_means(scene,
+                                            {osl_channel("grouped", grouped), osl_channel("all", "C<RD>[LBO]"),
+                                             osl_channel("other", "C<RD>" + other_letter)},
+                                            strategy);
             CAPTURE(row.what, strategy, means[0], means[1]);
             CHECK(means[0] > 0.001);
             CHECK(means[0] == means[1]);
@@ -178,9 +191,10 @@ TEST_CASE("Media scatter as V with their name, glow as O, and leave no event whe
         Shape "sphere")");
     scene.lights.at(0).group = "sky";
     const auto means = render_means(
-        scene, {osl_channel("once", "C<V.'fog'><Ts>B"), osl_channel("anyhow", "C<V.><Ts>[LBO]"), osl_channel("other", "C<V.><Ts>[LO]"),
-                osl_channel("seen", "C<Ts><B.'sky'>"), osl_channel("glow", "CO"), osl_channel("labelled", "C.*<O.'sky'>"),
-                osl_channel("lit", "CVO"), lpe_channel("renderman", "C<V.'fog'>B"), lpe_channel("everything", "C.*")});
+        scene, {osl_channel("once", "C<V.'fog'><Ts>B"), osl_channel("anyhow", "C<V.><Ts>[LBO]"),
+                osl_channel("other", "C<V.><Ts>[LO]"), osl_channel("seen", "C<Ts><B.'sky'>"), osl_channel("glow", "CO"),
+                osl_channel("labelled", "C.*<O.'sky'>"), osl_channel("lit", "CVO"),
+                lpe_channel("renderman", "C<V.'fog'>B"), lpe_channel("everything", "C.*")});
     CHECK(means[0] > 0.05);
     CHECK(means[1] == means[0]);
     CHECK(means[7] == means[0]);

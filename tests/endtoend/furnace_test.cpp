@@ -1,7 +1,7 @@
 // Furnace and integrating-sphere scenes: rows A to D of the table of analytic scenes, word by word.
 //
-// A uniform field: in a closed enclosure whose walls all emit Le and scatter with albedo kd (Lambert) + ks (mirror), the
-// radiance along any ray is the same, so the word with #D diffuse and #S mirror events carries Le kd^#D ks^#S.
+// A uniform field: in a closed enclosure whose walls all emit Le and scatter with albedo kd (Lambert) + ks (mirror),
+// the radiance along any ray is the same, so the word with #D diffuse and #S mirror events carries Le kd^#D ks^#S.
 //
 // Tolerance of every closed-form comparison: 4 standard errors of the estimate itself (false alarm 6.3e-5 per word),
 // plus 1e-5 relative for float throughput products of up to 8 factors and directions of up to 2^-20 relative error.
@@ -24,7 +24,8 @@ std::string box(const std::string& material, double emission) {
         Film "rgb" "integer xresolution" 16 "integer yresolution" 16
         PixelFilter "box" "float xradius" 0.5 "float yradius" 0.5
         WorldBegin
-        AreaLightSource "diffuse" "rgb L" [)" + le + " " + le + " " + le + "]\n" + material + R"(
+        AreaLightSource "diffuse" "rgb L" [)" +
+           le + " " + le + " " + le + "]\n" + material + R"(
         Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-1 -1 1 1 -1 1 1 -1 -1 -1 -1 -1]
         Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-1 1 -1 1 1 -1 1 1 1 -1 1 1]
         Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-1 -1 -1 1 -1 -1 1 1 -1 -1 1 -1]
@@ -35,8 +36,8 @@ std::string box(const std::string& material, double emission) {
 }
 
 std::string diffuse_mirror(double kd, double ks) {
-    return "Material \"raylex:diffuse-mirror\" \"rgb diffuse\" [" + std::to_string(kd) + " " + std::to_string(kd) + " " +
-           std::to_string(kd) + "] \"rgb specular\" [" + std::to_string(ks) + " " + std::to_string(ks) + " " +
+    return "Material \"raylex:diffuse-mirror\" \"rgb diffuse\" [" + std::to_string(kd) + " " + std::to_string(kd) +
+           " " + std::to_string(kd) + "] \"rgb specular\" [" + std::to_string(ks) + " " + std::to_string(ks) + " " +
            std::to_string(ks) + "]\n";
 }
 
@@ -66,7 +67,8 @@ double word_value(const std::string& word, double le, double kd, double ks) {
 }
 
 void check_words(const transport::SceneDescription& scene, double le, double kd, double ks, std::size_t longest,
-                 std::uint64_t samples, const std::string& strategy, double largest_relative_error, bool roulette = true) {
+                 std::uint64_t samples, const std::string& strategy, double largest_relative_error,
+                 bool roulette = true) {
     const std::vector<std::string> expressions = words("DS", longest, "L");
     transport::RenderSettings settings;
     settings.samples_per_pixel = samples;
@@ -87,7 +89,8 @@ void check_words(const transport::SceneDescription& scene, double le, double kd,
 
 }  // namespace
 
-TEST_CASE("Row A: in a closed diffuse and mirror enclosure every word carries Le kd^#D ks^#S", "[furnace][statistical]") {
+TEST_CASE("Row A: in a closed diffuse and mirror enclosure every word carries Le kd^#D ks^#S",
+          "[furnace][statistical]") {
     const auto scene = import_text(box(diffuse_mirror(0.5, 0.3), 1.0));
     // Short: 16 x 16 x 1024 samples. The rarest word of length 6, SSSS, has probability above 1/256 per path, so its
     // relative standard error is below sqrt(256 / 262144) = 3.2 %.
@@ -111,7 +114,8 @@ TEST_CASE("Row A: regular expressions over the enclosure's words sum as geometri
         const Estimate estimate = image_mean(output, requested(output, i));
         CAPTURE(i, expected[i], estimate.mean, estimate.standard_error);
         // 2.916667 is itself rounded to 6 decimals: 5e-7.
-        CHECK(std::abs(estimate.mean - expected[i]) <= 4 * estimate.standard_error + truncation[i] + float_slack * expected[i] + 5e-7);
+        CHECK(std::abs(estimate.mean - expected[i]) <=
+              4 * estimate.standard_error + truncation[i] + float_slack * expected[i] + 5e-7);
     }
     const Estimate beauty = image_mean(output, output.beauty);
     CHECK(std::abs(beauty.mean - 5.0) <= 4 * beauty.standard_error + tail + 5 * float_slack);
@@ -146,8 +150,8 @@ TEST_CASE("Row B: a point light in the centre of a Lambert sphere gives I rho^k 
         CAPTURE(expressions[i], expected, estimate.mean, estimate.standard_error);
         CHECK(std::abs(estimate.mean - expected) <= 4 * estimate.standard_error + 2 * float_slack * expected);
         if (i == 0) CHECK(estimate.mean == 0.0);
-        // Every vertex sees the same irradiance: only Russian roulette (survival 1/2 from the second bounce) makes noise.
-        // Var of the word D^k is at most value^2 (2^(k-1) - 1) a sample; 16384 samples.
+        // Every vertex sees the same irradiance: only Russian roulette (survival 1/2 from the second bounce) makes
+        // noise. Var of the word D^k is at most value^2 (2^(k-1) - 1) a sample; 16384 samples.
         const double most = expected * std::sqrt((std::pow(2.0, double(i)) + 1) / 16384.0);
         CHECK(estimate.standard_error <= most + float_slack * expected);
     }

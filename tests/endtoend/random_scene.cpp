@@ -77,16 +77,18 @@ class SceneWriter {
     double roughness() { return random_.chance(0.3) ? 0 : random_.chance(0.2) ? size() : random_.unit(); }
 
     void head() {
-        text_ += "Film \"rgb\"" + whole("xresolution", 1 + random_.below(5)) + whole("yresolution", 1 + random_.below(4)) + "\n";
+        text_ += "Film \"rgb\"" + whole("xresolution", 1 + random_.below(5)) +
+                 whole("yresolution", 1 + random_.below(4)) + "\n";
         const double radius = random_.chance(0.8) ? random_.between(0.5, 3) : size();
-        text_ += std::string("PixelFilter \"") +
-                 one_of(std::array{"box", "triangle", "gaussian", "mitchell", "sinc"}) + "\"" + real("xradius", std::min(radius, 9.0)) +
-                 real("yradius", std::min(radius, 9.0)) + "\n";
+        text_ += std::string("PixelFilter \"") + one_of(std::array{"box", "triangle", "gaussian", "mitchell", "sinc"}) +
+                 "\"" + real("xradius", std::min(radius, 9.0)) + real("yradius", std::min(radius, 9.0)) + "\n";
         text_ += std::string("Sampler \"") + one_of(std::array{"independent", "zsobol", "halton"}) + "\"" +
                  whole("pixelsamples", 1 + random_.below(3)) + "\n";
         const char* integrator = one_of(std::array{"path", "path", "volpath", "lighttracer", "pssmlt"});
-        text_ += std::string("Integrator \"") + integrator + "\"" + whole("maxdepth", random_.below(random_.chance(0.1) ? 60 : 7));
-        if (integrator == std::string("pssmlt")) text_ += whole("chains", 1 + random_.below(9)) + whole("bootstrapsamples", 1 + random_.below(99));
+        text_ += std::string("Integrator \"") + integrator + "\"" +
+                 whole("maxdepth", random_.below(random_.chance(0.1) ? 60 : 7));
+        if (integrator == std::string("pssmlt"))
+            text_ += whole("chains", 1 + random_.below(9)) + whole("bootstrapsamples", 1 + random_.below(99));
         text_ += "\n";
         if (random_.chance(0.25)) {
             text_ += "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"" + rgb("sigma_a", strength()) +
@@ -98,45 +100,60 @@ class SceneWriter {
         if (random_.chance(0.1)) transform();
         text_ += "LookAt " + (random_.chance(0.7) ? std::string("0 0 -5 ") : point()) +
                  (random_.chance(0.8) ? std::string("0 0 0 ") : point()) + " 0 1 0\n";
-        const double fov = random_.chance(0.8) ? random_.between(20, 100) : random_.chance(0.5) ? 179.99999 : 1e-5 * random_.unit();
+        const double fov = random_.chance(0.8)   ? random_.between(20, 100)
+                           : random_.chance(0.5) ? 179.99999
+                                                 : 1e-5 * random_.unit();
         text_ += "Camera \"perspective\"" + real("fov", fov);
         if (random_.chance(0.2)) text_ += real("lensradius", strength()) + real("focaldistance", size());
         if (random_.chance(0.05))
-            text_ += " \"float screenwindow\" [" + number(signed_size()) + number(signed_size()) + number(signed_size()) +
-                     number(signed_size()) + "]";
+            text_ += " \"float screenwindow\" [" + number(signed_size()) + number(signed_size()) +
+                     number(signed_size()) + number(signed_size()) + "]";
         text_ += "\n";
     }
 
     void transform() {
         switch (random_.below(6)) {
-            case 0: text_ += "Translate " + point() + "\n"; break;
-            case 1: text_ += "Scale " + number(side() * size()) + number(side() * size()) + number(random_.chance(0.02) ? 0 : size()) + "\n"; break;
+            case 0:
+                text_ += "Translate " + point() + "\n";
+                break;
+            case 1:
+                text_ += "Scale " + number(side() * size()) + number(side() * size()) +
+                         number(random_.chance(0.02) ? 0 : size()) + "\n";
+                break;
             case 2: {
                 const std::string s = number(size());
                 text_ += "Scale " + s + s + s + "\n";
                 break;
             }
-            case 3: text_ += "Rotate " + number(random_.between(-720, 720)) + point() + "\n"; break;
-            case 4: text_ += "ConcatTransform [" + matrix() + "]\n"; break;
-            default: text_ += "Translate " + number(random_.between(-2, 2)) + number(random_.between(-2, 2)) + "0\n";
+            case 3:
+                text_ += "Rotate " + number(random_.between(-720, 720)) + point() + "\n";
+                break;
+            case 4:
+                text_ += "ConcatTransform [" + matrix() + "]\n";
+                break;
+            default:
+                text_ += "Translate " + number(random_.between(-2, 2)) + number(random_.between(-2, 2)) + "0\n";
         }
     }
     std::string matrix() {
         std::string text;
         for (int i = 0; i < 16; ++i)
-            text += i % 4 == 3 ? (i == 15 ? number(1) : number(0)) : number(random_.chance(0.1) ? signed_size() : random_.between(-2, 2));
+            text += i % 4 == 3 ? (i == 15 ? number(1) : number(0))
+                               : number(random_.chance(0.1) ? signed_size() : random_.between(-2, 2));
         return text;
     }
 
     void material() {
-        const char* type = one_of(std::array{"diffuse", "diffuse", "conductor", "dielectric", "thindielectric", "coateddiffuse",
-                                             "coatedconductor", "raylex:additive", "interface"});
+        const char* type = one_of(std::array{"diffuse", "diffuse", "conductor", "dielectric", "thindielectric",
+                                             "coateddiffuse", "coatedconductor", "raylex:additive", "interface"});
         const std::string name = type;
         text_ += "Material \"" + name + "\"";
         if (name == "diffuse" || name == "coateddiffuse") text_ += reflectance("reflectance");
         if (name == "conductor" && random_.chance(0.5)) text_ += reflectance("reflectance");
-        if (name == "conductor" || name == "dielectric" || name == "coateddiffuse") text_ += real("roughness", roughness());
-        if (name == "dielectric" || name == "thindielectric") text_ += real("eta", random_.chance(0.8) ? random_.between(0.5, 3) : size());
+        if (name == "conductor" || name == "dielectric" || name == "coateddiffuse")
+            text_ += real("roughness", roughness());
+        if (name == "dielectric" || name == "thindielectric")
+            text_ += real("eta", random_.chance(0.8) ? random_.between(0.5, 3) : size());
         if (name.starts_with("coated")) {
             if (random_.chance(0.3)) text_ += real("thickness", size());
             if (random_.chance(0.3)) text_ += rgb("albedo", 1) + real("g", random_.between(-1, 1));
@@ -146,15 +163,17 @@ class SceneWriter {
 
     void light() {
         switch (random_.below(3)) {
-            case 0: text_ += "LightSource \"point\" " + rgb("I", strength()) + " \"point3 from\" [" + point() + "]\n"; break;
+            case 0:
+                text_ += "LightSource \"point\" " + rgb("I", strength()) + " \"point3 from\" [" + point() + "]\n";
+                break;
             case 1:
-                text_ += "LightSource \"spot\" " + rgb("I", strength()) + " \"point3 from\" [" + point() + "] \"point3 to\" [" +
-                         point() + "]" + real("coneangle", random_.between(0, 180)) +
+                text_ += "LightSource \"spot\" " + rgb("I", strength()) + " \"point3 from\" [" + point() +
+                         "] \"point3 to\" [" + point() + "]" + real("coneangle", random_.between(0, 180)) +
                          real("conedeltaangle", random_.between(0, 90)) + "\n";
                 break;
             default:
-                text_ += "LightSource \"distant\" " + rgb("L", strength()) + " \"point3 from\" [" + point() + "] \"point3 to\" [" +
-                         point() + "]\n";
+                text_ += "LightSource \"distant\" " + rgb("L", strength()) + " \"point3 from\" [" + point() +
+                         "] \"point3 to\" [" + point() + "]\n";
         }
     }
 
@@ -171,23 +190,26 @@ class SceneWriter {
     }
 
     void shape() {
-        const std::string alpha = random_.chance(0.2) ? real("alpha", random_.chance(0.8) ? random_.unit() : signed_size()) : "";
+        const std::string alpha =
+            random_.chance(0.2) ? real("alpha", random_.chance(0.8) ? random_.unit() : signed_size()) : "";
         const double radius = size();
         switch (random_.below(5)) {
             case 0:
                 text_ += "Shape \"sphere\"" + real("radius", radius) + alpha;
                 if (random_.chance(0.3))
-                    text_ += real("zmin", radius * random_.between(-2, 2)) + real("zmax", radius * random_.between(-2, 2)) +
-                             real("phimax", random_.between(0, 400));
+                    text_ += real("zmin", radius * random_.between(-2, 2)) +
+                             real("zmax", radius * random_.between(-2, 2)) + real("phimax", random_.between(0, 400));
                 break;
             case 1:
                 text_ += "Shape \"disk\"" + real("radius", radius) + real("height", signed_size()) +
                          real("innerradius", random_.chance(0.3) ? radius * random_.between(0, 1.02) : 0) + alpha;
                 break;
             case 2:
-                text_ += "Shape \"cylinder\"" + real("radius", radius) + real("zmin", signed_size()) + real("zmax", signed_size()) + alpha;
+                text_ += "Shape \"cylinder\"" + real("radius", radius) + real("zmin", signed_size()) +
+                         real("zmax", signed_size()) + alpha;
                 break;
-            default: mesh(alpha);
+            default:
+                mesh(alpha);
         }
         text_ += "\n";
     }
@@ -196,16 +218,17 @@ class SceneWriter {
         const bool patches = random_.chance(0.4);
         const std::size_t corners = patches ? 4 : 3, count = 1 + random_.below(6);
         const double spread = random_.chance(0.1) ? 0 : size();
-        const std::array<double, 3> place = random_.chance(0.8) ? std::array<double, 3>{0, 0, 0}
-                                                                : std::array<double, 3>{signed_size(), signed_size(), signed_size()};
+        const std::array<double, 3> place = random_.chance(0.8)
+                                                ? std::array<double, 3>{0, 0, 0}
+                                                : std::array<double, 3>{signed_size(), signed_size(), signed_size()};
         std::string points, indices, normals;
         for (std::size_t i = 0; i < corners * count; ++i) {
             points += random_.chance(0.02) ? point() : near(place, spread);
             normals += random_.chance(0.1) ? "0 0 0 " : point();
             indices += std::to_string(random_.chance(0.9) ? i : random_.below(corners * count)) + " ";
         }
-        text_ += std::string("Shape \"") + (patches ? "bilinearmesh" : "trianglemesh") + "\" \"integer indices\" [" + indices +
-                 "] \"point3 P\" [" + points + "]" + alpha;
+        text_ += std::string("Shape \"") + (patches ? "bilinearmesh" : "trianglemesh") + "\" \"integer indices\" [" +
+                 indices + "] \"point3 P\" [" + points + "]" + alpha;
         if (random_.chance(0.3)) text_ += " \"normal N\" [" + normals + "]";
     }
 

@@ -27,7 +27,7 @@ namespace {
 
 struct ReferenceScene {
     const char* name;
-    bool shipped;                ///< the scene file is in experiments/scenes
+    bool shipped;  ///< the scene file is in experiments/scenes
     bool grey;
     double mean_luminance;       ///< 0: not published
     double luminance_rmse;       ///< of the reference image; 0: not published
@@ -135,7 +135,8 @@ double normal_quantile(double p) {
 TEST_CASE("Shipped scenes have the mean luminance of pbrt-v4's references", "[reference][statistical]") {
     for (const ReferenceScene& each : reference_scenes) {
         if (!each.shipped || each.mean_luminance == 0) continue;
-        const auto scene = load(fs::path(raylex::test::source_dir()) / "experiments" / "scenes" / each.name / "scene.pbrt");
+        const auto scene =
+            load(fs::path(raylex::test::source_dir()) / "experiments" / "scenes" / each.name / "scene.pbrt");
         transport::RenderSettings settings;
         settings.samples_per_pixel = 16;
         const auto output = render_or_fail(scene, settings);
@@ -212,12 +213,14 @@ TEST_CASE("Every reference scene agrees with its pbrt-v4 image in mean and in bl
                 const double error = std::sqrt(own_variance + reference_variances[b] / 256);
                 // 1e-5 relative: both renderers compute in float, and noise-free blocks have no other error bar.
                 const double systematic = each.block_allowance * reference_blocks[b];
-                const double z = std::max(std::abs(difference) - systematic, 0.0) / (error + 1e-5 * reference_blocks[b]);
+                const double z =
+                    std::max(std::abs(difference) - systematic, 0.0) / (error + 1e-5 * reference_blocks[b]);
                 if (z > worst) worst = z, worst_block = int(b);
             }
         const double threshold = normal_quantile(0.5 + 0.5 * std::pow(0.99, 1.0 / double(variance.size())));
-        std::cout << each.name << ": mean ratio " << ratio << ", worst block z " << worst << " at " << worst_block % across * 16
-                  << "," << worst_block / across * 16 << " (threshold " << threshold << ")" << std::endl;
+        std::cout << each.name << ": mean ratio " << ratio << ", worst block z " << worst << " at "
+                  << worst_block % across * 16 << "," << worst_block / across * 16 << " (threshold " << threshold << ")"
+                  << std::endl;
         CAPTURE(each.name, ratio, worst, worst_block, threshold);
         CHECK(std::abs(ratio - 1) <= (each.grey ? 0.01 : 0.03));
         CHECK(worst <= threshold);

@@ -1,5 +1,5 @@
-// Two thousand random scenes, rendered by programs of their own: none may end one by a signal, take long, show a number that
-// is none, or have layers that do not sum up to the beauty.
+// Two thousand random scenes, rendered by programs of their own: none may end one by a signal, take long, show a number
+// that is none, or have layers that do not sum up to the beauty.
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -36,7 +36,8 @@ std::string judge(const transport::RenderOutput& output, std::size_t partition) 
         const bool light = buffer.channels()[id].style == display::ChannelStyle::expression;
         const std::vector<double> values = buffer.resolve(static_cast<display::ChannelId>(id));
         for (const double v : values)
-            if (std::isnan(v) || (light && !std::isfinite(v))) return "channel " + buffer.channels()[id].name + " holds a number that is none";
+            if (std::isnan(v) || (light && !std::isfinite(v)))
+                return "channel " + buffer.channels()[id].name + " holds a number that is none";
         if (id < 1 || id > partition) continue;
         sum.resize(values.size());
         size.resize(values.size());
@@ -95,8 +96,7 @@ void take_log(const std::string& log, int status, Soak& soak) {
     }
     soak.next = begun + 1;
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0) soak.next = scenes;
-    else if (WIFSIGNALED(status) && !finished)
-        soak.fail(begun, std::string("signal ") + strsignal(WTERMSIG(status)));
+    else if (WIFSIGNALED(status) && !finished) soak.fail(begun, std::string("signal ") + strsignal(WTERMSIG(status)));
     else soak.fail(begun, "the program ended with status " + std::to_string(status));
 }
 

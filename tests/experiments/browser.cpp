@@ -14,15 +14,18 @@ Outcome in_browser(const Folder& folder, const std::string& page, const std::str
                    const std::vector<std::string>& selectors) {
     std::string wanted;
     for (const std::string& selector : selectors) wanted += (wanted.empty() ? "'" : ", '") + selector + "'";
-    std::ofstream(folder.path("watched.html")) << folder.read(page) << "<script>\n"
-        "const watch = setInterval(() => {\n"
-        "  if (![" << wanted << "].every(each => document.querySelector(each))) return;\n"
-        "  clearInterval(watch);\n"
-        "  const copy = document.documentElement.cloneNode(true);\n"
-        "  copy.querySelectorAll('script').forEach(each => each.remove());\n"
-        "  console.log('<<<document ' + copy.outerHTML + ' document>>>');\n"
-        "}, 50);\n"
-        "</script>\n";
+    std::ofstream(folder.path("watched.html")) << folder.read(page)
+                                               << "<script>\n"
+                                                  "const watch = setInterval(() => {\n"
+                                                  "  if (!["
+                                               << wanted
+                                               << "].every(each => document.querySelector(each))) return;\n"
+                                                  "  clearInterval(watch);\n"
+                                                  "  const copy = document.documentElement.cloneNode(true);\n"
+                                                  "  copy.querySelectorAll('script').forEach(each => each.remove());\n"
+                                                  "  console.log('<<<document ' + copy.outerHTML + ' document>>>');\n"
+                                                  "}, 50);\n"
+                                                  "</script>\n";
     Outcome outcome = run_shell(
         folder,
         "chromium --headless --no-sandbox --disable-gpu --user-data-dir=\"$PWD/browser\" --enable-logging=stderr"

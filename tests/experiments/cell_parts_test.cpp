@@ -81,9 +81,10 @@ method = "chains"
 error = true
 )" + channels);
     const std::string plan = raylex_run(folder, "plan c.toml --split-cells 3 --no-calibration").out;
-    for (const char* note : {"budget of 16spp are kept whole: a part has at least 16 samples",
-                             "budget of e0.9 are kept whole: how many samples a budget of error comes to",
-                             "'chains' with a budget of 56spp are kept whole: the Markov chains of integrator 'pssmlt'"}) {
+    for (const char* note :
+         {"budget of 16spp are kept whole: a part has at least 16 samples",
+          "budget of e0.9 are kept whole: how many samples a budget of error comes to",
+          "'chains' with a budget of 56spp are kept whole: the Markov chains of integrator 'pssmlt'"}) {
         CAPTURE(note);
         CHECK(plan.find(note) != std::string::npos);
     }
@@ -101,7 +102,8 @@ error = true
         const Cell &one = whole->cells[i], &sum = merged->cells[i];
         CAPTURE(one.id);
         CHECK((bits_of(folder, "whole/cells/" + one.id) == bits_of(folder, "merged/cells/" + one.id)));
-        CHECK((folder.read("merged/cells/" + one.id + "/cell.json") == folder.read("again/cells/" + one.id + "/cell.json")));
+        CHECK((folder.read("merged/cells/" + one.id + "/cell.json") ==
+               folder.read("again/cells/" + one.id + "/cell.json")));
         CHECK(sum.samples_per_pixel == one.samples_per_pixel);
         const bool in_parts = one.budget == 56 && one.method != "chains";
         CHECK(sum.parts == (in_parts ? 3 : 0));

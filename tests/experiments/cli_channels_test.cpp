@@ -22,15 +22,18 @@ std::string refusal(const Folder& folder, const std::string& arguments) {
 TEST_CASE("statistics become layers that belong together and leave the beauty alone", "[statistics][law2]") {
     const SceneFolder folder;
     REQUIRE(run_raylex(folder, "render room.pbrt -o plain.exr --lpe direct=CDL").code == 0);
-    const Outcome outcome = run_raylex(folder, "render room.pbrt -o a.exr --lpe direct=CDL --aov Nn --threads 3 "
-                                               "--statistics beauty=variance,mse,even,odd --statistics Nn=mse");
+    const Outcome outcome = run_raylex(folder,
+                                       "render room.pbrt -o a.exr --lpe direct=CDL --aov Nn --threads 3 "
+                                       "--statistics beauty=variance,mse,even,odd --statistics Nn=mse");
     CAPTURE(outcome.err, outcome.out);
     REQUIRE(outcome.code == 0);
-    folder.write("job.toml", "[scene]\nfile = \"room.pbrt\"\n[render]\nthreads = 1\n[channels]\naovs = [\"Nn\"]\n"
-                             "[channels.statistics]\nbeauty = [\"variance\", \"mse\", \"even\", \"odd\"]\nNn = [\"mse\"]\n"
-                             "[[channel]]\nname = \"direct\"\nlpe = \"CDL\"\nstatistics = [\"odd\"]\n");
+    folder.write("job.toml",
+                 "[scene]\nfile = \"room.pbrt\"\n[render]\nthreads = 1\n[channels]\naovs = [\"Nn\"]\n"
+                 "[channels.statistics]\nbeauty = [\"variance\", \"mse\", \"even\", \"odd\"]\nNn = [\"mse\"]\n"
+                 "[[channel]]\nname = \"direct\"\nlpe = \"CDL\"\nstatistics = [\"odd\"]\n");
     REQUIRE(run_raylex(folder, "render job.toml -o b.exr").code == 0);
-    auto plain = read_exr(folder.path("plain.exr")), a = read_exr(folder.path("a.exr")), b = read_exr(folder.path("b.exr"));
+    auto plain = read_exr(folder.path("plain.exr")), a = read_exr(folder.path("a.exr")),
+         b = read_exr(folder.path("b.exr"));
     REQUIRE((plain && a && b));
     CHECK(b->layer("direct_odd") != nullptr);
     CHECK(a->attributes["statistics/beauty_mse"] == "mse of beauty");
@@ -59,19 +62,21 @@ TEST_CASE("statistics become layers that belong together and leave the beauty al
                    "has the rule 'zmin' and no statistics"));
     CHECK(contains(refusal(folder, "render room.pbrt --statistics mse"), "expected such as beauty=variance,mse"));
     CHECK(contains(refusal(folder, "render room.pbrt --deep d.exr --statistics beauty=mse --deep-channels beauty_mse"),
-                "cannot be deep"));
+                   "cannot be deep"));
     folder.write("bad.toml", "[scene]\nfile = \"room.pbrt\"\n[channels.statistics]\nbeauty = [\"mse\", \"evn\"]\n");
     CHECK(contains(refusal(folder, "render bad.toml"), "bad.toml:4:19"));
 }
 
 TEST_CASE("a channel may have another rule, and then stands in no partition", "[statistics]") {
     const SceneFolder folder;
-    const Outcome outcome = run_raylex(folder, "render room.pbrt -o a.exr --lpe all='C.*' --lpe brightest='C.*' "
-                                               "--rule brightest=max --aov Nn --rule Nn=zmin");
+    const Outcome outcome = run_raylex(folder,
+                                       "render room.pbrt -o a.exr --lpe all='C.*' --lpe brightest='C.*' "
+                                       "--rule brightest=max --aov Nn --rule Nn=zmin");
     CAPTURE(outcome.err);
     REQUIRE(outcome.code == 0);
-    folder.write("job.toml", "[scene]\nfile = \"room.pbrt\"\n[channels]\naovs = [\"Nn\"]\nrules = { Nn = \"zmin\" }\n"
-                             "[[channel]]\nname = \"brightest\"\nlpe = \"C.*\"\nrule = \"max\"\n");
+    folder.write("job.toml",
+                 "[scene]\nfile = \"room.pbrt\"\n[channels]\naovs = [\"Nn\"]\nrules = { Nn = \"zmin\" }\n"
+                 "[[channel]]\nname = \"brightest\"\nlpe = \"C.*\"\nrule = \"max\"\n");
     REQUIRE(run_raylex(folder, "render job.toml -o b.exr").code == 0);
     auto a = read_exr(folder.path("a.exr")), b = read_exr(folder.path("b.exr"));
     REQUIRE((a && b));
@@ -96,5 +101,5 @@ TEST_CASE("a channel may have another rule, and then stands in no partition", "[
     CHECK(contains(refusal(folder, "render room.pbrt --lpe direct=CDL --rule rest=max"),
                    "cannot be part of partition 'auto'"));
     CHECK(contains(refusal(folder, "render room.pbrt --partition shipped --rule directDiffuse=zmin"),
-                "cannot be part of partition 'shipped'"));
+                   "cannot be part of partition 'shipped'"));
 }

@@ -16,7 +16,8 @@ std::string channel(const std::string& name, const std::string& expression, cons
 
 /// RenderMan's documented basic set, the beauty and depth beside it.
 std::string basic_set() {
-    return "##RenderMan RIB-Structure 1.1\nversion 3.04\n# beauty\nDisplayChannel \"color Ci\"\nDisplayChannel \"float a\"\n"
+    return "##RenderMan RIB-Structure 1.1\nversion 3.04\n# beauty\nDisplayChannel \"color Ci\"\nDisplayChannel \"float "
+           "a\"\n"
            "DisplayChannel \"float z\" \"string source\" [\"z\"]\n" +
            channel("emissive", "C[<L.>O]") + channel("directDiffuse", "C<RD>[<L.>O]") +
            channel("indirectDiffuse", "C<RD>[DS]+[<L.>O]") + channel("subsurface", "C<TD>[DS]*[<L.>O]") +
@@ -71,11 +72,12 @@ TEST_CASE("lpe check shows every overlap and every hole before the verdict") {
     const Outcome outcome = run_raylex(folder, "lpe check show.rib");
     INFO(outcome.out << outcome.err);
     CHECK(outcome.code == 1);
-    CHECK(contains(outcome.out, "3 pairs count the same light; the shortest path of each:\n"
-                           "             1 2 3\n"
-                           "  1 diffuse  \\ a b\n"
-                           "  2 direct   a \\ b\n"
-                           "  3 key      b b \\\n"));
+    CHECK(contains(outcome.out,
+                   "3 pairs count the same light; the shortest path of each:\n"
+                   "             1 2 3\n"
+                   "  1 diffuse  \\ a b\n"
+                   "  2 direct   a \\ b\n"
+                   "  3 key      b b \\\n"));
     CHECK(contains(outcome.out, "a  camera, diffuse reflection, light (C,- R,D L,-)"));
     CHECK(contains(outcome.out, "b  camera, diffuse reflection, light 'key' (C,- R,D L,-,key)"));
     CHECK(contains(outcome.out, "seen directly"));
@@ -90,8 +92,8 @@ TEST_CASE("lpe check shows every overlap and every hole before the verdict") {
 TEST_CASE("several splits of one beauty in a file are told apart") {
     const Folder folder;
     const std::string lights = channel("key", "C[DS]*<L.'key'>") + channel("rest", "C[DS]*[<L.[^'key']>O]");
-    folder.write("show.rib", basic_set() + lights + channel("diffuse", "C(D[DS]*[LO])|[LO]") +
-                                 channel("specular", "CS[DS]*[LO]"));
+    folder.write("show.rib",
+                 basic_set() + lights + channel("diffuse", "C(D[DS]*[LO])|[LO]") + channel("specular", "CS[DS]*[LO]"));
     const Outcome holds = run_raylex(folder, "lpe check show.rib");
     INFO(holds.out << holds.err);
     CHECK(holds.code == 0);
@@ -111,8 +113,8 @@ TEST_CASE("several splits of one beauty in a file are told apart") {
 
 TEST_CASE("lpe check names every expression that cannot be read") {
     const Folder folder;
-    folder.write("show.rib", channel("a", "C<RX>.*") + channel("good", "CL") + channel("b", "C[DS") +
-                                 channel("c", "noSuchName"));
+    folder.write("show.rib",
+                 channel("a", "C<RX>.*") + channel("good", "CL") + channel("b", "C[DS") + channel("c", "noSuchName"));
     const Outcome outcome = run_raylex(folder, "lpe check show.rib");
     INFO(outcome.err);
     CHECK(outcome.code == 2);
@@ -128,8 +130,8 @@ TEST_CASE("lpe check names every expression that cannot be read") {
 
 TEST_CASE("what is offered as a rest is readable by the application of the file") {
     const Folder folder;
-    folder.write("show.rib", channel("Ci", "C.*[<L.>O]") + channel("diffuse", "C<RD>[DS]*[<L.>O]") +
-                                 channel("seen", "C[<L.>O]"));
+    folder.write("show.rib",
+                 channel("Ci", "C.*[<L.>O]") + channel("diffuse", "C<RD>[DS]*[<L.>O]") + channel("seen", "C[<L.>O]"));
     const Outcome outcome = run_raylex(folder, "lpe check show.rib");
     INFO(outcome.out << outcome.err);
     CHECK(outcome.code == 1);
@@ -151,8 +153,8 @@ TEST_CASE("what is offered as a rest is readable by the application of the file"
 
 TEST_CASE("groups and labels that exist are given to lpe check, and slips are named without a scene") {
     const Folder folder;
-    folder.write("lights.rib", channel("key", "C[DS]*<L.'key'>") + channel("fill", "C[DS]*<L.'fill'>") +
-                                   channel("glow", "C[DS]*O"));
+    folder.write("lights.rib",
+                 channel("key", "C[DS]*<L.'key'>") + channel("fill", "C[DS]*<L.'fill'>") + channel("glow", "C[DS]*O"));
     const Outcome open = run_raylex(folder, "lpe check lights.rib");
     CHECK(open.code == 1);
     CHECK(run_raylex(folder, "lpe check lights.rib --groups key,fill --all-labelled").code == 0);

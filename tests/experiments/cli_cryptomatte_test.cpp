@@ -55,7 +55,8 @@ TEST_CASE("a job asks for cryptomattes and every AOV by name") {
     folder.write("room.pbrt", small_scene());
     std::string aovs;
     for (const std::string& name : raylex::geoaovs::channel_names()) aovs += "\"" + name + "\", ";
-    folder.write("job.toml", "[scene]\nfile = \"room.pbrt\"\n[channels]\ncryptomatte = [\"asset\"]\naovs = [" + aovs + "]\n");
+    folder.write("job.toml",
+                 "[scene]\nfile = \"room.pbrt\"\n[channels]\ncryptomatte = [\"asset\"]\naovs = [" + aovs + "]\n");
     Outcome outcome = run_raylex(folder, "render job.toml");
     CAPTURE(outcome.err);
     REQUIRE(outcome.code == 0);
@@ -92,7 +93,8 @@ TEST_CASE("what cannot be a cryptomatte or an AOV is refused with the reason") {
     refused("--cryptomatte object --lpe CryptoObject00=CDL", "cryptomatte");
     refused("--aov motionFore", "no motion yet");
     refused("--aov incidence_angle", "did you mean 'incidenceAngle'?");
-    const std::string job = folder.write("job.toml", "[scene]\nfile = \"room.pbrt\"\n[channels]\ncryptomatte = [\"objekt\"]\n");
+    const std::string job =
+        folder.write("job.toml", "[scene]\nfile = \"room.pbrt\"\n[channels]\ncryptomatte = [\"objekt\"]\n");
     Outcome outcome = run_raylex(folder, "render job.toml");
     CHECK(outcome.code == 2);
     CHECK(outcome.err.find("job.toml:4:17") != std::string::npos);

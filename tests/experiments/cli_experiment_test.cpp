@@ -79,7 +79,8 @@ TEST_CASE("an experiment leaves every cell's image and sums, and refuses to begi
     prepare(folder);
     const Outcome plan = succeed(folder, "experiment plan c.toml");
     CHECK(plan.out.find("room.shallow.24spp.r1  seed ") != std::string::npos);
-    CHECK(plan.out.find("8 cells: 1 scene, 2 pairs of scene and settings, 2 budgets, 2 replicates") != std::string::npos);
+    CHECK(plan.out.find("8 cells: 1 scene, 2 pairs of scene and settings, 2 budgets, 2 replicates") !=
+          std::string::npos);
     CHECK(plan.out.find("from a short render of every scene by every setting") != std::string::npos);
     CHECK(plan.out.find("memory: ") != std::string::npos);
     CHECK(folder.names() == std::vector<std::string>{"c.toml", "room.pbrt"});

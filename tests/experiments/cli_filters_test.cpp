@@ -10,7 +10,8 @@ using raylex::display::read_exr;
 
 namespace {
 
-std::vector<float> plane(const Folder& folder, const std::string& file, const std::string& layer, const std::string& name) {
+std::vector<float> plane(const Folder& folder, const std::string& file, const std::string& layer,
+                         const std::string& name) {
     auto image = read_exr(folder.path(file));
     REQUIRE(image);
     return raylex::test::plane(*image, layer, name);
@@ -42,15 +43,19 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-.4 1 .4 .4 1 .
 
 TEST_CASE("sample filters apply in the order of job and flags, and splits still sum", "[filters][law1]") {
     const SceneFolder folder;
-    folder.write("job.toml", "[scene]\nfile = \"room.pbrt\"\n[[channel]]\nname = \"direct\"\nlpe = \"CDL\"\n"
-                             "[[sample_filter]]\ntype = \"clamp\"\nluminance = 0.05\n"
-                             "[[sample_filter]]\ntype = \"grade\"\nexposure = 1\nsaturation = 0.5\n");
+    folder.write("job.toml",
+                 "[scene]\nfile = \"room.pbrt\"\n[[channel]]\nname = \"direct\"\nlpe = \"CDL\"\n"
+                 "[[sample_filter]]\ntype = \"clamp\"\nluminance = 0.05\n"
+                 "[[sample_filter]]\ntype = \"grade\"\nexposure = 1\nsaturation = 0.5\n");
     REQUIRE(run_raylex(folder, "render job.toml -o job.exr --threads 1").code == 0);
-    REQUIRE(run_raylex(folder, "render room.pbrt -o flags.exr --threads 3 --lpe direct=CDL --sample-filter clamp:luminance=0.05 "
-                               "--sample-filter grade:exposure=1,saturation=0.5")
-                .code == 0);
-    REQUIRE(run_raylex(folder, "render room.pbrt -o other.exr --lpe direct=CDL "
-                               "--sample-filter grade:exposure=1,saturation=0.5 --sample-filter clamp:luminance=0.05")
+    REQUIRE(
+        run_raylex(folder,
+                   "render room.pbrt -o flags.exr --threads 3 --lpe direct=CDL --sample-filter clamp:luminance=0.05 "
+                   "--sample-filter grade:exposure=1,saturation=0.5")
+            .code == 0);
+    REQUIRE(run_raylex(folder,
+                       "render room.pbrt -o other.exr --lpe direct=CDL "
+                       "--sample-filter grade:exposure=1,saturation=0.5 --sample-filter clamp:luminance=0.05")
                 .code == 0);
     CHECK(plane(folder, "job.exr", "beauty", "G") == plane(folder, "flags.exr", "beauty", "G"));
     CHECK(plane(folder, "other.exr", "beauty", "G") != plane(folder, "flags.exr", "beauty", "G"));
@@ -68,8 +73,9 @@ TEST_CASE("sample filters apply in the order of job and flags, and splits still 
 
 TEST_CASE("a filter that changes one layer of a partition takes the partition out, and says so", "[filters][law1]") {
     const SceneFolder folder;
-    const Outcome outcome =
-        run_raylex(folder, "render room.pbrt -o a.exr --lpe direct=CDL --sample-filter grade:channels=direct,gain=2 --light-groups");
+    const Outcome outcome = run_raylex(
+        folder,
+        "render room.pbrt -o a.exr --lpe direct=CDL --sample-filter grade:channels=direct,gain=2 --light-groups");
     CAPTURE(outcome.err);
     REQUIRE(outcome.code == 0);
     CHECK(outcome.err.find("partition 'auto' is left out of the file: a filter changes 'direct'") != std::string::npos);
@@ -78,24 +84,30 @@ TEST_CASE("a filter that changes one layer of a partition takes the partition ou
     REQUIRE(image->partitions.size() == 1);  // what the filter leaves alone still holds
     CHECK(image->partitions[0].name == "light_groups");
     REQUIRE(run_raylex(folder, "render room.pbrt -o b.exr --lpe direct=CDL").code == 0);
-    const std::vector<float> graded = plane(folder, "a.exr", "direct", "R"), plain = plane(folder, "b.exr", "direct", "R");
+    const std::vector<float> graded = plane(folder, "a.exr", "direct", "R"),
+                             plain = plane(folder, "b.exr", "direct", "R");
     for (std::size_t i = 0; i < plain.size(); ++i) CHECK(graded[i] == 2 * plain[i]);
     CHECK(plane(folder, "a.exr", "beauty", "R") == plane(folder, "b.exr", "beauty", "R"));
 }
 
 TEST_CASE("display filters change what is written and shown, not deep images or statistics", "[filters]") {
     const SceneFolder folder;
-    REQUIRE(run_raylex(folder, "render room.pbrt -o plain.exr --deep plain.deep.exr --statistics beauty=mse --lpe direct=CDL").code == 0);
-    const Outcome outcome = run_raylex(
-        folder, "render room.pbrt -o a.exr --deep a.deep.exr --statistics beauty=mse --lpe direct=CDL --display-filter grade:exposure=1 "
-                "--display-filter background:color='0.5 0.25 1' --preview a.png");
+    REQUIRE(run_raylex(folder,
+                       "render room.pbrt -o plain.exr --deep plain.deep.exr --statistics beauty=mse --lpe direct=CDL")
+                .code == 0);
+    const Outcome outcome = run_raylex(folder,
+                                       "render room.pbrt -o a.exr --deep a.deep.exr --statistics beauty=mse --lpe "
+                                       "direct=CDL --display-filter grade:exposure=1 "
+                                       "--display-filter background:color='0.5 0.25 1' --preview a.png");
     CAPTURE(outcome.err);
     REQUIRE(outcome.code == 0);
     CHECK(outcome.err.find("partition 'auto' is left out of the file: a filter changes 'beauty'") != std::string::npos);
     CHECK(outcome.err.find("the deep image is not compared") != std::string::npos);
-    const std::vector<float> before = plane(folder, "plain.exr", "beauty", "R"), alpha = plane(folder, "plain.exr", "beauty", "A"),
+    const std::vector<float> before = plane(folder, "plain.exr", "beauty", "R"),
+                             alpha = plane(folder, "plain.exr", "beauty", "A"),
                              after = plane(folder, "a.exr", "beauty", "R");
-    for (std::size_t i = 0; i < before.size(); ++i) CHECK(after[i] == Approx(2 * before[i] + (1 - alpha[i]) * 0.5f).epsilon(1e-6));
+    for (std::size_t i = 0; i < before.size(); ++i)
+        CHECK(after[i] == Approx(2 * before[i] + (1 - alpha[i]) * 0.5f).epsilon(1e-6));
     for (const float a : plane(folder, "a.exr", "beauty", "A")) CHECK(a == 1);
     CHECK(plane(folder, "a.exr", "beauty_mse", "R") == plane(folder, "plain.exr", "beauty_mse", "R"));
     const auto flattened = raylex::display::check_deep(folder.path("a.deep.exr"), *read_exr(folder.path("plain.exr")));
@@ -103,13 +115,15 @@ TEST_CASE("display filters change what is written and shown, not deep images or 
     CHECK(flattened->holds);
 
     // Linear and of all light: the partition stays and holds.
-    folder.write("job.toml", "[scene]\nfile = \"room.pbrt\"\n[[channel]]\nname = \"direct\"\nlpe = \"CDL\"\n"
-                             "[[display_filter]]\ntype = \"grade\"\ngain = [0.5, 1.0, 2.0]\n");
+    folder.write("job.toml",
+                 "[scene]\nfile = \"room.pbrt\"\n[[channel]]\nname = \"direct\"\nlpe = \"CDL\"\n"
+                 "[[display_filter]]\ntype = \"grade\"\ngain = [0.5, 1.0, 2.0]\n");
     REQUIRE(run_raylex(folder, "render job.toml -o b.exr").code == 0);
     CHECK(run_raylex(folder, "verify b.exr").code == 0);
     auto image = read_exr(folder.path("b.exr"));
     REQUIRE(image->partitions.size() == 1);
-    const std::vector<float> blue = plane(folder, "b.exr", "direct", "B"), plain = plane(folder, "plain.exr", "direct", "B");
+    const std::vector<float> blue = plane(folder, "b.exr", "direct", "B"),
+                             plain = plane(folder, "plain.exr", "direct", "B");
     for (std::size_t i = 0; i < plain.size(); ++i) CHECK(blue[i] == 2 * plain[i]);
     check_render_refused(folder, "render room.pbrt --display-filter bakground",
                          {"--display-filter", "did you mean 'background'"});
@@ -120,11 +134,13 @@ TEST_CASE("display filters change what is written and shown, not deep images or 
 TEST_CASE("a holdout's shadow goes into alpha and a layer", "[filters]") {
     const Folder folder;
     folder.write("plate.pbrt", shadow_scene);
-    const std::string job = "[scene]\nfile = \"plate.pbrt\"\n[[label]]\nmaterial = \"ground\"\nholdout = true\n"
-                            "[[channel]]\nname = \"unoccluded\"\nlpe = \"holdouts;unoccluded;C[DS]+<L.>\"\n";
+    const std::string job =
+        "[scene]\nfile = \"plate.pbrt\"\n[[label]]\nmaterial = \"ground\"\nholdout = true\n"
+        "[[channel]]\nname = \"unoccluded\"\nlpe = \"holdouts;unoccluded;C[DS]+<L.>\"\n";
     const std::string held = "[[channel]]\nname = \"shadows\"\nlpe = \"holdouts;shadows;C[DS]+<L.>\"\n",
                       arriving = "[[channel]]\nname = \"occluded\"\nlpe = \"holdouts;C[DS]+<L.>\"\n";
-    const std::string filter = "[[sample_filter]]\ntype = \"shadow\"\nunoccluded = \"unoccluded\"\nchannel = \"shadow\"\n";
+    const std::string filter =
+        "[[sample_filter]]\ntype = \"shadow\"\nunoccluded = \"unoccluded\"\nchannel = \"shadow\"\n";
     folder.write("held.toml", job + held + filter + "shadows = \"shadows\"\n");
     folder.write("pair.toml", job + arriving + filter + "occluded = \"occluded\"\n");
     folder.write("none.toml", job + held);
@@ -134,7 +150,8 @@ TEST_CASE("a holdout's shadow goes into alpha and a layer", "[filters]") {
         REQUIRE(outcome.code == 0);
     }
     // A point light is found by sampling alone: the two ways are the same ratio.
-    const std::vector<float> shadow = plane(folder, "held.exr", "shadow", "shadow"), alpha = plane(folder, "held.exr", "beauty", "A"),
+    const std::vector<float> shadow = plane(folder, "held.exr", "shadow", "shadow"),
+                             alpha = plane(folder, "held.exr", "beauty", "A"),
                              plate = plane(folder, "none.exr", "beauty", "A");
     const std::vector<float> pair = plane(folder, "pair.exr", "shadow", "shadow");
     int dark = 0, lit = 0;
@@ -153,9 +170,12 @@ TEST_CASE("a holdout's shadow goes into alpha and a layer", "[filters]") {
 
 TEST_CASE("filter mode splat by flag and job; what it cannot do is named", "[splat]") {
     const SceneFolder folder;
-    REQUIRE(run_raylex(folder, "render room.pbrt -o flag.exr --filter-mode splat --threads 1 --lpe direct=CDL --aov z").code == 0);
-    folder.write("job.toml", "[scene]\nfile = \"room.pbrt\"\n[render]\nfilter_mode = \"splat\"\nthreads = 3\n[channels]\naovs = [\"z\"]\n"
-                             "[[channel]]\nname = \"direct\"\nlpe = \"CDL\"\n");
+    REQUIRE(run_raylex(folder, "render room.pbrt -o flag.exr --filter-mode splat --threads 1 --lpe direct=CDL --aov z")
+                .code == 0);
+    folder.write(
+        "job.toml",
+        "[scene]\nfile = \"room.pbrt\"\n[render]\nfilter_mode = \"splat\"\nthreads = 3\n[channels]\naovs = [\"z\"]\n"
+        "[[channel]]\nname = \"direct\"\nlpe = \"CDL\"\n");
     REQUIRE(run_raylex(folder, "render job.toml -o job.exr").code == 0);
     CHECK(plane(folder, "flag.exr", "beauty", "R") == plane(folder, "job.exr", "beauty", "R"));
     auto image = read_exr(folder.path("job.exr"));

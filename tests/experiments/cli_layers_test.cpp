@@ -18,10 +18,11 @@ TEST_CASE("a channel feeds several layers, by flag and by job alike", "[cli][lay
         folder, "render scene.pbrt -o a.exr --aov VLen --layer far=VLen:zmax --layer peak=beauty:max --lpe d='C<RD>L'");
     INFO(flags.err);
     REQUIRE(flags.code == 0);
-    folder.write("job.toml", "[scene]\nfile = \"scene.pbrt\"\n[channels]\naovs = [\"VLen\"]\n"
-                             "[[channel]]\nname = \"d\"\nlpe = \"C<RD>L\"\n"
-                             "[[layer]]\nname = \"far\"\nchannel = \"VLen\"\nrule = \"zmax\"\n"
-                             "[[layer]]\nname = \"peak\"\nchannel = \"beauty\"\nrule = \"max\"\n");
+    folder.write("job.toml",
+                 "[scene]\nfile = \"scene.pbrt\"\n[channels]\naovs = [\"VLen\"]\n"
+                 "[[channel]]\nname = \"d\"\nlpe = \"C<RD>L\"\n"
+                 "[[layer]]\nname = \"far\"\nchannel = \"VLen\"\nrule = \"zmax\"\n"
+                 "[[layer]]\nname = \"peak\"\nchannel = \"beauty\"\nrule = \"max\"\n");
     REQUIRE(run_raylex(folder, "render job.toml -o b.exr").code == 0);
     const auto a = display::read_exr(folder.path("a.exr")), b = display::read_exr(folder.path("b.exr"));
     REQUIRE(a);
@@ -61,7 +62,8 @@ TEST_CASE("layers that cannot be are refused before rendering", "[cli][layers][l
     says("--aov z --layer far=Z:zmax", "there is no channel 'Z'");
     says("--aov z --layer z=beauty:max", "'z' is taken");
     says("--layer 'a b=beauty:max'", "cannot be a channel name");
-    folder.write("job.toml", "[scene]\nfile = \"scene.pbrt\"\n[[layer]]\nname = \"x\"\nchannel = \"beauty\"\nrul = \"max\"\n");
+    folder.write("job.toml",
+                 "[scene]\nfile = \"scene.pbrt\"\n[[layer]]\nname = \"x\"\nchannel = \"beauty\"\nrul = \"max\"\n");
     const Outcome job = run_raylex(folder, "render job.toml -o a.exr");
     CHECK(job.code == 2);
     CHECK(contains(job.err, "job.toml:"));

@@ -48,7 +48,8 @@ TEST_CASE("lpe check holds the parts against the channel that is the beauty, wha
     CHECK(run_raylex(folder, "lpe check --channels list.rib --of 'C.*' --volume").code == 1);
     folder.write("alone.rib", "DisplayChannel \"color Ci\" \"string source\" \"color lpe:C.*\"\n");
     CHECK(run_raylex(folder, "lpe check --channels alone.rib").code == 0);  // one channel alone is a partition of it
-    CHECK(run_raylex(folder, "lpe check 'all=C.*' 'a=CL'").out.find("both count") != std::string::npos);  // given one by one
+    CHECK(run_raylex(folder, "lpe check 'all=C.*' 'a=CL'").out.find("both count") !=
+          std::string::npos);  // given one by one
 }
 
 TEST_CASE("lpe words, complement, intersection, union and difference show paths, or that there is none") {
@@ -72,7 +73,8 @@ TEST_CASE("lpe explain says what an expression means and ends with 1 when nothin
     const Folder folder;
     const Outcome direct = run_raylex(folder, "lpe explain 'C<RD>[<L.>O]'");
     CHECK(direct.code == 0);
-    CHECK(direct.out.find("From the camera, one diffuse reflection, ending at a light or at emission.") != std::string::npos);
+    CHECK(direct.out.find("From the camera, one diffuse reflection, ending at a light or at emission.") !=
+          std::string::npos);
     CHECK(direct.out.find("It is the shipped channel 'directDiffuse'.") != std::string::npos);
     CHECK(direct.out.find("    C,- R,D L,-\n") != std::string::npos);
     CHECK(run_raylex(folder, "lpe explain 'noclamp;C.*'").out.find("noclamp: ") != std::string::npos);
@@ -89,13 +91,14 @@ TEST_CASE("lpe match tells where a path fails, under the event, and what was wan
     CHECK(run_raylex(folder, "lpe match C.*L C,- R,D,floor L,-").code == 0);  // the path in several arguments
     const Outcome no = run_raylex(folder, "lpe match \"C<RD'floor'>L\" 'C,- R,D,flor L,-'");
     CHECK(no.code == 1);
-    CHECK(no.out == "no match\n"
-                    "the path fits up to event 1: camera\n"
-                    "  C,- R,D,flor L,-\n"
-                    "      ^\n"
-                    "found diffuse reflection off 'flor' at column 5; wanted one diffuse reflection off 'floor'\n"
-                    "that is '<RD'floor'>' (column 2) of the expression\n"
-                    "its label 'flor' is not 'floor'; did you mean 'floor'?\n");
+    CHECK(no.out ==
+          "no match\n"
+          "the path fits up to event 1: camera\n"
+          "  C,- R,D,flor L,-\n"
+          "      ^\n"
+          "found diffuse reflection off 'flor' at column 5; wanted one diffuse reflection off 'floor'\n"
+          "that is '<RD'floor'>' (column 2) of the expression\n"
+          "its label 'flor' is not 'floor'; did you mean 'floor'?\n");
     const Outcome early = run_raylex(folder, "lpe match --dialect osl 'CD+L' 'C,- R,D'");
     CHECK(early.code == 1);
     CHECK(early.out.find("no match\nall 2 events fit, but the path ends too early") == 0);
@@ -122,7 +125,8 @@ TEST_CASE("lpe graph writes DOT and SVG") {
 
 TEST_CASE("every lpe subcommand has help") {
     const Folder folder;
-    for (const char* command : {"explain", "equal", "contains", "empty", "words", "complement", "intersection", "union", "difference", "graph"}) {
+    for (const char* command : {"explain", "equal", "contains", "empty", "words", "complement", "intersection", "union",
+                                "difference", "graph"}) {
         CAPTURE(command);
         const Outcome help = run_raylex(folder, std::string("lpe ") + command + " --help");
         CHECK(help.code == 0);

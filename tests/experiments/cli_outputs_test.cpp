@@ -46,7 +46,8 @@ TEST_CASE("storage is chosen by flag and job, and headers hold the verdicts") {
 
 TEST_CASE("memory is told before rendering and limited by name") {
     const SceneFolder folder;
-    const Outcome outcome = run_raylex(folder, "render room.pbrt --lpe direct=CDL --aov z --stats s.json --memory-limit 1G");
+    const Outcome outcome =
+        run_raylex(folder, "render room.pbrt --lpe direct=CDL --aov z --stats s.json --memory-limit 1G");
     CAPTURE(outcome.out);
     REQUIRE(outcome.code == 0);
     CHECK(outcome.out.find("memory: ") == 0);
@@ -67,8 +68,9 @@ TEST_CASE("memory is told before rendering and limited by name") {
 TEST_CASE("any layer can be a preview, through any view") {
     const SceneFolder folder;
     const Outcome outcome = run_raylex(
-        folder, "render room.pbrt --aov Nn --lpe direct=CDL --preview b.png --preview Nn=n.png --preview direct=d.png "
-                "--view Raw --driver png:file=e.png,layer=direct,exposure=2,size=8");
+        folder,
+        "render room.pbrt --aov Nn --lpe direct=CDL --preview b.png --preview Nn=n.png --preview direct=d.png "
+        "--view Raw --driver png:file=e.png,layer=direct,exposure=2,size=8");
     CAPTURE(outcome.err);
     REQUIRE(outcome.code == 0);
     CHECK(folder.names() == std::vector<std::string>{"b.png", "d.png", "e.png", "n.png", "room.exr", "room.pbrt"});
@@ -77,11 +79,13 @@ TEST_CASE("any layer can be a preview, through any view") {
         CHECK(outcome.out.find(file) != std::string::npos);
     }
     CHECK(folder.read("b.png") != folder.read("d.png"));
-    check_refused(folder, "render room.pbrt -o x.exr --aov Nn --preview Nm=n2.png", {"no layer 'Nm'", "did you mean 'Nn'"});
+    check_refused(folder, "render room.pbrt -o x.exr --aov Nn --preview Nm=n2.png",
+                  {"no layer 'Nm'", "did you mean 'Nn'"});
     check_refused(folder, "render room.pbrt -o x.exr --preview a.png --view Rwa", {"view 'Rwa'", "did you mean 'Raw'"});
     check_refused(folder, "render room.pbrt -o x.exr --preview a.png --driver png:file=a.png", {"used twice"});
     check_refused(folder, "render room.pbrt -o x.exr --preview Nn=absent/p.png --aov Nn", {"absent/p.png"});
-    check_refused(folder, "render room.pbrt -o x.exr --driver gif:file=a.gif", {"unknown display driver 'gif'", "exr, tev, png"});
+    check_refused(folder, "render room.pbrt -o x.exr --driver gif:file=a.gif",
+                  {"unknown display driver 'gif'", "exr, tev, png"});
 }
 
 TEST_CASE("a deep image flattens to the image, for any number of threads", "[law3]") {
@@ -110,13 +114,17 @@ TEST_CASE("a deep image flattens to the image, for any number of threads", "[law
         CHECK(verdict->samples >= static_cast<std::uint64_t>(covered));
     }
     CHECK(data[0] == data[1]);
-    check_refused(folder, "render room.pbrt -o x.exr --deep d.exr --filter mitchell", {"negative lobes", "expected box"});
-    check_refused(folder, "render room.pbrt -o x.exr --deep d.exr --deep-channels Nm --aov Nn", {"'Nm'", "did you mean 'Nn'"});
-    check_refused(folder, "render room.pbrt -o x.exr --deep d.exr --deep-channels id --aov id", {"'id' cannot be deep"});
+    check_refused(folder, "render room.pbrt -o x.exr --deep d.exr --filter mitchell",
+                  {"negative lobes", "expected box"});
+    check_refused(folder, "render room.pbrt -o x.exr --deep d.exr --deep-channels Nm --aov Nn",
+                  {"'Nm'", "did you mean 'Nn'"});
+    check_refused(folder, "render room.pbrt -o x.exr --deep d.exr --deep-channels id --aov id",
+                  {"'id' cannot be deep"});
     check_refused(folder, "render room.pbrt -o x.exr --deep d.exr --deep-storage zip", {"--deep-storage", "zips"});
     check_refused(folder, "render room.pbrt -o x.exr --deep-tidy", {"--deep FILE.exr"});
-    folder.write("job.toml", "[scene]\nfile = \"room.pbrt\"\n[deep]\nfile = \"j.exr\"\ntidy = true\nsamples = 8\n"
-                             "tolerance = 0.01\nstorage = \"half rle\"\n");
+    folder.write("job.toml",
+                 "[scene]\nfile = \"room.pbrt\"\n[deep]\nfile = \"j.exr\"\ntidy = true\nsamples = 8\n"
+                 "tolerance = 0.01\nstorage = \"half rle\"\n");
     CHECK(run_raylex(folder, "render job.toml").code == 0);
     CHECK(!folder.read("j.exr").empty());
 }
@@ -139,9 +147,9 @@ TEST_CASE("a render shows itself in a viewer, and does without one", "[tev]") {
         }
         CHECK(seen == red);
         CHECK(viewer.images()["room.exr"].channels["Z"] == image->layer("z")->plane("Z")->values);
-        CHECK(viewer.images()["room.exr"].order ==
-              std::vector<std::string>{"R", "G", "B", "A", "direct.R", "direct.G", "direct.B", "rest.R", "rest.G",
-                                       "rest.B", "Z"});
+        CHECK(viewer.images()["room.exr"].order == std::vector<std::string>{"R", "G", "B", "A", "direct.R", "direct.G",
+                                                                            "direct.B", "rest.R", "rest.G", "rest.B",
+                                                                            "Z"});
         CHECK(viewer.complaint().empty());
     }
     int port;

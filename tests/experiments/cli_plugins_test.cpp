@@ -1,5 +1,5 @@
-// --plugin and `raylex plugins`: what is loaded, what is refused and why. What the example plugins do to an image is checked
-// out of tree, by tests/outside/check_plugins.cpp.
+// --plugin and `raylex plugins`: what is loaded, what is refused and why. What the example plugins do to an image is
+// checked out of tree, by tests/outside/check_plugins.cpp.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <string>
@@ -17,7 +17,9 @@ using transport::PluginStamp;
 std::string plugin_path(const std::string& name) {
     return binary_dir() + "/tests/lib" + name + ".so";
 }
-std::string quoted(const std::string& path) { return "'" + path + "'"; }
+std::string quoted(const std::string& path) {
+    return "'" + path + "'";
+}
 
 std::string file_text(const std::string& path) {
     const Folder folder;
@@ -37,8 +39,8 @@ std::string with_other_stamp(const Folder& folder, const std::string& name, std:
 
 TEST_CASE("`raylex plugins` lists what a plugin registers, with every parameter", "[cli][plugins]") {
     const Folder folder;
-    const Outcome listed = run_raylex(folder, "plugins " + quoted(plugin_path("ambient_occlusion")) + " " +
-                                                  quoted(plugin_path("stripes_pattern")));
+    const Outcome listed = run_raylex(
+        folder, "plugins " + quoted(plugin_path("ambient_occlusion")) + " " + quoted(plugin_path("stripes_pattern")));
     CHECK(listed.code == 0);
     CHECK(contains(listed.out, "integrator ambientocclusion: the share of the sky that a point sees"));
     CHECK(contains(listed.out, "float maxdistance = infinite: how far"));
@@ -46,9 +48,8 @@ TEST_CASE("`raylex plugins` lists what a plugin registers, with every parameter"
     CHECK(contains(listed.out, "integer count = 8:"));
     const Outcome in_tree = run_raylex(folder, "plugins");
     CHECK(in_tree.code == 0);
-    for (const char* name :
-         {"integrator path:", "camera perspective:", "material diffuse:", "texture imagemap:", "shape trianglemesh:",
-          "sample filter clamp:", "display driver png:"})
+    for (const char* name : {"integrator path:", "camera perspective:", "material diffuse:", "texture imagemap:",
+                             "shape trianglemesh:", "sample filter clamp:", "display driver png:"})
         CHECK(contains(in_tree.out, name));
     CHECK(in_tree.out.find("ambientocclusion") == std::string::npos);
 }
@@ -71,7 +72,8 @@ TEST_CASE("a plugin's integrator renders a scene that asks for it by name", "[cl
     CHECK(contains(fallback.err, "'ambientocclusion' is not available"));
     // Loaded twice, by flag and by flag, is loaded once.
     CHECK(run_raylex(folder, with + " --plugin " + quoted(plugin_path("ambient_occlusion"))).code == 0);
-    folder.write("job.toml", "plugins = [\"" + plugin_path("ambient_occlusion") + "\"]\n[scene]\nfile = \"scene.pbrt\"\n");
+    folder.write("job.toml",
+                 "plugins = [\"" + plugin_path("ambient_occlusion") + "\"]\n[scene]\nfile = \"scene.pbrt\"\n");
     CHECK(run_raylex(folder, "render job.toml -o out.exr").code == 0);
     CHECK(run_raylex(folder, "lpe check --scene job.toml all='C.*'").code == 0);
 }
@@ -107,7 +109,8 @@ TEST_CASE("what is no plugin is refused before it is opened", "[cli][plugins][la
 TEST_CASE("a plugin whose stamp differs in anything is refused with what differs", "[cli][plugins][law7]") {
     const Folder folder;
     const auto says = [&](std::size_t offset, const std::string& message) {
-        const Outcome outcome = run_raylex(folder, "plugins " + quoted(with_other_stamp(folder, "stripes_pattern", offset)));
+        const Outcome outcome =
+            run_raylex(folder, "plugins " + quoted(with_other_stamp(folder, "stripes_pattern", offset)));
         CHECK(outcome.code == 2);
         CHECK(contains(outcome.err, message));
     };
@@ -135,8 +138,9 @@ TEST_CASE("a plugin that fails while it registers leaves nothing behind and is n
     const Folder folder;
     folder.write("scene.pbrt", small_scene());
     const auto says = [&](const std::string& kind, const std::string& name, const std::string& message) {
-        const Outcome outcome = run_shell(folder, "MISBEHAVIOUR=" + kind + " \"$RAYLEX\" render scene.pbrt -o out.exr --plugin " +
-                                                      quoted(plugin_path(name)));
+        const Outcome outcome =
+            run_shell(folder, "MISBEHAVIOUR=" + kind + " \"$RAYLEX\" render scene.pbrt -o out.exr --plugin " +
+                                  quoted(plugin_path(name)));
         CHECK(outcome.code == 2);
         CHECK(contains(outcome.err, "--plugin: plugin '"));
         CHECK(contains(outcome.err, message));

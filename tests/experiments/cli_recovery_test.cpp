@@ -1,8 +1,8 @@
 // raylex render --checkpoint and --resume: whatever ends the program, and whenever, the image ends in the same bits.
 #include <fcntl.h>
 #include <unistd.h>
-#include <catch2/catch.hpp>
 #include <atomic>
+#include <catch2/catch.hpp>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -75,13 +75,19 @@ int run_here(const std::vector<std::string>& arguments) {
 }
 
 std::vector<std::string> short_run(const std::string& folder, bool resume) {
-    std::vector<std::string> arguments{"render", folder + "/room.pbrt", "-o", folder + "/out.exr", "--spp", "2048",
-                                       "--lpe", "direct=CDL", "--aov", "sampleCount", "--threads", "2", "--checkpoint",
-                                       "0.02s"};
+    std::vector<std::string> arguments{"render",       folder + "/room.pbrt",
+                                       "-o",           folder + "/out.exr",
+                                       "--spp",        "2048",
+                                       "--lpe",        "direct=CDL",
+                                       "--aov",        "sampleCount",
+                                       "--threads",    "2",
+                                       "--checkpoint", "0.02s"};
     if (resume) arguments.push_back("--resume");
     return arguments;
 }
-std::vector<std::string> short_run(const Folder& folder, bool resume) { return short_run(folder.path(), resume); }
+std::vector<std::string> short_run(const Folder& folder, bool resume) {
+    return short_run(folder.path(), resume);
+}
 
 }  // namespace
 
@@ -96,8 +102,9 @@ TEST_CASE("a render that is killed goes on to the same bits [law3]", "[release-o
     std::string resume;
     for (; kills < 4; ++kills) {
         // From the first checkpoint on, so that there is something to go on from.
-        const Outcome outcome = run_shell(folder, "\"$RAYLEX\" " + render + " -o out.exr --checkpoint 0.02s" + resume +
-                                                      " & pid=$!\n" + until_saved + "sleep 0.1\nkill -9 $pid || exit 7\nwait $pid\n[ $? = 137 ]");
+        const Outcome outcome =
+            run_shell(folder, "\"$RAYLEX\" " + render + " -o out.exr --checkpoint 0.02s" + resume + " & pid=$!\n" +
+                                  until_saved + "sleep 0.1\nkill -9 $pid || exit 7\nwait $pid\n[ $? = 137 ]");
         CAPTURE(outcome.out, outcome.err);
         if (kills > 0 && outcome.code != 0) break;  // it had come to its end
         REQUIRE(outcome.code == 0);
@@ -121,8 +128,8 @@ TEST_CASE("Ctrl-C leaves an image of what there is and a checkpoint to go on fro
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     const std::string render = "render room.pbrt --spp 20000" + what;
-    const Outcome stopped = run_shell(folder, "\"$RAYLEX\" " + render + " -o out.exr --checkpoint 0.2s & pid=$!\n" + until_saved +
-                                              "kill -INT $pid\nwait $pid");
+    const Outcome stopped = run_shell(folder, "\"$RAYLEX\" " + render + " -o out.exr --checkpoint 0.2s & pid=$!\n" +
+                                                  until_saved + "kill -INT $pid\nwait $pid");
     CAPTURE(stopped.out, stopped.err);
     REQUIRE(stopped.code == 130);
     CHECK(stopped.out.find("out.exr.checkpoint: --resume goes on from here") != std::string::npos);
@@ -130,7 +137,8 @@ TEST_CASE("Ctrl-C leaves an image of what there is and a checkpoint to go on fro
     // Another render would lose it.
     const Outcome refused = run_raylex(folder, render + " -o out.exr --checkpoint 60s");
     CHECK(refused.code == 2);
-    CHECK(refused.err.find("out.exr.checkpoint: this is the checkpoint of a render that was not finished") != std::string::npos);
+    CHECK(refused.err.find("out.exr.checkpoint: this is the checkpoint of a render that was not finished") !=
+          std::string::npos);
     REQUIRE(run_raylex(folder, render + " -o out.exr --resume").code == 0);
     REQUIRE(run_raylex(folder, render + " -o whole.exr").code == 0);
     CHECK((bits_of(folder.path("out.exr")) == bits_of(folder.path("whole.exr"))));
@@ -155,8 +163,9 @@ TEST_CASE("what cannot be resumed is refused with exit 2 and left alone [law7]")
     refused("--checkpoint 60s --deep d.exr", "--deep: a deep image is not saved in checkpoints");
     refused("--until-error 0", "'0' is no relative error; expected a number above 0 such as 1% or 0.01");
     refused("--until-error 1x", "'1x' is no relative error");
-    const Outcome stopped = run_shell(folder, "\"$RAYLEX\" render room.pbrt --spp 20000 -o out.exr --checkpoint 0.2s & pid=$!\n" +
-                                              until_saved + "kill -INT $pid\nwait $pid");
+    const Outcome stopped =
+        run_shell(folder, "\"$RAYLEX\" render room.pbrt --spp 20000 -o out.exr --checkpoint 0.2s & pid=$!\n" +
+                              until_saved + "kill -INT $pid\nwait $pid");
     REQUIRE(stopped.code == 130);
     const std::string bytes = folder.read("out.exr.checkpoint");
     refused("--spp 20000 --resume --seed 1", "seed: 0 there, 1 here");
@@ -204,7 +213,8 @@ neighbourhood = 2
     auto image = raylex::display::read_exr(folder.path("out.exr"));
     REQUIRE(image);
     CHECK(image->attributes["raylex/adaptive"] ==
-          "error 0.20000000000000001 of beauty*1 direct*0.5, 32 to 1000 samples, floor 0.20000000000000001, neighbourhood 2");
+          "error 0.20000000000000001 of beauty*1 direct*0.5, 32 to 1000 samples, floor 0.20000000000000001, "
+          "neighbourhood 2");
     const auto json = raylex::experiments::parse_json(folder.read("s.json"));
     CHECK(json["adaptive"]["error"].get<double>() > 0);
     CHECK(json["checkpoints"]["stall_seconds"].get<double>() >= 0);
@@ -322,7 +332,8 @@ TEST_CASE("a fault in any write, sync or rename of a run costs no bit [law7]", "
         }
     unsetenv("TMPDIR");
     CHECK(faults > 12);
-    for (const FileCall call : {FileCall::write, FileCall::sync, FileCall::rename}) CHECK(of_checkpoints.count(call) == 1);
+    for (const FileCall call : {FileCall::write, FileCall::sync, FileCall::rename})
+        CHECK(of_checkpoints.count(call) == 1);
     CHECK(failed_runs > 3);
 }
 
@@ -336,7 +347,7 @@ TEST_CASE("this program as one that dies at a file call", "[.][recovery-child]")
         if (calls++ == last) std::raise(SIGKILL);
         return 0;
     });
-    std::vector<std::string> arguments = short_run(std::string(folder), false);   // what the parent resumes
+    std::vector<std::string> arguments = short_run(std::string(folder), false);  // what the parent resumes
     arguments.insert(arguments.begin(), "raylex");
     std::vector<const char*> words;
     for (const std::string& each : arguments) words.push_back(each.c_str());
@@ -353,9 +364,9 @@ TEST_CASE("a death at any file call of a run costs no bit [law7]", "[.full][reco
     for (;; ++deaths) {
         std::remove(checkpoint.c_str());
         folder.write("out.exr", earlier);
-        const Outcome outcome =
-            run_shell(folder, "export RAYLEX_TEST_FOLDER='" + folder.path() + "' RAYLEX_TEST_CALL=" + std::to_string(deaths) +
-                                  "\nexec '" + binary_dir() + "/test_experiments' '[recovery-child]'");
+        const Outcome outcome = run_shell(folder, "export RAYLEX_TEST_FOLDER='" + folder.path() +
+                                                      "' RAYLEX_TEST_CALL=" + std::to_string(deaths) + "\nexec '" +
+                                                      binary_dir() + "/test_experiments' '[recovery-child]'");
         CAPTURE(deaths, outcome.code, outcome.err);
         CHECK((bits_of(out) == expected));  // the earlier image or the new one, never a part
         if (outcome.code == 0) break;
@@ -405,6 +416,7 @@ TEST_CASE("a hundred random kills cost no bit [law3]", "[.full][recovery]") {
             CHECK_FALSE(folder.has("out.exr.checkpoint"));
         }
     }
-    std::printf("%d random kills over %d images, %d sessions resumed, all with the same bits\n", kills, images, resumed);
+    std::printf("%d random kills over %d images, %d sessions resumed, all with the same bits\n", kills, images,
+                resumed);
     CHECK(resumed > 20);
 }

@@ -214,9 +214,9 @@ TEST_CASE("bad scenes end with file, line and what was expected [law7]") {
         "element face 1\nproperty list uchar int vertex_indices\nend_header\nab");
     folder.write("a.pbrt", scene + "Shape \"plymesh\" \"string filename\" \"m.ply\"\n");
     check_refused(folder, "render a.pbrt", {"m.ply"});
-    folder.write("a.pbrt",
-                 scene + "MakeNamedMedium \"fog\" \"string type\" \"cloud\"\nMediumInterface \"\" \"fog\"\n"
-                         "Shape \"sphere\"\n");
+    folder.write("a.pbrt", scene +
+                               "MakeNamedMedium \"fog\" \"string type\" \"cloud\"\nMediumInterface \"\" \"fog\"\n"
+                               "Shape \"sphere\"\n");
     check_refused(folder, "render a.pbrt", {"a.pbrt:1"});
 }
 

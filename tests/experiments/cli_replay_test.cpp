@@ -20,7 +20,8 @@ std::string broken_scene() {
 TEST_CASE("refused samples come with the command that replays them", "[law6]") {
     const Folder folder;
     folder.write("it's.pbrt", broken_scene());
-    const Outcome outcome = run_raylex(folder, "render \"it's.pbrt\" -o a.exr --seed 7 --lpe seen=CL --aov invalidSamples --stats s.json");
+    const Outcome outcome =
+        run_raylex(folder, "render \"it's.pbrt\" -o a.exr --seed 7 --lpe seen=CL --aov invalidSamples --stats s.json");
     CAPTURE(outcome.err);
     REQUIRE(outcome.code == 0);
     CHECK(outcome.err.find("The first: pixel (") != std::string::npos);
@@ -39,7 +40,8 @@ TEST_CASE("refused samples come with the command that replays them", "[law6]") {
     const auto& first = invalid["logged"][0];
     CHECK(first["replay"]["seed"] == 7);
     const std::string command = first["replay"]["command"];
-    const std::string sample = "--replay " + first["pixel"][0].dump() + "," + first["pixel"][1].dump() + "," + first["sample"].dump();
+    const std::string sample =
+        "--replay " + first["pixel"][0].dump() + "," + first["pixel"][1].dump() + "," + first["sample"].dump();
     CHECK(command.find(sample) != std::string::npos);
     CHECK(outcome.err.find(command) != std::string::npos);
     const std::vector<std::string> before = folder.names();

@@ -28,7 +28,8 @@ TEST_CASE("lpe split writes every format, and lpe check reads each back as a par
     CHECK(dry.out.find("C,- V,- L,-") != std::string::npos);
     const Outcome printed = run_raylex(folder, "lpe split --by lobe --write-as rib");
     CHECK(printed.code == 0);
-    CHECK(printed.out.find("DisplayChannel \"color diffuse\" \"string source\" [\"color lpe:C<RD>.*[<L.>O]\"]") != std::string::npos);
+    CHECK(printed.out.find("DisplayChannel \"color diffuse\" \"string source\" [\"color lpe:C<RD>.*[<L.>O]\"]") !=
+          std::string::npos);
     CHECK(run_raylex(folder, "lpe split --by lobes").code == 2);
     CHECK(run_raylex(folder, "lpe split --by light-group").code == 2);
     CHECK(run_raylex(folder, "lpe split --by lobe -o split.txt").code == 2);
@@ -37,13 +38,15 @@ TEST_CASE("lpe split writes every format, and lpe check reads each back as a par
 
 TEST_CASE("lpe check suggests the rest, adds it, and converts files") {
     const Folder folder;
-    folder.write("a.rib", "DisplayChannel \"color diff\" \"string source\" [\"color lpe:myD\"] \"string filter\" \"box\"\n"
-                          "DisplayChannel \"color spec\" \"string source\" [\"color lpe:C<RS>.*\"]\n");
+    folder.write("a.rib",
+                 "DisplayChannel \"color diff\" \"string source\" [\"color lpe:myD\"] \"string filter\" \"box\"\n"
+                 "DisplayChannel \"color spec\" \"string source\" [\"color lpe:C<RS>.*\"]\n");
     folder.write("rendermn.ini", "/prman/lpe/macro/myD C<RD>.*\n");
     const Outcome check = run_raylex(folder, "lpe check --channels a.rib --channels rendermn.ini");
     CHECK(check.code == 1);
     CHECK(check.out.find("rest=\"(C|(CT.*))[LO]\"") != std::string::npos);
-    const Outcome whole = run_raylex(folder, "lpe check --channels a.rib --channels rendermn.ini --rest others -o whole.toml");
+    const Outcome whole =
+        run_raylex(folder, "lpe check --channels a.rib --channels rendermn.ini --rest others -o whole.toml");
     CHECK(whole.code == 0);
     CHECK(folder.read("whole.toml").find("name = \"others\"\nlpe = \"(C|(CT.*))[LO]\"") != std::string::npos);
     CHECK(run_raylex(folder, "lpe check --channels whole.toml --no-volume").code == 0);
@@ -55,15 +58,17 @@ TEST_CASE("lpe check suggests the rest, adds it, and converts files") {
     CHECK(wrong.code == 2);
     CHECK(wrong.err.find("wrong.ini:1:25: found 'X'") != std::string::npos);
     CHECK(wrong.err.find("in the macro 'myD'") != std::string::npos);
-    CHECK(run_raylex(folder, "lpe check --channels a.rib --channels a.rib --channels rendermn.ini").err.find("used twice") !=
+    CHECK(run_raylex(folder, "lpe check --channels a.rib --channels a.rib --channels rendermn.ini")
+              .err.find("used twice") != std::string::npos);
+    CHECK(run_raylex(folder, "lpe explain spec --channels a.rib --channels rendermn.ini").out.find("C<RS>.*") !=
           std::string::npos);
-    CHECK(run_raylex(folder, "lpe explain spec --channels a.rib --channels rendermn.ini").out.find("C<RS>.*") != std::string::npos);
 }
 
 TEST_CASE("errors point through the escapes of TOML strings") {
     const Folder folder;
     folder.write("m.toml",
-                 "[macros]\nbad = \"C<R\\u0044>\\tD*LX\"\n[[channel]]\nname = \"a\"\nlpe = \"\"\"\nC<RD>\\\n   .*($bad)\"\"\"\n");
+                 "[macros]\nbad = \"C<R\\u0044>\\tD*LX\"\n[[channel]]\nname = \"a\"\nlpe = \"\"\"\nC<RD>\\\n   "
+                 ".*($bad)\"\"\"\n");
     const Outcome outcome = run_raylex(folder, "lpe check --channels m.toml");
     CHECK(outcome.code == 2);
     CHECK(outcome.err.find("m.toml:2:23: found 'X'") != std::string::npos);
@@ -72,17 +77,21 @@ TEST_CASE("errors point through the escapes of TOML strings") {
     folder.write("c.toml", "[macros]\none = \"C$two\"\ntwo = \"D$one\"\n[[channel]]\nname = \"a\"\nlpe = \"one\"\n");
     CHECK(run_raylex(folder, "lpe check --channels c.toml").err.find("one -> two -> one") != std::string::npos);
     folder.write("k.toml", "[[channel]]\nname = \"a\"\nlpe = \"C.*\"\n[lobeslots]\n");
-    CHECK(run_raylex(folder, "lpe check --channels k.toml").err.find("did you mean 'lobe_slots'?") != std::string::npos);
+    CHECK(run_raylex(folder, "lpe check --channels k.toml").err.find("did you mean 'lobe_slots'?") !=
+          std::string::npos);
 }
 
 TEST_CASE("partitions that a TOML file declares are checked one by one") {
     const Folder folder;
-    folder.write("p.toml", "[[channel]]\nname = \"a\"\nlpe = \"C<RD>.*\"\n[[channel]]\nname = \"b\"\nlpe = \"C.*-C<RD>.*\"\n"
-                           "[[channel]]\nname = \"c\"\nlpe = \"C.*\"\n[[partition]]\nname = \"good\"\nchannels = [\"a\", \"b\"]\n");
+    folder.write(
+        "p.toml",
+        "[[channel]]\nname = \"a\"\nlpe = \"C<RD>.*\"\n[[channel]]\nname = \"b\"\nlpe = \"C.*-C<RD>.*\"\n"
+        "[[channel]]\nname = \"c\"\nlpe = \"C.*\"\n[[partition]]\nname = \"good\"\nchannels = [\"a\", \"b\"]\n");
     const Outcome good = run_raylex(folder, "lpe check --channels p.toml");
     CHECK(good.code == 0);
     CHECK(good.out.find("partition 'good': 2 channels are a partition") != std::string::npos);
-    folder.write("q.toml", folder.read("p.toml") + "[[partition]]\nname = \"bad\"\nchannels = [\"a\", \"c\"]\nrest = \"r\"\n");
+    folder.write("q.toml",
+                 folder.read("p.toml") + "[[partition]]\nname = \"bad\"\nchannels = [\"a\", \"c\"]\nrest = \"r\"\n");
     const Outcome bad = run_raylex(folder, "lpe check --channels q.toml");
     CHECK(bad.code == 1);
     CHECK(bad.out.find("partition 'bad': 'a' and 'c' both count") != std::string::npos);
@@ -101,7 +110,8 @@ TEST_CASE("macros and lobe slots of a job decide what its layers hold", "[law1]"
     folder.write("moved.toml", job("[lobe_slots]\ndiffuse3 = [\"Subsurface\", \"diffuse\"]\n", "D3"));
     folder.write("gone.toml", job("[lobe_slots]\ndiffuse3 = \"diffuse\"\n", "D2"));
     for (const char* name : {"usual", "moved", "gone"}) {
-        const Outcome render = run_raylex(folder, std::string("render ") + name + ".toml -o " + name + ".exr --spp 1 --resolution 8x8");
+        const Outcome render =
+            run_raylex(folder, std::string("render ") + name + ".toml -o " + name + ".exr --spp 1 --resolution 8x8");
         INFO(render.err);
         CHECK(render.code == 0);
     }

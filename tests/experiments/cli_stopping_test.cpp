@@ -30,8 +30,8 @@ struct Stopped {
 };
 Stopped stop_by(const Folder& folder, const std::string& arguments, const std::string& signal, double after) {
     const auto begin = std::chrono::steady_clock::now();
-    Stopped stopped{run_shell(folder, "\"$RAYLEX\" " + arguments + " & raylex=$!; sleep " + std::to_string(after) + "; kill -" +
-                                          signal + " $raylex; wait $raylex"),
+    Stopped stopped{run_shell(folder, "\"$RAYLEX\" " + arguments + " & raylex=$!; sleep " + std::to_string(after) +
+                                          "; kill -" + signal + " $raylex; wait $raylex"),
                     0};
     stopped.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() - after;
     return stopped;
@@ -75,29 +75,38 @@ TEST_CASE("Loading hears a signal", "[cli][stopping]") {
     INFO(stopped.outcome.err);
     CHECK(stopped.outcome.code == 130);
     CHECK(stopped.seconds < soon);
-    CHECK(stopped.outcome.err.find("interrupted before anything was rendered; no file was written") != std::string::npos);
+    CHECK(stopped.outcome.err.find("interrupted before anything was rendered; no file was written") !=
+          std::string::npos);
 }
 
 TEST_CASE("What is out of range is named, and never ends the program by a signal", "[cli][law7]") {
     const Folder folder;
     const std::string head = "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8\n",
-                      sky = "WorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\n", ball = "Shape \"sphere\" \"float radius\" 1\n";
-    const auto camera = [](const std::string& z) { return "LookAt 0 0 " + z + "  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" 40\n"; };
+                      sky = "WorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\n",
+                      ball = "Shape \"sphere\" \"float radius\" 1\n";
+    const auto camera = [](const std::string& z) {
+        return "LookAt 0 0 " + z + "  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" 40\n";
+    };
     const auto instance = [&](const std::string& transform) {
-        return head + camera("-5") + sky + "ObjectBegin \"a\"\n" + ball + "ObjectEnd\n" + transform + "\nObjectInstance \"a\"\n";
+        return head + camera("-5") + sky + "ObjectBegin \"a\"\n" + ball + "ObjectEnd\n" + transform +
+               "\nObjectInstance \"a\"\n";
     };
     std::string scales;
     for (int i = 0; i < 10; ++i) scales += "Scale 1e10 1e10 1e10\n";
     const struct {
         std::string scene, expected;
     } cases[] = {
-        {instance("Scale 1e-18 1e-18 1e-18"), "scene.pbrt:10:1: the instance's transform is beyond what single precision inverts"},
+        {instance("Scale 1e-18 1e-18 1e-18"),
+         "scene.pbrt:10:1: the instance's transform is beyond what single precision inverts"},
         {instance("Scale 1e-10 1 1e10 Scale 1e-10 1 1e10"), "scene.pbrt:10:1: the instance reaches to 1e+20"},
         {instance("Scale 1e18 1e-18 1"), "the instance"},
         {head + camera("1e19") + sky + ball, "scene.pbrt:3:1: the camera stands at"},
-        {head + camera("4e18") + sky + "Shape \"sphere\" \"float radius\" 1e18\n", "scene.pbrt:6:1: rays of the scene begin as far as"},
-        {head + camera("5") + sky + scales + ball, "the shape reaches to 1e+100 from the origin; expected at most 1e+18"},
-        {head + camera("5") + sky + "LightSource \"point\" \"point3 from\" [1e30 0 0]\n" + ball, "scene.pbrt:6:1: the light stands at"},
+        {head + camera("4e18") + sky + "Shape \"sphere\" \"float radius\" 1e18\n",
+         "scene.pbrt:6:1: rays of the scene begin as far as"},
+        {head + camera("5") + sky + scales + ball,
+         "the shape reaches to 1e+100 from the origin; expected at most 1e+18"},
+        {head + camera("5") + sky + "LightSource \"point\" \"point3 from\" [1e30 0 0]\n" + ball,
+         "scene.pbrt:6:1: the light stands at"},
     };
     for (const auto& [scene, expected] : cases) {
         folder.write("scene.pbrt", scene);
@@ -110,8 +119,8 @@ TEST_CASE("What is out of range is named, and never ends the program by a signal
 
 TEST_CASE("what waits for a pipe is interrupted, and says so by its exit code", "[law7]") {
     const SceneFolder folder;
-    for (const char* command : {"render room.pbrt --channels <(sleep 20) -o x.exr",
-                                "lpe check --channels <(sleep 20)", "lpe vectors <(sleep 20)"}) {
+    for (const char* command : {"render room.pbrt --channels <(sleep 20) -o x.exr", "lpe check --channels <(sleep 20)",
+                                "lpe vectors <(sleep 20)"}) {
         CAPTURE(command);
         const Outcome outcome =
             run_shell(folder, std::string("timeout --preserve-status -s INT 0.5 \"$RAYLEX\" ") + command);

@@ -3,10 +3,10 @@
 
 #include <cmath>
 
+#include "browser.h"
 #include "display/buffer/frame_buffer.h"
 #include "display/output/exr_writer.h"
 #include "display/services/sample_table.h"
-#include "browser.h"
 #include "support/skip.h"
 
 using namespace raylex::test;

@@ -37,12 +37,12 @@ struct FlatImage : transport::LiveImage {
         return of(region, 1, 1);
     }
     std::vector<double> resolve_alpha(const display::PixelRegion&) const override { return {}; }
-    std::vector<double> resolve_variance_of_mean(display::ChannelId id, const display::PixelRegion& region) const override {
+    std::vector<double> resolve_variance_of_mean(display::ChannelId id,
+                                                 const display::PixelRegion& region) const override {
         const double scale = id == 0 ? 1 : 25;  // channels have five times the beauty's error
         std::vector<double> values = of(region, scale * low * low, scale * high * high);
         if (spot > 0 && region.x0 == 0 && region.y0 == 0)
-            for (int y = 0; y < 8; ++y)
-                std::fill_n(values.begin() + 3 * region.width() * y, 24, scale * spot * spot);
+            for (int y = 0; y < 8; ++y) std::fill_n(values.begin() + 3 * region.width() * y, 24, scale * spot * spot);
         return values;
     }
 };
@@ -74,9 +74,11 @@ LiveErrors errors_of(const std::vector<display::ChannelDefinition>& channels, co
 
 }  // namespace
 
-TEST_CASE("the live line names errors, their uncertainty and the time to the next mark, to what was asked for, or to the end") {
-    const std::vector<display::ChannelDefinition> channels{light("beauty"),  light("caustics"), light("quiet", false),
-                                                           light("a"),       light("b"),        light("c")};
+TEST_CASE(
+    "the live line names errors, their uncertainty and the time to the next mark, to what was asked for, or to the "
+    "end") {
+    const std::vector<display::ChannelDefinition> channels{light("beauty"), light("caustics"), light("quiet", false),
+                                                           light("a"),      light("b"),        light("c")};
     constexpr std::uint64_t pixels = 64 * 32;
     FlatImage image;
     image.low = image.high = 0.04;
@@ -205,8 +207,8 @@ TEST_CASE("measuring errors while rendering changes no bit, and they are the fin
 TEST_CASE("on a terminal the line fits its width and names the beauty's error; elsewhere nothing is measured",
           "[release-only]") {
     const Folder folder;
-    const std::string command = "cd '" + folder.path() + "' && exec '" + raylex::test::binary_dir() + "/raylex' render '" +
-                                raylex::test::source_dir() +
+    const std::string command = "cd '" + folder.path() + "' && exec '" + raylex::test::binary_dir() +
+                                "/raylex' render '" + raylex::test::source_dir() +
                                 "/experiments/scenes/cornell-color/scene.pbrt' --resolution 64x64 --spp 2048 "
                                 "--statistics direct=variance --lpe 'direct=C[DS]<L.>' -o out.exr";
     int terminal = -1;
@@ -219,7 +221,8 @@ TEST_CASE("on a terminal the line fits its width and names the beauty's error; e
     }
     std::string said;
     char bytes[4096];
-    for (ssize_t got = 0; (got = read(terminal, bytes, sizeof bytes)) > 0;) said.append(bytes, static_cast<std::size_t>(got));
+    for (ssize_t got = 0; (got = read(terminal, bytes, sizeof bytes)) > 0;)
+        said.append(bytes, static_cast<std::size_t>(got));
     close(terminal);
     int status = 0;
     waitpid(child, &status, 0);

@@ -1,5 +1,6 @@
-// How well the time to an error is predicted, on every scene that comes with raylex: what the live line of `render` says, and
-// what a report reads off its curves. In samples, which do not depend on the machine; a sample costs the same early and late.
+// How well the time to an error is predicted, on every scene that comes with raylex: what the live line of `render`
+// says, and what a report reads off its curves. In samples, which do not depend on the machine; a sample costs the same
+// early and late.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -25,8 +26,10 @@ namespace {
 struct Size {
     int width = 24, height = 16;
 };
-// All of experiments/scenes whose pixels have an error at all: furnaces and the point light on a plane have none to predict.
-const std::vector<std::string> scene_names{"cornell-color", "cornell-grey", "cornell-fog", "mis-plates", "sky-image", "still-life"};
+// All of experiments/scenes whose pixels have an error at all: furnaces and the point light on a plane have none to
+// predict.
+const std::vector<std::string> scene_names{"cornell-color", "cornell-grey", "cornell-fog",
+                                           "mis-plates",    "sky-image",    "still-life"};
 
 transport::SceneDescription scene_of(const std::string& name) {
     auto scene = transport::import_pbrt(raylex::test::source_dir() + "/experiments/scenes/" + name + "/scene.pbrt");
@@ -34,7 +37,8 @@ transport::SceneDescription scene_of(const std::string& name) {
     return *std::move(scene);
 }
 
-transport::RenderOutput rendered(const transport::SceneDescription& scene, Size size, transport::RenderSettings settings) {
+transport::RenderOutput rendered(const transport::SceneDescription& scene, Size size,
+                                 transport::RenderSettings settings) {
     settings.resolution = {size.width, size.height};
     auto output = transport::render(scene, settings);
     REQUIRE(output);
@@ -53,8 +57,8 @@ struct Differences {
     std::vector<double> values;
     double add(const char* what, const std::string& scene, double predicted, double needed) {
         values.push_back(std::abs(predicted / needed - 1));
-        std::printf("%s, %s: predicted %.0f samples a pixel, needed %.0f: %+.1f %%\n", what, scene.c_str(), predicted, needed,
-                    100 * (predicted / needed - 1));
+        std::printf("%s, %s: predicted %.0f samples a pixel, needed %.0f: %+.1f %%\n", what, scene.c_str(), predicted,
+                    needed, 100 * (predicted / needed - 1));
         return predicted / needed - 1;
     }
     double median() {

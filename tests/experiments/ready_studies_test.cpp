@@ -30,25 +30,29 @@ TEST_CASE("every ready experiment can be planned") {
 
 TEST_CASE("a planted mistake is found, and the first wrong path named", "[study][release-only]") {
     const Folder folder;
-    const std::string common = " '" + studies + "/planted-error.toml' -o out --set replicates=4 --set budget.samples=64 "
-                                                "--set scene.*.resolution=32x32 --set reference.spp=1024";
+    const std::string common = " '" + studies +
+                               "/planted-error.toml' -o out --set replicates=4 --set budget.samples=64 "
+                               "--set scene.*.resolution=32x32 --set reference.spp=1024";
     const Outcome run = run_raylex(folder, "experiment run" + common);
     INFO(run.err);
     REQUIRE(run.code == 0);
     REQUIRE(run_raylex(folder, "experiment report" + common).code == 0);
     const std::string page = folder.read("out/report.html");
-    // Seeds are fixed, so this is no game of chance. Survivors of a roulette of 0.75 that are not weighted lose a quarter of
-    // the paths with three scatterings, and of those with fewer nothing.
-    CHECK(page.find("Declared unbiased but differs from the reference:</span> planted-error on cornell-grey.") != std::string::npos);
+    // Seeds are fixed, so this is no game of chance. Survivors of a roulette of 0.75 that are not weighted lose a
+    // quarter of the paths with three scatterings, and of those with fewer nothing.
+    CHECK(page.find("Declared unbiased but differs from the reference:</span> planted-error on cornell-grey.") !=
+          std::string::npos);
     CHECK(page.find("is first wrong at the path <code>C,- R,D R,D R,D L,-</code>") != std::string::npos);
 }
 
 TEST_CASE("methods that begin at the lights agree with the path tracer in every channel of a partition, fog and all",
           "[study][release-only]") {
     const Folder folder;
-    const Outcome run = run_raylex(folder, "experiment run '" + studies + "/agreement.toml' -o out --report "
-                                           "--set replicates=6 --set budget.samples=32 --set scene.*.resolution=24x24 "
-                                           "--set reference.spp=512");
+    const Outcome run =
+        run_raylex(folder, "experiment run '" + studies +
+                               "/agreement.toml' -o out --report "
+                               "--set replicates=6 --set budget.samples=32 --set scene.*.resolution=24x24 "
+                               "--set reference.spp=512");
     INFO(run.out + run.err);
     REQUIRE(run.code == 0);
     for (const char* scene : {"cornell-color", "cornell-fog"})
@@ -62,7 +66,8 @@ TEST_CASE("methods that begin at the lights agree with the path tracer in every 
     CHECK(run.out.find("BIASED") == std::string::npos);
 }
 
-TEST_CASE("one command passes the README's own integrator, and convicts it once it sees less than all", "[study][release-only]") {
+TEST_CASE("one command passes the README's own integrator, and convicts it once it sees less than all",
+          "[study][release-only]") {
     const Folder folder;
     folder.write("own.toml", "plugins = [\"" + binary_dir() + R"(/tests/libambient_occlusion.so"]
 replicates = 4

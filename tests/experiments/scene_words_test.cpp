@@ -54,7 +54,9 @@ std::string never(const std::string& expression, const SceneWords& scene) {
     return why->value_or("");
 }
 
-bool mentions(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+bool mentions(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
 
 }  // namespace
 
@@ -109,8 +111,9 @@ TEST_CASE("what makes a channel black is said, with a near miss where there is o
 
 TEST_CASE("a scene's words have V events and O only where media scatter and glow") {
     std::string text = scene_text;
-    text.replace(text.find("LookAt"), 0,
-                 "MakeNamedMedium \"haze\" \"string type\" \"homogeneous\" \"rgb Le\" [1 1 1]\nMediumInterface \"haze\"\n");
+    text.replace(
+        text.find("LookAt"), 0,
+        "MakeNamedMedium \"haze\" \"string type\" \"homogeneous\" \"rgb Le\" [1 1 1]\nMediumInterface \"haze\"\n");
     const SceneWords scene = words_of({}, text);
     for (const char* expression : {"CVL", "C<V.'haze'>L", "CV<RD'floor'>O", "CO", "C<V.'h*'>O"}) {
         CAPTURE(expression);
@@ -144,7 +147,8 @@ TEST_CASE("labels that nothing has are named even where the channel matches with
     CHECK(notes("C<RD'floor'>L").empty());
     CHECK(notes("C['floor''pane'].*").empty());
     CHECK(notes("C<RS'p*'>L").empty());
-    CHECK(notes("C<RD[^'flor']>L") == std::vector<std::string>{"'flor' is no object label of this scene; did you mean 'floor'?"});
+    CHECK(notes("C<RD[^'flor']>L") ==
+          std::vector<std::string>{"'flor' is no object label of this scene; did you mean 'floor'?"});
     CHECK(notes("C<RS.'glas'>L") == std::vector<std::string>{"'glas' is no lobe of this scene; did you mean 'glass'?"});
     CHECK(notes("C[D<RD'wall*'>]L") == std::vector<std::string>{"'wall*' matches no object label of this scene"});
     CHECK(notes("CD[L<L.'kee'>]") == std::vector<std::string>{"'kee' is no light group of this scene"});
@@ -161,7 +165,8 @@ TEST_CASE("planning stays fast on a thousand labels", "[performance]") {
     job.shipped_partition = job.light_groups = true;
     for (int i = 0; i < 8; ++i) {
         const std::string number = std::to_string(i);
-        job.expressions.push_back({std::string("c").append(number), "C<RD'part_" + number + "'>.*", lpe::Dialect::renderman, {}});
+        job.expressions.push_back(
+            {std::string("c").append(number), "C<RD'part_" + number + "'>.*", lpe::Dialect::renderman, {}});
     }
     job.expressions.push_back({"dead", "C<RD'prt_7'>.*", lpe::Dialect::renderman, {}});
     const SceneWords scene = words_of(job, text);
@@ -273,14 +278,17 @@ lpe = "C<RD'floor'>.*"
     CHECK(sum("occluded", "G") > 0);
     CHECK(sum("floor", "G") == 0);
     CHECK(sum("beauty", "A") < 30);  // the ball alone, out of 64 pixels
-    folder.write("k.toml", "[scene]\nfile = \"s.pbrt\"\n[[light_group]]\nlight = \"point\"\ngroup = \"a\"\nholdout = true\n");
+    folder.write("k.toml",
+                 "[scene]\nfile = \"s.pbrt\"\n[[light_group]]\nlight = \"point\"\ngroup = \"a\"\nholdout = true\n");
     CHECK(run_raylex(folder, "render k.toml -o o.exr").code == 2);
 }
 
 TEST_CASE("lpe check, explain, equal and split take --scene as what can happen") {
     const Folder folder;
     folder.write("s.pbrt", scene_text);
-    folder.write("j.toml", "[scene]\nfile = \"s.pbrt\"\n[render]\nmax_depth = 1\n[[light_group]]\nlight = \"point\"\ngroup = \"key\"\n");
+    folder.write(
+        "j.toml",
+        "[scene]\nfile = \"s.pbrt\"\n[render]\nmax_depth = 1\n[[light_group]]\nlight = \"point\"\ngroup = \"key\"\n");
     const std::string channels = "lpe check d=\"C<RD'floor'>.*\" s='CS.*' e='CL'";
     CHECK(run_raylex(folder, channels).code == 1);
     CHECK(run_raylex(folder, channels + " --scene s.pbrt").code == 0);

@@ -17,11 +17,21 @@ using raylex::test::run_raylex;
 using raylex::test::small_scene;
 
 TEST_CASE("a value never becomes text that a shell reads, in whatever quotes its place stands [law7]") {
-    const std::vector<std::string> nasty{"a b.pbrt",         "$(touch pwned).pbrt", "`touch pwned`.pbrt",
-                                         "x'; touch pwned; '", "x\"; touch pwned; \"", "x\\",
-                                         "$HOME ~ * ?",        "x\n touch pwned\n",    "-n && touch pwned",
-                                         "",                   "plain/name-1.pbrt",    "'$(touch pwned)'",
-                                         "\"$(touch pwned)\"", "x) ; touch pwned #",   "${IFS}touch${IFS}pwned"};
+    const std::vector<std::string> nasty{"a b.pbrt",
+                                         "$(touch pwned).pbrt",
+                                         "`touch pwned`.pbrt",
+                                         "x'; touch pwned; '",
+                                         "x\"; touch pwned; \"",
+                                         "x\\",
+                                         "$HOME ~ * ?",
+                                         "x\n touch pwned\n",
+                                         "-n && touch pwned",
+                                         "",
+                                         "plain/name-1.pbrt",
+                                         "'$(touch pwned)'",
+                                         "\"$(touch pwned)\"",
+                                         "x) ; touch pwned #",
+                                         "${IFS}touch${IFS}pwned"};
     // Each command prints its first argument and a full stop; what a shell makes of the place is that argument.
     const std::vector<std::pair<std::string, std::string>> contexts{
         {"printf '%s.' {scene}", "@"},
@@ -129,7 +139,8 @@ TEST_CASE("what a config, a job or a flag names and raylex lacks is an error wit
 }
 
 TEST_CASE("a reference by a method that keeps no variances is not taken as exact") {
-    // Much noisier than the mean of the images: taken as exact it would accuse every method. Its noise is that of its own replicates.
+    // Much noisier than the mean of the images: taken as exact it would accuse every method. Its noise is that of its
+    // own replicates.
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     folder.write("c.toml", R"(replicates = 12
@@ -180,7 +191,8 @@ lpe = "C<RS>.*L"
     INFO(run.out << run.err);
     REQUIRE(run.code == 0);
     CHECK(run.out.find("BIASED") == std::string::npos);
-    CHECK(run.out.find("not judged by beauty, mirrored, rest, which have paths that it says it does not find (C<.S>.*)") !=
+    CHECK(run.out.find(
+              "not judged by beauty, mirrored, rest, which have paths that it says it does not find (C<.S>.*)") !=
           std::string::npos);
     CHECK(run.out.find("warning: ") != std::string::npos);  // of the cell, on the terminal
     std::istringstream lines(folder.read("out/results.jsonl"));

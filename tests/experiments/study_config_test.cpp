@@ -100,10 +100,11 @@ TEST_CASE("sweeps and --set reach every value, and the variants are what they sa
 
 TEST_CASE("a method's only sample filter can be swept, and its settings are told by the keys of a sweep") {
     const Made made;
-    const std::string clamped = base + "[[method]]\nname = \"clamp\"\nunbiased = false\n"
-                                       "integrator = {type = \"path\", lightsampler = \"uniform\"}\n"
-                                       "[[method.sample_filter]]\ntype = \"clamp\"\n"
-                                       "[method.sweep]\n\"sample_filter.luminance\" = [1, 10]\n";
+    const std::string clamped = base +
+                                "[[method]]\nname = \"clamp\"\nunbiased = false\n"
+                                "integrator = {type = \"path\", lightsampler = \"uniform\"}\n"
+                                "[[method.sample_filter]]\ntype = \"clamp\"\n"
+                                "[method.sweep]\n\"sample_filter.luminance\" = [1, 10]\n";
     const ExperimentConfig config = config_of(made, clamped);
     REQUIRE(config.variants.size() == 4);
     CHECK_FALSE(config.methods[2].unbiased);
@@ -116,7 +117,8 @@ TEST_CASE("a method's only sample filter can be swept, and its settings are told
                                                                   {"sample_filter.luminance", "10"}});
     const ExperimentConfig set =
         config_of(made, clamped.substr(0, clamped.find("[method.sweep]")), {"method.clamp.sample_filter.luminance=3"});
-    CHECK(settings_text(set.variants[2].render).back() == std::pair<std::string, std::string>("sample_filter.luminance", "3"));
+    CHECK(settings_text(set.variants[2].render).back() ==
+          std::pair<std::string, std::string>("sample_filter.luminance", "3"));
 }
 
 TEST_CASE("what is wrong in a config is told with its place [law7]") {

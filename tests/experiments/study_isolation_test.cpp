@@ -52,8 +52,8 @@ Experiment results_of(const Folder& folder) {
 }
 
 const Cell& cell_of(const Experiment& results, const std::string& scene) {
-    const auto found = std::find_if(results.cells.begin(), results.cells.end(),
-                                    [&](const Cell& each) { return each.scene == scene; });
+    const auto found =
+        std::find_if(results.cells.begin(), results.cells.end(), [&](const Cell& each) { return each.scene == scene; });
     REQUIRE(found != results.cells.end());
     return *found;
 }
@@ -65,9 +65,10 @@ TEST_CASE("a scene that kills its process fails by itself: the others' cells are
     // The address sanitizer would make an exit code of a segmentation fault.
     const char* const options = std::getenv("ASAN_OPTIONS");
     setenv("ASAN_OPTIONS", (std::string(options == nullptr ? "" : options) + ":handle_segv=0").c_str(), 1);
-    const std::vector<BadScene> bad{{"abort", "loading", "SIGABRT"},      {"segmentation", "loading", "SIGSEGV"},
-                                    {"abort", "rendering", "SIGABRT"},    {"kill", "rendering", "SIGKILL"},
-                                    {"exit", "rendering", "exit code 7"}, {"exception", "loading", "thrown by the scene"}};
+    const std::vector<BadScene> bad{
+        {"abort", "loading", "SIGABRT"},      {"segmentation", "loading", "SIGSEGV"},
+        {"abort", "rendering", "SIGABRT"},    {"kill", "rendering", "SIGKILL"},
+        {"exit", "rendering", "exit code 7"}, {"exception", "loading", "thrown by the scene"}};
     write_study(folder, bad);
     const Outcome plan = run_raylex(folder, "experiment plan c.toml");
     CHECK(plan.code == 2);
@@ -105,7 +106,8 @@ TEST_CASE("a scene that kills its process fails by itself: the others' cells are
     CHECK_FALSE(cell_of(results_of(folder), "abort-loading").failed);
 }
 
-TEST_CASE("a study of nothing but a scene that dies lists its cells as failed; a mistake in all scenes is told at once") {
+TEST_CASE(
+    "a study of nothing but a scene that dies lists its cells as failed; a mistake in all scenes is told at once") {
     const Folder folder;
     write_study(folder, {});
     folder.write("good.pbrt", deadly_scene("abort", "loading"));

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "browser.h"
 #include "experiments/job/json.h"
 #include "experiments/report/html.h"
 #include "experiments/study/report/assets.h"
@@ -14,7 +15,6 @@
 #include "experiments/study/report/study.h"
 #include "experiments/study/report/study_files.h"
 #include "experiments/study/report/study_report.h"
-#include "browser.h"
 #include "study_support.h"
 #include "support/skip.h"
 
@@ -111,7 +111,8 @@ TEST_CASE("a study's report says what is true of it", "[study][report]") {
         clamped += line["variant"] == "clamped" ? 1 : 0;
         if (line["variant"] == "path max_depth=4" && line["channel"] == "bounce1") {
             ++against_seconds;
-            CHECK(line["against_seconds"]["slope"].get<double>() == Approx(-1).margin(0.05));  // less the time to prepare
+            CHECK(line["against_seconds"]["slope"].get<double>() ==
+                  Approx(-1).margin(0.05));  // less the time to prepare
         }
         if (line["variant"] == "path max_depth=4")
             CHECK(line["against_samples"]["slope"].get<double>() == Approx(-1).margin(0.05));
@@ -164,7 +165,8 @@ TEST_CASE("a study's report says what is true of it", "[study][report]") {
     for (std::string line; std::getline(meanings, line);)
         if (!line.starts_with("column,")) described += (described.empty() ? "" : ",") + line.substr(0, line.find(','));
     CHECK(described == header);
-    for (const char* plot : {"ramp.beauty.svg", "ramp.beauty.samples.svg", "ramp.bounce1.svg", "ramp.bounce2.svg", "ramp.beauty.pareto.svg", "ramp.bounce1.pareto.svg"}) {
+    for (const char* plot : {"ramp.beauty.svg", "ramp.beauty.samples.svg", "ramp.bounce1.svg", "ramp.bounce2.svg",
+                             "ramp.beauty.pareto.svg", "ramp.bounce1.pareto.svg"}) {
         CAPTURE(plot);
         const std::string svg = folder.read("study/plots/" + std::string(plot));
         CHECK(svg.starts_with("<svg xmlns="));

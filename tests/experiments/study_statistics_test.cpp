@@ -46,7 +46,8 @@ TEST_CASE("quantiles are those of the tables", "[study]") {
     CHECK(detectable_shift(0.05, 0.9, 1e12) == Approx(1.959964 + 1.281552).epsilon(1e-6));
     // n = 10 in one sample at 5 % and 80 %: a shift of 0.996 standard deviations (G*Power, two-sided one-sample t).
     CHECK(detectable_shift(0.05, 0.8, 9) / std::sqrt(10.0) == Approx(0.996).epsilon(2e-3));
-    // One degree, critical value 2 / (pi alpha): the two ways of finding it meet, to the 1 / critical that one leaves out.
+    // One degree, critical value 2 / (pi alpha): the two ways of finding it meet, to the 1 / critical that one leaves
+    // out.
     const double pi = std::acos(-1.0);
     const auto per_critical = [&](double critical) { return detectable_shift(2 / (pi * critical), 0.9, 1) / critical; };
     CHECK(per_critical(1010) == Approx(per_critical(990)).epsilon(2e-3));

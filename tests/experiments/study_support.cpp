@@ -95,11 +95,13 @@ Experiment write_synthetic_study(const Folder& folder, const SyntheticStudy& stu
     experiment.config_text = "name = \"synthetic <study>\"  # </script> & more\n";
     experiment.config_hash = "abc";
     experiment.provenance = {{"revision", "none"}, {"machine", "2 cores"}};
-    experiment.methods = {
-        {"path", "path", "", true, {{"max_depth", "9"}}},  // its cells sweep it
-        {"skewed", "path", "", true, {{"max_depth", "4"}, {"integrator.strategy", "light"}}},
-        {"clamped", "path", "", false,
-         {{"max_depth", "4"}, {"sample_filter.type", "clamp"}, {"sample_filter.luminance", "10"}}}};
+    experiment.methods = {{"path", "path", "", true, {{"max_depth", "9"}}},  // its cells sweep it
+                          {"skewed", "path", "", true, {{"max_depth", "4"}, {"integrator.strategy", "light"}}},
+                          {"clamped",
+                           "path",
+                           "",
+                           false,
+                           {{"max_depth", "4"}, {"sample_filter.type", "clamp"}, {"sample_filter.luminance", "10"}}}};
     experiment.partitions = {{"bounces", "beauty", {"bounce1", "bounce2"}}};
     for (int s = 0; s < study.scenes; ++s) experiment.scenes.push_back(scene_of(study, root, s, random));
     for (const SceneInfo& scene : experiment.scenes)

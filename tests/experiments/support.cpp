@@ -22,7 +22,8 @@ std::string sibling(const Folder& folder, const std::string& suffix) {
 
 Outcome run_shell(const Folder& folder, const std::string& line) {
     const std::string script = sibling(folder, ".sh"), out = sibling(folder, ".out"), err = sibling(folder, ".err");
-    std::ofstream(script) << "cd '" << folder.path() << "' || exit 99\nRAYLEX='" << raylex::test::binary_dir() << "/raylex'\n"
+    std::ofstream(script) << "cd '" << folder.path() << "' || exit 99\nRAYLEX='" << raylex::test::binary_dir()
+                          << "/raylex'\n"
                           << line << "\n";
     const int status = std::system(("bash '" + script + "' >'" + out + "' 2>'" + err + "' </dev/null").c_str());
     Outcome outcome;

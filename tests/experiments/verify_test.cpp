@@ -94,8 +94,8 @@ TEST_CASE("an image of Cycles gets the right verdict by preset, in one command",
     CHECK(contains(outcome.out,
                    "Cycles (Blender) light groups of ViewLayer: 3 layers against ViewLayer.Combined: holds"));
     CHECK(contains(outcome.out,
-              "(DiffDir + DiffInd) * DiffCol, (GlossDir + GlossInd) * GlossCol, (TransDir + TransInd) * "
-              "TransCol, Emit, Env"));
+                   "(DiffDir + DiffInd) * DiffCol, (GlossDir + GlossInd) * GlossCol, (TransDir + TransInd) * "
+                   "TransCol, Emit, Env"));
     CHECK(contains(outcome.out, "relative 3.81e-06, for adding up 64 samples in float, 2^-24 each"));
     // Who says nothing is told of the preset.
     const Outcome nothing = run_raylex(folder, "verify '" + cycles_image() + "'");
@@ -308,7 +308,7 @@ TEST_CASE("presets know the names of RenderMan, Arnold and V-Ray, on synthetic f
     CHECK(code(image, "vray") == 0);
     write(folder.path("x.exr"), image);
     CHECK(contains(run_raylex(folder, "verify x.exr --preset vray").out,
-              "V-Ray raw elements: 6 layers against beauty: holds"));
+                   "V-Ray raw elements: 6 layers against beauty: holds"));
 }
 
 TEST_CASE("what cannot be judged is said: integers, missing channels, values that are not finite", "[verify]") {

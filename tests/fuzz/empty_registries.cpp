@@ -15,12 +15,26 @@ Registry<Factory>& empty_registry(const char* kind) {
     return registry;
 }
 
-Registry<MaterialFactory>& material_registry() { return empty_registry<MaterialFactory>("material"); }
-Registry<PatternFactory>& pattern_registry() { return empty_registry<PatternFactory>("texture"); }
-Registry<LightFactory>& light_registry() { return empty_registry<LightFactory>("light source"); }
-Registry<AreaLightFactory>& area_light_registry() { return empty_registry<AreaLightFactory>("area light source"); }
-Registry<MediumFactory>& medium_registry() { return empty_registry<MediumFactory>("medium"); }
-Registry<SamplerFactory>& sampler_registry() { return empty_registry<SamplerFactory>("sampler"); }
-Registry<IntegratorFactory>& integrator_registry() { return empty_registry<IntegratorFactory>("integrator"); }
+Registry<MaterialFactory>& material_registry() {
+    return empty_registry<MaterialFactory>("material");
+}
+Registry<PatternFactory>& pattern_registry() {
+    return empty_registry<PatternFactory>("texture");
+}
+Registry<LightFactory>& light_registry() {
+    return empty_registry<LightFactory>("light source");
+}
+Registry<AreaLightFactory>& area_light_registry() {
+    return empty_registry<AreaLightFactory>("area light source");
+}
+Registry<MediumFactory>& medium_registry() {
+    return empty_registry<MediumFactory>("medium");
+}
+Registry<SamplerFactory>& sampler_registry() {
+    return empty_registry<SamplerFactory>("sampler");
+}
+Registry<IntegratorFactory>& integrator_registry() {
+    return empty_registry<IntegratorFactory>("integrator");
+}
 
 }  // namespace raylex::transport

@@ -1,5 +1,5 @@
-// Any bytes as a channel file: RIB, USD ASCII or rendermn.ini by the first byte. Refused with line and column, or read; what
-// is read can be written, and what is written is read again with the same channels.
+// Any bytes as a channel file: RIB, USD ASCII or rendermn.ini by the first byte. Refused with line and column, or read;
+// what is read can be written, and what is written is read again with the same channels.
 #include "lpe/channels/channel_file.h"
 #include "tests/fuzz/fuzz.h"
 
@@ -10,7 +10,8 @@ namespace {
 /// Blanks around an expression mean nothing and are not kept.
 std::string_view trimmed(std::string_view text) {
     const auto begin = text.find_first_not_of(" \t\r\n");
-    return begin == std::string_view::npos ? std::string_view{} : text.substr(begin, text.find_last_not_of(" \t\r\n") + 1 - begin);
+    return begin == std::string_view::npos ? std::string_view{}
+                                           : text.substr(begin, text.find_last_not_of(" \t\r\n") + 1 - begin);
 }
 
 }  // namespace

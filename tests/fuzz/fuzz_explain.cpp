@@ -1,5 +1,5 @@
-// Any bytes as an expression to be explained and drawn, and its shortest path to be doubted: sentences, notes, graph and
-// the reason why a path does not match.
+// Any bytes as an expression to be explained and drawn, and its shortest path to be doubted: sentences, notes, graph
+// and the reason why a path does not match.
 #include "lpe/algebra/explain.h"
 #include "lpe/algebra/graph.h"
 #include "lpe/algebra/why_not.h"

@@ -1,5 +1,5 @@
-// Any bytes as an expression, in both dialects: compiled, asked for its words and read aloud, or refused with a message.
-// The first byte chooses the dialect and whether any word counts.
+// Any bytes as an expression, in both dialects: compiled, asked for its words and read aloud, or refused with a
+// message. The first byte chooses the dialect and whether any word counts.
 #include "lpe/algebra/check.h"
 #include "lpe/match.h"
 #include "lpe/program.h"

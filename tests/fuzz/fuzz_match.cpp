@@ -16,9 +16,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         path.push_back(oracle::alphabet()[bytes.below(oracle::alphabet().size())]);
     }
     std::vector<std::size_t> sequence;
-    while (!bytes.empty() && sequence.size() < 40) {
-        sequence.push_back(bytes.below(oracle::tokens(dialect).size()));
-    }
+    while (!bytes.empty() && sequence.size() < 40) { sequence.push_back(bytes.below(oracle::tokens(dialect).size())); }
     const auto tree = oracle::parse(sequence, dialect);
     ChannelSource source;
     source.expression = oracle::text_of(sequence, dialect);
@@ -28,6 +26,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (!program) return 0;  // no expression, or one too large for lpe/limits.h
     State state = program->starts()[0];
     for (const Event& event : path) state = program->next(state, program->classify(event));
-    fuzz::require(program->accepts_any(state) == oracle::matches(*tree, path, dialect), source.expression + " on " + to_text(path));
+    fuzz::require(program->accepts_any(state) == oracle::matches(*tree, path, dialect),
+                  source.expression + " on " + to_text(path));
     return 0;
 }

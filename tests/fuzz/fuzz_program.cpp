@@ -1,5 +1,5 @@
-// Any bytes as a compiled program's file. Nearly all inputs fail at the hash, so the target writes the right one over the
-// last 8 bytes: then the checks of every index have to hold, and paths are followed through what was read.
+// Any bytes as a compiled program's file. Nearly all inputs fail at the hash, so the target writes the right one over
+// the last 8 bytes: then the checks of every index have to hold, and paths are followed through what was read.
 #include "lpe/adopt/program_file.h"
 #include "lpe/program.h"
 #include "tests/fuzz/fuzz.h"
@@ -23,8 +23,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     std::vector<State> states(view.starts, view.starts + view.word_count);
     for (std::uint32_t event = 0; event < view.class_count && event < 64; ++event) {
         view.advance(states.data(), static_cast<EventClass>(event), states.data());
-        view.for_each_accepted(states.data(),
-                               [&](std::uint16_t channel) { fuzz::require(channel < view.channel_count, "channels exist"); });
+        view.for_each_accepted(states.data(), [&](std::uint16_t channel) {
+            fuzz::require(channel < view.channel_count, "channels exist");
+        });
     }
     return 0;
 }

@@ -28,17 +28,17 @@ TEST_CASE("hashes are those that the specification and its authors publish", "[c
     }
     CHECK(murmur_hash3("flowerA.flowerA_petal1.:1065") == 0x7f8e5296);
     CHECK(murmur_hash3("") == 0);
-    // The same repository, nuke/cryptomatte_utilities_tests.py, class CryptoHashing: names, two of them beyond ASCII, and
-    // ids as decimal numbers, given to 6 digits or more.
-    const std::pair<const char*, double> floats[] = {{"hello", 6.0705627102400005616e-17},
-                                                     {"cube", -4.08461912519e+15},
-                                                     {"sphere", 2.79018604383e+15},
-                                                     {"plane", 3.66557617593e-11},
-                                                     {"\xd1\x80\xd0\xb0\xd0\xb2\xd0\xbd\xd0\xb8\xd0\xbd\xd0\xb0",
-                                                      -1.3192631212399999468e-25},
-                                                     {"m\xc3\xa4"
-                                                      "dchen",
-                                                      6.2361298211599995797e+25}};
+    // The same repository, nuke/cryptomatte_utilities_tests.py, class CryptoHashing: names, two of them beyond ASCII,
+    // and ids as decimal numbers, given to 6 digits or more.
+    const std::pair<const char*, double> floats[] = {
+        {"hello", 6.0705627102400005616e-17},
+        {"cube", -4.08461912519e+15},
+        {"sphere", 2.79018604383e+15},
+        {"plane", 3.66557617593e-11},
+        {"\xd1\x80\xd0\xb0\xd0\xb2\xd0\xbd\xd0\xb8\xd0\xbd\xd0\xb0", -1.3192631212399999468e-25},
+        {"m\xc3\xa4"
+         "dchen",
+         6.2361298211599995797e+25}};
     for (const auto& [name, value] : floats) {
         CAPTURE(name);
         CHECK(std::bit_cast<float>(matte_id(name)) == static_cast<float>(value));
@@ -113,7 +113,8 @@ TEST_CASE("what the ranks cannot hold is reported", "[cryptomatte]") {
     CHECK(matte.remainder().largest == 1.5 / 8);
     CHECK(matte.remainder().mean == 1.5 / 16);
     CHECK(matte.remainder().pixels == 1);
-    CHECK(matte.attributes().at("raylex/CryptoObject") == "2 ranks; left out: at most 0.188 of a pixel, 1 pixels above 1e-4");
+    CHECK(matte.attributes().at("raylex/CryptoObject") ==
+          "2 ranks; left out: at most 0.188 of a pixel, 1 pixels above 1e-4");
 }
 
 TEST_CASE("names that share an id are told, and a long manifest keeps to what the image shows", "[cryptomatte]") {

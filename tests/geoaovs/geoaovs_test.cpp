@@ -94,44 +94,43 @@ TEST_CASE("every AOV has its value in its space", "[geoaovs]") {
     aovs.write_rays(rays_to_hit(2), table, services);
     aovs.write_samples(0.5, table, services);
     const auto f = [](float v) { return static_cast<double>(v); };
-    const std::map<std::string, std::vector<double>> expected{
-        {"P", {0, 3, 4}},
-        {"Po", {7, 8, 9}},
-        {"Pw", {14, 20, 33}},
-        {"Nn", {0, 0, -1}},
-        {"Ngn", {f(-0.6f), f(0.8f), 0}},
-        {"Non", {0, 1, 0}},
-        {"Tn", {-1, 0, 0}},
-        {"Vn", {0, f(-0.6f), f(-0.8f)}},
-        {"VLen", {5}},  // radial: 3-4-5
-        {"z", {4}},     // along the axis
-        {"zback", {4}},
-        {"zfiltered", {4}},
-        {"u", {0.125}},
-        {"v", {0.5}},
-        {"st", {0.25, 0.75, 0}},
-        {"dPdu", {-2, 0, 0}},
-        {"dPdv", {0, 3, 0}},
-        {"curvature", {-2}},
-        {"outsideIOR", {1.5}},
-        {"incidenceAngle", {std::atan2(0.6, 0.8)}},
-        {"time", {0.75}},
-        {"id", {42}},
-        {"id2", {3}},
-        {"rawId", {99}},
-        {"a", {0.5}},
-        {"Ci", {0, 0, 0}},  // light, and there is none
-        {"Oi", {1, 0.5, 0}},
-        {"cpuTime", {0.25}},
-        {"sampleCount", {1}},
-        {"invalidSamples", {0}},
-        {"__Pworld", {14, 20, 33}},
-        {"__Nworld", {-1, 0, 0}},
-        {"__Vworld", {f(-0.8f), 0, f(-0.6f)}},
-        {"__st", {0.25, 0.75, 0}},
-        {"__depth", {4, 20, f(0.8f)}},
-        {"albedo", {f(0.1f), f(0.2f), f(0.3f)}},
-        {"wireframe", {1}}};
+    const std::map<std::string, std::vector<double>> expected{{"P", {0, 3, 4}},
+                                                              {"Po", {7, 8, 9}},
+                                                              {"Pw", {14, 20, 33}},
+                                                              {"Nn", {0, 0, -1}},
+                                                              {"Ngn", {f(-0.6f), f(0.8f), 0}},
+                                                              {"Non", {0, 1, 0}},
+                                                              {"Tn", {-1, 0, 0}},
+                                                              {"Vn", {0, f(-0.6f), f(-0.8f)}},
+                                                              {"VLen", {5}},  // radial: 3-4-5
+                                                              {"z", {4}},     // along the axis
+                                                              {"zback", {4}},
+                                                              {"zfiltered", {4}},
+                                                              {"u", {0.125}},
+                                                              {"v", {0.5}},
+                                                              {"st", {0.25, 0.75, 0}},
+                                                              {"dPdu", {-2, 0, 0}},
+                                                              {"dPdv", {0, 3, 0}},
+                                                              {"curvature", {-2}},
+                                                              {"outsideIOR", {1.5}},
+                                                              {"incidenceAngle", {std::atan2(0.6, 0.8)}},
+                                                              {"time", {0.75}},
+                                                              {"id", {42}},
+                                                              {"id2", {3}},
+                                                              {"rawId", {99}},
+                                                              {"a", {0.5}},
+                                                              {"Ci", {0, 0, 0}},  // light, and there is none
+                                                              {"Oi", {1, 0.5, 0}},
+                                                              {"cpuTime", {0.25}},
+                                                              {"sampleCount", {1}},
+                                                              {"invalidSamples", {0}},
+                                                              {"__Pworld", {14, 20, 33}},
+                                                              {"__Nworld", {-1, 0, 0}},
+                                                              {"__Vworld", {f(-0.8f), 0, f(-0.6f)}},
+                                                              {"__st", {0.25, 0.75, 0}},
+                                                              {"__depth", {4, 20, f(0.8f)}},
+                                                              {"albedo", {f(0.1f), f(0.2f), f(0.3f)}},
+                                                              {"wireframe", {1}}};
     CHECK(expected.size() == channels.size());
     for (std::size_t i = 0; i < channels.size(); ++i) {
         CAPTURE(channels[i].name);
@@ -211,9 +210,9 @@ TEST_CASE("depth follows WriteDistance, and passes over rows that are wholly tra
     table.begin(rows);
     display::DisplayServices services(table);
     const GeometricAovs aovs(channels);
-    CHECK(aovs.inputs() == 0);  // no hit needs to be shaded for these
-    services.add_sample(0, {5, RgbD(0.0), false});           // a cutout, passed
-    services.add_sample(0, {10, RgbD(0.25), true});          // haze
+    CHECK(aovs.inputs() == 0);                       // no hit needs to be shaded for these
+    services.add_sample(0, {5, RgbD(0.0), false});   // a cutout, passed
+    services.add_sample(0, {10, RgbD(0.25), true});  // haze
     services.write_distance(0, 20, true);
     services.write_opacity(0, Rgb(1));
     aovs.write_rays(rays_to_hit(1), table, services);
@@ -239,7 +238,8 @@ TEST_CASE("definitions say type, space and rule; unknown names say what there is
     CHECK(missing.error().hint == "did you mean 'Nn'?");
     CHECK(missing.error().message.find("VLen") != std::string::npos);
     CHECK(channel_definition("incidence_angle").error().hint == "did you mean 'incidenceAngle'?");
-    for (const char* name : {"id", "id2", "rawId", "z", "zback"}) CHECK(channel_definition(name)->rule == FilterRule::zmin);
+    for (const char* name : {"id", "id2", "rawId", "z", "zback"})
+        CHECK(channel_definition(name)->rule == FilterRule::zmin);
     for (const char* name : {"cpuTime", "sampleCount"}) CHECK(channel_definition(name)->rule == FilterRule::sum);
 }
 

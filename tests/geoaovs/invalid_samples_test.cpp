@@ -1,4 +1,5 @@
-// Law 6, pixel by pixel: what is refused as not finite is counted where it belongs, and shown by the AOV invalidSamples.
+// Law 6, pixel by pixel: what is refused as not finite is counted where it belongs, and shown by the AOV
+// invalidSamples.
 #include <limits>
 #include <map>
 
@@ -18,7 +19,8 @@ constexpr ChannelId beauty = 0, seen = 1, lit = 2, normal = 3, invalid = 4;
 
 std::vector<ChannelDefinition> test_channels() {
     return {test::plain_channel("beauty", ChannelType::rgb), test::expression_channel("seen", "CL"),
-            test::expression_channel("lit", "C<RD>L"), *channel_definition("Nn"), *channel_definition("invalidSamples")};
+            test::expression_channel("lit", "C<RD>L"), *channel_definition("Nn"),
+            *channel_definition("invalidSamples")};
 }
 
 TEST_CASE("planted values that are not finite are counted at their pixels and channels alone", "[invalid][law6]") {

@@ -41,9 +41,7 @@ std::vector<ChannelSource> channel_set(bool packed) {
 
 std::set<std::size_t> accepted(const Program& program, const std::vector<Event>& path) {
     std::vector<State> words(program.starts().begin(), program.starts().end());
-    for (const Event& event : path) {
-        program.advance(words.data(), program.classify(event), words.data());
-    }
+    for (const Event& event : path) { program.advance(words.data(), program.classify(event), words.data()); }
     std::set<std::size_t> channels;
     program.for_each_accepted(words.data(), [&](std::uint16_t channel) { channels.insert(channel); });
     return channels;
@@ -54,11 +52,11 @@ std::vector<Event> random_path(oracle::Random& random) {
     std::vector<Event> word{{EventType::camera, Scatter::none, 0, {}}};
     for (std::size_t k = random.below(4); k > 0; --k) {
         word.push_back({random.below(3) != 0 ? EventType::reflection : EventType::transmission,
-                        static_cast<Scatter>(1 + random.below(3)), 0, {labels[random.below(7)], ""}});
+                        static_cast<Scatter>(1 + random.below(3)),
+                        0,
+                        {labels[random.below(7)], ""}});
     }
-    if (random.below(6) == 0) {
-        word.push_back({EventType::user, Scatter::none, 2, {}});
-    }
+    if (random.below(6) == 0) { word.push_back({EventType::user, Scatter::none, 2, {}}); }
     word.push_back(
         {random.below(4) != 0 ? EventType::light : EventType::emission, Scatter::none, 0, {labels[random.below(7)]}});
     return word;
@@ -67,9 +65,7 @@ std::vector<Event> random_path(oracle::Random& random) {
 /// Everything that following paths can touch, for files that are whole but hostile.
 void exercise(const Program& program) {
     oracle::Random random(3);
-    for (int round = 0; round < 50; ++round) {
-        (void)accepted(program, random_path(random));
-    }
+    for (int round = 0; round < 50; ++round) { (void)accepted(program, random_path(random)); }
 }
 
 }  // namespace
@@ -122,12 +118,8 @@ TEST_CASE("damaged and hostile files are refused or harmless", "[adopt][file][la
     // Any byte changed: the hash does not fit. The hash made to fit again: the indices are checked one by one.
     const auto hashed = [](std::string content) {
         std::uint64_t hash = 0xCBF29CE484222325ULL;
-        for (const char byte : content) {
-            hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001B3ULL;
-        }
-        for (int byte = 0; byte < 8; ++byte) {
-            content += static_cast<char>(hash >> 8 * byte & 0xFF);
-        }
+        for (const char byte : content) { hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001B3ULL; }
+        for (int byte = 0; byte < 8; ++byte) { content += static_cast<char>(hash >> 8 * byte & 0xFF); }
         return content;
     };
     const std::string content = bytes.substr(0, bytes.size() - 8);
@@ -184,9 +176,7 @@ TEST_CASE("a channel set that grows accepts what all its channels compiled at on
         REQUIRE(program);
         for (std::size_t k = first; k < channels.size(); ++k) {
             program = set.add({&channels[k], 1});
-            if (!program) {
-                FAIL(program.error().to_string());
-            }
+            if (!program) { FAIL(program.error().to_string()); }
         }
         CHECK(set.channels().size() == channels.size());
         CHECK(program->channel_count() == channels.size());
@@ -247,9 +237,7 @@ TEST_CASE("registered names stand in expressions and events for user events and 
     const auto matches = [&](const std::string& expression, Dialect dialect, const Event& event) {
         const ChannelSource source{.name = {}, .expression = expression, .dialect = dialect, .vocabulary = vocabulary};
         const auto program = Program::compile({&source, 1});
-        if (!program) {
-            FAIL(program.error().to_string());
-        }
+        if (!program) { FAIL(program.error().to_string()); }
         return !accepted(*program, {camera, event, light}).empty();
     };
     Event other_coat = *coat;

@@ -18,9 +18,7 @@ namespace {
 
 std::vector<ChannelSource> sources(const std::vector<std::string>& texts) {
     std::vector<ChannelSource> channels;
-    for (const std::string& text : texts) {
-        channels.push_back(source(text));
-    }
+    for (const std::string& text : texts) { channels.push_back(source(text)); }
     return channels;
 }
 
@@ -64,9 +62,7 @@ std::vector<bool> accepted(const ChannelSource& channel, const std::vector<std::
 std::size_t shortest_length(const std::vector<std::vector<Event>>& words, const std::vector<bool>& wanted) {
     std::size_t shortest = 0;
     for (std::size_t i = 0; i < words.size(); ++i) {
-        if (wanted[i] && (shortest == 0 || words[i].size() < shortest)) {
-            shortest = words[i].size();
-        }
+        if (wanted[i] && (shortest == 0 || words[i].size() < shortest)) { shortest = words[i].size(); }
     }
     return shortest;
 }
@@ -85,18 +81,14 @@ TEST_CASE("equality, containment and emptiness agree with enumeration, and their
     Words without_straight;  // enumeration has none
     without_straight.straight = false;
     std::vector<std::vector<bool>> sets;
-    for (const std::string& text : expressions) {
-        sets.push_back(accepted(source(text), words));
-    }
+    for (const std::string& text : expressions) { sets.push_back(accepted(source(text), words)); }
     for (std::size_t a = 0; a < expressions.size(); ++a) {
         CAPTURE(expressions[a]);
         const auto empty = check_empty(source(expressions[a]), without_straight);
         REQUIRE(empty);
         // Every one of these that has a path has one of at most four events.
         CHECK(empty->holds == (shortest_length(words, sets[a]) == 0));
-        if (!empty->holds) {
-            CHECK(empty->witness.events.size() == shortest_length(words, sets[a]));
-        }
+        if (!empty->holds) { CHECK(empty->witness.events.size() == shortest_length(words, sets[a])); }
         for (std::size_t b = 0; b < expressions.size(); ++b) {
             CAPTURE(expressions[b]);
             std::vector<bool> only_b(words.size()), differ(words.size());
@@ -138,9 +130,7 @@ TEST_CASE("complement, union, intersection and difference have the paths that en
         const auto paths = look_at_paths(operation, sources(texts), without_straight, options);
         REQUIRE(paths);
         std::vector<std::uint64_t> counts(longest + 1, 0);
-        for (std::size_t i = 0; i < words.size(); ++i) {
-            counts[words[i].size()] += wanted[i] ? 1 : 0;
-        }
+        for (std::size_t i = 0; i < words.size(); ++i) { counts[words[i].size()] += wanted[i] ? 1 : 0; }
         CHECK(paths->counts == counts);
         std::set<std::string> seen;
         for (const Witness& sample : paths->samples) {

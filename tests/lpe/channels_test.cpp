@@ -181,9 +181,10 @@ TEST_CASE("USD render variables are read wherever they are nested", "[channels]"
 }
 
 TEST_CASE("rendermn.ini gives macros and lobe slots", "[channels]") {
-    const ChannelFile file = read("# comment\n/prman/rixplugin/path ./x\n/prman/lpe/macro/myDiffuse    CD<L.>   # why\n"
-                                  "  /prman/lpe/macro/two lpe:C \\\n   D'a #b'L\n/prman/lpe/specular6  Fuzz,KPFuzz\n",
-                                  ChannelFormat::ini);
+    const ChannelFile file = read(
+        "# comment\n/prman/rixplugin/path ./x\n/prman/lpe/macro/myDiffuse    CD<L.>   # why\n"
+        "  /prman/lpe/macro/two lpe:C \\\n   D'a #b'L\n/prman/lpe/specular6  Fuzz,KPFuzz\n",
+        ChannelFormat::ini);
     REQUIRE(file.macros.size() == 2);
     CHECK(file.macros[0].name == "myDiffuse");
     CHECK(file.macros[0].expression == "CD<L.>");
@@ -194,8 +195,8 @@ TEST_CASE("rendermn.ini gives macros and lobe slots", "[channels]") {
 }
 
 TEST_CASE("what was read is what is written, and reads again", "[channels]") {
-    for (const auto& [text, format] : {std::pair<const char*, ChannelFormat>{rib_text, ChannelFormat::rib},
-                                       {usda_text, ChannelFormat::usda}}) {
+    for (const auto& [text, format] :
+         {std::pair<const char*, ChannelFormat>{rib_text, ChannelFormat::rib}, {usda_text, ChannelFormat::usda}}) {
         const ChannelFile once = read(text, format);
         const std::string first = written(once, format);
         const ChannelFile again = read(first, format);
@@ -306,9 +307,7 @@ TEST_CASE("deep, long and damaged files end in a result or an error, quickly", "
                   .message.find("nested deeper") != std::string::npos);
     }
     std::string prims = "#usda 1.0\n";
-    for (int k = 0; k < 1000; ++k) {
-        prims += "def \"a\" {";
-    }
+    for (int k = 0; k < 1000; ++k) { prims += "def \"a\" {"; }
     CHECK(refused(prims, ChannelFormat::usda).message.find("nested deeper") != std::string::npos);
     CHECK(refused("DisplayChannel \"" + std::string(1'000'000, 'x'), ChannelFormat::rib).message.find("not closed") !=
           std::string::npos);
@@ -324,9 +323,15 @@ TEST_CASE("deep, long and damaged files end in a result or an error, quickly", "
             for (unsigned k = 1 + random() % 4; k > 0 && !damaged.empty(); --k) {
                 const std::size_t at = random() % damaged.size();
                 switch (random() % 3) {
-                    case 0: damaged.erase(at, 1 + random() % 8); break;
-                    case 1: damaged[at] = static_cast<char>(random() % 256); break;
-                    default: damaged.insert(at, 1, "\"'\\{}()[]<>@#\n;="[random() % 16]); break;
+                    case 0:
+                        damaged.erase(at, 1 + random() % 8);
+                        break;
+                    case 1:
+                        damaged[at] = static_cast<char>(random() % 256);
+                        break;
+                    default:
+                        damaged.insert(at, 1, "\"'\\{}()[]<>@#\n;="[random() % 16]);
+                        break;
                 }
             }
             const auto file = parse_channel_file(damaged, "file", format);
@@ -344,7 +349,7 @@ TEST_CASE("lobe slots number lobes by name, unmapped names not at all", "[channe
     CHECK(slots.number(Scatter::diffuse, "Subsurface") == 3);
     CHECK(slots.number(Scatter::glossy, "Clearcoat") == 4);
     CHECK(slots.number(Scatter::singular, "Glass") == 8);
-    CHECK(slots.number(Scatter::glossy, "specular") == 2);   // in slots 2 and 8: the lower one
+    CHECK(slots.number(Scatter::glossy, "specular") == 2);    // in slots 2 and 8: the lower one
     CHECK(slots.number(Scatter::diffuse, "Clearcoat") == 0);  // no diffuse slot holds it
     CHECK(slots.number(Scatter::glossy, "nobody") == 0);
     CHECK(slots.user_number("Albedo") == 2);

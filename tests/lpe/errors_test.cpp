@@ -74,26 +74,34 @@ TEST_CASE("renderman errors point at the byte that is wrong", "[errors][law7]") 
         {"unocluded;CDL", 1, "did you mean 'unoccluded'?"},
         {"rib:CDL", 1, "lpe:"},
         {"C\xD0\xA1L", 2, "Cyrillic letter that looks like 'C'"},
-        {"C<RD\xE2\x80\x98" "floor\xE2\x80\x99>L", 5, "did you mean '''?"},
+        {"C<RD\xE2\x80\x98"
+         "floor\xE2\x80\x99>L",
+         5, "did you mean '''?"},
         {"C\xFF", 2, "the byte 0xFF"},
     };
-    for (const RefusedCase& wrong : cases) {
-        refuses(wrong, Dialect::renderman);
-    }
+    for (const RefusedCase& wrong : cases) { refuses(wrong, Dialect::renderman); }
 }
 
 TEST_CASE("osl errors point at the byte that is wrong", "[errors][law7]") {
     const RefusedCase cases[] = {
-        {"", 1, "empty"},          {"C D", 2, "blanks"},          {"C()L", 3, "empty"},
-        {"C|", 3, "on its right"}, {"|C", 1, "on its left"},      {"C||D", 3, "on its left"},
-        {"C[^]L", 4, "empty"},     {"C[^.]L", 4, "inside [^...]"}, {"C<R<D>>", 4, "do not nest"},
-        {"C<RD*>L", 5, "not allowed inside"}, {"C<RD", 5, "expected '>' for the '<' at column 2"},
-        {"CD{a}", 4, "{n}"},       {"CD2L", 3, "renderman"},      {"lpe:CDL", 1, "expected an event"},
-        {"C'D", 2, "not closed"},  {"CD{2000}", 4, "above 1000"},
+        {"", 1, "empty"},
+        {"C D", 2, "blanks"},
+        {"C()L", 3, "empty"},
+        {"C|", 3, "on its right"},
+        {"|C", 1, "on its left"},
+        {"C||D", 3, "on its left"},
+        {"C[^]L", 4, "empty"},
+        {"C[^.]L", 4, "inside [^...]"},
+        {"C<R<D>>", 4, "do not nest"},
+        {"C<RD*>L", 5, "not allowed inside"},
+        {"C<RD", 5, "expected '>' for the '<' at column 2"},
+        {"CD{a}", 4, "{n}"},
+        {"CD2L", 3, "renderman"},
+        {"lpe:CDL", 1, "expected an event"},
+        {"C'D", 2, "not closed"},
+        {"CD{2000}", 4, "above 1000"},
     };
-    for (const RefusedCase& wrong : cases) {
-        refuses(wrong, Dialect::osl);
-    }
+    for (const RefusedCase& wrong : cases) { refuses(wrong, Dialect::osl); }
 }
 
 TEST_CASE("an error knows the file, line and column its expression came from", "[errors][law7]") {

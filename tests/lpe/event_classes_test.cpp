@@ -13,9 +13,7 @@ TEST_CASE("what follows an empty label does not hide the event from expressions 
     const std::vector<std::string> expressions{
         "C.*", "C<RD>[<L.>O]", "C<RD'floor'>.*", "C<.S'pass*'>*((U2L)|O)", "C<.S[^'floor']>L", "C<RD.'diffuse'>L"};
     std::vector<ChannelSource> channels;
-    for (const std::string& expression : expressions) {
-        channels.push_back({"c", expression});
-    }
+    for (const std::string& expression : expressions) { channels.push_back({"c", expression}); }
     const auto program = Program::compile(channels);
     REQUIRE(program.ok());
     for (const char* path :

@@ -170,9 +170,7 @@ TEST_CASE("samples match, and pieces said to be dead can be struck out") {
         for (int trial = 0; trial < 4'000 && explained_count < 60; ++trial) {
             std::vector<std::size_t> sequence(3 + trial % 6);
             std::generate(sequence.begin(), sequence.end(), [&] { return pick(random); });
-            if (!oracle::parse(sequence, dialect)) {
-                continue;
-            }
+            if (!oracle::parse(sequence, dialect)) { continue; }
             ChannelSource channel;
             channel.expression = "C" + oracle::text_of(sequence, dialect);
             channel.dialect = dialect;
@@ -188,9 +186,7 @@ TEST_CASE("samples match, and pieces said to be dead can be struck out") {
             }
             for (const std::string& warning : explanation->warnings) {
                 const std::size_t column = warning.find("(column ");
-                if (warning.find("can never match") == std::string::npos || dialect == Dialect::osl) {
-                    continue;
-                }
+                if (warning.find("can never match") == std::string::npos || dialect == Dialect::osl) { continue; }
                 const std::string piece = warning.substr(1, column - 3);
                 ChannelSource without = channel;
                 const auto at = static_cast<std::size_t>(std::stoi(warning.substr(column + 8))) - 1;
@@ -208,13 +204,9 @@ TEST_CASE("samples match, and pieces said to be dead can be struck out") {
 TEST_CASE("hostile expressions are explained or refused within seconds") {
     const std::string nested = "C" + std::string(190, '(') + "D" + std::string(190, ')') + "L";
     std::string letters = "C";
-    while (letters.size() < 4'000) {
-        letters += "[DS]*(D|SV)?";
-    }
+    while (letters.size() < 4'000) { letters += "[DS]*(D|SV)?"; }
     std::string labels = "C[";
-    for (int k = 0; k < 300; ++k) {
-        labels += "<R.'a" + std::to_string(k) + "''b" + std::to_string(k) + "'>";
-    }
+    for (int k = 0; k < 300; ++k) { labels += "<R.'a" + std::to_string(k) + "''b" + std::to_string(k) + "'>"; }
     const auto start = std::chrono::steady_clock::now();
     for (const std::string& text :
          {nested, letters + "L", labels + "]*L", std::string("C(((((D*)*)*)*)*)*L"), std::string("C.*D.{24}L"),

@@ -100,21 +100,21 @@ void throw_at(std::uint64_t seed, int rounds) {
 
 }  // namespace
 
-TEST_CASE("random texts are compiled or refused, never worse", "[fuzz][law7]") { throw_at(31, 4000); }
-TEST_CASE("many random texts are compiled or refused", "[.full][fuzz]") { throw_at(32, 1'000'000); }
+TEST_CASE("random texts are compiled or refused, never worse", "[fuzz][law7]") {
+    throw_at(31, 4000);
+}
+TEST_CASE("many random texts are compiled or refused", "[.full][fuzz]") {
+    throw_at(32, 1'000'000);
+}
 
 TEST_CASE("expressions built to explode are refused in bounded time", "[fuzz][law7]") {
     const auto repeat = [](const std::string& text, int count) {
         std::string all;
-        for (int k = 0; k < count; ++k) {
-            all += text;
-        }
+        for (int k = 0; k < count; ++k) { all += text; }
         return all;
     };
     std::string labels;
-    for (int k = 0; k < 8000; ++k) {
-        labels += "<RD'l" + std::to_string(k) + "'>";
-    }
+    for (int k = 0; k < 8000; ++k) { labels += "<RD'l" + std::to_string(k) + "'>"; }
     const std::pair<std::string, bool> cases[] = {
         {"C(.{1000}){1000}L", false},
         {"C.*D.{30}L", false},

@@ -62,9 +62,7 @@ std::vector<std::size_t> accepted_by(const Graph& graph, const std::vector<Event
                 next = edge.to;
             }
         }
-        if (!next) {
-            return {};
-        }
+        if (!next) { return {}; }
         state = *next;
     }
     return graph.states[state].accepts;
@@ -76,9 +74,7 @@ bool overlap(const Box& a, const Box& b) {
 
 std::size_t count(const std::string& text, const std::string& part) {
     std::size_t found = 0;
-    for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) {
-        ++found;
-    }
+    for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) { ++found; }
     return found;
 }
 
@@ -100,9 +96,7 @@ TEST_CASE("following a graph by its labels accepts what the channels accept") {
             }
             std::vector<std::size_t> expected;
             for (std::size_t k = 0; k < channels.size(); ++k) {
-                if (*match(channels[k].expression, path, Dialect::renderman)) {
-                    expected.push_back(k);
-                }
+                if (*match(channels[k].expression, path, Dialect::renderman)) { expected.push_back(k); }
             }
             CAPTURE(set, to_text(path));
             CHECK(accepted_by(*graph, path, Dialect::renderman) == expected);
@@ -164,9 +158,7 @@ TEST_CASE("in the drawing no state or label lies on another, and all text is XML
             CHECK(boxes[a].x + boxes[a].width / 2 <= layout.width);
             CHECK(boxes[a].y - boxes[a].height / 2 >= 0);
             CHECK(boxes[a].y + boxes[a].height / 2 <= layout.height);
-            for (std::size_t b = 0; b < a; ++b) {
-                CHECK_FALSE(overlap(boxes[a], boxes[b]));
-            }
+            for (std::size_t b = 0; b < a; ++b) { CHECK_FALSE(overlap(boxes[a], boxes[b])); }
         }
         const std::string svg = to_svg(*graph);
         CHECK(count(svg, "<text") == count(svg, "</text>"));

@@ -13,16 +13,16 @@ using namespace raylex::lpe;
 
 namespace {
 
-std::string label(std::size_t k) { return "obj" + std::to_string(k); }
+std::string label(std::size_t k) {
+    return "obj" + std::to_string(k);
+}
 
 /// One channel for each of `count` labels: every '@' of the expression is replaced by one.
 void add_family(std::vector<ChannelSource>& channels, const std::string& expression, std::size_t count,
                 Dialect dialect = Dialect::osl) {
     for (std::size_t k = 0; k < count; ++k) {
         ChannelSource channel{.name = expression + std::to_string(k), .expression = {}, .dialect = dialect};
-        for (const char c : expression) {
-            channel.expression += c == '@' ? label(k) : std::string(1, c);
-        }
+        for (const char c : expression) { channel.expression += c == '@' ? label(k) : std::string(1, c); }
         channels.push_back(std::move(channel));
     }
 }
@@ -30,9 +30,7 @@ void add_family(std::vector<ChannelSource>& channels, const std::string& express
 /// A random sequence of events, most of them words of W. Few labels, so that they repeat.
 std::vector<Event> labelled_path(oracle::Random& random, std::size_t labels) {
     std::vector<Event> word;
-    if (random.below(20) != 0) {
-        word.push_back({EventType::camera, Scatter::none, 0, {}});
-    }
+    if (random.below(20) != 0) { word.push_back({EventType::camera, Scatter::none, 0, {}}); }
     const std::size_t base = random.below(labels);
     for (std::size_t k = random.below(7); k > 0; --k) {
         Event event;
@@ -74,9 +72,7 @@ Followed follow(const Program& program, const std::vector<Event>& path) {
 void check_against_each_alone(const std::vector<ChannelSource>& channels, std::size_t labels, std::size_t least_matches,
                               bool dies_exactly) {
     const auto program = Program::compile(channels);
-    if (!program) {
-        FAIL(program.error().to_string());
-    }
+    if (!program) { FAIL(program.error().to_string()); }
     REQUIRE(program->view().has_lanes());
     std::vector<Program> alone;
     for (const ChannelSource& channel : channels) {
@@ -93,17 +89,13 @@ void check_against_each_alone(const std::vector<ChannelSource>& channels, std::s
         for (std::size_t k = 0; k < alone.size(); ++k) {
             const Followed one = follow(alone[k], path);
             expected.alive = expected.alive || one.alive;
-            if (!one.channels.empty()) {
-                expected.channels.insert(k);
-            }
+            if (!one.channels.empty()) { expected.channels.insert(k); }
         }
         INFO(to_text(path));
         const Followed found = follow(*program, path);
         REQUIRE(found.channels == expected.channels);
         REQUIRE((found.alive || !expected.alive));
-        if (dies_exactly) {
-            REQUIRE(found.alive == expected.alive);
-        }
+        if (dies_exactly) { REQUIRE(found.alive == expected.alive); }
         matches += expected.channels.size();
     }
     CHECK(matches > least_matches);
@@ -123,9 +115,15 @@ TEST_CASE("128 channels that each look for a label anywhere take five words", "[
 
 TEST_CASE("lanes of every width, in both dialects, accept what each channel accepts alone", "[lanes]") {
     std::vector<ChannelSource> channels;
-    SECTION("two labels in order, three codes") { add_family(channels, "C.*<RD'@'>.*<.G'@'>.*", 40); }
-    SECTION("lanes that die") { add_family(channels, "C[^'@']*L", 40); }
-    SECTION("five codes") { add_family(channels, "C.*<.D'@'>.*<..'@'>.[LO]", 40); }
+    SECTION("two labels in order, three codes") {
+        add_family(channels, "C.*<RD'@'>.*<.G'@'>.*", 40);
+    }
+    SECTION("lanes that die") {
+        add_family(channels, "C[^'@']*L", 40);
+    }
+    SECTION("five codes") {
+        add_family(channels, "C.*<.D'@'>.*<..'@'>.[LO]", 40);
+    }
     SECTION("all widths at once") {
         add_family(channels, "C.*<RD'@'>.*", 40);
         add_family(channels, "C.*<RG'@'>.*<RD'@'>.*", 12);
@@ -139,7 +137,9 @@ TEST_CASE("lanes of every width, in both dialects, accept what each channel acce
     SECTION("renderman: straight-through events leave no event") {
         add_family(channels, "C.*<RD'@'>.*[<L.>O]", 40, Dialect::renderman);
     }
-    SECTION("renderman: user events") { add_family(channels, "C.*<RD'@'>[.U1U2]*L", 40, Dialect::renderman); }
+    SECTION("renderman: user events") {
+        add_family(channels, "C.*<RD'@'>[.U1U2]*L", 40, Dialect::renderman);
+    }
     SECTION("beside channels that look at the first hit") {
         add_family(channels, "C.*<RD'@'>.*", 40);
         add_family(channels, "C<RD'@'>[DGS]*L", 20);
@@ -190,9 +190,7 @@ TEST_CASE("many paths at once move and accept as one does", "[lanes]") {
         }
         for (std::size_t step = 0; step < 4; ++step) {
             std::vector<EventClass> events;
-            for (const auto& each : path) {
-                events.push_back(program->classify(each[step]));
-            }
+            for (const auto& each : path) { events.push_back(program->classify(each[step])); }
             program->advance(states, events);
         }
         std::vector<std::uint32_t> masks(paths * mask_words, 0xFFFFFFFFU);
@@ -200,9 +198,7 @@ TEST_CASE("many paths at once move and accept as one does", "[lanes]") {
         for (std::size_t k = 0; k < paths; ++k) {
             std::set<std::size_t> found;
             for (std::size_t channel = 0; channel < list.size(); ++channel) {
-                if ((masks[k * mask_words + channel / 32] >> channel % 32 & 1U) != 0) {
-                    found.insert(channel);
-                }
+                if ((masks[k * mask_words + channel / 32] >> channel % 32 & 1U) != 0) { found.insert(channel); }
             }
             REQUIRE(found == follow(*program, path[k]).channels);
         }

@@ -12,31 +12,29 @@ namespace {
 
 enum class Kind { event, sequence, choice, repeat, complement, both, without };
 
-bool is_user(const Event& event) { return event.type == EventType::user; }
+bool is_user(const Event& event) {
+    return event.type == EventType::user;
+}
 bool is_straight(const Event& event) {
     return event.type == EventType::transmission && event.scatter == Scatter::straight;
 }
-std::string label(const Event& event, std::size_t slot) { return slot < event.labels.size() ? event.labels[slot] : ""; }
+std::string label(const Event& event, std::size_t slot) {
+    return slot < event.labels.size() ? event.labels[slot] : "";
+}
 
 /// OSL's words: how many labels an event has, trailing empty ones not counted.
 std::size_t label_count(const Event& event) {
     std::size_t count = event.labels.size();
-    while (count > 0 && event.labels[count - 1].empty()) {
-        --count;
-    }
+    while (count > 0 && event.labels[count - 1].empty()) { --count; }
     return count;
 }
 
 /// The event alphabet has no label named like one of OSL's symbols, so trailing labels are always eaten there.
 std::vector<Token> marks(Dialect dialect) {
     std::vector<Token> list;
-    for (const char* text : {"(", ")", "[", "]", "|", "*", "+", "{2}", "{0,1}"}) {
-        list.push_back({text, {}});
-    }
+    for (const char* text : {"(", ")", "[", "]", "|", "*", "+", "{2}", "{0,1}"}) { list.push_back({text, {}}); }
     if (dialect == Dialect::renderman) {
-        for (const char* text : {"?", "!", "&", "-"}) {
-            list.push_back({text, {}});
-        }
+        for (const char* text : {"?", "!", "&", "-"}) { list.push_back({text, {}}); }
     }
     return list;
 }
@@ -50,12 +48,10 @@ std::vector<Token> build_tokens(Dialect dialect) {
     add("C", [](const Event& e) { return e.type == EventType::camera; });
     add("D", [](const Event& e) { return e.scatter == Scatter::diffuse; });
     add(".", [](const Event&) { return true; });
-    add("S", [=](const Event& e) {
-        return e.scatter == Scatter::singular || (renderman && e.scatter == Scatter::glossy);
-    });
-    add("L", [=](const Event& e) {
-        return e.type == EventType::light || (renderman && e.type == EventType::background);
-    });
+    add("S",
+        [=](const Event& e) { return e.scatter == Scatter::singular || (renderman && e.scatter == Scatter::glossy); });
+    add("L",
+        [=](const Event& e) { return e.type == EventType::light || (renderman && e.type == EventType::background); });
     add("<RD>", [](const Event& e) { return e.type == EventType::reflection && e.scatter == Scatter::diffuse; });
     add("<.D'a'>", [](const Event& e) { return e.scatter == Scatter::diffuse && label(e, 0) == "a"; });
     add("[^D]", [](const Event& e) { return e.scatter != Scatter::diffuse; });
@@ -93,9 +89,7 @@ using TreePtr = std::shared_ptr<Tree>;
 
 TreePtr make(Kind kind, std::vector<TreePtr> children) {
     for (const TreePtr& child : children) {
-        if (!child) {
-            return nullptr;
-        }
+        if (!child) { return nullptr; }
     }
     auto tree = std::make_shared<Tree>();
     tree->kind = kind;
@@ -108,9 +102,7 @@ class Reader {
     Reader(const std::vector<std::size_t>& sequence, Dialect dialect) : sequence_(sequence), dialect_(dialect) {}
 
     TreePtr run() {
-        if (sequence_.empty()) {
-            return nullptr;
-        }
+        if (sequence_.empty()) { return nullptr; }
         if (dialect_ == Dialect::osl) {
             return at("(") ? parenthesis() : osl_items("");  // OSL stops at the ')' of a leading '('
         }
@@ -127,16 +119,12 @@ class Reader {
 
     TreePtr difference() {
         TreePtr tree = intersection();
-        while (tree && take("-")) {
-            tree = make(Kind::without, {tree, intersection()});
-        }
+        while (tree && take("-")) { tree = make(Kind::without, {tree, intersection()}); }
         return tree;
     }
     TreePtr intersection() {
         TreePtr tree = complement();
-        while (tree && take("&")) {
-            tree = make(Kind::both, {tree, complement()});
-        }
+        while (tree && take("&")) { tree = make(Kind::both, {tree, complement()}); }
         return tree;
     }
     TreePtr complement() { return take("!") ? make(Kind::complement, {complement()}) : renderman_items(); }
@@ -145,12 +133,8 @@ class Reader {
         std::vector<TreePtr> items;
         while (here() != nullptr && !at(")") && !at("-") && !at("&")) {
             items.push_back(item());
-            while (items.back() && take("|")) {
-                items.back() = make(Kind::choice, {items.back(), item()});
-            }
-            if (!items.back()) {
-                return nullptr;
-            }
+            while (items.back() && take("|")) { items.back() = make(Kind::choice, {items.back(), item()}); }
+            if (!items.back()) { return nullptr; }
         }
         return items.empty() ? nullptr : make(Kind::sequence, std::move(items));
     }
@@ -159,16 +143,12 @@ class Reader {
         std::vector<TreePtr> items;
         while (here() != nullptr && !at(closer)) {
             if (take("|")) {
-                if (items.empty()) {
-                    return nullptr;
-                }
+                if (items.empty()) { return nullptr; }
                 items.back() = make(Kind::choice, {items.back(), item()});
             } else {
                 items.push_back(item());
             }
-            if (!items.back()) {
-                return nullptr;
-            }
+            if (!items.back()) { return nullptr; }
         }
         return make(Kind::sequence, std::move(items));
     }
@@ -177,9 +157,7 @@ class Reader {
         ++position_;
         TreePtr tree = dialect_ == Dialect::osl ? osl_items(")") : difference();
         // '()' is refused: OSL crashes on it.
-        if (!tree || (tree->kind == Kind::sequence && tree->children.empty()) || !take(")")) {
-            return nullptr;
-        }
+        if (!tree || (tree->kind == Kind::sequence && tree->children.empty()) || !take(")")) { return nullptr; }
         return tree;
     }
 
@@ -191,22 +169,16 @@ class Reader {
             std::vector<TreePtr> items;
             while (here() != nullptr && !at("]")) {
                 items.push_back(item());
-                if (!items.back()) {
-                    return nullptr;
-                }
+                if (!items.back()) { return nullptr; }
             }
-            if (!take("]") || (items.empty() && dialect_ == Dialect::renderman)) {
-                return nullptr;
-            }
+            if (!take("]") || (items.empty() && dialect_ == Dialect::renderman)) { return nullptr; }
             tree = make(Kind::choice, std::move(items));
         } else if (here() != nullptr && here()->matches) {
             tree = make(Kind::event, {});
             tree->token = here();
             ++position_;
         }
-        if (!tree) {
-            return nullptr;
-        }
+        if (!tree) { return nullptr; }
         int min = 0, max = -1;
         if (take("+")) {
             min = 1;
@@ -235,26 +207,20 @@ Ends ends(const Tree& tree, const Path& path, std::size_t begin);
 
 Ends ends_from(const Tree& tree, const Path& path, const Ends& begins) {
     Ends all;
-    for (const std::size_t begin : begins) {
-        all.merge(ends(tree, path, begin));
-    }
+    for (const std::size_t begin : begins) { all.merge(ends(tree, path, begin)); }
     return all;
 }
 
 Ends repeat_ends(const Tree& tree, const Path& path, std::size_t begin) {
     const Tree& child = *tree.children.front();
     Ends now{begin};
-    for (int i = 0; i < tree.min; ++i) {
-        now = ends_from(child, path, now);
-    }
+    for (int i = 0; i < tree.min; ++i) { now = ends_from(child, path, now); }
     Ends all = now;
     for (int i = tree.min; tree.max < 0 ? true : i < tree.max; ++i) {
         now = ends_from(child, path, now);
         const std::size_t before = all.size();
         all.insert(now.begin(), now.end());
-        if (tree.max < 0 && all.size() == before) {
-            break;
-        }
+        if (tree.max < 0 && all.size() == before) { break; }
     }
     return all;
 }
@@ -263,31 +229,25 @@ Ends ends(const Tree& tree, const Path& path, std::size_t begin) {
     Ends result;
     switch (tree.kind) {
         case Kind::event:
-            if (begin < path.size() && tree.token->matches(path[begin])) {
-                result.insert(begin + 1);
-            }
+            if (begin < path.size() && tree.token->matches(path[begin])) { result.insert(begin + 1); }
             break;
         case Kind::sequence:
             result = {begin};
-            for (const TreePtr& child : tree.children) {
-                result = ends_from(*child, path, result);
-            }
+            for (const TreePtr& child : tree.children) { result = ends_from(*child, path, result); }
             break;
         case Kind::choice:
-            for (const TreePtr& child : tree.children) {
-                result.merge(ends(*child, path, begin));
-            }
+            for (const TreePtr& child : tree.children) { result.merge(ends(*child, path, begin)); }
             break;
-        case Kind::repeat: result = repeat_ends(tree, path, begin); break;
+        case Kind::repeat:
+            result = repeat_ends(tree, path, begin);
+            break;
         case Kind::complement: {
             const Ends child = ends(*tree.children[0], path, begin);
             for (std::size_t end = begin; end <= path.size(); ++end) {
                 if (end > begin && is_user(path[end - 1])) {
                     break;  // '!' ranges over words without user events
                 }
-                if (child.count(end) == 0) {
-                    result.insert(end);
-                }
+                if (child.count(end) == 0) { result.insert(end); }
             }
             break;
         }
@@ -295,9 +255,7 @@ Ends ends(const Tree& tree, const Path& path, std::size_t begin) {
         case Kind::without: {
             const Ends second = ends(*tree.children[1], path, begin);
             for (const std::size_t end : ends(*tree.children[0], path, begin)) {
-                if ((second.count(end) != 0) == (tree.kind == Kind::both)) {
-                    result.insert(end);
-                }
+                if ((second.count(end) != 0) == (tree.kind == Kind::both)) { result.insert(end); }
             }
             break;
         }
@@ -325,17 +283,13 @@ std::shared_ptr<Tree> parse(const std::vector<std::size_t>& sequence, Dialect di
 
 bool matches(const Tree& tree, const Path& path, Dialect dialect) {
     Path seen = path;
-    if (dialect == Dialect::renderman) {
-        std::erase_if(seen, is_straight);
-    }
+    if (dialect == Dialect::renderman) { std::erase_if(seen, is_straight); }
     return ends(tree, seen, 0).count(seen.size()) != 0;
 }
 
 std::string text_of(const std::vector<std::size_t>& sequence, Dialect dialect) {
     std::string text;
-    for (const std::size_t token : sequence) {
-        text += tokens(dialect)[token].text;
-    }
+    for (const std::size_t token : sequence) { text += tokens(dialect)[token].text; }
     return text;
 }
 
@@ -416,9 +370,7 @@ ShortWords::Set ShortWords::language(const Tree& tree) const {
     Set result;
     switch (tree.kind) {
         case Kind::event:
-            for (std::size_t k = 0; k < events_.size(); ++k) {
-                result[1 + k] = tree.token->matches(events_[k]);
-            }
+            for (std::size_t k = 0; k < events_.size(); ++k) { result[1 + k] = tree.token->matches(events_[k]); }
             break;
         case Kind::sequence:
             result.set(0);
@@ -441,9 +393,15 @@ ShortWords::Set ShortWords::language(const Tree& tree) const {
             }
             break;
         }
-        case Kind::complement: result = without_user_ & ~language(*tree.children[0]); break;
-        case Kind::both: result = language(*tree.children[0]) & language(*tree.children[1]); break;
-        case Kind::without: result = language(*tree.children[0]) & ~language(*tree.children[1]); break;
+        case Kind::complement:
+            result = without_user_ & ~language(*tree.children[0]);
+            break;
+        case Kind::both:
+            result = language(*tree.children[0]) & language(*tree.children[1]);
+            break;
+        case Kind::without:
+            result = language(*tree.children[0]) & ~language(*tree.children[1]);
+            break;
     }
     return result;
 }
@@ -455,9 +413,7 @@ std::vector<std::size_t> random_expression(Random& random, Dialect dialect, std:
         a.insert(a.end(), b.begin(), b.end());
         return a;
     };
-    if (size <= 1) {
-        return {events_begin + random.below(tokens(dialect).size() - events_begin)};
-    }
+    if (size <= 1) { return {events_begin + random.below(tokens(dialect).size() - events_begin)}; }
     const std::size_t left = 1 + random.below(size - 1);
     const auto a = random_expression(random, dialect, left);
     const auto b = random_expression(random, dialect, size - left);
@@ -465,15 +421,24 @@ std::vector<std::size_t> random_expression(Random& random, Dialect dialect, std:
         return join(join({mark("(")}, inner), {mark(")")});
     };
     switch (random.below(dialect == Dialect::renderman ? 10 : 7)) {
-        case 0: return join(wrapped(a), join({mark("|")}, wrapped(b)));
-        case 1: return join(a, join({mark("|")}, b));
-        case 2: return join(join({mark("[")}, wrapped(a)), join(wrapped(b), {mark("]")}));
-        case 3: return join(join(wrapped(a), {mark("*")}), b);
-        case 4: return join(join(wrapped(a), {mark("{0,1}")}), b);
-        case 7: return wrapped(join(wrapped(a), join({mark("-")}, b)));
-        case 8: return wrapped(join(a, join({mark("&")}, b)));
-        case 9: return join(wrapped(join({mark("!")}, a)), b);
-        default: return join(a, b);
+        case 0:
+            return join(wrapped(a), join({mark("|")}, wrapped(b)));
+        case 1:
+            return join(a, join({mark("|")}, b));
+        case 2:
+            return join(join({mark("[")}, wrapped(a)), join(wrapped(b), {mark("]")}));
+        case 3:
+            return join(join(wrapped(a), {mark("*")}), b);
+        case 4:
+            return join(join(wrapped(a), {mark("{0,1}")}), b);
+        case 7:
+            return wrapped(join(wrapped(a), join({mark("-")}, b)));
+        case 8:
+            return wrapped(join(a, join({mark("&")}, b)));
+        case 9:
+            return join(wrapped(join({mark("!")}, a)), b);
+        default:
+            return join(a, b);
     }
 }
 

@@ -40,8 +40,9 @@ std::string text_of(const std::vector<std::size_t>& sequence, Dialect dialect);
 std::vector<Path> all_paths(Dialect dialect, std::size_t longest);
 const std::vector<Event>& alphabet();
 
-/// All words of at most `longest` events over the small alphabet of all_paths, and the languages of trees cut to them: sets
-/// of words, united and concatenated word by word. A second reading beside matches(), fast enough to be exhaustive.
+/// All words of at most `longest` events over the small alphabet of all_paths, and the languages of trees cut to them:
+/// sets of words, united and concatenated word by word. A second reading beside matches(), fast enough to be
+/// exhaustive.
 class ShortWords {
   public:
     static constexpr std::size_t most = 3906;  ///< words of at most 5 events over 5

@@ -19,9 +19,7 @@ ChannelSource source_of(const std::string& text, Dialect dialect) {
 }
 
 State run(const Program& program, State state, const oracle::Path& path) {
-    for (const Event& event : path) {
-        state = program.next(state, program.classify(event));
-    }
+    for (const Event& event : path) { state = program.next(state, program.classify(event)); }
     return state;
 }
 
@@ -54,9 +52,7 @@ void compare_all(Dialect dialect, std::size_t length, const std::vector<oracle::
         more = false;
         for (std::size_t i = length; i-- > 0 && !more;) {
             more = ++sequence[i] < count;
-            if (!more) {
-                sequence[i] = 0;
-            }
+            if (!more) { sequence[i] = 0; }
         }
     }
 }
@@ -146,9 +142,7 @@ TEST_CASE("every expression of up to three tokens agrees with the oracle on ever
     for (const Dialect dialect : {Dialect::renderman, Dialect::osl}) {
         const auto paths = oracle::all_paths(dialect, 3);
         Tally tally;
-        for (std::size_t length = 1; length <= 3; ++length) {
-            compare_all(dialect, length, paths, tally);
-        }
+        for (std::size_t length = 1; length <= 3; ++length) { compare_all(dialect, length, paths, tally); }
         CHECK(tally.expressions > 1000);
         CHECK(tally.refused > 1000);
         CHECK(tally.accepted_words > 1000);

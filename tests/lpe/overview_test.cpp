@@ -72,7 +72,9 @@ TEST_CASE("the overview names every kind of path that is missed", "[overview]") 
         lines.push_back(hole.kind + ": " + hole.witness.text + " +" + std::to_string(hole.others.size()));
     }
     CHECK(lines.size() == 5);
-    const auto has = [&](const std::string& line) { return std::find(lines.begin(), lines.end(), line) != lines.end(); };
+    const auto has = [&](const std::string& line) {
+        return std::find(lines.begin(), lines.end(), line) != lines.end();
+    };
     INFO(Catch::StringMaker<std::vector<std::string>>::convert(lines));
     CHECK(has("seen directly: C,- O,- +0"));
     CHECK(has("first a specular reflection: C,- R,G L,- +2"));
@@ -152,9 +154,7 @@ TEST_CASE("channels that are several splits are sorted into them", "[sorting]") 
     CHECK(sorting->left == std::vector<std::size_t>{3});
     for (const auto& partition : sorting->partitions) {
         std::vector<ChannelSource> members;
-        for (const std::size_t channel : partition) {
-            members.push_back(channels[channel]);
-        }
+        for (const std::size_t channel : partition) { members.push_back(channels[channel]); }
         const auto report = check_partition(members, std::nullopt, surfaces());
         REQUIRE(report);
         CHECK(report->verdict == Verdict::partition);
@@ -188,9 +188,7 @@ TEST_CASE("a rest for RenderMan has nothing but RenderMan's own syntax", "[rest]
     // What needs V cannot be said there.
     const auto volume = rest_expression(channels_of({{"surfaces", "C[DS]*[LO]"}}), std::nullopt, {}, Reader::renderman);
     REQUIRE(volume);
-    if (volume->has_value()) {
-        CHECK(extensions_in(**volume).empty());
-    }
+    if (volume->has_value()) { CHECK(extensions_in(**volume).empty()); }
 }
 
 TEST_CASE("a rest is as short within a scene as without one", "[rest]") {
@@ -255,7 +253,8 @@ TEST_CASE("in renderman quoted labels are labels, whatever letters they are", "[
     const auto is = [](const std::string& expression, const std::string& events) {
         return matches_path(expression, events, Dialect::renderman);
     };
-    for (const char* label : {"x", "C", "D", ".", "L", "V", "^", "[", "]", "<", ">", "(", "|", "#", ";", "$", "-", "&"}) {
+    for (const char* label :
+         {"x", "C", "D", ".", "L", "V", "^", "[", "]", "<", ">", "(", "|", "#", ";", "$", "-", "&"}) {
         INFO(label);
         const std::string event = "C,- R,D,'" + std::string(label) + "' L,-";
         CHECK(is("C<RD'" + std::string(label) + "'>L", event));

@@ -55,9 +55,7 @@ std::vector<Event> random_word(oracle::Random& random) {
         Event event;
         event.type = random.below(2) != 0 ? EventType::reflection : EventType::transmission;
         event.scatter = static_cast<Scatter>(1 + random.below(event.type == EventType::transmission ? 4 : 3));
-        if (random.below(8) == 0) {
-            event = {EventType::volume, Scatter::none, 0, {}};
-        }
+        if (random.below(8) == 0) { event = {EventType::volume, Scatter::none, 0, {}}; }
         event.labels = {objects[random.below(7)], "lobe"};
         word.push_back(event);
     }
@@ -130,9 +128,7 @@ TEST_CASE("channels compiled together accept what each accepts alone, in one gro
             const auto word = random_word(random);
             std::set<std::size_t> expected;
             for (std::size_t k = 0; k < alone.size(); ++k) {
-                if (!accepted_by(alone[k], word).empty()) {
-                    expected.insert(k);
-                }
+                if (!accepted_by(alone[k], word).empty()) { expected.insert(k); }
             }
             INFO(to_text(word));
             REQUIRE(accepted_by(*whole, word) == expected);

@@ -94,7 +94,9 @@ TEST_CASE("label globs", "[renderman]") {
     CHECK(accepts("C<RD'*'>L", "C,- R,D L,-"));
     CHECK_FALSE(accepts("C<RD'?*'>L", "C,- R,D L,-"));
     CHECK(accepts("C<RD'a?c'>L", "C,- R,D,abc L,-"));
-    CHECK(accepts("C<RD'a?c'>L", "C,- R,D,a\xC3\xA9" "c L,-"));
+    CHECK(accepts("C<RD'a?c'>L",
+                  "C,- R,D,a\xC3\xA9"
+                  "c L,-"));
     CHECK_FALSE(accepts("C<RD'a?c'>L", "C,- R,D,abbc L,-"));
     CHECK(accepts("C<RD'a\\*'>L", "C,- R,D,a* L,-"));
     CHECK_FALSE(accepts("C<RD'a\\*'>L", "C,- R,D,ab L,-"));

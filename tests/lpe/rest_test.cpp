@@ -98,9 +98,7 @@ TEST_CASE("whatever is printed was proved: random sets of channels", "[rest]") {
     int printed = 0;
     for (int round = 0; round < 100; ++round) {
         std::string expression = "C";
-        for (unsigned k = random() % 4; k > 0; --k) {
-            expression += pick(pieces) + pick(repeats);
-        }
+        for (unsigned k = random() % 4; k > 0; --k) { expression += pick(pieces) + pick(repeats); }
         expression += pick(ends);
         INFO(expression);
         auto channels = numbered({expression});
@@ -131,9 +129,7 @@ TEST_CASE("a part of the shipped partition has a short rest", "[rest]") {
     for (std::size_t left_out = 0; left_out < all.size(); ++left_out) {
         std::vector<std::string> kept;
         for (std::size_t k = 0; k < all.size(); ++k) {
-            if (k != left_out) {
-                kept.emplace_back(all[k].expression);
-            }
+            if (k != left_out) { kept.emplace_back(all[k].expression); }
         }
         INFO(all[left_out].name);
         CHECK(rest_of(kept) != "none");

@@ -26,9 +26,7 @@ void add(std::vector<ChannelSource>& channels, Dialect dialect, const std::strin
 /// Any sequence of events; most are words of W.
 std::vector<Event> random_spelling(oracle::Random& random) {
     std::vector<Event> word;
-    if (random.below(30) != 0) {
-        word.push_back({EventType::camera, Scatter::none, 0, {}});
-    }
+    if (random.below(30) != 0) { word.push_back({EventType::camera, Scatter::none, 0, {}}); }
     for (std::size_t k = random.below(8); k > 0; --k) {
         Event event;
         event.type = random.below(3) != 0 ? EventType::reflection : EventType::transmission;
@@ -55,23 +53,17 @@ std::vector<Event> random_spelling(oracle::Random& random) {
 void check_joins(const std::vector<ChannelSource>& channels, const CompileOptions& options, bool has_lanes,
                  std::size_t least_words) {
     const auto program = Program::compile(channels, options);
-    if (!program) {
-        FAIL(program.error().to_string());
-    }
+    if (!program) { FAIL(program.error().to_string()); }
     REQUIRE(program->view().has_lanes() == has_lanes);
     REQUIRE(program->word_count() >= least_words);
     const auto reversed = ReversedProgram::build(*program);
-    if (!reversed) {
-        FAIL(reversed.error().to_string());
-    }
+    if (!reversed) { FAIL(reversed.error().to_string()); }
     oracle::Random random(77);
     std::size_t accepted = 0;
     for (int round = 0; round < 300; ++round) {
         const std::vector<Event> word = random_spelling(random);
         std::vector<EventClass> events;
-        for (const Event& event : word) {
-            events.push_back(program->classify(event));
-        }
+        for (const Event& event : word) { events.push_back(program->classify(event)); }
         std::vector<std::vector<State>> camera{{program->starts().begin(), program->starts().end()}};
         for (const EventClass event : events) {
             camera.push_back(camera.back());
@@ -93,9 +85,7 @@ void check_joins(const std::vector<ChannelSource>& channels, const CompileOption
             REQUIRE((joined || expected.empty()));
             if (!has_lanes) REQUIRE(joined == !expected.empty());
             REQUIRE((alive || expected.empty()));  // Law 4: only what can never accept is dead
-            if (split == 0) {
-                break;
-            }
+            if (split == 0) { break; }
             alive = reversed->prepend(light.data(), events[split - 1], light.data());
         }
     }
@@ -110,16 +100,16 @@ TEST_CASE("light subpaths joined with camera subpaths match as whole words do", 
         std::vector<ChannelSource> channels = shipped(dialect);
         add(channels, dialect, "C<RD'", "'>[DS]*L", 5);
         add(channels, dialect, "CD*<L.'", "'>", 3);
-        check_joins(channels, {}, false, 1);                                   // one table
+        check_joins(channels, {}, false, 1);                                                    // one table
         check_joins(channels, {.state_cap = 12, .group_cap = 20, .any_word = true}, false, 2);  // several tables
         std::vector<ChannelSource> packed = channels;
         add(packed, dialect, "C.*<RD'", "'>.*L", 40);
-        check_joins(packed, {}, true, 3);                                      // a table and lanes of one bit
+        check_joins(packed, {}, true, 3);  // a table and lanes of one bit
         std::vector<ChannelSource> wide;
         add(wide, dialect, "C.*<RD'", "'>.*", 40);
         add(wide, dialect, "C.*<RG'obj1'>.*<RD'", "'>.*", 40);
         add(wide, dialect, "C.*<.D'", "'>.*D.[LO]", 40);
-        check_joins(wide, {}, true, 4);                                        // wider lanes
+        check_joins(wide, {}, true, 4);  // wider lanes
     }
 }
 

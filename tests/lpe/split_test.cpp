@@ -31,9 +31,7 @@ Split required(const SplitRequest& request) {
 
 std::string expression_of(const Split& split, const std::string& name) {
     for (const ChannelSource& channel : split.channels) {
-        if (channel.name == name) {
-            return channel.expression;
-        }
+        if (channel.name == name) { return channel.expression; }
     }
     return "no channel " + name;
 }
@@ -46,9 +44,7 @@ std::vector<std::string> channels_of(const Split& split, const std::string& path
     for (const ChannelSource& channel : split.channels) {
         const auto matched = match(channel.expression, *events, channel.dialect);
         REQUIRE(matched);
-        if (*matched) {
-            names.push_back(channel.name);
-        }
+        if (*matched) { names.push_back(channel.name); }
     }
     return names;
 }
@@ -82,9 +78,7 @@ TEST_CASE("every combination of axes is a partition in both dialects", "[split][
         for (const Dialect dialect : {Dialect::renderman, Dialect::osl}) {
             SplitRequest request;
             for (unsigned axis = 0; axis < 5; ++axis) {
-                if ((set >> axis & 1U) != 0) {
-                    request.by.push_back(all[axis]);
-                }
+                if ((set >> axis & 1U) != 0) { request.by.push_back(all[axis]); }
             }
             request.groups = {"key", dialect == Dialect::osl ? "fill" : "it's"};  // osl cannot write a quote
             request.objects = {"floor", "a*b"};
@@ -215,9 +209,7 @@ TEST_CASE("names of bins are fit for layers and fall apart", "[split]") {
     request.groups = {"R", "rim light", "rim_light", "default", "\xC3\xA9t\xC3\xA9", "7"};
     const Split split = required(request);
     Names names;
-    for (const ChannelSource& channel : split.channels) {
-        names.push_back(channel.name);
-    }
+    for (const ChannelSource& channel : split.channels) { names.push_back(channel.name); }
     CHECK(names == Names{"R_", "rim_light", "rim_light_2", "t", "_7", "default"});
     CHECK(channels_of(split, "C,- L,-,default") == Names{"default"});
 }

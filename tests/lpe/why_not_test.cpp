@@ -74,9 +74,7 @@ TEST_CASE("a label that is nearly right is named with the one that was meant") {
 
 TEST_CASE("of very many labels only a few are listed") {
     std::string expression = "C[";
-    for (int k = 0; k < 500; ++k) {
-        expression += "<R.'object" + std::to_string(k) + "'>";
-    }
+    for (int k = 0; k < 500; ++k) { expression += "<R.'object" + std::to_string(k) + "'>"; }
     const auto why = why_not(source(expression + "]L"), *parse_events("C,- R,D L,-"));
     REQUIRE(why);
     CHECK(why->wanted.size() < 200);
@@ -115,9 +113,7 @@ TEST_CASE("no path that goes on as the refused one did is accepted, and events t
             channel.dialect = dialect;
             std::vector<const oracle::Path*> accepted;
             for (const oracle::Path& path : paths) {
-                if (*match(text, path, dialect)) {
-                    accepted.push_back(&path);
-                }
+                if (*match(text, path, dialect)) { accepted.push_back(&path); }
             }
             std::size_t seen = 0;
             for (const oracle::Path& path : paths) {
@@ -128,9 +124,7 @@ TEST_CASE("no path that goes on as the refused one did is accepted, and events t
                 REQUIRE(why);
                 CAPTURE(text, to_text(path), why->live_events);
                 CHECK(why->matches == (std::find(accepted.begin(), accepted.end(), &path) != accepted.end()));
-                if (why->matches || why->live_events == path.size()) {
-                    continue;
-                }
+                if (why->matches || why->live_events == path.size()) { continue; }
                 const std::size_t failed = why->live_events + 1;
                 const bool goes_on = std::any_of(accepted.begin(), accepted.end(), [&](const oracle::Path* other) {
                     return other->size() >= failed &&

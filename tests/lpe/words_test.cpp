@@ -14,7 +14,9 @@ namespace {
 Event reflection(Scatter scatter, const std::string& object, const std::string& lobe) {
     return {EventType::reflection, scatter, 0, {object, lobe}};
 }
-Event light(const std::string& group) { return {EventType::light, Scatter::none, 0, {group}}; }
+Event light(const std::string& group) {
+    return {EventType::light, Scatter::none, 0, {group}};
+}
 
 Verdict verdict(const std::vector<ChannelSource>& channels, const Words& words) {
     const auto report = check_partition(channels, std::nullopt, words);

@@ -1,10 +1,10 @@
-// A light path accumulator in the shape that renderers built on Open Shading Language know (begin, move, push, pop, end,
-// accum into AOVs), on a raylex program instead of OSL's automaton. What a renderer with such calls needs to change is the
-// classes below; the rest checks their answers against raylex::lpe::match.
+// A light path accumulator in the shape that renderers built on Open Shading Language know (begin, move, push, pop,
+// end, accum into AOVs), on a raylex program instead of OSL's automaton. What a renderer with such calls needs to
+// change is the classes below; the rest checks their answers against raylex::lpe::match.
 //
-// Where it differs from OSL: an event is one symbol and not a word of symbols, so move() takes whole events; their classes
-// are asked for once (EventCache) and a move is one look-up however many expressions there are. Writing to an AOV happens
-// at once, there is no flush.
+// Where it differs from OSL: an event is one symbol and not a word of symbols, so move() takes whole events; their
+// classes are asked for once (EventCache) and a move is one look-up however many expressions there are. Writing to an
+// AOV happens at once, there is no flush.
 #include <algorithm>
 #include <cstdio>
 #include <map>
@@ -80,9 +80,7 @@ class EventCache {
     EventClass operator()(EventType type, Scatter scatter, const std::string& label) {
         const auto key = std::make_tuple(type, scatter, label);
         const auto known = classes_.find(key);
-        if (known != classes_.end()) {
-            return known->second;
-        }
+        if (known != classes_.end()) { return known->second; }
         return classes_.emplace(key, program_.classify({type, scatter, 0, {label}})).first->second;
     }
 
@@ -134,12 +132,8 @@ int main() {
         "C.*",        "C<RD>L",          "C<RD>.+L",         "C<R[GS]'car'>.*L", "C<..'car'>[DS]*<L.'key'>",
         "C[^D]*D.*L", "C<T[GS]>+.*[LO]", "C.*<RD'floor'>.*", "C.*<RD'wall'>.*",  "C[GS]*D[GS]*L"};
     AccumulatorRules rules;
-    for (std::size_t k = 0; k < expressions.size(); ++k) {
-        rules.add_rule(expressions[k], k);
-    }
-    if (!rules.compile()) {
-        return 1;
-    }
+    for (std::size_t k = 0; k < expressions.size(); ++k) { rules.add_rule(expressions[k], k); }
+    if (!rules.compile()) { return 1; }
     std::vector<Aov> aovs(expressions.size());
     std::vector<float> expected(expressions.size(), 0);
     EventCache event_class(rules.program());
@@ -177,8 +171,8 @@ int main() {
     bool right = true;
     for (std::size_t k = 0; k < expressions.size(); ++k) {
         right = right && aovs[k].value().r == expected[k] && expected[k] > 0;
-        std::printf("%-24s %5g contributions, %g expected\n", expressions[k].c_str(), static_cast<double>(aovs[k].value().r),
-                    static_cast<double>(expected[k]));
+        std::printf("%-24s %5g contributions, %g expected\n", expressions[k].c_str(),
+                    static_cast<double>(aovs[k].value().r), static_cast<double>(expected[k]));
     }
     return right ? 0 : 1;
 }

@@ -20,14 +20,18 @@ void check(bool holds, const std::string& what) {
     if (!holds) ++failures;
 }
 
-void write(const std::string& file, const std::string& text) { std::ofstream(file, std::ios::binary) << text; }
+void write(const std::string& file, const std::string& text) {
+    std::ofstream(file, std::ios::binary) << text;
+}
 
 std::string read(const std::string& file) {
     std::ifstream stream(file, std::ios::binary);
     return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
 }
 
-std::string plugin(const std::string& name) { return "--plugin '" OUTSIDE_PLUGINS "/lib" + name + ".so' "; }
+std::string plugin(const std::string& name) {
+    return "--plugin '" OUTSIDE_PLUGINS "/lib" + name + ".so' ";
+}
 
 /// Exit code; what the program said on its error stream is left in err.txt.
 int run(const std::string& arguments) {
@@ -60,17 +64,21 @@ std::vector<float> render(const std::string& arguments, const std::string& layer
     return {};
 }
 
-/// A wall that fills the image, x and y from -1 to 1, seen from straight above; what stands behind WorldBegin is `world`.
+/// A wall that fills the image, x and y from -1 to 1, seen from straight above; what stands behind WorldBegin is
+/// `world`.
 void write_scene(const std::string& integrator, const std::string& world) {
-    write("scene.pbrt", "LookAt 0 0 4  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" 20\n"
-                        "Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 16\n"
-                        "PixelFilter \"box\"\nSampler \"zsobol\" \"integer pixelsamples\" 16\n" + integrator +
-                            "WorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\n" + world);
+    write("scene.pbrt",
+          "LookAt 0 0 4  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" 20\n"
+          "Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 16\n"
+          "PixelFilter \"box\"\nSampler \"zsobol\" \"integer pixelsamples\" 16\n" +
+              integrator + "WorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\n" + world);
 }
 const std::string wall =
     "Shape \"bilinearmesh\" \"point3 P\" [-1 -1 0  1 -1 0  -1 1 0  1 1 0] \"point2 uv\" [0 0 1 0 0 1 1 1]\n";
 
-std::size_t pixel(int x, int y) { return static_cast<std::size_t>(16 * y + x); }
+std::size_t pixel(int x, int y) {
+    return static_cast<std::size_t>(16 * y + x);
+}
 
 void check_integrator() {
     write_scene("Integrator \"ambientocclusion\" \"float maxdistance\" 1\n", wall);
@@ -81,9 +89,10 @@ void check_integrator() {
     write_scene("Integrator \"ambientocclusion\" \"float maxdistance\" 1\n", lid);
     const std::vector<float> far = render(plugin("ambient_occlusion") + "scene.pbrt");
     write_scene("Integrator \"ambientocclusion\" \"float maxdistance\" 1000\n", lid);
-    const std::vector<float> near = render(plugin("ambient_occlusion") + "scene.pbrt --spp 1024 --lpe diffuse='C<RD>L'");
-    // The hole of radius 1.5 at height 2: sin^2 of its half angle, 0.36, is what a point below its centre sees. The standard
-    // error of 1024 random samples is 0.015; the sampler is better.
+    const std::vector<float> near =
+        render(plugin("ambient_occlusion") + "scene.pbrt --spp 1024 --lpe diffuse='C<RD>L'");
+    // The hole of radius 1.5 at height 2: sin^2 of its half angle, 0.36, is what a point below its centre sees. The
+    // standard error of 1024 random samples is 0.015; the sampler is better.
     check(far.size() == 256 && far[pixel(8, 8)] == 1, "ambientocclusion: maxdistance bounds what hides the sky");
     check(near.size() == 256 && std::abs(near[pixel(8, 8)] - 0.36f) < 0.02f,
           "ambientocclusion: a lid with a hole leaves 0.36");
@@ -92,8 +101,8 @@ void check_integrator() {
     const std::vector<float> beauty = render(plugin("ambient_occlusion") + "scene.pbrt --spp 16");
     check(!layer.empty() && layer == beauty, "ambientocclusion: light path expressions work without a word about them");
     write_scene("Integrator \"ambientocclusion\" \"float maxdistance\" -3\n", wall);
-    check_refused("render " + plugin("ambient_occlusion") + "scene.pbrt -o out.exr", "scene.pbrt:6:",
-                  "'maxdistance' is -3; expected");
+    check_refused("render " + plugin("ambient_occlusion") + "scene.pbrt -o out.exr",
+                  "scene.pbrt:6:", "'maxdistance' is -3; expected");
 }
 
 void check_pattern() {
@@ -106,24 +115,27 @@ void check_pattern() {
     textured("\"stripes\" \"rgb tex1\" [.25 .25 .25] \"rgb tex2\" [.25 .25 .25]");
     check(render(plugin("stripes_pattern") + "scene.pbrt --max-depth 1") == quarter,
           "stripes of one colour are that colour, bit by bit");
-    // Two stripes over the wall, which is 2 wide at distance 4, the image 1.41 wide there. Seen from the front, +x is left.
+    // Two stripes over the wall, which is 2 wide at distance 4, the image 1.41 wide there. Seen from the front, +x is
+    // left.
     textured("\"stripes\" \"integer count\" 1 \"rgb tex1\" [.25 .25 .25] \"rgb tex2\" [.75 .75 .75]");
     const std::vector<float> two = render(plugin("stripes_pattern") + "scene.pbrt --max-depth 1");
     check(two.size() == 256 && two[pixel(13, 8)] == quarter[pixel(13, 8)] && std::abs(two[pixel(2, 8)] - 0.75f) < 1e-5f,
           "stripes: 0.75 on the left, 0.25 on the right under a sky of 1");
     textured("\"stripes\" \"integer count\" 0");
-    check_refused("render " + plugin("stripes_pattern") + "scene.pbrt -o out.exr", "scene.pbrt:8:",
-                  "'count' is 0; expected 1 to 10000");
+    check_refused("render " + plugin("stripes_pattern") + "scene.pbrt -o out.exr",
+                  "scene.pbrt:8:", "'count' is 0; expected 1 to 10000");
     check_refused("render scene.pbrt -o out.exr", "scene.pbrt:8:", "unknown texture 'stripes'");  // without the plugin
 }
 
 void check_material() {
-    write_scene("", "MakeNamedMaterial \"moon\" \"string type\" \"minnaert\" \"rgb reflectance\" [.5 .5 .5] \"float k\" 1\n"
-                    "NamedMaterial \"moon\"\n" + wall);
+    write_scene("",
+                "MakeNamedMaterial \"moon\" \"string type\" \"minnaert\" \"rgb reflectance\" [.5 .5 .5] \"float k\" 1\n"
+                "NamedMaterial \"moon\"\n" +
+                    wall);
     const std::string with = plugin("minnaert_material") + "scene.pbrt --max-depth 1 ";
     const std::vector<float> seen = render(with);
-    // Under a sky of 1 a surface has its albedo for radiance, 0.5 cos; the centre is seen at less than 1 degree (cos above
-    // 0.9998), and its samples have no variance.
+    // Under a sky of 1 a surface has its albedo for radiance, 0.5 cos; the centre is seen at less than 1 degree (cos
+    // above 0.9998), and its samples have no variance.
     check(seen.size() == 256 && std::abs(seen[pixel(8, 8)] - 0.5f) < 2e-4f, "minnaert: its albedo under a white sky");
     check(render(with + "--dialect osl --lpe moon=\"C<RD'moon''minnaert'>B\"", "moon") == seen,
           "minnaert: light path expressions know its lobe");
@@ -131,8 +143,8 @@ void check_material() {
     const std::vector<float> lit = render(plugin("minnaert_material") + "scene.pbrt --partition shipped");
     check(lit.size() == 256 && run("verify out.exr") == 0, "minnaert: splits sum to beauty with light samples");
     write_scene("", "Material \"minnaert\" \"float k\" -1\n" + wall);
-    check_refused("render " + plugin("minnaert_material") + "scene.pbrt -o out.exr", "scene.pbrt:8:",
-                  "'k' is -1; expected 0 to 100");
+    check_refused("render " + plugin("minnaert_material") + "scene.pbrt -o out.exr",
+                  "scene.pbrt:8:", "'k' is -1; expected 0 to 100");
 }
 
 void check_camera() {
@@ -145,11 +157,9 @@ void check_camera() {
     const std::vector<float> sky = render(with);
     // The wall is 2 wide and the image 4: 8 of 16 pixels, at any distance. Under a sky of 1 it has its albedo, 0.5.
     check(sky.size() == 256 && std::abs(sky[pixel(4, 8)] - 0.5f) < 1e-4f &&
-              std::abs(sky[pixel(11, 11)] - 0.5f) < 1e-4f &&
-              sky[pixel(3, 8)] == 1 && sky[pixel(12, 8)] == 1,
+              std::abs(sky[pixel(11, 11)] - 0.5f) < 1e-4f && sky[pixel(3, 8)] == 1 && sky[pixel(12, 8)] == 1,
           "orthographic: the wall is as large as it is, whatever its distance");
-    write("scene.pbrt",
-          seen + "LightSource \"point\" \"point3 from\" [0.3 0.2 1.5]\nMaterial \"diffuse\"\n" + wall);
+    write("scene.pbrt", seen + "LightSource \"point\" \"point3 from\" [0.3 0.2 1.5]\nMaterial \"diffuse\"\n" + wall);
     const std::vector<float> paths = render(with), light = render(with + "--integrator lighttracer --spp 4096");
     double from_camera = 0, from_light = 0;
     for (const float each : paths) from_camera += static_cast<double>(each);
@@ -157,8 +167,8 @@ void check_camera() {
     check(from_camera > 1 && std::abs(from_light / from_camera - 1) < 0.01,
           "orthographic: light paths that meet it bring what its own rays find");
     write("scene.pbrt", "Camera \"orthographic\" \"float extent\" -2\nWorldBegin\n" + wall);
-    check_refused("render " + plugin("orthographic_camera") + "scene.pbrt -o out.exr", "scene.pbrt:1:",
-                  "'extent' is -2; expected a positive length");
+    check_refused("render " + plugin("orthographic_camera") + "scene.pbrt -o out.exr",
+                  "scene.pbrt:1:", "'extent' is -2; expected a positive length");
     // Without the plugin.
     check_refused("render scene.pbrt -o out.exr", "scene.pbrt:1:", "unknown camera 'orthographic'");
 }
@@ -166,26 +176,28 @@ void check_camera() {
 void check_shape() {
     // Sky of 1 where the shape is not, half of it where it is: a triangle of radius 0.5 around the centre, its tip to
     // the right; the image is 1.41 wide there. Seen from the front, +x is left.
-    write_scene("", "Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n"
-                    "Rotate 180 0 0 1 Shape \"polygon\" \"integer sides\" 3 \"float radius\" .5\n");
+    write_scene("",
+                "Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n"
+                "Rotate 180 0 0 1 Shape \"polygon\" \"integer sides\" 3 \"float radius\" .5\n");
     const std::vector<float> seen = render(plugin("polygon_shape") + "scene.pbrt --max-depth 1");
     check(seen.size() == 256 && std::abs(seen[pixel(8, 8)] - 0.5f) < 1e-5f && seen[pixel(4, 8)] == 1 &&
               seen[pixel(14, 8)] == 1 && std::abs(seen[pixel(10, 8)] - 0.5f) < 1e-5f,
           "polygon: a triangle with its tip to the right, placed by the current transformation");
     write_scene("", "Shape \"polygon\" \"integer sides\" 2\n");
-    check_refused("render " + plugin("polygon_shape") + "scene.pbrt -o out.exr", "scene.pbrt:8:",
-                  "'sides' is 2; expected");
+    check_refused("render " + plugin("polygon_shape") + "scene.pbrt -o out.exr",
+                  "scene.pbrt:8:", "'sides' is 2; expected");
     write_scene("", "Shape \"polygon\" \"integer side\" 4\n");
-    check_refused("render " + plugin("polygon_shape") + "scene.pbrt -o out.exr", "scene.pbrt:8:",
-                  "shape 'polygon' has no parameter 'side'; expected one of: sides, radius, alpha");
+    check_refused("render " + plugin("polygon_shape") + "scene.pbrt -o out.exr",
+                  "scene.pbrt:8:", "shape 'polygon' has no parameter 'side'; expected one of: sides, radius, alpha");
     check_refused("render scene.pbrt -o out.exr", "scene.pbrt:8:", "unknown shape 'polygon'");  // without the plugin
 }
 
 void check_display_filter() {
     write_scene("", "Material \"diffuse\"\n" + wall);
     const std::vector<float> plain = render("scene.pbrt --statistics beauty=mse"), error = read_layer("beauty_mse");
-    const std::vector<float> dark = render(plugin("vignette_filter") +
-                                           "scene.pbrt --statistics beauty=mse --partition shipped --display-filter vignette:strength=0.5");
+    const std::vector<float> dark =
+        render(plugin("vignette_filter") +
+               "scene.pbrt --statistics beauty=mse --partition shipped --display-filter vignette:strength=0.5");
     // Half of the squared distance to the corner is lost: at pixel (13, 8), 5.5^2 + 0.5^2 of 8^2 + 8^2. One rounding to
     // float on either side of the factor.
     const float factor = 1 - 0.5f * 30.5f / 128;
@@ -203,7 +215,8 @@ void check_display_filter() {
 
 void check_filter_and_driver() {
     write_scene("", "Material \"diffuse\"\n" + wall);
-    write("job.toml", "plugins = ['" OUTSIDE_PLUGINS "/libexposure_filter.so']\n[scene]\nfile = \"scene.pbrt\"\n"
+    write("job.toml", "plugins = ['" OUTSIDE_PLUGINS
+                      "/libexposure_filter.so']\n[scene]\nfile = \"scene.pbrt\"\n"
                       "[channels]\nshipped_partition = true\n[[sample_filter]]\ntype = \"exposure\"\nstops = 1.0\n");
     const std::vector<float> plain = render("scene.pbrt");
     std::vector<float> doubled = plain;
@@ -216,14 +229,16 @@ void check_filter_and_driver() {
     for (int y = 0; same && y < 16; ++y)
         for (int x = 0; x < 16; ++x) {
             float value;
-            std::copy_n(pfm.data() + header.size() + 12 * pixel(x, 15 - y), sizeof value, reinterpret_cast<char*>(&value));
+            std::copy_n(pfm.data() + header.size() + 12 * pixel(x, 15 - y), sizeof value,
+                        reinterpret_cast<char*>(&value));
             same = same && value == exposed[pixel(x, y)];
         }
     check(same, "pfm: the file holds the pixels of the OpenEXR file");
-    check_refused("render " + plugin("pfm_driver") + "scene.pbrt -o out.exr --driver pfm:file=out.pfm,laier=Nn", "--driver",
-                  "did you mean 'layer'?");
-    check_refused("render " + plugin("pfm_driver") + "scene.pbrt -o out.exr --driver pfm:file=out.pfm,layer=Nm --aov Nn",
-                  "--driver", "did you mean 'Nn'?");
+    check_refused("render " + plugin("pfm_driver") + "scene.pbrt -o out.exr --driver pfm:file=out.pfm,laier=Nn",
+                  "--driver", "did you mean 'layer'?");
+    check_refused(
+        "render " + plugin("pfm_driver") + "scene.pbrt -o out.exr --driver pfm:file=out.pfm,layer=Nm --aov Nn",
+        "--driver", "did you mean 'Nn'?");
     std::string job = read("job.toml");
     write("job.toml", job.replace(job.find("stops = 1.0"), 11, "stops = 99"));
     check_refused("render job.toml -o out.exr", "job.toml:8:", "'stops' is 99; expected -20 to 20");

@@ -1,7 +1,7 @@
-// A renderer of its own on raylex's language, display services and frame buffer: rays against spheres and a plane, a path
-// tracer with multiple importance sampling, and nothing of raylex::transport. It moves a tracker along each path, reports
-// every contribution once, and gets the shipped partition, a split by light group, and normals. Where raylex::display is
-// there too, the image is written as OpenEXR and judged by `raylex verify`.
+// A renderer of its own on raylex's language, display services and frame buffer: rays against spheres and a plane, a
+// path tracer with multiple importance sampling, and nothing of raylex::transport. It moves a tracker along each path,
+// reports every contribution once, and gets the shipped partition, a split by light group, and normals. Where
+// raylex::display is there too, the image is written as OpenEXR and judged by `raylex verify`.
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -26,12 +26,24 @@ using display::Technique;
 struct Vector {
     float x = 0, y = 0, z = 0;
 };
-Vector operator+(Vector a, Vector b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-Vector operator-(Vector a, Vector b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-Vector operator*(Vector a, float s) { return {a.x * s, a.y * s, a.z * s}; }
-float dot(Vector a, Vector b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-Vector normalized(Vector a) { return a * (1 / std::sqrt(dot(a, a))); }
-Vector reflected(Vector v, Vector n) { return n * (2 * dot(v, n)) - v; }
+Vector operator+(Vector a, Vector b) {
+    return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+Vector operator-(Vector a, Vector b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+Vector operator*(Vector a, float s) {
+    return {a.x * s, a.y * s, a.z * s};
+}
+float dot(Vector a, Vector b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+Vector normalized(Vector a) {
+    return a * (1 / std::sqrt(dot(a, a)));
+}
+Vector reflected(Vector v, Vector n) {
+    return n * (2 * dot(v, n)) - v;
+}
 
 constexpr float pi = 3.14159265f, far_away = 1e30f;
 constexpr int width = 64, height = 48, samples_per_pixel = 64, block = 16, max_depth = 5;
@@ -65,7 +77,7 @@ struct Object {
     const char* label;
     Vector center;
     float radius;
-    Rgb diffuse, glossy;   ///< Lambert and normalised Phong, on one surface
+    Rgb diffuse, glossy;  ///< Lambert and normalised Phong, on one surface
     float exponent = 30;
     Rgb mirror, emission;
     lpe::EventClass diffuse_event = 0, glossy_event = 0, mirror_event = 0;
@@ -76,7 +88,9 @@ std::vector<Object> scene{{"floor", {0, -1, 0}, 0, Rgb(0.5f, 0.45f, 0.4f), Rgb()
                           {"mirror", {1.2f, 0, 5.5f}, 1, Rgb(), Rgb(), 0, Rgb(0.9f), Rgb()},
                           {"lamp", {0.5f, 2.5f, 3.5f}, 0.5f, Rgb(), Rgb(), 0, Rgb(), Rgb(12)}};
 const std::size_t lamp = 3;
-Rgb sky(Vector d) { return Rgb(0.3f, 0.4f, 0.6f) * (0.5f + 0.5f * std::max(0.0f, d.y)); }
+Rgb sky(Vector d) {
+    return Rgb(0.3f, 0.4f, 0.6f) * (0.5f + 0.5f * std::max(0.0f, d.y));
+}
 
 float distance_to(const Object& object, const Ray& ray) {
     if (object.radius == 0) {
@@ -98,22 +112,26 @@ std::size_t nearest(const Ray& ray, float& t) {
     return found;
 }
 
-/// Density of the cone that the lamp fills as seen from a point, per steradian; 1 less the cosine of its half angle, in a
-/// form that is exact for lamps far away too.
+/// Density of the cone that the lamp fills as seen from a point, per steradian; 1 less the cosine of its half angle, in
+/// a form that is exact for lamps far away too.
 float lamp_density(Vector from, float& width_of_cone) {
     const Vector to = scene[lamp].center - from;
     const float sine2 = scene[lamp].radius * scene[lamp].radius / dot(to, to);
     width_of_cone = sine2 / (1 + std::sqrt(1 - sine2));
     return 1 / (2 * pi * width_of_cone);
 }
-float power_heuristic(float p, float q) { return p * p / (p * p + q * q); }
+float power_heuristic(float p, float q) {
+    return p * p / (p * p + q * q);
+}
 
 /// f |cos| of both lobes, and the density of choosing wi.
 struct Scattered {
     Rgb diffuse, glossy;
     float density = 0;
 };
-float diffuse_share(const Object& o) { return o.glossy.is_black() ? 1.0f : o.diffuse.is_black() ? 0.0f : 0.5f; }
+float diffuse_share(const Object& o) {
+    return o.glossy.is_black() ? 1.0f : o.diffuse.is_black() ? 0.0f : 0.5f;
+}
 Scattered scattering(const Object& o, Vector n, Vector wo, Vector wi) {
     const float cosine = dot(n, wi), lobe = std::pow(std::max(0.0f, dot(reflected(wo, n), wi)), o.exponent);
     if (cosine <= 0) return {};
@@ -128,7 +146,8 @@ struct Tracer {
     lpe::EventClass key_light, sky_light;
 
     void move(display::Tracker& path, const Object& o, const Scattered& f) {
-        const std::array parts{display::LobePart{o.diffuse_event, f.diffuse}, display::LobePart{o.glossy_event, f.glossy}};
+        const std::array parts{display::LobePart{o.diffuse_event, f.diffuse},
+                               display::LobePart{o.glossy_event, f.glossy}};
         lpe.move(path, parts);
     }
 
@@ -200,7 +219,9 @@ display::ChannelDefinition light_channel(std::string name, std::string expressio
     return channel;
 }
 
-int fail(const Error& error) { return std::fprintf(stderr, "%s\n", error.to_string().c_str()), 1; }
+int fail(const Error& error) {
+    return std::fprintf(stderr, "%s\n", error.to_string().c_str()), 1;
+}
 
 /// Largest |sum of layers - beauty| over its bound, 1e-12 of all that was added, in the frame buffer's doubles (Law 1).
 double worst_residual(const display::FrameBuffer& image, const std::vector<display::ChannelId>& layers) {
@@ -209,7 +230,8 @@ double worst_residual(const display::FrameBuffer& image, const std::vector<displ
     for (const display::ChannelId id : layers)
         for (std::size_t i = 0; const double value : image.resolve(id)) sum[i] += value, scale[i++] += std::abs(value);
     double worst = 0;
-    for (std::size_t i = 0; i < sum.size(); ++i) worst = std::max(worst, std::abs(sum[i] - beauty[i]) / (1e-12 * scale[i]));
+    for (std::size_t i = 0; i < sum.size(); ++i)
+        worst = std::max(worst, std::abs(sum[i] - beauty[i]) / (1e-12 * scale[i]));
     return worst;
 }
 
@@ -262,9 +284,12 @@ int main() {
             for (int warm = 0; warm < 4; ++warm) random[i].next();
             const float u = random[i].next(), v = random[i].next();
             const display::FilterSample offset = filter->sample(u, v);
-            rows[i] = {.pixel_x = x, .pixel_y = y,
-                       .screen_x = static_cast<float>(x) + 0.5f + offset.dx, .screen_y = static_cast<float>(y) + 0.5f + offset.dy,
-                       .filter_weight = offset.weight, .sample = sample};
+            rows[i] = {.pixel_x = x,
+                       .pixel_y = y,
+                       .screen_x = static_cast<float>(x) + 0.5f + offset.dx,
+                       .screen_y = static_cast<float>(y) + 0.5f + offset.dy,
+                       .filter_weight = offset.weight,
+                       .sample = sample};
         }
         table.begin(rows);
         for (std::size_t i = 0; i < block; ++i) {
@@ -280,12 +305,14 @@ int main() {
     for (const display::ChannelId id : {1, 2, 3, 4, 6, 7, 10, 11, 12}) {  // the scene has neither glass nor volumes
         double total = 0;
         for (const double value : image->resolve(id)) total += std::abs(value);
-        if (total == 0) right = std::printf("layer %s is empty\n", channels[static_cast<std::size_t>(id)].name.c_str()) < 0;
+        if (total == 0)
+            right = std::printf("layer %s is empty\n", channels[static_cast<std::size_t>(id)].name.c_str()) < 0;
     }
 #ifdef OUTSIDE_WITH_DISPLAY
     display::ImageDescription description;
     description.partitions = {{"shipped", "", lobes}, {"lights", "", groups}};
-    if (Status written = display::write_exr("foreign.exr", *image, 0, description); !written) return fail(written.error());
+    if (Status written = display::write_exr("foreign.exr", *image, 0, description); !written)
+        return fail(written.error());
     right = std::system("\"" OUTSIDE_RAYLEX "\" verify foreign.exr") == 0 && right;
 #endif
     return right ? 0 : 1;

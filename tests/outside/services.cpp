@@ -18,7 +18,8 @@ int main() {
 
     auto setup = display::LpeSetup::build(channels, 0);
     if (!setup) return std::fprintf(stderr, "%s\n", setup.error().to_string().c_str()), 1;
-    const lpe::EventClass diffuse = setup->classify({lpe::EventType::reflection, lpe::Scatter::diffuse, 0, {"", "diffuse"}});
+    const lpe::EventClass diffuse =
+        setup->classify({lpe::EventType::reflection, lpe::Scatter::diffuse, 0, {"", "diffuse"}});
     const lpe::EventClass light = setup->classify({lpe::EventType::light, lpe::Scatter::none, 0, {""}});
 
     display::SampleTable table(channels, 16, 0);

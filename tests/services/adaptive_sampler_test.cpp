@@ -15,7 +15,8 @@ namespace {
 constexpr int width = 8, height = 4;
 
 std::vector<ChannelDefinition> two_channels() {
-    std::vector<ChannelDefinition> channels{test::expression_channel("beauty", "C.*"), test::expression_channel("direct", "CDL"),
+    std::vector<ChannelDefinition> channels{test::expression_channel("beauty", "C.*"),
+                                            test::expression_channel("direct", "CDL"),
                                             test::plain_channel("z", ChannelType::real, FilterRule::zmin)};
     channels[0].statistics = channels[1].statistics = true;
     return channels;
@@ -118,7 +119,8 @@ TEST_CASE("a neighbour's error keeps a pixel open, and the most samples end it",
 }
 
 TEST_CASE("the metric takes the worst of its weighted channels", "[adaptive]") {
-    const FrameBuffer buffer = flickering(2, [](int) { return 1.0; }, [](int) { return 0.25; });
+    const FrameBuffer buffer = flickering(
+        2, [](int) { return 1.0; }, [](int) { return 0.25; });
     const double error = deviation_of_mean(0.25, 32);
     AdaptiveSettings settings = settings_with(0.1, 0);
     settings.channels = {{"beauty", 1, {}}, {"direct", 3, {}}};
@@ -130,7 +132,8 @@ TEST_CASE("the metric takes the worst of its weighted channels", "[adaptive]") {
 }
 
 TEST_CASE("the prediction is what errors that fall with the root of the samples need", "[adaptive]") {
-    const FrameBuffer buffer = flickering(4, [](int) { return 1.0; }, [](int) { return 0.8; });
+    const FrameBuffer buffer = flickering(
+        4, [](int) { return 1.0; }, [](int) { return 0.8; });
     const double error = deviation_of_mean(0.8, 64);
     AdaptiveSampler sampler(settings_with(error / 3, 0), two_channels(), 0, buffer.layout());
     sampler.decide(buffer);
@@ -154,8 +157,8 @@ TEST_CASE("samples that most pixels have not met yet are in the prediction", "[a
     AdaptiveSampler sampler(settings_with(0.5, 1), two_channels(), 0, buffer.layout());
     sampler.decide(buffer);
     CHECK(open_count(sampler) == width * height);
-    // Of four pixels pooled, and of sixteen: 1 more on a mean of 1. By the scatter of the pixels' variances the deviation
-    // of that square is 1 and sqrt(0.2) of it; of nine, the largest is 1.485 deviations more than the mean.
+    // Of four pixels pooled, and of sixteen: 1 more on a mean of 1. By the scatter of the pixels' variances the
+    // deviation of that square is 1 and sqrt(0.2) of it; of nine, the largest is 1.485 deviations more than the mean.
     const double four = 0.25 * (1 + 1.485), sixteen = 0.25 / 4 * (1 + 1.485 * std::sqrt(0.2));
     const double needed = 256 * std::pow(4, std::log(four / 0.25) / std::log(four / sixteen));
     const AdaptiveProgress& progress = sampler.progress();
@@ -168,7 +171,8 @@ TEST_CASE("samples that most pixels have not met yet are in the prediction", "[a
 }
 
 TEST_CASE("an image that is black ends, with or without a floor", "[adaptive]") {
-    const FrameBuffer buffer = flickering(1, [](int) { return 0.0; }, [](int) { return 0.0; });
+    const FrameBuffer buffer = flickering(
+        1, [](int) { return 0.0; }, [](int) { return 0.0; });
     AdaptiveSettings settings = settings_with(0.01, 1);
     for (const double floor : {0.1, 0.0}) {
         settings.floor = floor;
@@ -180,7 +184,8 @@ TEST_CASE("an image that is black ends, with or without a floor", "[adaptive]") 
 }
 
 TEST_CASE("decisions go through bytes and back", "[adaptive][record][law3]") {
-    const FrameBuffer buffer = flickering(2, [](int pixel) { return 1.0 + pixel; }, [](int pixel) { return 0.1 * pixel; });
+    const FrameBuffer buffer = flickering(
+        2, [](int pixel) { return 1.0 + pixel; }, [](int pixel) { return 0.1 * pixel; });
     AdaptiveSampler sampler(settings_with(0.012, 1), two_channels(), 0, buffer.layout());
     std::string bytes;
     sampler.append_record(bytes);  // before the first decision

@@ -15,8 +15,8 @@ constexpr int picture_width = 3, picture_height = 2;
 
 /// beauty = a + b, random; alpha 0.25; z.
 struct Image {
-    std::vector<ChannelDefinition> channels{test::expression_channel("beauty", "C.*"), test::expression_channel("a", "CDL"),
-                                            test::expression_channel("b", "CSL"),
+    std::vector<ChannelDefinition> channels{test::expression_channel("beauty", "C.*"),
+                                            test::expression_channel("a", "CDL"), test::expression_channel("b", "CSL"),
                                             test::plain_channel("z", ChannelType::real, FilterRule::zmin)};
     FrameBuffer buffer{{picture_width, picture_height}, channels};
     std::vector<std::unique_ptr<DisplayFilter>> filters;
@@ -54,7 +54,8 @@ TEST_CASE("without filters an image is seen as it is", "[display_filter]") {
     CHECK(image.seen().layout() == image.buffer.layout());
 }
 
-TEST_CASE("filters work in their order, by region as on the whole, and leave the frame buffer alone", "[display_filter]") {
+TEST_CASE("filters work in their order, by region as on the whole, and leave the frame buffer alone",
+          "[display_filter]") {
     Image image;
     const std::vector<double> before = image.buffer.resolve(0);
     REQUIRE(image.add("background:color=1 2 4").empty());

@@ -95,14 +95,16 @@ TEST_CASE("there is one warning per channel that refused calls, with how many an
     for (const RefusalCounts& each : f.services.refusals()) sum.add(each);
     CHECK(sum.by == std::array<std::uint64_t, refusal_kinds>{2, 1, 3, 2, 0});
     CHECK(sum.of(Refusal::wrong_type) == 3);
-    CHECK(refusal_warnings(f.channels, f.services.refusals()) ==
-          std::vector<std::string>{"channel 'color' refused 5 calls: 1 to rows that are none of the batch, 3 of another "
-                                   "type than the channel's rgb, 1 with values that are not finite or out of range",
-                                   "channel 'depth' refused 1 call: 1 with values that are not finite or out of range",
-                                   "the display services refused 2 calls: 2 to ids that are no channel"});
+    CHECK(
+        refusal_warnings(f.channels, f.services.refusals()) ==
+        std::vector<std::string>{"channel 'color' refused 5 calls: 1 to rows that are none of the batch, 3 of another "
+                                 "type than the channel's rgb, 1 with values that are not finite or out of range",
+                                 "channel 'depth' refused 1 call: 1 with values that are not finite or out of range",
+                                 "the display services refused 2 calls: 2 to ids that are no channel"});
 }
 
-TEST_CASE("a batch of values is written as one by one: good ones land, bad ones are counted", "[display_services][law7]") {
+TEST_CASE("a batch of values is written as one by one: good ones land, bad ones are counted",
+          "[display_services][law7]") {
     Fixture f;
     const float nan = std::numeric_limits<float>::quiet_NaN();
     const std::vector<std::int32_t> rows{0, 2, 9, -1, 3};
@@ -128,7 +130,8 @@ TEST_CASE("a batch of values is written as one by one: good ones land, bad ones 
 TEST_CASE("triples by columns are written as triples are", "[display_services][law6][law7]") {
     const float nan = std::numeric_limits<float>::quiet_NaN();
     const std::vector<float> x{1, 4, 7}, y{2, 5, 8}, z{3, 6, 9}, bad{3, nan, 9};
-    const auto write = [&](Fixture& f, ChannelId id, const std::vector<std::int32_t>& rows, const std::vector<float>& third) {
+    const auto write = [&](Fixture& f, ChannelId id, const std::vector<std::int32_t>& rows,
+                           const std::vector<float>& third) {
         return f.services.write(id, rows, DisplayServices::Columns{x.data(), y.data(), third.data()});
     };
     Fixture together, apart, refused;
@@ -177,7 +180,8 @@ TEST_CASE("rows that follow one another are written as one: the same as one by o
             for (SampleTable* table : {&at_once, &one_by_one}) {
                 table->begin(std::vector<CameraRow>(capacity));
                 DisplayServices services(*table);
-                for (const std::int32_t row : rows) services.write(depth, row, -1.0f);  // what a bad value leaves as it is
+                for (const std::int32_t row : rows)
+                    services.write(depth, row, -1.0f);  // what a bad value leaves as it is
                 bool all = true;
                 if (table == &at_once) {
                     all = services.write(depth, rows, std::span<const float>(reals)) &
@@ -194,8 +198,10 @@ TEST_CASE("rows that follow one another are written as one: the same as one by o
                 refusals.insert(refusals.end(), services.refusals().begin(), services.refusals().end());
             }
             for (const auto& [id, components] : {std::pair(depth, 1), std::pair(color, 3), std::pair(index, 1)}) {
-                CHECK(std::equal(at_once.values(id), at_once.values(id) + capacity * components, one_by_one.values(id)));
-                for (int row = 0; row < capacity; ++row) CHECK(at_once.row_state(id, row) == one_by_one.row_state(id, row));
+                CHECK(
+                    std::equal(at_once.values(id), at_once.values(id) + capacity * components, one_by_one.values(id)));
+                for (int row = 0; row < capacity; ++row)
+                    CHECK(at_once.row_state(id, row) == one_by_one.row_state(id, row));
             }
             const auto half = refusals.begin() + static_cast<std::ptrdiff_t>(refusals.size() / 2);
             CHECK(std::equal(refusals.begin(), half, half));

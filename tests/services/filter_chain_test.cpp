@@ -21,18 +21,20 @@ ParameterSet parameters(const std::string& filter, const std::string& text) {
 
 /// beauty = a + b, a normal, and a channel that is no light.
 struct Chain {
-    std::vector<ChannelDefinition> channels{test::expression_channel("beauty", "C.*"), test::expression_channel("a", "CDL"),
-                                            test::expression_channel("b", "CSL"), test::plain_channel("N", ChannelType::normal),
+    std::vector<ChannelDefinition> channels{test::expression_channel("beauty", "C.*"),
+                                            test::expression_channel("a", "CDL"), test::expression_channel("b", "CSL"),
+                                            test::plain_channel("N", ChannelType::normal),
                                             test::expression_channel("albedo", "nothruput;CU2L")};
     SampleFilterChain chain;
 
     std::string add(const std::string& name, const std::string& text) {
         std::vector<ChannelDefinition> added;
-        auto filter = make_sample_filter(name, parameters(name, text), {channels, 0, [&](ChannelDefinition channel) {
-                                                                            added.push_back(std::move(channel));
-                                                                            return Result<ChannelId>(static_cast<ChannelId>(
-                                                                                channels.size() + added.size() - 1));
-                                                                        }});
+        auto filter = make_sample_filter(
+            name, parameters(name, text),
+            {channels, 0, [&](ChannelDefinition channel) {
+                 added.push_back(std::move(channel));
+                 return Result<ChannelId>(static_cast<ChannelId>(channels.size() + added.size() - 1));
+             }});
         if (!filter) return filter.error().to_string();
         chain.add(*std::move(filter));
         channels.insert(channels.end(), added.begin(), added.end());

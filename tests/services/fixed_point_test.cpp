@@ -104,10 +104,12 @@ TEST_CASE("a sum of arrays takes no array that is too large or not finite", "[fi
 TEST_CASE("fixed point becomes the nearest long double", "[fixed_point]") {
     test::Random random(9);
     for (int i = 0; i < 100'000; ++i) {
-        const Int128 fixed = ((static_cast<Int128>(random.bits()) << 64) | static_cast<Int128>(random.bits())) >> random.below(127);
+        const Int128 fixed =
+            ((static_cast<Int128>(random.bits()) << 64) | static_cast<Int128>(random.bits())) >> random.below(127);
         if (as_long_double(fixed) != static_cast<long double>(fixed)) FAIL("differs after " << i);
         const int exponent = random.below(2400) - 1200;  // beyond the range of double, within that of long double
-        if (to_long_double(fixed, exponent) != std::ldexp(static_cast<long double>(fixed), exponent)) FAIL("2^" << exponent);
+        if (to_long_double(fixed, exponent) != std::ldexp(static_cast<long double>(fixed), exponent))
+            FAIL("2^" << exponent);
     }
 }
 

@@ -1,7 +1,7 @@
 // One channel feeding several outputs: layers made of another channel's samples by rules of their own.
 #include <catch2/catch.hpp>
-#include <string>
 #include <limits>
+#include <string>
 
 #include "display/buffer/frame_buffer.h"
 #include "display/buffer/memory_estimate.h"
@@ -37,7 +37,8 @@ std::vector<ChannelDefinition> channels() {
     REQUIRE(added);
     return list;
 }
-constexpr ChannelId color = 0, depth = 1, light = 2, brightest = 3, nearest = 4, mean_depth = 5, strongest = 6, all_light = 7;
+constexpr ChannelId color = 0, depth = 1, light = 2, brightest = 3, nearest = 4, mean_depth = 5, strongest = 6,
+                    all_light = 7;
 
 }  // namespace
 
@@ -58,9 +59,9 @@ TEST_CASE("what is sent to a channel reaches every output, each by its own rule"
     buffer.accumulate(table);
     CHECK(buffer.resolve(color)[0] == 6.0 / 4);
     CHECK(buffer.resolve(brightest)[0] == 3);
-    CHECK(buffer.resolve(nearest)[0] == 2);          // of row 1, at depth 3
+    CHECK(buffer.resolve(nearest)[0] == 2);  // of row 1, at depth 3
     CHECK(buffer.resolve(depth)[0] == 3);
-    CHECK(buffer.resolve(mean_depth)[0] == 4);       // of the rows that were written
+    CHECK(buffer.resolve(mean_depth)[0] == 4);  // of the rows that were written
     CHECK(buffer.resolve(light)[0] == 6.0 / 4);
     CHECK(buffer.resolve(strongest)[0] == 4);
     CHECK(buffer.resolve(all_light)[0] == 6);
@@ -99,10 +100,10 @@ TEST_CASE("layers are no channels to send to, and patterns do not see them", "[d
 TEST_CASE("a layer takes the memory of its rule and none in the sample table", "[frame_buffer]") {
     const std::vector<MemoryItem> items = frame_buffer_memory({.width = 10, .height = 10}, channels());
     REQUIRE(items.size() == 9);
-    CHECK(items[0].bytes == 100 * (8 + 2 * 16));                 // no layer makes its source keep statistics
+    CHECK(items[0].bytes == 100 * (8 + 2 * 16));  // no layer makes its source keep statistics
     CHECK(items[1 + color].bytes == 100 * 48);
-    CHECK(items[1 + brightest].bytes == 100 * (3 * 8 + 8));      // picked values, rows taken in
-    CHECK(items[1 + nearest].bytes == 100 * (3 * 8 + 8 + 4));    // and the depth
+    CHECK(items[1 + brightest].bytes == 100 * (3 * 8 + 8));    // picked values, rows taken in
+    CHECK(items[1 + nearest].bytes == 100 * (3 * 8 + 8 + 4));  // and the depth
     CHECK(items[1 + mean_depth].bytes == 100 * (16 + 8));
 }
 
@@ -123,7 +124,7 @@ TEST_CASE("layers of what is not there, or by a rule that cannot be, are refused
     CHECK(contains(refused({"light", "color", FilterRule::max, here}), "name 'light' is taken"));
     CHECK(contains(refused({"x", "id", FilterRule::average, here}), "holds integers"));
     ChannelDefinition stray = plain_channel("stray", ChannelType::rgb);
-    stray.source = depth;                                        // of another type
+    stray.source = depth;  // of another type
     list.push_back(stray);
     CHECK_FALSE(FrameBuffer::create({.width = 1, .height = 1}, list));
 }

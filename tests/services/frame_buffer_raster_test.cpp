@@ -59,8 +59,8 @@ TEST_CASE("raster splats count by the kernel wherever they land, in any order", 
     const std::vector<Splat> list = random_splats();
     for (const char* name : {"box", "mitchell"}) {
         const PixelFilter filter = filter_named(name);
-        FrameBuffer whole({width, height}, channels, nullptr, &filter), first({width, height}, channels, nullptr, &filter),
-            second({width, height}, channels, nullptr, &filter);
+        FrameBuffer whole({width, height}, channels, nullptr, &filter),
+            first({width, height}, channels, nullptr, &filter), second({width, height}, channels, nullptr, &filter);
         feed(whole, list);
         std::vector<Splat> backwards(list.rbegin(), list.rend());
         feed(first, {backwards.data(), 100});
@@ -86,18 +86,21 @@ TEST_CASE("raster splats count by the kernel wherever they land, in any order", 
                     for (const Splat& splat : list) {
                         float dx = splat.row.screen_x - (static_cast<float>(x) + 0.5f);
                         if (dx == -filter.radius_x()) dx = std::nextafter(dx, 0.0f);
-                        const double term = static_cast<double>(filter.evaluate(dx, splat.row.screen_y - (static_cast<float>(y) + 0.5f))) *
+                        const double term = static_cast<double>(filter.evaluate(
+                                                dx, splat.row.screen_y - (static_cast<float>(y) + 0.5f))) *
                                             static_cast<double>(splat.row.filter_weight) * splat.color[c];
                         sum += term;
                         magnitude += std::abs(term);
                     }
                     const double pixel = image[static_cast<std::size_t>(3 * (y * width + x) + c)];
                     // 300 additions in double by hand.
-                    CHECK(std::abs(pixel - sum * width * height / splats) <= 300 * 0x1p-52 * magnitude * width * height / splats);
+                    CHECK(std::abs(pixel - sum * width * height / splats) <=
+                          300 * 0x1p-52 * magnitude * width * height / splats);
                     if (c == 1) total += pixel;
                 }
         for (const Splat& splat : list)
-            if (splat.row.screen_x >= 0 && splat.row.screen_x < width && splat.row.screen_y >= 0 && splat.row.screen_y < height)
+            if (splat.row.screen_x >= 0 && splat.row.screen_x < width && splat.row.screen_y >= 0 &&
+                splat.row.screen_y < height)
                 sent += static_cast<double>(splat.row.filter_weight) * splat.color[1];
         // A box is a partition of the image: not even what lands on an edge is lost or counted twice.
         if (std::string(name) == "box") CHECK(total == Approx(sent * width * height / splats).epsilon(1e-6));

@@ -50,7 +50,9 @@ FrameBuffer filled(const std::vector<ChannelDefinition>& channels, int first) {
             Random random(static_cast<std::uint64_t>(pixel * 4 + block));
             table.begin(test::pixel_rows(pixel % 37, pixel / 37, static_cast<std::uint64_t>(block * 16), 16));
             for (int row = 0; row < 16; ++row) {
-                const auto value = [&] { return static_cast<float>(std::ldexp(random.uniform() - 0.3, random.below(60) - 40)); };
+                const auto value = [&] {
+                    return static_cast<float>(std::ldexp(random.uniform() - 0.3, random.below(60) - 40));
+                };
                 services.write_opacity(row, Rgb(random.uniform_float()));
                 if (pixel > 500 || random.below(3) == 0) continue;  // whole pages stay empty
                 services.write_distance(row, static_cast<float>(random.below(40)));
@@ -177,7 +179,8 @@ TEST_CASE("a record that ends too early or is of another version is refused", "[
 }
 
 TEST_CASE("sums of every width go through bytes and back", "[framebuffer][record]") {
-    // A page has 256 numbers: one page of each width and shift, whose widest number is as wide as can be, and of each sign.
+    // A page has 256 numbers: one page of each width and shift, whose widest number is as wide as can be, and of each
+    // sign.
     std::vector<Int128> values(256, 0);  // a page of zeros, which is not written
     Random random(7);
     for (int width = 1; width <= 16; ++width)

@@ -21,7 +21,8 @@ struct Sample {
 };
 
 std::vector<ChannelDefinition> split_channels() {
-    return {test::expression_channel("beauty", "C.*"), test::expression_channel("a", "CDL"), test::expression_channel("b", "CSL")};
+    return {test::expression_channel("beauty", "C.*"), test::expression_channel("a", "CDL"),
+            test::expression_channel("b", "CSL")};
 }
 
 /// Evenly over the image and `reach` pixels around it.
@@ -85,8 +86,9 @@ TEST_CASE("a splatted pixel is the kernel-weighted mean of all samples in reach"
             for (int x = 0; x < width; ++x) {
                 double weight = 0, sum = 0, covered = 0, size = 0;
                 for (const Sample& sample : list) {
-                    const double w = static_cast<double>(kernel.evaluate(sample.row.screen_x - (static_cast<float>(x) + 0.5f),
-                                                                         sample.row.screen_y - (static_cast<float>(y) + 0.5f)));
+                    const double w =
+                        static_cast<double>(kernel.evaluate(sample.row.screen_x - (static_cast<float>(x) + 0.5f),
+                                                            sample.row.screen_y - (static_cast<float>(y) + 0.5f)));
                     weight += w;
                     sum += w * sample.a.g;
                     covered += w * sample.opacity;
@@ -106,7 +108,8 @@ TEST_CASE("splatted layers sum to the beauty, and their order does not show", "[
     const PixelFilter kernel = *make_pixel_filter("gaussian", {});
     const std::vector<Sample> list = even_samples(1, 9);
     std::vector<std::span<const Sample>> blocks = blocks_of(list);
-    FrameBuffer forwards({width, height}, split_channels(), &kernel), backwards({width, height}, split_channels(), &kernel);
+    FrameBuffer forwards({width, height}, split_channels(), &kernel),
+        backwards({width, height}, split_channels(), &kernel);
     for (const auto& block : blocks) feed(forwards, block);
     std::reverse(blocks.begin(), blocks.end());
     FrameBuffer first({width, height}, split_channels(), &kernel);

@@ -62,12 +62,14 @@ TEST_CASE("even and odd are the images of half the samples each, whatever the we
     }
     // Sums of 27 terms of one size in another order: 27 roundings of 2^-53 each at most, of terms up to 10 x 1.3.
     constexpr double rounding = 27 * 27 * 0x1p-53 * 13;
-    const std::vector<double> even = buffer.resolve(even_id), odd = buffer.resolve(odd_id), whole = buffer.resolve(value_id);
+    const std::vector<double> even = buffer.resolve(even_id), odd = buffer.resolve(odd_id),
+                              whole = buffer.resolve(value_id);
     for (std::size_t c = 0; c < 3; ++c) {
         const double scale = static_cast<double>(c + 1);
         CHECK(even[c] == Approx(scale * sum[0] / weight[0]).margin(rounding));
         CHECK(odd[c] == Approx(scale * sum[1] / weight[1]).margin(rounding));
-        CHECK((weight[0] * even[c] + weight[1] * odd[c]) / (weight[0] + weight[1]) == Approx(whole[c]).margin(rounding));
+        CHECK((weight[0] * even[c] + weight[1] * odd[c]) / (weight[0] + weight[1]) ==
+              Approx(whole[c]).margin(rounding));
     }
 }
 
@@ -114,7 +116,8 @@ TEST_CASE("the halves differ by what mse says", "[frame_buffer][statistics][stat
         for (double& v : values) v = random.normal();
         feed_block(buffer, table, x, 0, values, std::vector<float>(16, 1.0f));
     }
-    const std::vector<double> even = buffer.resolve(even_id), odd = buffer.resolve(odd_id), mse = buffer.resolve(mse_id);
+    const std::vector<double> even = buffer.resolve(even_id), odd = buffer.resolve(odd_id),
+                              mse = buffer.resolve(mse_id);
     double halves = 0, predicted = 0;
     for (std::size_t i = 0; i < pixels; ++i) {
         halves += (even[i] - odd[i]) * (even[i] - odd[i]) / 4 / pixels;
@@ -166,7 +169,8 @@ TEST_CASE("rules and statistics by name, or errors that say what there is", "[st
     const SourceLocation where{"job.toml", 3, 5};
     CHECK(parse_rule_request("v", "zmn", where).error().to_string().find("did you mean 'zmin'") != std::string::npos);
     CHECK(parse_statistic_request("v", "varance", where).error().to_string().find("'variance'") != std::string::npos);
-    std::vector<ChannelDefinition> channels{plain_channel("beauty", ChannelType::rgb), plain_channel("Nn", ChannelType::normal),
+    std::vector<ChannelDefinition> channels{plain_channel("beauty", ChannelType::rgb),
+                                            plain_channel("Nn", ChannelType::normal),
                                             plain_channel("id", ChannelType::integer, FilterRule::zmin)};
     const auto rule = [&](const char* name, const char* value) {
         return apply_rules({*parse_rule_request(name, value, where)}, 0, channels);

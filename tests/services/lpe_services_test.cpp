@@ -211,7 +211,8 @@ TEST_CASE("contributions that are not finite reach nothing and are logged with p
 TEST_CASE("a contribution beyond the frame buffer's range costs no other one, and splits still sum",
           "[lpe_services][law1][law6]") {
     const std::vector<ChannelDefinition> channels{plain_channel("beauty", ChannelType::rgb),
-                                                  expression_channel("lights", "CL-CB"), expression_channel("sky", "CB")};
+                                                  expression_channel("lights", "CL-CB"),
+                                                  expression_channel("sky", "CB")};
     const LpeSetup setup = build_setup(channels, 0);
     const Classes classes(setup);
     SampleTable table(channels, 1, 0);
@@ -304,8 +305,10 @@ TEST_CASE("packed channels get exactly what each gets alone", "[lpe_services][la
             for (int vertex = 0; vertex < 3; ++vertex) {
                 const std::string object = std::to_string(random.below(6));
                 const std::array<LobePart, 2> parts{
-                    {{setup.classify({lpe::EventType::reflection, lpe::Scatter::diffuse, 0, {object, ""}}), random_color(random)},
-                     {setup.classify({lpe::EventType::reflection, lpe::Scatter::glossy, 0, {object, ""}}), random_color(random)}}};
+                    {{setup.classify({lpe::EventType::reflection, lpe::Scatter::diffuse, 0, {object, ""}}),
+                      random_color(random)},
+                     {setup.classify({lpe::EventType::reflection, lpe::Scatter::glossy, 0, {object, ""}}),
+                      random_color(random)}}};
                 services.move(tracker, parts);
             }
             services.move(tracker, setup.classify({lpe::EventType::light, lpe::Scatter::none, 0, {""}}));

@@ -41,9 +41,9 @@ TEST_CASE("layers of statistics take what they make their source keep", "[memory
         channels.push_back(layer);
         return total_bytes(frame_buffer_memory({100, 10}, channels));
     };
-    CHECK(add(0, Statistic::mse) == before);                     // beauty keeps moments anyway
+    CHECK(add(0, Statistic::mse) == before);  // beauty keeps moments anyway
     CHECK(add(2, Statistic::variance) == before + 1000 * 96);
-    const std::uint64_t halves = 1000 * (96 + 2 * (8 + 16));     // two sums of three, and two weights and counts
+    const std::uint64_t halves = 1000 * (96 + 2 * (8 + 16));  // two sums of three, and two weights and counts
     CHECK(add(2, Statistic::even) == before + 1000 * 96 + halves);
     CHECK(add(2, Statistic::odd) == before + 1000 * 96 + halves);
 }

@@ -17,11 +17,12 @@ using test::Classes;
 
 constexpr int width = 6, height = 2, samples = 16;
 
-/// Channels that overlap in many ways; one keeps statistics, one has a rule, one a second output: those stay by themselves.
+/// Channels that overlap in many ways; one keeps statistics, one has a rule, one a second output: those stay by
+/// themselves.
 std::vector<ChannelDefinition> overlapping() {
     std::vector<ChannelDefinition> channels{test::plain_channel("beauty", ChannelType::rgb)};
-    for (const char* expression : {"C.*", "C.*", "CD.*", "CS.*", "C.*D.*", "C[^D]*", "C.*SL", "CD[DS]*L", "C.D.*", "C..S.*",
-                                   "C.*[LO]", "C.*D[LO]", "CDDL", "C.?.?L", "C[DS]+L", "CDS.*"})
+    for (const char* expression : {"C.*", "C.*", "CD.*", "CS.*", "C.*D.*", "C[^D]*", "C.*SL", "CD[DS]*L", "C.D.*",
+                                   "C..S.*", "C.*[LO]", "C.*D[LO]", "CDDL", "C.?.?L", "C[DS]+L", "CDS.*"})
         channels.push_back(test::expression_channel(test::join({"c", std::to_string(channels.size())}), expression));
     channels[3].statistics = true;
     channels[4].rule = FilterRule::max;
@@ -35,7 +36,8 @@ std::vector<ChannelDefinition> overlapping() {
     return channels;
 }
 
-/// The path of one sample, the same whatever else is followed: up to four vertices, two lobes at some, light at every one.
+/// The path of one sample, the same whatever else is followed: up to four vertices, two lobes at some, light at every
+/// one.
 void follow(LpeServices& lpe, const Classes& classes, int row, int pixel, std::uint64_t sample) {
     test::Random random(static_cast<std::uint64_t>(pixel) * 1000 + sample);
     Tracker tracker = lpe.begin(row);
@@ -56,7 +58,8 @@ struct Render {
 };
 
 /// All pixels, in batches of so many, from the first or from the last.
-Render render(std::span<const ChannelDefinition> channels, const LpeSetup& setup, bool share, int batch, bool backwards) {
+Render render(std::span<const ChannelDefinition> channels, const LpeSetup& setup, bool share, int batch,
+              bool backwards) {
     Render result{FrameBuffer({width, height, samples}, channels)};
     std::optional<SplatSets> sets;
     if (share) {
@@ -95,8 +98,7 @@ Render render(std::span<const ChannelDefinition> channels, const LpeSetup& setup
 
 }  // namespace
 
-TEST_CASE("channels that share sums have the pixels of channels that do not",
-          "[sets][law1][law2]") {
+TEST_CASE("channels that share sums have the pixels of channels that do not", "[sets][law1][law2]") {
     const auto channels = overlapping();
     const LpeSetup setup = build_setup(channels, 0);
     const Render alone = render(channels, setup, false, 3, false), shared = render(channels, setup, true, 3, false);
@@ -112,9 +114,9 @@ TEST_CASE("channels that share sums have the pixels of channels that do not",
         double light = 0;
         for (std::size_t k = 0; k < expected.size(); ++k) {
             light += std::abs(expected[k]);
-            // A pixel is the mean of 16 samples of two rows of at most 5 contributions below 1, in at most 8 parts, with
-            // weights up to 1.25 over a mean weight of 0.6: 1280 terms, each sum of them rounded by at most 2^-53 of what it
-            // may reach.
+            // A pixel is the mean of 16 samples of two rows of at most 5 contributions below 1, in at most 8 parts,
+            // with weights up to 1.25 over a mean weight of 0.6: 1280 terms, each sum of them rounded by at most 2^-53
+            // of what it may reach.
             CHECK(std::abs(found[k] - expected[k]) <= 1280 * 0x1p-53 * 10 * 1.25 / 0.6);
             if (sums_only[i] == 0) CHECK(found[k] == expected[k]);
         }
@@ -122,8 +124,7 @@ TEST_CASE("channels that share sums have the pixels of channels that do not",
     }
 }
 
-TEST_CASE("sums that channels share do not depend on how pixels are grouped into batches",
-          "[sets][law3]") {
+TEST_CASE("sums that channels share do not depend on how pixels are grouped into batches", "[sets][law3]") {
     const auto channels = overlapping();
     const LpeSetup setup = build_setup(channels, 0);
     const Render one = render(channels, setup, true, 1, false);
@@ -136,8 +137,7 @@ TEST_CASE("sums that channels share do not depend on how pixels are grouped into
         }
 }
 
-TEST_CASE("many more sets than a table makes room for at once lose no light",
-          "[sets]") {
+TEST_CASE("many more sets than a table makes room for at once lose no light", "[sets]") {
     // A channel for each of 2^10 paths, and one for all of them.
     constexpr int bits = 10, paths = 1 << bits;
     std::vector<ChannelDefinition> channels{test::plain_channel("beauty", ChannelType::rgb)};
@@ -167,12 +167,12 @@ TEST_CASE("many more sets than a table makes room for at once lose no light",
         frame_buffer.accumulate(table);
     }
     // Powers of two and their sums: exact.
-    for (int i = 1; i <= paths; ++i) CHECK(frame_buffer.resolve(i) == std::vector<double>{1.0 / paths, 2.0 / paths, 4.0 / paths});
+    for (int i = 1; i <= paths; ++i)
+        CHECK(frame_buffer.resolve(i) == std::vector<double>{1.0 / paths, 2.0 / paths, 4.0 / paths});
     CHECK(frame_buffer.resolve(paths + 1) == std::vector<double>{1, 2, 4});
 }
 
-TEST_CASE("sets of another block size than the frame buffer's are rejected, not summed up wrongly",
-          "[sets][law7]") {
+TEST_CASE("sets of another block size than the frame buffer's are rejected, not summed up wrongly", "[sets][law7]") {
     const auto channels = overlapping();
     const LpeSetup setup = build_setup(channels, 0);
     FrameBuffer frame_buffer({width, height, samples}, channels);

@@ -2,7 +2,11 @@
 
 namespace raylex::test {
 
-std::string source_dir() { return RAYLEX_SOURCE_DIR; }
-std::string binary_dir() { return RAYLEX_BINARY_DIR; }
+std::string source_dir() {
+    return RAYLEX_SOURCE_DIR;
+}
+std::string binary_dir() {
+    return RAYLEX_BINARY_DIR;
+}
 
 }  // namespace raylex::test

@@ -6,9 +6,9 @@
 #include <string>
 
 /// Leaves the test case, recorded as skipped with its reason.
-#define RAYLEX_SKIP(reason)                                                                                      \
-    do {                                                                                                         \
+#define RAYLEX_SKIP(reason)                                                                                         \
+    do {                                                                                                            \
         std::cout << "SKIPPED " << Catch::getResultCapture().getCurrentTestName() << ": " << (reason) << std::endl; \
-        SUCCEED("skipped");                                                                                      \
-        return;                                                                                                  \
+        SUCCEED("skipped");                                                                                         \
+        return;                                                                                                     \
     } while (false)

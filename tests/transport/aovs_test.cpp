@@ -54,7 +54,9 @@ void check_values(const Values& found, const Values& expected, double margin = t
 }
 
 using Point = std::array<double, 3>;
-double dot(const Point& a, const Point& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+double dot(const Point& a, const Point& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
 }  // namespace
 
@@ -140,7 +142,8 @@ TEST_CASE("curvature is half the sum of the principal curvatures, towards the vi
     // Across it: 1 / a around and a / c^2 along.
     CHECK(curvature("Translate 0 0 20\nRotate 90 1 0 0\nScale 1 1 3\n" + sphere) == Approx((0.5 + 2.0 / 36) / 2));
     // The same by an instance.
-    CHECK(curvature("ObjectBegin \"o\"\n" + sphere + "ObjectEnd\nTranslate 0 0 20\nRotate 90 1 0 0\nScale 1 1 3\n"
+    CHECK(curvature("ObjectBegin \"o\"\n" + sphere +
+                    "ObjectEnd\nTranslate 0 0 20\nRotate 90 1 0 0\nScale 1 1 3\n"
                     "ObjectInstance \"o\"\n") == Approx((0.5 + 2.0 / 36) / 2));
     const std::string cylinder = "Shape \"cylinder\" \"float radius\" 4 \"float zmin\" -3 \"float zmax\" 3\n";
     CHECK(curvature("Translate 0 0 20\nRotate 90 1 0 0\n" + cylinder) == Approx(1.0 / 8));
@@ -163,8 +166,8 @@ TEST_CASE("derivatives, object space and parameters of meshes, patches and disks
     // A rectangle of 4 x 2, placed by a transform; texture coordinates run twice as fast as x and as y.
     const std::string place = "Translate 1 0 8\nScale 2 1 1\n";
     const std::string points = "\"point3 P\" [-1 -1 0 1 -1 0 1 1 0 -1 1 0] \"point2 uv\" [0 0 8 0 8 4 0 4]";
-    const auto mesh = aovs_of(header(1) + place + "Shape \"trianglemesh\" " + points +
-                              " \"integer indices\" [0 1 2 0 2 3]\n");
+    const auto mesh =
+        aovs_of(header(1) + place + "Shape \"trianglemesh\" " + points + " \"integer indices\" [0 1 2 0 2 3]\n");
     check_values(mesh.at("P"), {0, 0, 8});
     check_values(mesh.at("Po"), {-0.5, 0, 0});
     check_values(mesh.at("st"), {2, 2, 0});
@@ -205,9 +208,9 @@ TEST_CASE("ids tell instances, their parts and their surfaces apart", "[geoaovs]
                               "AttributeBegin\nTranslate 0 0 -80\nObjectInstance \"pair\"\nAttributeEnd\n"
                               "Translate 0 0 10\nScale 3 3 3\nObjectInstance \"pair\"\n";
     const auto aovs = aovs_of(scene);
-    CHECK(aovs.at("id") == Values{3});      // one shape, then two instances
-    CHECK(aovs.at("id2") == Values{2});     // the object's second shape
-    CHECK(aovs.at("rawId") == Values{5});   // 1 + 2 + 2
+    CHECK(aovs.at("id") == Values{3});     // one shape, then two instances
+    CHECK(aovs.at("id2") == Values{2});    // the object's second shape
+    CHECK(aovs.at("rawId") == Values{5});  // 1 + 2 + 2
     check_values(aovs.at("P"), {0, 0, 8.5});
     check_values(aovs.at("Po"), {0, 0, -0.5});
     check_values(aovs.at("curvature"), {1 / 1.5});
@@ -226,10 +229,11 @@ TEST_CASE("the wireframe is a line one pixel wide", "[geoaovs][render]") {
     const auto corner = [&](double x, double y, double z) {
         return std::to_string(x * t * z) + " " + std::to_string(y * t * z) + " " + std::to_string(z) + " ";
     };
-    const std::string film = "Film \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" 64\n"
-                             "PixelFilter \"box\" \"float xradius\" 0.5 \"float yradius\" 0.5\n"
-                             "Sampler \"independent\" \"integer pixelsamples\" 16\n"
-                             "Camera \"perspective\" \"float fov\" 40\nWorldBegin\n";
+    const std::string film =
+        "Film \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" 64\n"
+        "PixelFilter \"box\" \"float xradius\" 0.5 \"float yradius\" 0.5\n"
+        "Sampler \"independent\" \"integer pixelsamples\" 16\n"
+        "Camera \"perspective\" \"float fov\" 40\nWorldBegin\n";
     const auto aovs = aovs_of(film + "Shape \"trianglemesh\" \"point3 P\" [" + corner(-0.6, -0.6, 5) +
                               corner(0.6, -0.6, 9) + corner(-0.6, 0.6, 12) + "]\n");
     double sum = 0, area = 0;

@@ -26,8 +26,12 @@ transport::RenderSettings room_settings() {
     settings.integrator = counted("path");
     settings.samples_per_pixel = 200;  // the last block is not whole
     settings.threads = 2;
-    settings.channels = {
-        lpe_channel("direct", "CDL"), lpe_channel("glossy", "C<.G>.*"), aov("Nn"), aov("id"), aov("sampleCount"), aov("z")};
+    settings.channels = {lpe_channel("direct", "CDL"),
+                         lpe_channel("glossy", "C<.G>.*"),
+                         aov("Nn"),
+                         aov("id"),
+                         aov("sampleCount"),
+                         aov("z")};
     settings.cryptomatte = {raylex::geoaovs::MatteKind::object, raylex::geoaovs::MatteKind::material};
     return settings;
 }
@@ -194,9 +198,8 @@ TEST_CASE("a checkpoint that cannot be written is a warning, and the render goes
     const auto whole = render_of(scene, settings);
     const ScratchFile file;
     settings.checkpoint = transport::CheckpointSettings{file.path(), 0.01, false, {}};
-    display::set_file_fault([](display::FileCall call, const std::string&) {
-        return call == display::FileCall::sync ? EIO : 0;
-    });
+    display::set_file_fault(
+        [](display::FileCall call, const std::string&) { return call == display::FileCall::sync ? EIO : 0; });
     const auto output = render_of(scene, settings);
     display::set_file_fault(nullptr);
     CHECK((everything(output) == everything(whole)));
@@ -227,8 +230,7 @@ class Counting final : public transport::Integrator {
                    transport::ThreadServices& services) const override {
         for (int row = 0; row < static_cast<int>(batch.rays.size()); ++row) {
             auto tracker = services.lpe.begin(row);
-            services.lpe.contribute(raylex::Rgb(static_cast<float>(iterations_)), display::Technique{},
-                                    tracker);
+            services.lpe.contribute(raylex::Rgb(static_cast<float>(iterations_)), display::Technique{}, tracker);
         }
         thread.counters.camera_rays += batch.rays.size();
     }
@@ -250,10 +252,12 @@ class Counting final : public transport::Integrator {
 }  // namespace
 
 TEST_CASE("an integrator's own state is saved, or the integrator is named and refused", "[render][checkpoint][law3]") {
-    for (const auto& [name, state] : {std::pair{"counting", transport::SavedState::saved},
-                                      std::pair{"silent", transport::SavedState::unknown}})
+    for (const auto& [name, state] :
+         {std::pair{"counting", transport::SavedState::saved}, std::pair{"silent", transport::SavedState::unknown}})
         transport::integrator_registry().add(
-            {name, "for this test", {},
+            {name,
+             "for this test",
+             {},
              [s = state](const transport::SceneEntity&,
                          std::optional<std::int64_t>) -> raylex::Result<std::unique_ptr<transport::Integrator>> {
                  return std::unique_ptr<transport::Integrator>(std::make_unique<Counting>(s));

@@ -46,6 +46,8 @@ inline std::vector<EnclosureWord> enclosure_words(double kd, double ks, std::siz
 
 /// The light tracer joins light paths with the camera at a vertex that has a density: what the camera sees by a mirror
 /// it finds not at all.
-inline bool light_tracer_finds(const EnclosureWord& word) { return word.reflections.rfind('S', 0) != 0; }
+inline bool light_tracer_finds(const EnclosureWord& word) {
+    return word.reflections.rfind('S', 0) != 0;
+}
 
 }  // namespace render_test

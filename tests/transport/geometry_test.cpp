@@ -170,9 +170,8 @@ TEST_CASE("rays that leave a quadric or patch outwards do not find it again, ins
                     if (kind == ShapeKind::cylinder || kind == ShapeKind::sphere)  // from outside: it curves away
                         leaving.direction = face_forward(leaving.direction, f.point.geometric_normal);
                     if (abs_dot(leaving.direction, f.point.geometric_normal) < 1e-6f) continue;
-                    leaving.origin =
-                        offset_ray_origin(f.point.position, f.point.geometric_normal, f.source.offset,
-                                          leaving.direction);
+                    leaving.origin = offset_ray_origin(f.point.position, f.point.geometric_normal, f.source.offset,
+                                                       leaving.direction);
                     ++tested;
                     again += find(built, leaving).hit.valid();
                 }

@@ -235,8 +235,8 @@ TEST_CASE("an image of more pixels than its bytes can mean is refused before it 
     const BudgetGuard guard("image_pixels=1G");
     CHECK(contains(message_of(read_image(folder.write("a.png", png))), "the budget unpack_ratio is 100"));
     const std::string small = "IHDR" + be(8) + be(8) + std::string("\x08\0\0\0\0", 5);
-    const auto small_checksum = static_cast<unsigned>(
-        crc32(0, reinterpret_cast<const Bytef*>(small.data()), static_cast<uInt>(small.size())));
+    const auto small_checksum =
+        static_cast<unsigned>(crc32(0, reinterpret_cast<const Bytef*>(small.data()), static_cast<uInt>(small.size())));
     const std::string chunk = std::string("\x89PNG\r\n\x1a\n", 8) + be(13) + small + be(small_checksum) +
                               be(0x3fffffff) + "IDAT" + std::string(1'000, '\0');
     CHECK(contains(message_of(read_image(folder.write("b.png", chunk))), "the file ends within a chunk"));
@@ -254,8 +254,13 @@ TEST_CASE("an HDR image whose runs do not fill its lines is an error and not a w
     const std::string line = start + "\x88\x80\x88\x80\x88\x80\x88\x80";
     CHECK(read_image(folder.write("a.hdr", header + line + line)).ok());
     CHECK(read_image(folder.write("a.hdr", header + std::string(4 * 16, '\x7f'))).ok());
-    const std::string damaged[] = {line, line + start, line + line.substr(0, 11), line + start + std::string(8, '\0'),
-                                   line + start + "\x89\x80", std::string(60, '\x7f'), ""};
+    const std::string damaged[] = {line,
+                                   line + start,
+                                   line + line.substr(0, 11),
+                                   line + start + std::string(8, '\0'),
+                                   line + start + "\x89\x80",
+                                   std::string(60, '\x7f'),
+                                   ""};
     for (const std::string& rows : damaged)
         CHECK(contains(message_of(read_image(folder.write("a.hdr", header + rows))), "HDR is truncated or damaged"));
 }

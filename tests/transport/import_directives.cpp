@@ -3,8 +3,8 @@
 
 #include <zlib.h>
 
-#include "tests/transport/import_support.h"
 #include "tests/support/paths.h"
+#include "tests/transport/import_support.h"
 #include "transport/media/medium.h"
 
 using namespace import_test;
@@ -168,9 +168,9 @@ TEST_CASE("Include continues the state, Import does not leak it, and both read g
                  "Translate 0 0 9 CoordinateSystem \"there\" MakeNamedMaterial \"m\" \"string type\" \"diffuse\" "
                  "NamedMaterial \"m\" " +
                      triangle_line);
-    const auto scene = import_pbrt(
-        folder.write("scene.pbrt", "WorldBegin Include \"parts/included.pbrt.gz\" Import \"imported.pbrt\"\n" +
-                                       triangle_line + "Include \"parts/beside.pbrt\" NamedMaterial \"m\" " + triangle_line));
+    const auto scene = import_pbrt(folder.write(
+        "scene.pbrt", "WorldBegin Include \"parts/included.pbrt.gz\" Import \"imported.pbrt\"\n" + triangle_line +
+                          "Include \"parts/beside.pbrt\" NamedMaterial \"m\" " + triangle_line));
     if (!scene) FAIL(scene.error().to_string());
     REQUIRE(scene->shapes.size() == 5);
     CHECK(scene->shapes[0].positions[0] == Vec3{1, 0, 0});

@@ -109,8 +109,8 @@ TEST_CASE("a parameter that only pbrt-v4 reads is one warning, and none with a v
     // Once for a type, however many directives say it; another type is another matter.
     const std::string lit = "\"vector3 S\" [1 0 0 1 0 0 1 0 0]\n", again = triangle_text.substr(11) + lit;
     CHECK(scene_of(triangle_text + lit + again + again).warnings.size() == 1);
-    CHECK(scene_of("Film \"rgb\" \"float iso\" 200 \"float whitebalance\" 5000\n" + triangle_text + lit).warnings.size() ==
-          3);
+    CHECK(scene_of("Film \"rgb\" \"float iso\" 200 \"float whitebalance\" 5000\n" + triangle_text + lit)
+              .warnings.size() == 3);
 }
 
 TEST_CASE("an image's filter that looks at footprints is a warning", "[import]") {

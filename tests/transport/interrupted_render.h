@@ -22,7 +22,8 @@ class ScratchFile {
     raylex::test::Folder folder_;
 };
 
-/// Stops a render from within, after so many camera samples: a clock would stop it anywhere or, on a fast machine, never.
+/// Stops a render from within, after so many camera samples: a clock would stop it anywhere or, on a fast machine,
+/// never.
 class Interruption {
   public:
     void begin(std::uint64_t samples, std::atomic<bool>* stop) {
@@ -31,7 +32,8 @@ class Interruption {
     }
     void count(std::size_t samples) {
         std::atomic<bool>* const stop = stop_.load();
-        if (stop != nullptr && left_.fetch_sub(static_cast<std::int64_t>(samples)) <= static_cast<std::int64_t>(samples))
+        if (stop != nullptr &&
+            left_.fetch_sub(static_cast<std::int64_t>(samples)) <= static_cast<std::int64_t>(samples))
             stop->store(true);
     }
 
@@ -67,7 +69,9 @@ inline transport::SceneEntity counted(const std::string& integrator) {
     transport::SceneEntity entity;
     entity.type = "counted " + integrator;
     transport::integrator_registry().add(
-        {entity.type, "for this test", {{"maxdepth", raylex::ParameterType::integer, "5", "as the counted one"}},
+        {entity.type,
+         "for this test",
+         {{"maxdepth", raylex::ParameterType::integer, "5", "as the counted one"}},
          [integrator](const transport::SceneEntity& scene,
                       std::optional<std::int64_t> max_depth) -> raylex::Result<std::unique_ptr<transport::Integrator>> {
              transport::SceneEntity inner;

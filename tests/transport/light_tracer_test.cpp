@@ -12,7 +12,7 @@ TEST_CASE("the light tracer finds the path tracer's image, word by word", "[ligh
     settings.samples_per_pixel = 256;
     settings.resolution = {{18, 18}};
     compare_with_path(room, settings, integrator_named("lighttracer"), 12, 256,
-            {"C<.[DG]>L", "C<.[DG]>B", "CL", "C<RD><.S>+L", "C<RD><RD>+[LB]", "C<RG>.*L", "C<RD><.G>.*[LB]"});
+                      {"C<.[DG]>L", "C<.[DG]>B", "CL", "C<RD><.S>+L", "C<RD><RD>+[LB]", "C<RG>.*L", "C<RD><.G>.*[LB]"});
 }
 
 TEST_CASE("the light tracer through lenses and cutouts, with shading normals and every kind of light",
@@ -21,8 +21,7 @@ TEST_CASE("the light tracer through lenses and cutouts, with shading normals and
     settings.max_depth = 3;
     settings.samples_per_pixel = 256;
     compare_with_path(
-        many_lights(),
-        settings, integrator_named("lighttracer"), 12, 384,
+        many_lights(), settings, integrator_named("lighttracer"), 12, 384,
         {"C<RD>[LB]", "C<Ts><RD>[LB]", "C<RD><RS>+B", "C<RG>[LB]", "C<RD><.G>+[LB]", "C<RD><RD>[LB]", "C<Ts>*[LB]"});
 }
 
@@ -35,8 +34,8 @@ TEST_CASE("light that begins in glass leaves it with all its power", "[lighttrac
     constexpr int steps = 1000;
     for (int i = 0; i < steps; ++i) {
         const double sine_squared = (i + 0.5) / steps;  // of emission, cosine-weighted: uniform in its square
-        expected += 0.5 * 0.04 / 9 / steps *
-                    (1 - raylex::test::fresnel_by_snell(std::sqrt(1 - 0.04 * sine_squared), 1.5, 1));
+        expected +=
+            0.5 * 0.04 / 9 / steps * (1 - raylex::test::fresnel_by_snell(std::sqrt(1 - 0.04 * sine_squared), 1.5, 1));
     }
     const std::string integrator = GENERATE("lighttracer", "bdpt");
     transport::RenderSettings settings;

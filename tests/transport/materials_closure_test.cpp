@@ -16,10 +16,10 @@ namespace {
 struct Case {
     std::string name;
     Bsdf bsdf;
-    float lobe_width;                  // of the narrowest lobe, radians: where the grid must be fine
+    float lobe_width;  // of the narrowest lobe, radians: where the grid must be fine
     bool never_fails = false;
     float least_alpha = 1;
-    float eta = 0;                     // for glass: the grids' second axis is the refracted direction
+    float eta = 0;  // for glass: the grids' second axis is the refracted direction
 };
 
 Bsdf make(const auto& closure) {
@@ -68,7 +68,7 @@ double chi_square_p(const Case& c, const Vec3& wo_local, std::uint64_t seed, dou
     const Vec3 mirrored = frame.to_world({-wo_local.x, -wo_local.y, wo_local.z});
     Vec3 through{-wo_local.x / eta, -wo_local.y / eta, 0};
     through.z = std::copysign(safe_sqrt(1 - through.x * through.x - through.y * through.y), -wo_local.z);
-    const float bend = std::min(1.0f, 2 * std::abs(1 - 1 / eta));     // of a refracted ray by a tilt of its facet
+    const float bend = std::min(1.0f, 2 * std::abs(1 - 1 / eta));  // of a refracted ray by a tilt of its facet
     const LobeGrid grids[2] = {{mirrored, 2 * c.lobe_width, 10, 12},
                                {frame.to_world(normalize(through)), c.lobe_width * bend, 10, 12}};
     const auto grid_of = [&](const Vec3& w) { return glass && dot(w, frame.n) * wo_local.z < 0 ? 1 : 0; };
@@ -102,14 +102,14 @@ double chi_square_p(const Case& c, const Vec3& wo_local, std::uint64_t seed, dou
     };
     for (std::size_t i = 0; i < expected.size(); ++i) {
         const double e = expected[i] * draws;
-        if (e >= 10) add(observed[i], e);              // the usual floor for the chi-square approximation, doubled
+        if (e >= 10) add(observed[i], e);  // the usual floor for the chi-square approximation, doubled
         else {
             pooled_expected += e;
             pooled_observed += observed[i];
         }
     }
     if (pooled_expected >= 10) add(pooled_observed, pooled_expected);
-    else if (pooled_observed > 10 + 6 * std::sqrt(10.0)) return 0;    // mass where there should be next to none
+    else if (pooled_observed > 10 + 6 * std::sqrt(10.0)) return 0;  // mass where there should be next to none
     return chi_square_tail(chi2, cells - 1);
 }
 
@@ -216,7 +216,7 @@ TEST_CASE("no closure returns more light than falls on it") {
             const MeanAndError energy = average(20'000, [&] {
                 const float u_lobe = random.one();
                 const BsdfSample s = c.bsdf.sample(wo, u_lobe, random.two());
-                return s.pdf > 0 ? static_cast<double>(s.weight.b * s.eta * s.eta) : 0.0;   // basic radiance
+                return s.pdf > 0 ? static_cast<double>(s.weight.b * s.eta * s.eta) : 0.0;  // basic radiance
             });
             INFO(c.name << ", cos " << cosine << ": " << energy.mean);
             CHECK(energy.mean <= 1 + 4 * energy.standard_error + 1e-6);

@@ -65,7 +65,9 @@ MeanAndError evaluated_albedo(const Closure& closure, float cosine, int n, std::
 struct Double3 {
     double x, y, z;
 };
-double dot3(const Double3& a, const Double3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+double dot3(const Double3& a, const Double3& b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 
 double masking(const Double3& w, double alpha) {
     const double tan2 = (1 - w.z * w.z) / (w.z * w.z);
@@ -75,7 +77,7 @@ double masking(const Double3& w, double alpha) {
 /// One encounter with the coat of a ray that travels along `w`, from above (w.z < 0) or below. Changes `w` and
 /// `weight`.
 void meet_coat(Double3& w, double& weight, double alpha, double eta, Random& random) {
-    const double side = w.z < 0 ? 1 : -1;                        // where it comes from
+    const double side = w.z < 0 ? 1 : -1;  // where it comes from
     Double3 m{0, 0, side};
     if (alpha > 0) {
         const double u = random.one(), tan2 = alpha * alpha * u / (1 - u), phi = 6.283185307179586 * random.one();
@@ -167,7 +169,7 @@ TEST_CASE("sample and evaluate describe the same scattering, direction by direct
     constexpr int rings = 4, sectors = 4, n = 60'000;
     // Two-sided normal deviate of Sidak's level for 1 % over all cells.
     const double tests = std::size(settings) * 2.0 * rings * sectors;
-    const double limit = std::sqrt(2 * std::log(tests / 0.01));          // an upper bound on the quantile
+    const double limit = std::sqrt(2 * std::log(tests / 0.01));  // an upper bound on the quantile
     const Frame frame = tilted_frame();
     for (const Setting& setting : settings)
         for (const float cosine : {0.8f, -0.3f}) {
@@ -291,8 +293,8 @@ TEST_CASE("a walk's lobe shares match the lobes that evaluate tells apart", "[la
                    ? static_cast<double>(s.weight.r)
                    : 0.0;
     });
-    const double coat_share = integrate_hemisphere([&](const Vec3& w) {
-        return static_cast<double>(closure.coat_value(local_direction(0.4f), w)); }, 1500);
+    const double coat_share = integrate_hemisphere(
+        [&](const Vec3& w) { return static_cast<double>(closure.coat_value(local_direction(0.4f), w)); }, 1500);
     // Quadrature: 1e-4 of the coat's lobe at this roughness.
     CHECK(std::abs(coat_share_sampled.mean - coat_share) < 4 * coat_share_sampled.standard_error + 1e-4);
 }
@@ -310,10 +312,13 @@ TEST_CASE("the coated densities cover the hemisphere and stay within 1") {
                 const std::array<Bsdf, 2> both{diffuse, metallic};
                 for (const Bsdf& bsdf : both) {
                     if (!bsdf.has_density()) continue;
-                    const double integral = integrate_hemisphere([&](const Vec3& w) {
-                        const float pdf = bsdf.pdf(wo, frame.to_world(w));
-                        CHECK(pdf > 0);
-                        return static_cast<double>(pdf); }, 200);
+                    const double integral = integrate_hemisphere(
+                        [&](const Vec3& w) {
+                            const float pdf = bsdf.pdf(wo, frame.to_world(w));
+                            CHECK(pdf > 0);
+                            return static_cast<double>(pdf);
+                        },
+                        200);
                     INFO(coat_alpha << " " << base_alpha << " " << cosine << ": " << integral);
                     CHECK(integral < 1 + 1e-3);  // the quadrature's error
                     // What a smooth coat over a Lambert base does not reflect at once is spread over the hemisphere.

@@ -31,7 +31,9 @@ double integrate_normals(const Ggx& facets, const F& g, int n) {
     return sum;
 }
 
-DielectricClosure smooth_glass(float eta) { return {Ggx::from_alpha(0, 0), eta}; }
+DielectricClosure smooth_glass(float eta) {
+    return {Ggx::from_alpha(0, 0), eta};
+}
 
 /// R + T of basic radiance, both branches of the ideal interface.
 double smooth_glass_total(float cosine, float eta) {
@@ -70,17 +72,21 @@ TEST_CASE("visible normals project onto the area seen: Smith's masking is consis
         for (const float cosine : {1.0f, 0.6f, 0.2f}) {
             const Ggx facets{alpha, 0.5f * alpha};
             const Vec3 w = local_direction(cosine);
-            const double visible = integrate_normals(facets, [&](const Vec3& m) {
-                return static_cast<double>(facets.g1(w)) * facets.d(m) * std::max(0.0f, dot(w, m)); }, 600);
+            const double visible = integrate_normals(
+                facets,
+                [&](const Vec3& m) {
+                    return static_cast<double>(facets.g1(w)) * facets.d(m) * std::max(0.0f, dot(w, m));
+                },
+                600);
             INFO("alpha " << alpha << ", cos " << cosine);
-            CHECK(visible == Approx(cosine).epsilon(2e-4));       // Heitz 2014, (16)
+            CHECK(visible == Approx(cosine).epsilon(2e-4));  // Heitz 2014, (16)
         }
 }
 
 TEST_CASE("normals seen from above follow the distribution, a thin strip of them included") {
     // In slopes over alpha the density is 1 / (pi (1 + r^2)^2): r^2 / (1 + r^2) and the angle are uniform.
     const float pairs[][2] = {{0.3f, 0}, {1e-3f, 1e-3f}, {1, 0.05f}, {1, 1}};
-    const double level = 1 - std::pow(1 - 0.01, 1.0 / std::size(pairs));       // Sidak
+    const double level = 1 - std::pow(1 - 0.01, 1.0 / std::size(pairs));  // Sidak
     Random random(8);
     for (const auto& pair : pairs) {
         const Ggx facets = Ggx::from_alpha(pair[0], pair[1]);
@@ -105,7 +111,7 @@ TEST_CASE("normals seen from above follow the distribution, a thin strip of them
 TEST_CASE("rough metal's albedo is its double integral, and its sample weights never exceed 1") {
     Random random(3);
     for (const float alpha : {0.1f, 0.4f, 1.0f})
-        for (const float cosine : {0.9f, 0.3f, 0.0017f}) {      // 89.9 degrees
+        for (const float cosine : {0.9f, 0.3f, 0.0017f}) {  // 89.9 degrees
             const ConductorClosure metal{Ggx::from_alpha(alpha, alpha), Rgb(1), Rgb(0), true};
             const Vec3 wo = local_direction(cosine);
             const MeanAndError sampled = average(200'000, [&] {
@@ -116,15 +122,18 @@ TEST_CASE("rough metal's albedo is its double integral, and its sample weights n
             });
             // Independently: over normals, in double, with G2 D |wo.m| / (cos_o) and the Jacobian of reflection
             // cancelled.
-            const double quadrature = integrate_normals(metal.facets, [&](const Vec3& m) {
-                const double om = dot(wo, m);
-                const Vec3 wi = reflect(wo, m);
-                if (om <= 0 || wi.z <= 0) return 0.0;
-                const double a2 = static_cast<double>(alpha) * alpha, zo = wo.z, zi = wi.z, zm = m.z;
-                const auto lambda = [a2](double z) { return (std::sqrt(1 + a2 * (1 - z * z) / (z * z)) - 1) / 2; };
-                const double d = a2 / (3.141592653589793 * std::pow(1 - zm * zm + a2 * zm * zm, 2));
-                return d / (1 + lambda(zo) + lambda(zi)) * om / zo;
-            }, 600);
+            const double quadrature = integrate_normals(
+                metal.facets,
+                [&](const Vec3& m) {
+                    const double om = dot(wo, m);
+                    const Vec3 wi = reflect(wo, m);
+                    if (om <= 0 || wi.z <= 0) return 0.0;
+                    const double a2 = static_cast<double>(alpha) * alpha, zo = wo.z, zi = wi.z, zm = m.z;
+                    const auto lambda = [a2](double z) { return (std::sqrt(1 + a2 * (1 - z * z) / (z * z)) - 1) / 2; };
+                    const double d = a2 / (3.141592653589793 * std::pow(1 - zm * zm + a2 * zm * zm, 2));
+                    return d / (1 + lambda(zo) + lambda(zi)) * om / zo;
+                },
+                600);
             INFO("alpha " << alpha << ", cos " << cosine << ": " << sampled.mean << " against " << quadrature);
             // Quadrature: 1e-3 from the cut at the horizon.
             CHECK(std::abs(sampled.mean - quadrature) < 4 * sampled.standard_error + 1e-3);
@@ -159,7 +168,7 @@ TEST_CASE("ideal glass reflects and transmits everything, on both sides and at e
 }
 
 TEST_CASE("around the critical angle nothing is lost and reflectance only grows") {
-    const float eta = 1.5f;                                      // from inside: sin of the critical angle is 1 / 1.5
+    const float eta = 1.5f;  // from inside: sin of the critical angle is 1 / 1.5
     const float critical = std::sqrt(1 - 1 / (eta * eta));
     float cosine = critical;
     for (int i = 0; i < 64; ++i) cosine = std::nextafter(cosine, 1.0f);
@@ -218,7 +227,7 @@ TEST_CASE("a roughness just above smooth reflects what the delta does") {
         const Vec3 wo = local_direction(cosine);
         const MeanAndError r =
             average(5'000, [&] { return static_cast<double>(rough.sample(wo, 0, random.two()).weight.r); });
-        CHECK(r.mean == Approx(smooth.sample(wo, 0, {0.5f, 0.5f}).weight.r).epsilon(5e-3));   // stability row 13: 0.5 %
+        CHECK(r.mean == Approx(smooth.sample(wo, 0, {0.5f, 0.5f}).weight.r).epsilon(5e-3));  // stability row 13: 0.5 %
     }
 }
 
@@ -228,7 +237,7 @@ TEST_CASE("a thin pane adds up all its inner reflections and bends nothing") {
     CHECK_FALSE(pane.has_density());
     for (const float cosine : {1.0f, 0.3f, -0.5f}) {
         const float f = fresnel_dielectric(std::abs(cosine), 1.5f);
-        float series = f, inner = (1 - f) * (1 - f) * f;           // F + T F T + T F F F T + ...
+        float series = f, inner = (1 - f) * (1 - f) * f;  // F + T F T + T F F F T + ...
         for (int i = 0; i < 200; ++i, inner *= f * f) series += inner;
         const Vec3 wo = tilted_frame().to_world(local_direction(cosine));
         const BsdfSample reflected = pane.sample(wo, 0, {0.5f, 0.5f}),

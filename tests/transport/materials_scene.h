@@ -17,15 +17,23 @@ inline Parameter parameter(ParameterType type, std::string name, std::vector<dou
     p.location = {"scene.pbrt", line, 3};
     return p;
 }
-inline Parameter rgb(std::string name, double r, double g, double b) { return parameter(ParameterType::rgb, std::move(name), {r, g, b}); }
-inline Parameter real(std::string name, double value) { return parameter(ParameterType::real, std::move(name), {value}); }
+inline Parameter rgb(std::string name, double r, double g, double b) {
+    return parameter(ParameterType::rgb, std::move(name), {r, g, b});
+}
+inline Parameter real(std::string name, double value) {
+    return parameter(ParameterType::real, std::move(name), {value});
+}
 inline Parameter text(ParameterType type, std::string name, std::vector<std::string> strings) {
     Parameter p = parameter(type, std::move(name), {});
     p.strings = std::move(strings);
     return p;
 }
-inline Parameter texture(std::string name, std::string value) { return text(ParameterType::texture, std::move(name), {std::move(value)}); }
-inline Parameter string(std::string name, std::string value) { return text(ParameterType::string, std::move(name), {std::move(value)}); }
+inline Parameter texture(std::string name, std::string value) {
+    return text(ParameterType::texture, std::move(name), {std::move(value)});
+}
+inline Parameter string(std::string name, std::string value) {
+    return text(ParameterType::string, std::move(name), {std::move(value)});
+}
 inline Parameter boolean(std::string name, bool value) {
     Parameter p = parameter(ParameterType::boolean, std::move(name), {});
     p.booleans = {static_cast<std::uint8_t>(value)};

@@ -62,7 +62,7 @@ inline double chi_square_tail(double x, double dof) {
         for (int n = 1; n < 1000; ++n) sum += term *= y / (a + n);
         return 1 - front * sum;
     }
-    double b = y + 1 - a, c = 1e300, d = 1 / b, h = d;       // Lentz's continued fraction
+    double b = y + 1 - a, c = 1e300, d = 1 / b, h = d;  // Lentz's continued fraction
     for (int n = 1; n < 1000; ++n) {
         const double an = -n * (n - a);
         b += 2;
@@ -73,8 +73,8 @@ inline double chi_square_tail(double x, double dof) {
     return front * h;
 }
 
-/// Cells of a sphere about an axis, polar angle warped so that a lobe of width `scale` around the axis spans half of them:
-/// t = theta / (theta + scale), scaled to reach 1 at theta = pi.
+/// Cells of a sphere about an axis, polar angle warped so that a lobe of width `scale` around the axis spans half of
+/// them: t = theta / (theta + scale), scaled to reach 1 at theta = pi.
 class LobeGrid {
   public:
     LobeGrid(const Vec3& axis, float scale, int rings, int sectors)
@@ -83,7 +83,8 @@ class LobeGrid {
     [[nodiscard]] int size() const { return rings_ * sectors_; }
     [[nodiscard]] int cell(const Vec3& w) const {
         const Vec3 l = frame_.to_local(w);
-        const double theta = std::atan2(std::hypot(static_cast<double>(l.x), static_cast<double>(l.y)), static_cast<double>(l.z));
+        const double theta =
+            std::atan2(std::hypot(static_cast<double>(l.x), static_cast<double>(l.y)), static_cast<double>(l.z));
         const double t = theta / (theta + scale_) * (pi_ + scale_) / pi_;
         double phi = std::atan2(l.y, l.x) / (2 * pi_);
         if (phi < 0) phi += 1;
@@ -121,7 +122,8 @@ inline double integrate_hemisphere(const std::function<double(const Vec3&)>& f, 
     double sum = 0;
     for (int i = 0; i < n; ++i)
         for (int j = 0; j < n; ++j) {
-            const Vec2 u{(static_cast<float>(i) + 0.5f) / static_cast<float>(n), (static_cast<float>(j) + 0.5f) / static_cast<float>(n)};
+            const Vec2 u{(static_cast<float>(i) + 0.5f) / static_cast<float>(n),
+                         (static_cast<float>(j) + 0.5f) / static_cast<float>(n)};
             const Vec3 w = transport::sample_cosine_hemisphere(u);
             sum += f(w) * transport::pi / static_cast<double>(w.z);
         }

@@ -96,7 +96,7 @@ TEST_CASE("roughness is square-root remapped unless told otherwise, and anisotro
     const std::vector<Parameter> brushed{real("uroughness", 0.5), real("vroughness", 0.05),
                                          boolean("remaproughness", false)};
     CHECK(value(brushed, {0.4f, 0, 1}) > 20 * value(brushed, {0, 0.4f, 1}));
-    CHECK_FALSE(shade_one(entity("conductor", {real("roughness", 0.9e-6)})).has_density());      // sqrt(0.9e-6) < 1e-3
+    CHECK_FALSE(shade_one(entity("conductor", {real("roughness", 0.9e-6)})).has_density());  // sqrt(0.9e-6) < 1e-3
     CHECK(shade_one(entity("conductor", {real("roughness", 1.1e-6)})).has_density());
 }
 

@@ -75,10 +75,10 @@ TEST_CASE("constants, scale and mix compute what they say, nested too") {
     TextureTable table = build_textures(scene);
     CHECK(real_at(table, "quarter", 0, 0) == 0.25f);
     CHECK(real_at(table, "blend", 0, 0) == 1.5f);
-    CHECK(real_at(table, "plain", 0, 0) == 0.5f);                     // pbrt's defaults: halfway from 0 to 1
-    CHECK(colour_at(table, scene, "pink", 0, 0).r == Approx(0.9));    // tex2 defaults to white
+    CHECK(real_at(table, "plain", 0, 0) == 0.5f);                   // pbrt's defaults: halfway from 0 to 1
+    CHECK(colour_at(table, scene, "pink", 0, 0).r == Approx(0.9));  // tex2 defaults to white
     CHECK(colour_at(table, scene, "dark", 0, 0).g == Approx(0.275));
-    CHECK(table.is_constant(*table.named_real("blend", {})));         // folded: no look-up at hits
+    CHECK(table.is_constant(*table.named_real("blend", {})));  // folded: no look-up at hits
 }
 
 TEST_CASE("the checkerboard has tex1 where both cells have one parity") {
@@ -94,10 +94,10 @@ TEST_CASE("the checkerboard has tex1 where both cells have one parity") {
     CHECK(real_at(table, "default", 1.5f, 0.5f) == 0);
     CHECK(real_at(table, "default", -0.5f, 0.5f) == 0);
     CHECK(real_at(table, "default", -0.5f, -0.5f) == 1);
-    CHECK(real_at(table, "board", 0.1f, 0.1f) == 10);                 // s = 0.9, t = 0.2
-    CHECK(real_at(table, "board", 0.2f, 0.1f) == 20);                 // s = 1.3
-    CHECK(real_at(table, "board", 0.2f, 0.6f) == 10);                 // t = 1.2
-    CHECK(real_at(table, "solid", 0, 0, {1.5f, 0.5f, 0.5f}) == 1);    // (0.5, 0.5, 0.5) in the texture's space
+    CHECK(real_at(table, "board", 0.1f, 0.1f) == 10);               // s = 0.9, t = 0.2
+    CHECK(real_at(table, "board", 0.2f, 0.1f) == 20);               // s = 1.3
+    CHECK(real_at(table, "board", 0.2f, 0.6f) == 10);               // t = 1.2
+    CHECK(real_at(table, "solid", 0, 0, {1.5f, 0.5f, 0.5f}) == 1);  // (0.5, 0.5, 0.5) in the texture's space
     CHECK(real_at(table, "solid", 0, 0, {0.5f, 0.5f, 0.5f}) == 0);
     CHECK(real_at(table, "solid", 0, 0, {0.5f, 1.5f, 0.5f}) == 1);
     CHECK(real_at(table, "solid", 0, 0, {0.5f, 1.5f, -0.5f}) == 0);
@@ -121,23 +121,23 @@ TEST_CASE("images stand upright, interpolate between texel centres and wrap as t
     const auto at = [&](const char* name, float u, float v) { return colour_at(table, scene, name, u, v); };
     // Texel centres: top row v = 0.75, left u = 0.25.
     CHECK(at("clamp", 0.25f, 0.75f) == Rgb(0.25f, 0, 0));
-    CHECK(at("clamp", 0.75f, 0.75f) == Rgb(0, 1, 0));                 // 2 as stored: an albedo is clamped
+    CHECK(at("clamp", 0.75f, 0.75f) == Rgb(0, 1, 0));  // 2 as stored: an albedo is clamped
     CHECK(at("clamp", 0.25f, 0.25f) == Rgb(0, 0, 0.5f));
     CHECK(at("clamp", 0.75f, 0.25f) == Rgb(1, 1, 1));
     CHECK(colour_at(table, scene, "clamp", 0.75f, 0.75f, SpectrumRole::unbounded) == Rgb(0, 2, 0));
-    const Rgb middle = at("clamp", 0.5f, 0.5f);                       // mean of all four, before clamping
+    const Rgb middle = at("clamp", 0.5f, 0.5f);  // mean of all four, before clamping
     CHECK(middle.r == Approx(0.3125));
     CHECK(middle.g == Approx(0.75));
     CHECK(middle.b == Approx(0.375));
     CHECK(at("clamp", -3, 9) == Rgb(0.25f, 0, 0));
     CHECK(at("repeat", 1.25f, -0.25f) == Rgb(0.25f, 0, 0));
-    CHECK(at("repeat", 0, 0.75f).r == Approx(0.125));                 // half of the texel on the other side
+    CHECK(at("repeat", 0, 0.75f).r == Approx(0.125));  // half of the texel on the other side
     CHECK(at("black", 0, 0.75f).r == Approx(0.125));
     CHECK(at("black", 2, 0.5f) == Rgb(0));
     CHECK(at("point", 0.4f, 0.6f) == Rgb(0.25f, 0, 0));
     CHECK(at("inverted", 0.25f, 0.75f) == Rgb(0.75f, 1, 1));
     CHECK(at("scaled", 0.25f, 0.75f) == Rgb(0.5f, 0, 0));
-    CHECK(at("tiled", 0.125f, 0.25f) == Rgb(0.25f, 0, 0));            // s = 0.25, t = 0.75
+    CHECK(at("tiled", 0.125f, 0.25f) == Rgb(0.25f, 0, 0));  // s = 0.25, t = 0.75
     CHECK(is_finite(at("repeat", NAN, 1e30f)));
     CHECK(is_finite(at("clamp", INFINITY, -1e30f)));
 }

@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "transport/geometry/ray.h"
+#include "transport/math/sampling.h"
 #include "transport/media/medium.h"
 #include "transport/media/phase.h"
-#include "transport/math/sampling.h"
 
 using namespace raylex;
 using namespace raylex::transport;
@@ -54,7 +54,7 @@ TEST_CASE("the phase function is normalised, has mean cosine g, and is what samp
     }
     for (const float g : {0.0f, 0.3f, -0.7f, 0.95f}) {
         double integral = 0, mean = 0;
-        constexpr int n = 400000;  // the step is a hundredth of the lobe's width at g = 0.95
+        constexpr int n = 400000;      // the step is a hundredth of the lobe's width at g = 0.95
         for (int i = 0; i < n; ++i) {  // over the cosine, midpoint rule
             const double c = -1 + (i + 0.5) * 2 / n;
             const Vec3 wi{float(std::sqrt(1 - c * c)), 0, float(c)};

@@ -63,7 +63,9 @@ class WritingPattern final : public Pattern {
 };
 
 void register_writing_pattern() {
-    pattern_registry().add({"test:writing", "for this test", {{"input", ParameterType::texture, "1", "passed on"}},
+    pattern_registry().add({"test:writing",
+                            "for this test",
+                            {{"input", ParameterType::texture, "1", "passed on"}},
                             [](PatternReader& reader) -> Result<std::unique_ptr<Pattern>> {
                                 const TextureId input = reader.input("input", 1);
                                 return std::unique_ptr<Pattern>(std::make_unique<WritingPattern>(input));
@@ -138,7 +140,7 @@ TEST_CASE("a pattern passes its inputs on, and writes where the camera sees it a
     table.begin(std::array<display::CameraRow, 4>{});
     std::array<SurfacePoint, 4> points{};
     for (SurfacePoint& point : points) point.shading_normal = point.geometric_normal = point.wo = {0, 0, 1};
-    points[0].row = 2;                            // first hits of rows 2 and 3; the others lie deeper in paths
+    points[0].row = 2;  // first hits of rows 2 and 3; the others lie deeper in paths
     points[2].row = 3;
     points[2].material = points[3].material = 1;
     std::array<Bsdf, 4> closures;

@@ -3,10 +3,10 @@
 #include <utility>
 #include <vector>
 
+#include "transport/cameras/camera.h"
 #include "transport/geometry/embree_scene.h"
 #include "transport/import/pbrt_importer.h"
 #include "transport/paths/vertex.h"
-#include "transport/cameras/camera.h"
 
 using namespace raylex;
 

@@ -54,8 +54,9 @@ ReverseOrientation
 Shape "sphere" "float radius" 2
 )");
     transport::RenderSettings settings;
-    settings.channels = {lpe_channel("k0", "C[<L.>O]"), lpe_channel("k1", "C<RD>[<L.>O]"), lpe_channel("k2", "C<RD>D[<L.>O]"),
-                         lpe_channel("k6", "CD{6}[<L.>O]"), lpe_channel("even", "C(DD)*[<L.>O]")};
+    settings.channels = {lpe_channel("k0", "C[<L.>O]"), lpe_channel("k1", "C<RD>[<L.>O]"),
+                         lpe_channel("k2", "C<RD>D[<L.>O]"), lpe_channel("k6", "CD{6}[<L.>O]"),
+                         lpe_channel("even", "C(DD)*[<L.>O]")};
     settings.samples_per_pixel = 256;
     const auto output = render_of(scene, settings);
     const double expected[] = {2 - std::pow(0.5, 6), 1, 0.5, 0.25, std::pow(0.5, 6), 1 + 0.25 + 0.0625 + 1.0 / 64};

@@ -39,7 +39,8 @@ TEST_CASE("refused contributions are counted at the very pixels that have them, 
     const auto scene = broken_scene();
     transport::RenderSettings settings;
     settings.samples_per_pixel = 20;  // a whole block and a part of one
-    settings.channels = {lpe_channel("seen", "CL"), lpe_channel("sky", "CB"), invalid_aov("invalidSamples"), invalid_aov("a")};
+    settings.channels = {lpe_channel("seen", "CL"), lpe_channel("sky", "CB"), invalid_aov("invalidSamples"),
+                         invalid_aov("a")};
     settings.threads = 1;
     const auto one = render_broken(scene, settings);
     settings.threads = 3;

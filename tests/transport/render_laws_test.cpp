@@ -229,7 +229,8 @@ LightSource "point" "rgb I" [2 2 2] "point3 from" [0 3 2]
     transport::RenderSettings settings;
     settings.samples_per_pixel = 128;
     settings.max_depth = 2;
-    settings.channels = {lpe_channel("plates", "C<RS>[<L.>O]"), lpe_channel("floor", "C<RD>.*[<L.>O]"), lpe_channel("rest", "")};
+    settings.channels = {lpe_channel("plates", "C<RS>[<L.>O]"), lpe_channel("floor", "C<RD>.*[<L.>O]"),
+                         lpe_channel("rest", "")};
     settings.channels[2].rest_of = {0, 1};
     std::vector<transport::RenderOutput> outputs;
     for (const char* strategy : {"mis", "light", "scattering"}) {

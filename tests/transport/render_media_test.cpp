@@ -22,12 +22,15 @@ std::string ball(const std::string& medium,
 Film "rgb" "integer xresolution" 8 "integer yresolution" 8
 PixelFilter "box" "float xradius" 0.5 "float yradius" 0.5
 Sampler "independent" "integer pixelsamples" 64
-Integrator "path" )" + settings + R"(
-MakeNamedMedium "fog" "string type" "homogeneous" )" + medium + R"(
+Integrator "path" )" +
+           settings + R"(
+MakeNamedMedium "fog" "string type" "homogeneous" )" +
+           medium + R"(
 MediumInterface "" "fog"
 Camera "perspective" "float fov" 60
 WorldBegin
-)" + world + R"(
+)" + world +
+           R"(
 MediumInterface "fog" ""
 Material "interface"
 Shape "sphere" "float radius" 1
@@ -176,7 +179,8 @@ TEST_CASE("shadow rays are dimmed by the media that they cross, and by no others
         return scene_of(film + R"(
 Integrator "path" "integer maxdepth" 1
 LookAt 0 4 0.001  0 0 0  0 0 1
-MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_s" [0 0 0] )" + fog + R"(
+MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_s" [0 0 0] )" +
+                        fog + R"(
 Camera "perspective" "float fov" 20
 WorldBegin
 Shape "trianglemesh" "integer indices" [0 2 1 0 3 2] "point3 P" [-3 0 -3 3 0 -3 3 0 3 -3 0 3]
@@ -222,7 +226,8 @@ AttributeEnd
     transport::RenderSettings settings;
     settings.samples_per_pixel = 256;
     settings.max_depth = 4;
-    settings.channels = {lpe_channel("volume", "CV.*"), lpe_channel("direct", "CVL"), lpe_channel("surface", "C<RD>.*")};
+    settings.channels = {lpe_channel("volume", "CV.*"), lpe_channel("direct", "CVL"),
+                         lpe_channel("surface", "C<RD>.*")};
     std::vector<std::vector<Estimate>> found;
     for (const char* strategy : {"mis", "light", "scattering"}) {
         settings.integrator = path_with(text_parameter("strategy", strategy));
@@ -246,9 +251,10 @@ TEST_CASE("laws 1 to 3 hold in fog", "[render][media][law1][law2][law3]") {
     settings.threads = 1;
     const auto alone = render_of(scene, settings);
     settings.threads = 2;
-    settings.channels = {lpe_channel("emissive", "C[<L.>O]-CB"), lpe_channel("background", "CB"), lpe_channel("diffuse", "C<RD>.*"),
-                         lpe_channel("subsurface", "C<TD>.*"), lpe_channel("specular", "C<RS>.*"), lpe_channel("transmissive", "C<TS>.*"),
-                         lpe_channel("haze", "C<V.'haze'>.*"), lpe_channel("juice", "C<V.'juice'>.*")};
+    settings.channels = {lpe_channel("emissive", "C[<L.>O]-CB"), lpe_channel("background", "CB"),
+                         lpe_channel("diffuse", "C<RD>.*"),      lpe_channel("subsurface", "C<TD>.*"),
+                         lpe_channel("specular", "C<RS>.*"),     lpe_channel("transmissive", "C<TS>.*"),
+                         lpe_channel("haze", "C<V.'haze'>.*"),   lpe_channel("juice", "C<V.'juice'>.*")};
     const auto output = render_of(scene, settings);
     const std::vector<double> beauty = output.frame_buffer.resolve(output.beauty);
     CHECK(beauty == alone.frame_buffer.resolve(alone.beauty));
@@ -265,7 +271,8 @@ TEST_CASE("without beauty less is simulated in fog, and the channels keep their 
     const auto scene = scene_of(foggy_room());
     transport::RenderSettings settings;
     settings.samples_per_pixel = 64;
-    settings.channels = {lpe_channel("direct", "C<RD>L"), lpe_channel("twice", "C<RD><RD>L"), lpe_channel("volume", "CVL")};
+    settings.channels = {lpe_channel("direct", "C<RD>L"), lpe_channel("twice", "C<RD><RD>L"),
+                         lpe_channel("volume", "CVL")};
     const auto full = render_of(scene, settings);
     settings.beauty = false;
     const auto pruned = render_of(scene, settings);

@@ -20,7 +20,8 @@ AttributeEnd
 LightSource "spot" "rgb I" [6 7 8] "point3 from" [-2 2.5 1] "point3 to" [0 0 0] "float coneangle" 60
 )" + sky + R"(
 MakeNamedMaterial "floor" "string type" "coateddiffuse" "rgb reflectance" [0.5 0.4 0.3] "float roughness" 0.3
-MakeNamedMaterial "plate" "string type" )" + plate_material + R"(
+MakeNamedMaterial "plate" "string type" )" +
+           plate_material + R"(
 NamedMaterial "floor"
 Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-3 0 3 3 0 3 3 0 -3 -3 0 -3]
 NamedMaterial "plate"
@@ -85,7 +86,8 @@ TEST_CASE("unshadowed direct light is the direct light of the scene without what
     for (const std::string& sky : {std::string(), constant_sky}) {
         transport::RenderSettings settings;
         settings.samples_per_pixel = 256;
-        settings.channels = {lpe_channel("unoccluded", "unoccluded;C<RD'floor'>L"), lpe_channel("plain", "C<RD'floor'>L")};
+        settings.channels = {lpe_channel("unoccluded", "unoccluded;C<RD'floor'>L"),
+                             lpe_channel("plain", "C<RD'floor'>L")};
         const auto shadowed = render_of(scene_of(plate_scene(sky)), settings);
         // Without the plate nothing on the floor is shadowed. Where the camera sees the plate, neither has floor: so
         // compare with a plate that the camera sees and light does not, the floor's own light being black on plate
@@ -110,7 +112,7 @@ TEST_CASE("unshadowed direct light is the direct light of the scene without what
         }
         INFO("sky " << sky << ", mean difference " << sum / pixels);
         CHECK(pixels == 8 * 24);
-        CHECK(std::abs(sum) < 4.5 * std::sqrt(variance));  // by chance once in 150,000
+        CHECK(std::abs(sum) < 4.5 * std::sqrt(variance));                           // by chance once in 150,000
         CHECK(total(shadowed.frame_buffer.resolve(2)) < 0.98 * total(unoccluded));  // there is a shadow
     }
 }
@@ -164,7 +166,8 @@ TEST_CASE("beauty and plain channels have the same bits beside channels with pre
          {"unoccluded;C.*", "shadows;C.*", "nothruput;C.*", "holdouts;C.*", "overwrite;C.*", "noinfinitecheck;C.*",
           "unoccluded;holdouts;C[DS]+<L.>",
           "nothruput;noinfinitecheck;noclamp;unoccluded;overwrite;C<.S'passthru'>*((U2L)|O)", "CU6L"})
-        settings.channels.push_back(lpe_channel(std::string("p").append(std::to_string(settings.channels.size())), expression));
+        settings.channels.push_back(
+            lpe_channel(std::string("p").append(std::to_string(settings.channels.size())), expression));
     const auto beside = render_of(scene, settings);
     for (display::ChannelId id = 0; id < 3; ++id)
         CHECK((beside.frame_buffer.resolve(id) == alone.frame_buffer.resolve(id)));
@@ -176,8 +179,9 @@ TEST_CASE("what a camera ray finds first at a holdout leaves beauty, alpha and p
           "[render][prefixes][law1]") {
     transport::RenderSettings settings;
     settings.samples_per_pixel = 16;
-    settings.channels = {lpe_channel("floor", "C<.D'floor'>.*"), lpe_channel("all", "C.*"), lpe_channel("catcher", "holdouts;C.*"),
-                         lpe_channel("occluded", "holdouts;C[DS]+<L.>"), lpe_channel("clear", "holdouts;unoccluded;C[DS]+<L.>")};
+    settings.channels = {lpe_channel("floor", "C<.D'floor'>.*"), lpe_channel("all", "C.*"),
+                         lpe_channel("catcher", "holdouts;C.*"), lpe_channel("occluded", "holdouts;C[DS]+<L.>"),
+                         lpe_channel("clear", "holdouts;unoccluded;C[DS]+<L.>")};
     display::ChannelDefinition depth;
     depth.name = "z";
     settings.channels.push_back(depth);
@@ -199,7 +203,7 @@ TEST_CASE("what a camera ray finds first at a holdout leaves beauty, alpha and p
     double held = 0, kept = 0;
     for (std::size_t i = 0; i < alpha.size(); ++i) (alpha[i] < full[i] ? held : kept) += 1;
     CHECK(full[7 * 24 + 12] == 1);
-    CHECK(alpha[7 * 24 + 12] == 1);   // the plate, over the held out floor
+    CHECK(alpha[7 * 24 + 12] == 1);  // the plate, over the held out floor
     CHECK(full[22 * 24 + 12] == 1);
     CHECK(alpha[22 * 24 + 12] == 0);  // the floor
     CHECK(held > 100);

@@ -57,8 +57,8 @@ TEST_CASE("a tee writes what it passes on, at first hits, and changes nothing el
 TEST_CASE("tees are written where the look-up comes by: branches, floats, mixes, several in a row", "[render][tee]") {
     transport::RenderSettings settings;
     settings.channels = {aov("left"), aov("right"), aov("whole"), aov("rough"), aov("never")};
-    const auto output = render_of(
-        scene_of(plane(R"(
+    const auto output =
+        render_of(scene_of(plane(R"(
 Texture "l" "spectrum" "tee" "rgb input" [.25 .25 .25] "string channel" "left"
 Texture "r" "spectrum" "tee" "rgb input" [.75 .75 .75] "string channel" "right"
 Texture "n" "spectrum" "tee" "rgb input" [.5 .5 .5] "string channel" "never"
@@ -69,8 +69,8 @@ Texture "rough" "float" "tee" "float input" 0.375 "string channel" "rough"
 MakeNamedMaterial "paint" "string type" "diffuse" "texture reflectance" "all"
 MakeNamedMaterial "other" "string type" "conductor" "texture roughness" "rough"
 )",
-                       "Material \"mix\" \"string materials\" [\"paint\" \"other\"] \"float amount\" 0.5")),
-        settings);
+                                 "Material \"mix\" \"string materials\" [\"paint\" \"other\"] \"float amount\" 0.5")),
+                  settings);
     CHECK(output.frame_buffer.channels()[4].type == display::ChannelType::real);
     const std::vector<double> left = output.frame_buffer.resolve(1), right = output.frame_buffer.resolve(2),
                               whole = output.frame_buffer.resolve(3), rough = output.frame_buffer.resolve(4);

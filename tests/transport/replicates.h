@@ -121,8 +121,8 @@ inline void check_agreement(Replicates a, Replicates b, const std::vector<std::s
     CHECK(squares / compared < 11.0 / 9 + 4.5 * std::sqrt(2 * 2.5 / compared));
 }
 
-/// |t| that Student's t of `dof` degrees of freedom exceeds in any of `tests` tests once in a thousand (Sidak). Its tail
-/// beyond sqrt(dof) tan(x) is an integral of cos^(dof - 1) from x to pi / 2.
+/// |t| that Student's t of `dof` degrees of freedom exceeds in any of `tests` tests once in a thousand (Sidak). Its
+/// tail beyond sqrt(dof) tan(x) is an integral of cos^(dof - 1) from x to pi / 2.
 inline double student_threshold(int dof, std::size_t tests) {
     const double each = -std::expm1(std::log1p(-0.001) / static_cast<double>(tests));
     const double right = std::acos(0.0);
@@ -130,8 +130,7 @@ inline double student_threshold(int dof, std::size_t tests) {
     const auto tail = [&](double from) {
         constexpr int steps = 2000;
         double sum = 0;
-        for (int i = 0; i < steps; ++i)
-            sum += std::pow(std::cos(from + (i + 0.5) * (right - from) / steps), dof - 1);
+        for (int i = 0; i < steps; ++i) sum += std::pow(std::cos(from + (i + 0.5) * (right - from) / steps), dof - 1);
         return scale * sum * (right - from) / steps;
     };
     double low = 0, high = right;

@@ -53,8 +53,8 @@ TEST_CASE("An emitter with a textured cutout sends the same light by every strat
             const Estimate mis = with_strategy(text, "mis"), light = with_strategy(text, "light"),
                            scattering = with_strategy(text, "scattering");
             INFO(emitter.name << ", two-sided " << two_sided << ": mis " << mis.mean << " +- " << mis.error
-                              << ", light " << light.mean << " +- " << light.error << ", scattering "
-                              << scattering.mean << " +- " << scattering.error);
+                              << ", light " << light.mean << " +- " << light.error << ", scattering " << scattering.mean
+                              << " +- " << scattering.error);
             // Some one-sided emitters face away: then all three must be 0 together.
             if (scattering.mean == 0) {
                 CHECK(mis.mean == 0);

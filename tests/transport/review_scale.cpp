@@ -92,9 +92,10 @@ Camera "perspective" "float fov" 40
 WorldBegin
 LightSource "infinite" "rgb L" [0.3 0.3 0.3]
 LightSource "distant" "rgb L" [1 1 1] "point3 from" [1 2 1] "point3 to" [0 0 0]
-LightSource "point" "rgb I" [)" + intensity + intensity + intensity + R"(] "point3 from" [)" +
-                                 point(-1, 2, 1) + R"(]
-Scale )" + scale + scale + scale + R"(
+LightSource "point" "rgb I" [)" + intensity +
+                                 intensity + intensity + R"(] "point3 from" [)" + point(-1, 2, 1) + R"(]
+Scale )" + scale + scale + scale +
+                                 R"(
 Material "diffuse" "rgb reflectance" [0.7 0.7 0.7]
 Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-3 0 3 3 0 3 3 0 -3 -3 0 -3]
 Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-3 0 -1.5 3 0 -1.5 3 3 -1.5 -3 3 -1.5]
@@ -106,8 +107,8 @@ AttributeEnd
 )";
         return render_of(scene_of(text), settings).frame_buffer.resolve(0);
     };
-    for (const char* channel : {"s0t3;C.L", "s1t2;C.L", "s2t1;C.L", "s0t4;C..L", "s1t3;C..L", "s2t2;C..L",
-                                "s3t1;C..L", "s3t2;C...L", "s4t1;C...L"}) {
+    for (const char* channel : {"s0t3;C.L", "s1t2;C.L", "s2t1;C.L", "s0t4;C..L", "s1t3;C..L", "s2t2;C..L", "s3t1;C..L",
+                                "s3t2;C...L", "s4t1;C...L"}) {
         const std::vector<double> expected = image(0, channel);
         double largest = 0;
         for (const double value : expected) largest = std::max(largest, value);

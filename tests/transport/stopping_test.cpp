@@ -11,7 +11,8 @@ namespace {
 /// The path integrator; once, in the batch that holds this sample of the pixel (0, 0), it never comes back by itself.
 class Stalling final : public transport::Integrator {
   public:
-    Stalling(std::unique_ptr<transport::Integrator> path, std::uint64_t sample) : path_(std::move(path)), sample_(sample) {}
+    Stalling(std::unique_ptr<transport::Integrator> path, std::uint64_t sample)
+        : path_(std::move(path)), sample_(sample) {}
     [[nodiscard]] transport::IntegratorTraits traits() const override { return path_->traits(); }
     raylex::Status prepare(const transport::IntegratorContext& context) override { return path_->prepare(context); }
     [[nodiscard]] std::unique_ptr<transport::IntegratorThread> make_thread_state() const override {
@@ -39,12 +40,15 @@ transport::SceneEntity stalling(std::uint64_t sample) {
     entity.type = "stalling at " + std::to_string(sample);
     if (transport::integrator_registry().find(entity.type) == nullptr)
         transport::integrator_registry().add(
-            {entity.type, "for this test", {},
+            {entity.type,
+             "for this test",
+             {},
              [sample](const transport::SceneEntity&,
                       std::optional<std::int64_t> max_depth) -> raylex::Result<std::unique_ptr<transport::Integrator>> {
                  auto chosen = transport::choose_integrator({}, max_depth);
                  if (!chosen) return chosen.error();
-                 return std::unique_ptr<transport::Integrator>(std::make_unique<Stalling>(std::move(chosen->integrator), sample));
+                 return std::unique_ptr<transport::Integrator>(
+                     std::make_unique<Stalling>(std::move(chosen->integrator), sample));
              }});
     return entity;
 }
@@ -62,7 +66,7 @@ Shape "sphere" "float radius" 2
 
 struct Ended {
     transport::RenderOutput output;
-    double seconds = 0;   ///< from the stop, or from the beginning without one
+    double seconds = 0;  ///< from the stop, or from the beginning without one
 };
 Ended render_endless(transport::RenderSettings settings, bool with_stop) {
     std::atomic<bool> stop{false};
@@ -181,7 +185,7 @@ TEST_CASE("A first pass that is too long is begun again with fewer samples", "[l
     const transport::SceneDescription scene = scene_of(room);
     transport::RenderSettings settings;
     settings.threads = 2;
-    settings.integrator = stalling(7);   // once: the second time all goes well
+    settings.integrator = stalling(7);  // once: the second time all goes well
     settings.limit = transport::SampleLimit{.seconds = 1};
     Stalling::stalls = true;
     const transport::RenderOutput limited = render_of(scene, settings);

@@ -16,7 +16,7 @@ namespace {
 struct PathDensities {
     std::vector<double> from_light, from_camera;  // of each vertex, per area
     std::vector<bool> specular;
-    double light_sample = 1;   // of vertex 0 as light sampling finds it
+    double light_sample = 1;  // of vertex 0 as light sampling finds it
     bool can_be_hit = true;
 
     [[nodiscard]] std::size_t size() const { return specular.size(); }

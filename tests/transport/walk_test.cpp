@@ -55,11 +55,12 @@ Shape "sphere" "float radius" 1
 
 TEST_CASE("roulette on light paths compares with the strongest colour of the light", "[lighttracer][render][walk]") {
     // Grey walls weaken red light as they weaken white light: the same paths end.
-    const auto rays = [](const std::string& light) {
-        transport::RenderSettings settings;
-        settings.samples_per_pixel = 4;
-        settings.integrator = integrator_named("lighttracer");
-        const auto output = render_of(scene_of(film + R"(
+    const auto rays =
+        [](const std::string& light) {
+            transport::RenderSettings settings;
+            settings.samples_per_pixel = 4;
+            settings.integrator = integrator_named("lighttracer");
+            const auto output = render_of(scene_of(film + R"(
 Integrator "path" "integer maxdepth" 20
 LookAt 0 0 0.3  0 0 -1  0 1 0
 Camera "perspective" "float fov" 60
@@ -71,9 +72,9 @@ AttributeEnd
 Material "diffuse" "rgb reflectance" [0.5 0.5 0.5]
 Shape "sphere" "float radius" 2
 )"),
-                                      settings);
-        return output.statistics.scattering_rays;
-    };
+                                          settings);
+            return output.statistics.scattering_rays;
+        };
     const std::uint64_t white = rays("1 1 1"), unended = 24 * 24 * 4 * 20;
     CHECK(rays("1 0 0") == white);
     CHECK(rays("0.25 1 0.5") == white);
@@ -117,13 +118,14 @@ Camera "perspective" "float fov" 0.1)",
     // paths alone find it. With and without dye they are the same but for what the dye takes, without roulette.
     settings.integrator->type = "lighttracer";
     const auto lit = [&](const std::string& sigma_a) {
-        const auto output = render_of(scene(sigma_a, R"(
+        const auto output =
+            render_of(scene(sigma_a, R"(
 LookAt 1 0 -0.5  0 0 -2  0 1 0
 Camera "perspective" "float fov" 20)",
-                               R"(LightSource "distant" "rgb L" [1 1 1] "point3 from" [0 0 1] "point3 to" [0 0 0]
+                            R"(LightSource "distant" "rgb L" [1 1 1] "point3 from" [0 0 1] "point3 to" [0 0 0]
 Material "diffuse" "rgb reflectance" [0.5 0.5 0.5]
 Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-2 -2 -2 2 -2 -2 2 2 -2 -2 2 -2])"),
-                                      settings);
+                      settings);
         std::array<double, 3> sum{};
         const std::vector<double> image = output.frame_buffer.resolve(0);
         for (std::size_t i = 0; i < image.size(); ++i) sum[i % 3] += image[i];
@@ -141,7 +143,8 @@ TEST_CASE("what fog does to camera rays is recorded though no channel asks for i
         return scene_of(film + R"(
 Integrator "path" "integer maxdepth" 1
 MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_a" [0.2 0.2 0.2] "rgb sigma_s" [0.3 0.3 0.3]
-)" + (fog ? "MediumInterface \"\" \"fog\"" : "") + R"(
+)" + (fog ? "MediumInterface \"\" \"fog\"" : "") +
+                        R"(
 LookAt 0 0 2  0 0 0  0 1 0
 Camera "perspective" "float fov" 40
 WorldBegin

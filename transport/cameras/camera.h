@@ -19,7 +19,7 @@ namespace raylex::transport {
 
 /// How a point in front of the camera is seen: from where, and where on the raster.
 struct CameraConnection {
-    Vec3 position;       ///< world: the pinhole, or a point of the lens
+    Vec3 position;      ///< world: the pinhole, or a point of the lens
     Real x = 0, y = 0;  ///< raster position; it may lie outside the image
     /// Raster area (pixels) for each area at the point that faces the camera: what radiance from there times |cos| at
     /// the point counts for, per area at the point and raster area. Mean over the lens.
@@ -29,7 +29,7 @@ struct CameraConnection {
 /// What a camera ray is made of.
 struct CameraSample {
     Real x = 0, y = 0;  ///< raster position
-    Vec2 lens;           ///< in [0, 1)^2; (0, 0) for cameras without a lens
+    Vec2 lens;          ///< in [0, 1)^2; (0, 0) for cameras without a lens
 };
 
 class PerspectiveCamera;

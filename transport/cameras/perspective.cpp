@@ -36,9 +36,8 @@ Result<std::unique_ptr<Camera>> PerspectiveCamera::build(const SceneEntity& enti
     const Matrix4 projection{
         {{sx, 0, ox, 0}, {0, sy, oy, 0}, {0, 0, far / (far - near), -far * near / (far - near)}, {0, 0, 1, 0}}};
 
-    std::unique_ptr<PerspectiveCamera> camera(new PerspectiveCamera(placement.camera_to_world, projection,
-                                                                    {std::abs(step_x.x), std::abs(step_y.y)},
-                                                                    static_cast<Real>(*lens) > 0));
+    std::unique_ptr<PerspectiveCamera> camera(new PerspectiveCamera(
+        placement.camera_to_world, projection, {std::abs(step_x.x), std::abs(step_y.y)}, static_cast<Real>(*lens) > 0));
     camera->step_x_ = step_x;
     camera->step_y_ = step_y;
     camera->corner_ = DVec3{screen[0] * tangent, screen[3] * tangent, 1}.to_real();

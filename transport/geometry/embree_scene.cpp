@@ -256,8 +256,9 @@ Status EmbreeScene::check_placements(const SceneDescription& scene, double exten
         RTCBounds b{};
         rtcGetSceneBounds(object, &b);
         const bool empty = !(b.lower_x <= b.upper_x);
-        objects.push_back(empty ? std::nullopt
-                                : std::optional<Bounds>({{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}}));
+        objects.push_back(
+            empty ? std::nullopt
+                  : std::optional<Bounds>({{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}}));
     }
     auto limit = limit_of_rays(scene, {shapes_, objects}, extent);
     if (!limit) return limit.error();
@@ -366,7 +367,8 @@ bool EmbreeScene::traceable(const Ray& ray) const {
     const auto fits = [&](const Vec3& v) {
         return (std::abs(v.x) <= ray_limit_) & (std::abs(v.y) <= ray_limit_) & (std::abs(v.z) <= ray_limit_);
     };
-    if (fits(ray.origin) & fits(ray.direction)) [[likely]] return true;
+    if (fits(ray.origin) & fits(ray.direction)) [[likely]]
+        return true;
     device_->untraced.fetch_add(1, std::memory_order_relaxed);
     return false;
 }
@@ -418,8 +420,8 @@ void EmbreeScene::intersect_alpha(const Ray& ray, Hit& hit) const {
     rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(device_->scene, &context, &rayhit);
-    hit = {rayhit.ray.tfar, rayhit.hit.u, rayhit.hit.v, rayhit.hit.geomID, rayhit.hit.primID, Hit::none,
-           ray.time,        ray.cone.after(rayhit.ray.tfar)};
+    hit = {rayhit.ray.tfar,   rayhit.hit.u, rayhit.hit.v, rayhit.hit.geomID,
+           rayhit.hit.primID, Hit::none,    ray.time,     ray.cone.after(rayhit.ray.tfar)};
     if (rayhit.hit.instID[0] != RTC_INVALID_GEOMETRY_ID && hit.shape != Hit::none) {
         hit.instance = rayhit.hit.instID[0] - static_cast<std::uint32_t>(top_level_shapes_);
         hit.shape += instances_[hit.instance].first_shape;

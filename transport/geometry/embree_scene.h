@@ -35,26 +35,26 @@ struct ShapeGeometry {
     std::vector<StoredVec3> patch_positions;  ///< bilinear meshes keep their own
     std::vector<std::uint32_t> patch_indices;
     Quadric quadric;
-    Matrix34 to_object;                     ///< meshes: from where their vertices stand to the space they were written in
+    Matrix34 to_object;  ///< meshes: from where their vertices stand to the space they were written in
     bool flip_normal = false;
     int material = 0;
-    int area_light = -1;                    ///< index into SceneDescription::area_lights; -1 also for instanced shapes
+    int area_light = -1;  ///< index into SceneDescription::area_lights; -1 also for instanced shapes
     int inside_medium = -1, outside_medium = -1;  ///< indices into MediumTable; -1 = none
-    TextureId alpha = -1;                   ///< opacity; -1 = opaque everywhere
-    bool interface = false;                 ///< no surface at all: rays pass, but an area light on it shines
-    bool hidden = false;                    ///< alpha is 0 everywhere: no ray ever stops here
-    int label = 0;                          ///< index into object_labels()
-    bool holdout = false;                   ///< see LabelRule
-    std::uint32_t first_light = Hit::none;  ///< set by the light table: the light of primitive 0
+    TextureId alpha = -1;                         ///< opacity; -1 = opaque everywhere
+    bool interface = false;                       ///< no surface at all: rays pass, but an area light on it shines
+    bool hidden = false;                          ///< alpha is 0 everywhere: no ray ever stops here
+    int label = 0;                                ///< index into object_labels()
+    bool holdout = false;                         ///< see LabelRule
+    std::uint32_t first_light = Hit::none;        ///< set by the light table: the light of primitive 0
 
     [[nodiscard]] BilinearPatch patch(std::uint32_t primitive) const;
     /// The largest coordinate.
     [[nodiscard]] double extent() const;
-    /// How far from the origin rays to this shape may begin. For a triangle Embree multiplies the distance of the ray by two of
-    /// its edges, in single precision.
+    /// How far from the origin rays to this shape may begin. For a triangle Embree multiplies the distance of the ray
+    /// by two of its edges, in single precision.
     [[nodiscard]] double reach_of_rays() const;
-    /// The medium into which a ray leaves the surface, whose outside `normal` points to, out of `current`. A surface with
-    /// the same medium on both sides is no border: rays stay in whatever they came through (pbrt's rule).
+    /// The medium into which a ray leaves the surface, whose outside `normal` points to, out of `current`. A surface
+    /// with the same medium on both sides is no border: rays stay in whatever they came through (pbrt's rule).
     [[nodiscard]] std::int32_t medium_towards(const Vec3& normal, const Vec3& direction, std::int32_t current) const {
         if (inside_medium == outside_medium) return current;
         return dot(normal, direction) > 0 ? outside_medium : inside_medium;
@@ -63,9 +63,9 @@ struct ShapeGeometry {
 
 struct ShapeInstance {
     Placement placement;
-    std::uint32_t first_shape = 0;  ///< of the object it places
-    int label = -1;                 ///< overrides the shapes' own unless -1
-    std::optional<bool> holdout{};  ///< overrides the shapes' own
+    std::uint32_t first_shape = 0;    ///< of the object it places
+    int label = -1;                   ///< overrides the shapes' own unless -1
+    std::optional<bool> holdout{};    ///< overrides the shapes' own
     std::uint32_t first_surface = 0;  ///< surface number of the object's first shape, less 1
 };
 
@@ -78,9 +78,9 @@ struct SurfaceSource {
 
 /// What only geometric AOVs ask of a hit. World space, unless it says otherwise.
 struct SurfaceDetails {
-    Vec3 dpdv;               ///< beside SurfacePoint::dpdu: by the second texture coordinate
-    Vec3 object_position;    ///< in the space that the shape's parameters were written in
-    Real curvature = 0;      ///< mean curvature; positive where the surface bulges towards SurfacePoint::wo
+    Vec3 dpdv;                  ///< beside SurfacePoint::dpdu: by the second texture coordinate
+    Vec3 object_position;       ///< in the space that the shape's parameters were written in
+    Real curvature = 0;         ///< mean curvature; positive where the surface bulges towards SurfacePoint::wo
     std::array<Vec3, 8> edges;  ///< of the triangle or patch: start and end by turns
     int edge_count = 0;         ///< 0 for quadrics
 };
@@ -104,15 +104,15 @@ class EmbreeScene {
         int threads = 0;  ///< for building; 0 = all
     };
 
-    /// Vertices that are not finite or beyond largest_coordinate, indices out of range, transforms that are singular or beyond
-    /// what floats invert, and Embree's own errors are Errors at the shape or instance.
+    /// Vertices that are not finite or beyond largest_coordinate, indices out of range, transforms that are singular or
+    /// beyond what floats invert, and Embree's own errors are Errors at the shape or instance.
     static Result<EmbreeScene> build(const SceneDescription& scene, TextureTable& textures, const Options& options);
     ~EmbreeScene();
     EmbreeScene(EmbreeScene&&) noexcept;
     EmbreeScene& operator=(EmbreeScene&&) noexcept;
 
-    /// Closest hits over (0, t_max). A ray that begins or points beyond largest_coordinate, or is not of numbers, hits nothing,
-    /// and what it asks is taken for blocked; untraced_rays() counts them.
+    /// Closest hits over (0, t_max). A ray that begins or points beyond largest_coordinate, or is not of numbers, hits
+    /// nothing, and what it asks is taken for blocked; untraced_rays() counts them.
     void intersect(std::span<const Ray> rays, std::span<Hit> hits) const;
     /// 1 where an opaque shape lies on (0, t_max); shapes with alpha do not count.
     void occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked) const;
@@ -170,7 +170,7 @@ class EmbreeScene {
     Real ray_limit_ =
         largest_coordinate;  // of a ray's numbers, so that they stay in range in every instance's own space
     std::string isa_;
-    mutable RayLog* log_ = nullptr;     // one test a batch; never part of a result
+    mutable RayLog* log_ = nullptr;  // one test a batch; never part of a result
     bool has_alpha_ = false, has_holdouts_ = false;
 };
 

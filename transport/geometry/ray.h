@@ -33,8 +33,8 @@ inline constexpr Real shadow_t_max = 1 - Real(1e-4);
 /// How wide the beam is that a ray stands for (Amanatides 1984, "Ray Tracing with Cones"; for what filters look-ups
 /// where rays meet surfaces). Scattering leaves it as it is: neither curvature nor roughness widens it yet.
 struct RayCone {
-    Real width = 0;    ///< at the ray's origin, or at the hit
-    Real spread = 0;   ///< angle, radians: what a unit of distance adds to the width
+    Real width = 0;   ///< at the ray's origin, or at the hit
+    Real spread = 0;  ///< angle, radians: what a unit of distance adds to the width
 
     [[nodiscard]] RayCone after(Real distance) const { return {width + spread * distance, spread}; }
 };
@@ -44,7 +44,7 @@ struct Ray {
     Real t_max = infinity;
     Vec3 direction;  ///< unit for scattering rays; origin to light for shadow rays, with t_max below 1
     Real time = 0;   ///< of the shutter's opening, 0 to 1
-    RayCone cone{};   ///< of rays that light or importance is followed along; nobody asks shadow rays
+    RayCone cone{};  ///< of rays that light or importance is followed along; nobody asks shadow rays
 };
 
 struct Hit {
@@ -55,7 +55,7 @@ struct Hit {
     std::uint32_t primitive = 0;    ///< triangle or patch of a mesh
     std::uint32_t instance = none;  ///< index into EmbreeScene::instances()
     Real time = 0;                  ///< the ray's
-    RayCone cone{};                   ///< the ray's, where it hit
+    RayCone cone{};                 ///< the ray's, where it hit
 
     [[nodiscard]] bool valid() const { return shape != none; }
 };

@@ -20,9 +20,9 @@ std::string short_number(double value) {
 }
 
 Error too_far(const SceneShape& shape, double distance) {
-    return error_at(shape.location, "the shape reaches to " + short_number(distance) +
-                                        " from the origin; expected at most " + short_number(double{largest_coordinate}) +
-                                        ", beyond which squares of lengths are no floats",
+    return error_at(shape.location,
+                    "the shape reaches to " + short_number(distance) + " from the origin; expected at most " +
+                        short_number(double{largest_coordinate}) + ", beyond which squares of lengths are no floats",
                     "another unit of length brings it into range");
 }
 
@@ -118,9 +118,11 @@ Status check_extent(const SceneShape& shape, double extent) {
 
 double extent_without_shapes(const SceneDescription& scene) {
     double extent = 0;
-    const auto take = [&](const Vec3& place) {  // what lies beyond all reach is an error of its own, at the camera or light
-        if (const double distance = largest_of(place); distance <= double{largest_coordinate}) extent = std::max(extent, distance);
-    };
+    const auto take =
+        [&](const Vec3& place) {  // what lies beyond all reach is an error of its own, at the camera or light
+            if (const double distance = largest_of(place); distance <= double{largest_coordinate})
+                extent = std::max(extent, distance);
+        };
     take(scene.camera_to_world.point({0, 0, 0}));
     for (const SceneLight& light : scene.lights) {
         const Parameter* from = light.type == "point" || light.type == "spot" ? light.parameters.find("from") : nullptr;
@@ -144,8 +146,8 @@ Result<Real> limit_of_rays(const SceneDescription& scene, const PlacedShapes& pl
         if (!bounds) continue;
         const double reach = reach_of(Matrix34(instance.to_world.matrix()), *bounds);
         if (!(reach <= most))
-            return error_at(instance.location, "the instance reaches to " + short_number(reach) + " from the origin; expected at most " +
-                                                   short_number(most));
+            return error_at(instance.location, "the instance reaches to " + short_number(reach) +
+                                                   " from the origin; expected at most " + short_number(most));
         extent = std::max(extent, reach);
     }
     // Light from infinity begins within three extents, and a shadow ray is as long as two.
@@ -154,12 +156,14 @@ Result<Real> limit_of_rays(const SceneDescription& scene, const PlacedShapes& pl
         const double reach = placed.shapes[i].reach_of_rays();
         if (!(rays <= reach))
             return error_at(scene.shapes[i].location,
-                            "rays of the scene begin as far as " + short_number(rays) + " from the origin, and this shape can be "
-                            "traced from " + short_number(reach) + " at most, in single precision",
+                            "rays of the scene begin as far as " + short_number(rays) +
+                                " from the origin, and this shape can be "
+                                "traced from " +
+                                short_number(reach) + " at most, in single precision",
                             "another unit of length, or smaller triangles, bring it into range");
         limit = std::min(limit, static_cast<Real>(reach));
     }
-    std::vector<double> reaches;   // [object]
+    std::vector<double> reaches;  // [object]
     for (std::size_t k = 0, shape = scene.shapes.size(); k < scene.objects.size(); ++k) {
         double least = most;
         for (std::size_t i = 0; i < scene.objects[k].shapes.size(); ++i, ++shape)
@@ -170,8 +174,9 @@ Result<Real> limit_of_rays(const SceneDescription& scene, const PlacedShapes& pl
         if (!usable(instance)) continue;
         const Placement placement(instance.to_world);
         if (!invertible_as_float(placement.to_world))
-            return error_at(instance.location, "the instance's transform is beyond what single precision inverts: its determinant is " +
-                                                   short_number(placement.to_world.determinant()) + "; expected 1e-30 to 1e30",
+            return error_at(instance.location,
+                            "the instance's transform is beyond what single precision inverts: its determinant is " +
+                                short_number(placement.to_world.determinant()) + "; expected 1e-30 to 1e30",
                             "a shape's own transform has no such bound: place the shapes without an instance");
         double stretch = 0, shift = 0;
         for (const auto& row : placement.to_object.m) {
@@ -180,8 +185,9 @@ Result<Real> limit_of_rays(const SceneDescription& scene, const PlacedShapes& pl
         }
         const double in_object = reaches[static_cast<std::size_t>(instance.object)];
         if (const double reach = rays * stretch + shift; !(reach <= in_object))
-            return error_at(instance.location, "in the space of the instance's object the scene reaches to " + short_number(reach) +
-                                                   "; expected at most " + short_number(in_object),
+            return error_at(instance.location,
+                            "in the space of the instance's object the scene reaches to " + short_number(reach) +
+                                "; expected at most " + short_number(in_object),
                             "a less extreme transform brings it into range");
         limit = std::min(limit, static_cast<Real>((in_object - shift) / stretch));
     }

@@ -1,5 +1,6 @@
-// What single precision can intersect: private to embree_scene.cpp. Embree ends the program, or finds what is not there, where
-// numbers leave its range; so a scene that would take rays there is an error that names the shape, instance or camera.
+// What single precision can intersect: private to embree_scene.cpp. Embree ends the program, or finds what is not
+// there, where numbers leave its range; so a scene that would take rays there is an error that names the shape,
+// instance or camera.
 #pragma once
 
 #include <optional>
@@ -20,11 +21,11 @@ Status check_extent(const SceneShape& shape, double extent);
 double extent_without_shapes(const SceneDescription& scene);
 
 struct PlacedShapes {
-    std::span<const ShapeGeometry> shapes;                      ///< top level, then those of every object in turn
-    std::span<const std::optional<Bounds>> object_bounds;       ///< nothing: an empty object
+    std::span<const ShapeGeometry> shapes;                 ///< top level, then those of every object in turn
+    std::span<const std::optional<Bounds>> object_bounds;  ///< nothing: an empty object
 };
-/// That each instance lies in range, and that rays of the scene do in the instances' own spaces. What no number of a ray may
-/// exceed. `extent`: how far from the origin rays begin, instances apart.
+/// That each instance lies in range, and that rays of the scene do in the instances' own spaces. What no number of a
+/// ray may exceed. `extent`: how far from the origin rays begin, instances apart.
 Result<Real> limit_of_rays(const SceneDescription& scene, const PlacedShapes& placed, double extent);
 
 }  // namespace raylex::transport

@@ -74,7 +74,7 @@ void triangle_surface(const ShapeGeometry& shape, const Hit& hit, SurfacePoint& 
     const Vec2 d1{t1.x - t0.x, t1.y - t0.y}, d2{t2.x - t0.x, t2.y - t0.y};
     const Real determinant = d1.x * d2.y - d1.y * d2.x;
     point.dpdu = std::abs(determinant) < Real(1e-9) ? Frame::from_normal(point.geometric_normal).s
-                                               : (e1 * d2.y - e2 * d1.y) / determinant;
+                                                    : (e1 * d2.y - e2 * d1.y) / determinant;
 }
 
 /// A ray in the space of the shape's definition, in double.
@@ -118,7 +118,7 @@ void patch_surface(const ShapeGeometry& shape, const Hit& hit, SurfacePoint& poi
     point.v = hit.v;
     const std::uint32_t* index = shape.patch_indices.data() + 4 * static_cast<std::size_t>(hit.primitive);
     const Real w00 = (1 - hit.u) * (1 - hit.v), w10 = hit.u * (1 - hit.v), w01 = (1 - hit.u) * hit.v,
-                w11 = hit.u * hit.v;
+               w11 = hit.u * hit.v;
     if (!shape.uvs.empty()) {
         const Vec2 t00 = shape.uvs[index[0]], t10 = shape.uvs[index[1]], t01 = shape.uvs[index[2]],
                    t11 = shape.uvs[index[3]];

@@ -65,8 +65,8 @@ struct DetailBuilder {
         details.object_position = p.to_real();
         details.dpdv = world_vector(q.placement.to_world.vector(q.object_dpdv(p))).to_real();
         const Matrix34 none;
-        details.curvature = static_cast<Real>(
-            quadric_curvature(q, instance ? instance->to_object : none, p, DVec3(point.wo)));
+        details.curvature =
+            static_cast<Real>(quadric_curvature(q, instance ? instance->to_object : none, p, DVec3(point.wo)));
     }
 
     void triangle() const {
@@ -82,7 +82,7 @@ struct DetailBuilder {
             const Real determinant = d1.x * d2.y - d1.y * d2.x;
             // As for dpdu: coordinates that span nothing get some tangent of the plane.
             dpdv = std::abs(determinant) < Real(1e-9) ? cross(normalize(cross(e1, e2)), normalize(e1))
-                                                 : (e2 * d1.x - e1 * d2.x) * (1.0 / determinant);
+                                                      : (e2 * d1.x - e1 * d2.x) * (1.0 / determinant);
         }
         details.dpdv = world_vector(dpdv).to_real();
         if (!shape.normals.empty()) details.curvature = static_cast<Real>(normals_curvature(index, e1, e2));

@@ -112,10 +112,7 @@ std::vector<Row> content_rows() {
         {material, "thindielectric", bumps, {}},
         {shape, "bilinearmesh", {"faceIndices", "emissionfilename"}, {}},
         {shape, "plymesh", {"displacement", "edgelength"}, {}},
-        {shape,
-         "trianglemesh",
-         {"faceIndices"},
-         {{"S", {}, "anisotropic materials follow the texture coordinates"}}},
+        {shape, "trianglemesh", {"faceIndices"}, {{"S", {}, "anisotropic materials follow the texture coordinates"}}},
         {texture, "imagemap", {"maxanisotropy"}, {{"filter", {"bilinear", "point"}, bilinear}}},
     };
 }

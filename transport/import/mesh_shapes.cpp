@@ -29,7 +29,7 @@ const SourceLocation& location_of(const ParameterSet& set, std::string_view name
 }
 
 Result<std::vector<StoredVec3>> triples(const ParameterSet& set, std::string_view name, ParameterType type,
-                                  const char* type_name) {
+                                        const char* type_name) {
     const Result<std::vector<double>> numbers = array_of(set, name, type, type_name);
     if (!numbers) return numbers.error();
     std::vector<StoredVec3> result(numbers->size() / 3);

@@ -160,8 +160,8 @@ class ValueReader {
         }
         // Everything downstream is float: what it cannot hold would be infinite there without a word.
         if (std::abs(number) > static_cast<double>(std::numeric_limits<float>::max())) {
-            Error error = tokenizer_.error(token, "found " + describe(token) + ", beyond the range of float; expected " +
-                                                      expected());
+            Error error = tokenizer_.error(
+                token, "found " + describe(token) + ", beyond the range of float; expected " + expected());
             if (is_vertex()) error.message += ", at vertex " + std::to_string(parameter_.numbers.size() / 3);
             return error;
         }

@@ -148,7 +148,7 @@ class Importer {
 
     SceneBuilder builder_;
     fs::path folder_;
-    std::vector<std::unique_ptr<Source>> sources_;  ///< open, the innermost last
+    std::vector<std::unique_ptr<Source>> sources_;                              ///< open, the innermost last
     std::map<std::string, std::shared_ptr<const std::string>> closed_, texts_;  ///< by path, by identity
     std::uint64_t opened_ = 0, repeated_bytes_ = 0;
 };

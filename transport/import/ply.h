@@ -14,9 +14,9 @@ namespace raylex::transport {
 struct PlyMesh {
     std::vector<StoredVec3> positions, normals;  ///< normals: one per position, or none; some may not be finite
     std::vector<StoredVec2> uvs;                 ///< one per position, or none
-    std::vector<std::uint32_t> triangles;  ///< 3 per triangle
-    std::vector<std::uint32_t> quads;      ///< 4 per quadrilateral, p00 p10 p01 p11
-    std::size_t short_faces = 0;           ///< faces of fewer than 3 vertices, left out
+    std::vector<std::uint32_t> triangles;        ///< 3 per triangle
+    std::vector<std::uint32_t> quads;            ///< 4 per quadrilateral, p00 p10 p01 p11
+    std::size_t short_faces = 0;                 ///< faces of fewer than 3 vertices, left out
 };
 
 /// Reads the vertex element (x y z, nx ny nz, and texture coordinates as u v, s t, texture_u texture_v or texture_s

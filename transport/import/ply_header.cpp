@@ -111,8 +111,8 @@ class HeaderParser {
         if (!shaped || stop != end || status == std::errc::invalid_argument)
             return failure("expected 'element <name> <count>' with a count of at least 0");
         if (status == std::errc::result_out_of_range || count > budget(Budget::mesh_rows)) {
-            Error error = over_budget(Budget::mesh_rows, "element count " + shown(words_[2]) + " is out of range", path_,
-                                      header_.lines);
+            Error error = over_budget(Budget::mesh_rows, "element count " + shown(words_[2]) + " is out of range",
+                                      path_, header_.lines);
             error.excerpt = excerpt_of(line_, 1);
             return error;
         }

@@ -31,14 +31,15 @@ Status Bdpt::prepare(const IntegratorContext& context) {
                 (context.beauty || context.events->any());
     if (!can_emit_) return success();
     media_of_lights_ = media_of_lights(context.scene, camera_position(context));
-    return language_.prepare(*context.lpe, *context.events);
+    if (context.events->any()) language_.emplace(*context.lpe);
+    return success();
 }
 
 std::unique_ptr<IntegratorThread> Bdpt::make_thread_state() const {
     const WalkOptions walk{parameters_.max_depth, parameters_.roulette, true};
     LightSubpathOptions of_light;
     of_light.walk = walk;
-    of_light.language = language_.get();
+    of_light.language = language_ ? &*language_ : nullptr;
     of_light.media_of_lights = media_of_lights_;
     return std::make_unique<BdptThread>(context_.scene, *context_.events, camera_subpath_options(context_, walk),
                                         of_light, static_cast<std::size_t>(context_.batch_capacity));

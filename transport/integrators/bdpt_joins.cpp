@@ -56,7 +56,7 @@ void Bdpt::Ends::escapes(std::uint32_t row, const Ray& ray) {
     }
 }
 
-void Bdpt::Ends::glows(std::uint32_t row, const Rgb& emitted) {
+void Bdpt::Ends::volume_emits(std::uint32_t row, const Rgb& emitted) {
     const Subpath& path = camera.path(row);
     if (path.depth < self.first_depth_) return;
     const Rgb value = path.beta * emitted;
@@ -141,8 +141,8 @@ void Bdpt::connect_to_camera(const CameraBatch& batch, BdptThread& thread, Threa
                               ? batch.samplers[y.row].get_2d(
                                     subpath_dimensions<TransportMode::importance>.of(y.depth, camera_lens_dimension))
                               : Vec2{0, 0};
-        thread.splats.add(view_,
-                          {y.row, y.depth, &y.point, &y.bsdf, y.offset, y.holdout, y.power, y.end, &y.sums}, lens);
+        thread.splats.add(view_, {y.row, y.depth, &y.point, &y.bsdf, y.offset, y.holdout, y.power, y.end, &y.sums},
+                          lens);
     }
     if (!context_.beauty && !context_.scene.geometry->has_alpha()) thread.splats.drop_dead(thread.camera.record());
     thread.splats.splat(context_.scene, *context_.events, batch.rows, *services.raster, thread.counters);

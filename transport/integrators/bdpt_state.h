@@ -1,6 +1,7 @@
 // Per-thread state of bidirectional path tracing: private to bdpt*.cpp.
 #pragma once
 
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -72,7 +73,7 @@ class Bdpt final : public Integrator {
     IntegratorContext context_;
     CameraView view_;
     std::vector<std::int32_t> media_of_lights_;
-    LightLanguage language_;
+    std::optional<LightLanguage> language_;  // when channels read words
     bool can_emit_ = false, can_sample_lights_ = false;
 };
 
@@ -86,7 +87,7 @@ struct Bdpt::Ends : CameraEnds {
         if (camera.record().wants_blocked_light()) camera.report_hidden_environments(LightChoice::mis, j);
     }
     void escapes(std::uint32_t row, const Ray& ray);
-    void glows(std::uint32_t row, const Rgb& emitted);
+    void volume_emits(std::uint32_t row, const Rgb& emitted);
     /// `sampled`: the density with which a light sample would have found it; light leaves `at` in the direction
     /// `towards`.
     void add(std::uint32_t row, const Rgb& emitted, const LightSample& at, Real sampled, const Vec3& towards);

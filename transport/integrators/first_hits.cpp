@@ -115,7 +115,8 @@ void describe_first_hits(const IntegratorContext& context, const FirstHits& firs
         });
         fill(which, batch.surface_id, [&](std::size_t j) { return geometry.surface_number(first.hits[j]); });
     }
-    if (wanted & in::albedo) fill(which, batch.albedo, [&](std::size_t j) { return first.bsdfs[j].albedo(points[j].wo); });
+    if (wanted & in::albedo)
+        fill(which, batch.albedo, [&](std::size_t j) { return first.bsdfs[j].albedo(points[j].wo); });
     if (!(wanted & (in::dpdv | in::object_position | in::curvature | in::edges))) return;
     for (std::size_t at = 0; at < which.size(); ++at) {
         const std::size_t j = which[at];
@@ -126,9 +127,8 @@ void describe_first_hits(const IntegratorContext& context, const FirstHits& firs
         }
         if (wanted & in::curvature) batch.curvature[at] = to_float(details.curvature);
         if (wanted & in::edges)
-            batch.edge_pixels[at] =
-                to_float(edge_distance(context, points[j].position,
-                                       {details.edges.data(), 2 * static_cast<std::size_t>(details.edge_count)}));
+            batch.edge_pixels[at] = to_float(edge_distance(
+                context, points[j].position, {details.edges.data(), 2 * static_cast<std::size_t>(details.edge_count)}));
     }
 }
 

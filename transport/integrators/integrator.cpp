@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
+#include "transport/cameras/camera.h"
 #include "transport/integrators/bdpt.h"
 #include "transport/integrators/light_tracer.h"
 #include "transport/integrators/path.h"
 #include "transport/integrators/pssmlt.h"
-#include "transport/cameras/camera.h"
 
 namespace raylex::transport {
 
@@ -31,7 +31,9 @@ void reject_power(ThreadServices& services, const display::CameraRow& row, const
     services.raster->lpe().contribute(to_float(power), {}, tracker);
 }
 
-Vec3 camera_position(const IntegratorContext& context) { return context.camera->generate(0, 0, {0.5f, 0.5f}).origin; }
+Vec3 camera_position(const IntegratorContext& context) {
+    return context.camera->generate(0, 0, {0.5f, 0.5f}).origin;
+}
 
 Result<std::uint32_t> read_max_depth(const SceneEntity& entity, std::optional<std::int64_t> max_depth) {
     auto depth = entity.parameters.integer_or("maxdepth", 5);
@@ -77,9 +79,8 @@ Result<ChosenIntegrator> choose_integrator(const SceneEntity& entity, std::optio
     ChosenIntegrator chosen;
     SceneEntity asked = entity;
     if (asked.type.empty()) asked.type = "path";
-    static const std::vector<std::string> of_pbrt = {
-        "ambientocclusion", "function",      "lightpath", "mlt",
-        "randomwalk",       "simplepath", "simplevolpath", "sppm"};
+    static const std::vector<std::string> of_pbrt = {"ambientocclusion", "function",   "lightpath",     "mlt",
+                                                     "randomwalk",       "simplepath", "simplevolpath", "sppm"};
     if (!integrator_registry().find(asked.type) &&
         std::find(of_pbrt.begin(), of_pbrt.end(), asked.type) != of_pbrt.end()) {
         chosen.warnings.push_back(

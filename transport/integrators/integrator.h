@@ -10,10 +10,12 @@
 //   factory(parameters)          typed, located parameters; an Error here names file and line
 //   prepare(context)             once, single-threaded, before any ray: tables of its own, channel ids to cache
 //   make_thread_state()          once per thread
-//   start-up                     if starts_up(): one integrate() per tile with CameraBatch::startup, whose samples must be
+//   start-up                     if starts_up(): one integrate() per tile with CameraBatch::startup, whose samples must
+//   be
 //                                discarded (display.discard_iteration()); then end_startup(), single-threaded
 //   begin_iteration(i)           single-threaded; photon maps, guiding structures, chains are shared state made here
-//     integrate(batch, ...)      many threads at once; const: shared state is read-only while rays fly. A loop that has no
+//     integrate(batch, ...)      many threads at once; const: shared state is read-only while rays fly. A loop that has
+//     no
 //                                bound of its own asks services.leaving() and returns when told so
 //   end_iteration(i)             single-threaded: take in what the threads' states gathered
 //   save_state, restore_state    for checkpoints, when traits() says that there is state to save
@@ -58,17 +60,17 @@ struct IntegratorContext {
     const EventTable* events = nullptr;
     const geoaovs::GeometricAovs* aovs = nullptr;
     std::span<const display::ChannelDefinition> channels;
-    bool pattern_channels = false;     ///< somebody asks for a channel that patterns write to: first hits must be shaded
-    Real world_to_camera[3][4] = {};   ///< rigid part, for geoaovs::ShadingBatch
-    Vec2 pixel_size;                   ///< of a pixel on the plane at distance 1 before the camera
-    bool beauty = true;                ///< false: what no channel can accept need not be simulated (Law 4)
-    int batch_capacity = 0;            ///< most rays of one batch
+    bool pattern_channels = false;    ///< somebody asks for a channel that patterns write to: first hits must be shaded
+    Real world_to_camera[3][4] = {};  ///< rigid part, for geoaovs::ShadingBatch
+    Vec2 pixel_size;                  ///< of a pixel on the plane at distance 1 before the camera
+    bool beauty = true;               ///< false: what no channel can accept need not be simulated (Law 4)
+    int batch_capacity = 0;           ///< most rays of one batch
     const Camera* camera = nullptr;
-    int width = 0, height = 0;         ///< of the image
-    Vec2 filter_radius;                ///< how far around the image light still counts, in pixels
-    std::uint32_t tiles = 1;           ///< that CameraBatch::tile counts
+    int width = 0, height = 0;  ///< of the image
+    Vec2 filter_radius;         ///< how far around the image light still counts, in pixels
+    std::uint32_t tiles = 1;    ///< that CameraBatch::tile counts
     std::uint64_t seed = 0;
-    const display::LpeSetup* lpe = nullptr;   ///< for LPE services of its own, on a table of its own
+    const display::LpeSetup* lpe = nullptr;  ///< for LPE services of its own, on a table of its own
     display::LpeServices::Attribution attribution = display::LpeServices::Attribution::exact;
 };
 
@@ -79,18 +81,18 @@ struct CameraBatch {
     std::span<const display::CameraRow> rows;
     /// Whose pixels they are. Within an iteration of a synchronous integrator, no two threads hold batches of one tile.
     std::uint32_t tile = 0;
-    bool startup = false;   ///< not of the image: see Integrator::starts_up
+    bool startup = false;  ///< not of the image: see Integrator::starts_up
 };
 
 struct ThreadServices {
     display::DisplayServices& display;
     display::LpeServices& lpe;
-    display::RasterSplats* raster = nullptr;  ///< for integrators with the trait raster_splats; else null
-    const std::atomic<bool>* leave = nullptr; ///< set when the render ends without waiting for batches; null: never
-    bool left = false;                        ///< this batch is not finished: the engine drops what came of it
+    display::RasterSplats* raster = nullptr;   ///< for integrators with the trait raster_splats; else null
+    const std::atomic<bool>* leave = nullptr;  ///< set when the render ends without waiting for batches; null: never
+    bool left = false;                         ///< this batch is not finished: the engine drops what came of it
 
-    /// Whether to leave the batch as it is and return at once. To be asked in every loop that scenes can make endless: once
-    /// for each scattering event of a batch costs nothing that can be measured.
+    /// Whether to leave the batch as it is and return at once. To be asked in every loop that scenes can make endless:
+    /// once for each scattering event of a batch costs nothing that can be measured.
     [[nodiscard]] bool leaving() {
         left = left || (leave != nullptr && leave->load(std::memory_order_relaxed));
         return left;
@@ -112,19 +114,19 @@ enum class SavedState : std::uint8_t {
 
 /// What an integrator can answer for. Channels that ask for more are refused before the render.
 struct IntegratorTraits {
-    bool emitter_samples = false;  ///< reports emitters with an EmitterSample: prefix nothruput
-    bool light_samples = false;    ///< samples lights, and blocked ones too: prefixes unoccluded and shadows
-    bool holdouts = false;         ///< holds out paths whose first hit is a holdout
-    bool user_events = false;      ///< reports UserLobe events
+    bool emitter_samples = false;           ///< reports emitters with an EmitterSample: prefix nothruput
+    bool light_samples = false;             ///< samples lights, and blocked ones too: prefixes unoccluded and shadows
+    bool holdouts = false;                  ///< holds out paths whose first hit is a holdout
+    bool user_events = false;               ///< reports UserLobe events
     std::optional<std::int64_t> max_depth;  ///< scattering events of a path at most
-    bool media = false;            ///< takes paths through participating media
+    bool media = false;                     ///< takes paths through participating media
     SavedState saved_state = SavedState::unknown;
-    /// Light lands at raster positions of its own (ThreadServices::raster). What needs samples that belong to a pixel is
-    /// refused then: layers of statistics, adaptive sampling, sample filters, deep images, other rules than the pixel filter
-    /// for light. Moments (ChannelDefinition::statistics) are not kept.
+    /// Light lands at raster positions of its own (ThreadServices::raster). What needs samples that belong to a pixel
+    /// is refused then: layers of statistics, adaptive sampling, sample filters, deep images, other rules than the
+    /// pixel filter for light. Moments (ChannelDefinition::statistics) are not kept.
     bool raster_splats = false;
-    /// Beside its splats it finds light by camera samples: layers of variance and adaptive sampling may be asked for, and are
-    /// of that part. (Moments are kept for these alone.)
+    /// Beside its splats it finds light by camera samples: layers of variance and adaptive sampling may be asked for,
+    /// and are of that part. (Moments are kept for these alone.)
     bool pixel_samples = false;
 };
 
@@ -146,8 +148,8 @@ class Integrator {
     virtual void integrate(const CameraBatch& batch, IntegratorThread& thread, ThreadServices& services) const = 0;
     virtual void end_iteration(std::uint64_t /*iteration*/, std::span<IntegratorThread* const> /*threads*/) {}
 
-    /// SavedState::saved only. Appends to `bytes` all that iterations so far left behind in this object, and takes it back
-    /// after prepare(): what follows must be the same bits as if the render had never been interrupted.
+    /// SavedState::saved only. Appends to `bytes` all that iterations so far left behind in this object, and takes it
+    /// back after prepare(): what follows must be the same bits as if the render had never been interrupted.
     virtual void save_state(std::string& /*bytes*/) const {}
     virtual Status restore_state(std::string_view /*bytes*/) { return success(); }
 };
@@ -176,8 +178,8 @@ Result<DepthParameters> read_depth_parameters(const SceneEntity& entity, std::op
 /// What the registry says of them; `roulette` is the help for that one.
 std::vector<ParameterDescription> describe_depth_parameters(const std::string& roulette);
 
-/// The integrator that `asked` names, with the scene's parameters that both have and `asked` does not give: "maxdepth" most of
-/// all. Without `asked`, the scene's own.
+/// The integrator that `asked` names, with the scene's parameters that both have and `asked` does not give: "maxdepth"
+/// most of all. Without `asked`, the scene's own.
 SceneEntity integrator_for(const std::optional<SceneEntity>& asked, const SceneEntity& of_scene);
 
 struct ChosenIntegrator {
@@ -185,9 +187,8 @@ struct ChosenIntegrator {
     std::string name;
     std::vector<Error> warnings;
 };
-/// pbrt's integrators that are not here fall back to `path` with a warning; `volpath` means `path`, which takes media as they
-/// come; a name nobody knows is an Error. An empty type
-/// means `path`.
+/// pbrt's integrators that are not here fall back to `path` with a warning; `volpath` means `path`, which takes media
+/// as they come; a name nobody knows is an Error. An empty type means `path`.
 Result<ChosenIntegrator> choose_integrator(const SceneEntity& entity, std::optional<std::int64_t> max_depth);
 
 }  // namespace raylex::transport

@@ -1,6 +1,7 @@
 #include "transport/integrators/light_tracer.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "transport/integrators/path.h"
 #include "transport/paths/camera_connections.h"
@@ -44,7 +45,7 @@ class LightTracer final : public Integrator {
                     (context.beauty || context.events->any());
         if (can_emit_) {
             media_of_lights_ = media_of_lights(context.scene, camera_position(context));
-            if (Status status = language_.prepare(*context.lpe, *context.events); !status) return status;
+            if (context.events->any()) language_.emplace(*context.lpe);
         }
         return camera_->prepare(context);
     }
@@ -52,7 +53,7 @@ class LightTracer final : public Integrator {
     [[nodiscard]] std::unique_ptr<IntegratorThread> make_thread_state() const override {
         LightSubpathOptions options;
         options.walk = {parameters_.max_depth, parameters_.roulette, false};
-        options.language = language_.get();
+        options.language = language_ ? &*language_ : nullptr;
         options.media_of_lights = media_of_lights_;
         auto thread = std::make_unique<LightTracerThread>(context_.scene, *context_.events, options,
                                                           static_cast<std::size_t>(context_.batch_capacity));
@@ -69,7 +70,7 @@ class LightTracer final : public Integrator {
     CameraView view_;
     std::unique_ptr<Integrator> camera_;  // what camera rays find by themselves
     std::vector<std::int32_t> media_of_lights_;
-    LightLanguage language_;
+    std::optional<LightLanguage> language_;  // when channels read words
     bool can_emit_ = false;
 };
 

@@ -1,5 +1,5 @@
-// What integrators say of themselves: paths of light that they do not find, however long they render. Who compares images
-// reads it, so that nobody is accused of what was said beforehand.
+// What integrators say of themselves: paths of light that they do not find, however long they render. Who compares
+// images reads it, so that nobody is accused of what was said beforehand.
 #pragma once
 
 #include <string>

@@ -91,7 +91,7 @@ struct PathIntegrator::Ends : CameraEnds {
             add(row, light, lights.environment_radiance(light, ray.direction),
                 camera.path(row).specular ? 0.0f : lights.environment_density(self.choice(), light, ray.direction));
     }
-    void glows(std::uint32_t row, const Rgb& emitted) {
+    void volume_emits(std::uint32_t row, const Rgb& emitted) {
         const Subpath& path = camera.path(row);
         if (path.depth < self.parameters_.first_depth) return;
         const Rgb value = path.beta * emitted;

@@ -22,7 +22,8 @@ namespace raylex::transport {
 /// leaves all but delta lights to scattering.
 enum class PathStrategy : std::uint8_t { mis, light, scattering };
 
-/// Which light a light sample goes to: by emitted power (a tenth of the choices ignores it), or any with one probability.
+/// Which light a light sample goes to: by emitted power (a tenth of the choices ignores it), or any with one
+/// probability.
 enum class LightSelection : std::uint8_t { power, uniform };
 
 struct PathParameters {
@@ -30,7 +31,8 @@ struct PathParameters {
     PathStrategy strategy = PathStrategy::mis;
     LightSelection light_selection = LightSelection::power;
     bool roulette = true;
-    std::uint32_t first_depth = 0;  ///< light found before so many scattering events is left to others (not a parameter)
+    std::uint32_t first_depth =
+        0;  ///< light found before so many scattering events is left to others (not a parameter)
 };
 
 /// The integrator itself, for others that are made of it.

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "transport/cameras/camera.h"
 #include "transport/integrators/pssmlt_state.h"
 #include "transport/math/sampling.h"
-#include "transport/cameras/camera.h"
 
 namespace raylex::transport {
 namespace {

@@ -34,7 +34,7 @@ namespace raylex::transport {
 struct PssmltParameters {
     std::uint32_t max_depth = 5;
     Real large_step_probability = Real(0.3);
-    Real sigma = Real(0.01);          ///< standard deviation of a small step
+    Real sigma = Real(0.01);      ///< standard deviation of a small step
     std::uint32_t chains = 1000;  ///< in all; at least one a tile
     std::uint32_t bootstrap_samples = 100'000;
     bool roulette = true;

@@ -134,10 +134,10 @@ class Pssmlt final : public Integrator {
     std::vector<display::ChannelId> splatted_;  // expression channels
     std::vector<display::ChannelId> target_;
     geoaovs::GeometricAovs no_aovs_{std::span<const display::ChannelDefinition>()};
-    Real left_ = 0, top_ = 0, across_ = 0, down_ = 0;   // of the raster where light still counts
-    double area_share_ = 1;                             // of it over the image
-    double mean_ = 0, bootstrap_mean_ = 0;              // b, and what the bootstrap alone made of it
-    mutable std::vector<ChainGroup> groups_;            // [tile]; each has one thread at a time
+    Real left_ = 0, top_ = 0, across_ = 0, down_ = 0;  // of the raster where light still counts
+    double area_share_ = 1;                            // of it over the image
+    double mean_ = 0, bootstrap_mean_ = 0;             // b, and what the bootstrap alone made of it
+    mutable std::vector<ChainGroup> groups_;           // [tile]; each has one thread at a time
 };
 
 }  // namespace raylex::transport

@@ -1,11 +1,12 @@
-// Points on area lights, uniform over a triangle or a quadric and by the parameters of a patch: what light samples and light
-// paths start from. Each fills in target, target_normal, target_offset and uv, and returns the density per world area.
+// Points on area lights, uniform over a triangle or a quadric and by the parameters of a patch: what light samples and
+// light paths start from. Each fills in target, target_normal, target_offset and uv, and returns the density per world
+// area.
 #pragma once
 
 #include <cmath>
 
-#include "transport/lights/light.h"
 #include "transport/geometry/embree_scene.h"
+#include "transport/lights/light.h"
 #include "transport/math/sampling.h"
 
 namespace raylex::transport {

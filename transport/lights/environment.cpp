@@ -68,8 +68,7 @@ EnvironmentImage::EnvironmentImage(int resolution, std::vector<Rgb> pixels, cons
         Real* row = columns_.data() + y * (n + 1);
         for (std::size_t x = 0; x < n; ++x) {
             running += weight_of(pixels_[y * n + x]);
-            row[x + 1] =
-                sum > 0 ? static_cast<Real>(running / sum) : static_cast<Real>(x + 1) / static_cast<Real>(n);
+            row[x + 1] = sum > 0 ? static_cast<Real>(running / sum) : static_cast<Real>(x + 1) / static_cast<Real>(n);
         }
         row[n] = 1;
         row_sums[y] = sum;

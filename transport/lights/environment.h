@@ -7,8 +7,8 @@
 
 #include <vector>
 
-#include "transport/math/real.h"
 #include "transport/geometry/matrix34.h"
+#include "transport/math/real.h"
 
 namespace raylex::transport {
 
@@ -33,8 +33,8 @@ class EnvironmentImage {
     [[nodiscard]] Real density(std::size_t pixel) const;
     int resolution_ = 0;
     std::vector<Rgb> pixels_;
-    std::vector<Real> rows_;      // [resolution + 1] cumulative share of the rows
-    std::vector<Real> columns_;   // [resolution][resolution + 1] cumulative share within a row
+    std::vector<Real> rows_;     // [resolution + 1] cumulative share of the rows
+    std::vector<Real> columns_;  // [resolution][resolution + 1] cumulative share within a row
     Placement placement_;
     double mean_ = 0;
 };

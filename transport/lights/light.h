@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "transport/math/real.h"
 #include "transport/geometry/ray.h"
+#include "transport/math/real.h"
 #include "transport/math/vec.h"
 
 namespace raylex::transport {
@@ -25,7 +25,7 @@ enum class LightKind : std::uint8_t {
 struct Light {
     LightKind kind = LightKind::point;
     bool two_sided = false;
-    bool hidden = false;     ///< area lights of alpha 0: no ray finds them, they only light (pbrt-v4's invisible lights)
+    bool hidden = false;  ///< area lights of alpha 0: no ray finds them, they only light (pbrt-v4's invisible lights)
     std::int32_t group = 0;  ///< index into LightTable::groups()
     /// Radiance (area, environments; a factor on the image), radiant intensity (point, spot), or irradiance on a
     /// surface facing it (distant).
@@ -44,7 +44,8 @@ struct Light {
     [[nodiscard]] bool is_area() const { return kind < LightKind::point; }
 };
 
-/// What a spot light sends at this cosine to its axis, as a share of its intensity: a smoothstep between the two angles.
+/// What a spot light sends at this cosine to its axis, as a share of its intensity: a smoothstep between the two
+/// angles.
 inline Real spot_falloff(const Light& light, Real cosine) {
     const Real x = (cosine - light.cos_zero) / (light.cos_full - light.cos_zero);
     if (!(x > 0)) return 0;
@@ -54,31 +55,32 @@ inline Real spot_falloff(const Light& light, Real cosine) {
 
 /// A direction towards a light, and what would arrive from there if nothing is in between.
 struct LightSample {
-    Rgb radiance;             ///< delta lights: intensity / d^2 or irradiance, to be divided by `pdf` like the others
-    Vec3 wi;                  ///< unit, from the lit point
-    Real pdf = 0;             ///< per steradian times the chance of the choice; delta lights: that chance
-    Vec3 target;              ///< the point on the light; unused when `infinite`
-    Vec3 target_normal;       ///< zero for points
-    Real target_offset = 0;   ///< rounding bound of `target`
-    Vec2 uv;                  ///< area lights: where on the primitive, as Hit has it
+    Rgb radiance;            ///< delta lights: intensity / d^2 or irradiance, to be divided by `pdf` like the others
+    Vec3 wi;                 ///< unit, from the lit point
+    Real pdf = 0;            ///< per steradian times the chance of the choice; delta lights: that chance
+    Vec3 target;             ///< the point on the light; unused when `infinite`
+    Vec3 target_normal;      ///< zero for points
+    Real target_offset = 0;  ///< rounding bound of `target`
+    Vec2 uv;                 ///< area lights: where on the primitive, as Hit has it
     std::uint32_t light = 0;
     bool delta = false, infinite = false;
 };
 
 /// Where a light path begins.
 struct EmissionSample {
-    LightSample from;    ///< target, target_normal, target_offset, uv and light of where it leaves; of infinite lights the light
-    Vec3 origin;         ///< off the surface
-    Vec3 direction;      ///< unit
-    Rgb power;           ///< radiance times cosine over the density of all choices: what the light emits, in the mean
+    LightSample
+        from;  ///< target, target_normal, target_offset, uv and light of where it leaves; of infinite lights the light
+    Vec3 origin;     ///< off the surface
+    Vec3 direction;  ///< unit
+    Rgb power;       ///< radiance times cosine over the density of all choices: what the light emits, in the mean
 };
 
 /// How likely a light path is to begin somewhere, in the measures that bidirectional weights want.
 struct EmissionDensity {
-    /// Of the point, per area, times the chance of the light's choice; of a light at infinity the density of the direction,
-    /// per steradian; of a point or a distant light the choice alone.
+    /// Of the point, per area, times the chance of the light's choice; of a light at infinity the density of the
+    /// direction, per steradian; of a point or a distant light the choice alone.
     Real position = 0;
-    Real direction = 0;   ///< per steradian; of a light at infinity, of the ray across the beam, per area
+    Real direction = 0;  ///< per steradian; of a light at infinity, of the ray across the beam, per area
 };
 
 /// The ray that tests whether `sample` is visible from `position`.

@@ -76,7 +76,7 @@ EmissionDensity LightTable::emission_density(const EmbreeScene& geometry, const 
 }
 
 Real LightTable::sample_area_point(const EmbreeScene& geometry, const Light& light, const Vec2& u,
-                                    LightSample& s) const {
+                                   LightSample& s) const {
     if (light.kind == LightKind::triangle) return sample_triangle_point(light, u, s);
     const ShapeGeometry& shape = geometry.shapes()[light.shape];
     if (light.kind == LightKind::patch) return sample_patch_point(light, shape, u, s);

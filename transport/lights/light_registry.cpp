@@ -19,8 +19,7 @@ Result<Vec3> point_or(const ParameterSet& set, std::string_view name, const Vec3
     if (!p) return fallback;
     if (p->type != ParameterType::point3 || p->numbers.size() != 3)
         return error_at(p->location, quoted(name).append(" must be one point3"));
-    return Vec3{static_cast<Real>(p->numbers[0]), static_cast<Real>(p->numbers[1]),
-                static_cast<Real>(p->numbers[2])};
+    return Vec3{static_cast<Real>(p->numbers[0]), static_cast<Real>(p->numbers[1]), static_cast<Real>(p->numbers[2])};
 }
 
 Status refuse(const ParameterSet& set, std::string_view name, const std::string& why) {

@@ -75,9 +75,8 @@ bool sample_sphere(const Light& light, const Quadric& quadric, bool cut_out, con
     const Real phi = 2 * pi * u.y, c = std::cos(phi), sn = std::sin(phi);
     const Real sin_theta = static_cast<Real>(std::sqrt(sin2));
     s.wi = normalize(frame.s * (sin_theta * c) + frame.t * (sin_theta * sn) + axis * static_cast<Real>(cos_theta));
-    const Vec3 outward =
-        normalize(frame.s * (static_cast<Real>(sin_alpha) * c) + frame.t * (static_cast<Real>(sin_alpha) * sn) -
-                  axis * static_cast<Real>(cos_alpha));
+    const Vec3 outward = normalize(frame.s * (static_cast<Real>(sin_alpha) * c) +
+                                   frame.t * (static_cast<Real>(sin_alpha) * sn) - axis * static_cast<Real>(cos_alpha));
     s.target = (DVec3(from) + cone.to_center + DVec3(outward) * cone.radius).to_real();
     s.target_normal = outward;
     s.target_offset = point_offset(outward, s.target, {});
@@ -159,7 +158,7 @@ bool LightTable::sample(LightChoice choice, const EmbreeScene& geometry, const V
 }
 
 Real LightTable::density(LightChoice choice, const EmbreeScene& geometry, std::uint32_t index, const Vec3& from,
-                          const SurfacePoint& at, const Hit& hit) const {
+                         const SurfacePoint& at, const Hit& hit) const {
     const Light& light = lights_[index];
     const Real chosen = selection(choice).probability(index);
     if (!(chosen > 0)) return 0;
@@ -187,7 +186,7 @@ Real LightTable::density(LightChoice choice, const EmbreeScene& geometry, std::u
 }
 
 Real LightTable::density(LightChoice choice, const EmbreeScene& geometry, const Vec3& from,
-                          const LightSample& at) const {
+                         const LightSample& at) const {
     const Light& light = lights_[at.light];
     if (light.is_area()) {
         SurfacePoint point;

@@ -178,8 +178,9 @@ Result<LightTable> LightTable::build(const SceneDescription& scene, EmbreeScene&
         if (light->kind == LightKind::point || light->kind == LightKind::spot) {
             const Vec3& at = light->position;
             if (!(std::max({std::abs(at.x), std::abs(at.y), std::abs(at.z)}) <= largest_coordinate))
-                return error_at(source.location, "the light stands at (" + std::to_string(at.x) + ", " + std::to_string(at.y) +
-                                                     ", " + std::to_string(at.z) + "); expected no coordinate beyond 1e18",
+                return error_at(source.location,
+                                "the light stands at (" + std::to_string(at.x) + ", " + std::to_string(at.y) + ", " +
+                                    std::to_string(at.z) + "); expected no coordinate beyond 1e18",
                                 "another unit of length brings it into range");
         }
         if (!is_finite(light->emission)) return beyond_float(source);

@@ -20,8 +20,8 @@
 namespace raylex::transport {
 
 /// Which lights are chosen from. Uniform environments have nothing to aim at: a scattering ray finds them at least as
-/// well as a light sample would, so `mis` leaves them to scattering (pbrt-v4 does too); `light_sampling` cannot. Both go
-/// by power, the other two give every light that sends anything the same probability.
+/// well as a light sample would, so `mis` leaves them to scattering (pbrt-v4 does too); `light_sampling` cannot. Both
+/// go by power, the other two give every light that sends anything the same probability.
 enum class LightChoice : std::uint8_t { mis, light_sampling, mis_uniform, light_sampling_uniform };
 inline constexpr std::size_t light_choices = 4;
 
@@ -57,14 +57,14 @@ class LightTable {
     /// False when nothing can arrive at `from`. u in [0, 1)^2; u_choice in [0, 1), read only if needs_choice_number().
     bool sample(LightChoice choice, const EmbreeScene& geometry, const Vec3& from, Real u_choice, Vec2 u,
                 LightSample& sample) const;
-    /// Draws where and in what direction light leaves: a light by its power, then a point and a cosine-weighted direction of an
-    /// area light, a direction of a point or spot, a direction of an infinite light and a point of the disk that covers the
-    /// scene across it. False when nothing leaves. All u in [0, 1); u_choice is read only if
+    /// Draws where and in what direction light leaves: a light by its power, then a point and a cosine-weighted
+    /// direction of an area light, a direction of a point or spot, a direction of an infinite light and a point of the
+    /// disk that covers the scene across it. False when nothing leaves. All u in [0, 1); u_choice is read only if
     /// needs_choice_number(LightChoice::light_sampling).
     bool sample_emission(const EmbreeScene& geometry, Real u_choice, Vec2 u_position, Vec2 u_direction,
                          EmissionSample& sample) const;
-    /// The density with which sample_emission() lets light leave a light in `direction` from `at`: target, target_normal and
-    /// uv; of infinite lights, from where `direction` comes.
+    /// The density with which sample_emission() lets light leave a light in `direction` from `at`: target,
+    /// target_normal and uv; of infinite lights, from where `direction` comes.
     [[nodiscard]] EmissionDensity emission_density(const EmbreeScene& geometry, const LightSample& at,
                                                    const Vec3& direction) const;
     /// A point of an area light, always the same.
@@ -74,11 +74,11 @@ class LightTable {
 
     /// Density with which sample() would have found the point `at` (hit by `hit`) of an area light from `from`.
     [[nodiscard]] Real density(LightChoice choice, const EmbreeScene& geometry, std::uint32_t light, const Vec3& from,
-                                const SurfacePoint& at, const Hit& hit) const;
-    /// Density with which sample() would have found `at` (target, target_normal, uv; of infinite lights wi) from `from`, per
-    /// steradian; of lights that no ray finds as LightSample::pdf has it.
+                               const SurfacePoint& at, const Hit& hit) const;
+    /// Density with which sample() would have found `at` (target, target_normal, uv; of infinite lights wi) from
+    /// `from`, per steradian; of lights that no ray finds as LightSample::pdf has it.
     [[nodiscard]] Real density(LightChoice choice, const EmbreeScene& geometry, const Vec3& from,
-                                const LightSample& at) const;
+                               const LightSample& at) const;
     [[nodiscard]] Real environment_density(LightChoice choice, std::uint32_t light, const Vec3& direction) const;
 
     /// Radiance that an area light sends from a point with oriented normal `n` towards `wo`.

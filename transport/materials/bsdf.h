@@ -9,8 +9,8 @@
 #include <optional>
 #include <span>
 
-#include "transport/math/real.h"
 #include "lpe/event.h"
+#include "transport/math/real.h"
 #include "transport/math/vec.h"
 
 namespace raylex::transport {
@@ -21,7 +21,7 @@ using LobeId = std::uint8_t;
 struct LobeKind {
     lpe::EventType type = lpe::EventType::reflection;
     lpe::Scatter scatter = lpe::Scatter::diffuse;
-    const char* name = "";            ///< lobe label slot, and what lobe slots number it by: "diffuse", "conductor", "coat", ...
+    const char* name = "";  ///< lobe label slot, and what lobe slots number it by: "diffuse", "conductor", "coat", ...
 };
 
 /// All lobes that any registered material can give, in LobeId order: those of the in-tree materials, then plugins'.
@@ -56,19 +56,20 @@ struct LobeList {
     void add(LobeId lobe, const Rgb& value) { add({lobe, value}); }
 };
 
-/// f(wo, wi) |cos theta_i| over all non-delta lobes, and the density with which sample() would choose wi (per steradian).
+/// f(wo, wi) |cos theta_i| over all non-delta lobes, and the density with which sample() would choose wi (per
+/// steradian).
 struct BsdfEvaluation {
     Rgb value;
     Real pdf = 0;
-    LobeList lobes;        ///< their values sum to `value`
+    LobeList lobes;  ///< their values sum to `value`
 };
 
 struct BsdfSample {
     Vec3 wi;
-    Rgb weight;            ///< f |cos| / pdf over all lobes that could have produced wi
-    Real pdf = 0;          ///< per steradian; 0 marks failure (path ends); for delta lobes the discrete probability
-    LobeList lobes;        ///< the lobes' parts of f |cos|; for a delta lobe just that one
-    Real eta = 1;          ///< relative index crossed; 1 unless transmitted through an interface
+    Rgb weight;      ///< f |cos| / pdf over all lobes that could have produced wi
+    Real pdf = 0;    ///< per steradian; 0 marks failure (path ends); for delta lobes the discrete probability
+    LobeList lobes;  ///< the lobes' parts of f |cos|; for a delta lobe just that one
+    Real eta = 1;    ///< relative index crossed; 1 unless transmitted through an interface
     bool delta = false;
     bool transmitted = false;
     bool pdf_is_proportional = false;  ///< stochastic (layered) closures: `pdf` serves `weight` only, MIS asks pdf()

@@ -1,10 +1,10 @@
 // The closure a material leaves at a hit: a fixed-size tagged value, evaluated by a switch.
 //
 // Conventions. Closures live in the shading frame (s, t, n): n is the shading normal as geometry delivers it, on the
-// geometric normal's side, which is the outside of dielectrics; s is along dpdu. Both directions may lie on either side.
-// Whether light is reflected or transmitted is told by the signs of the cosines to the *shading* normal, as in pbrt-v4,
-// and the lobes say which it was; opaque closures have no transmitting lobe, so a path through a leaking shading normal
-// is never labelled T. Opaque closures scatter on both sides alike.
+// geometric normal's side, which is the outside of dielectrics; s is along dpdu. Both directions may lie on either
+// side. Whether light is reflected or transmitted is told by the signs of the cosines to the *shading* normal, as in
+// pbrt-v4, and the lobes say which it was; opaque closures have no transmitting lobe, so a path through a leaking
+// shading normal is never labelled T. Opaque closures scatter on both sides alike.
 #pragma once
 
 #include <memory>
@@ -23,11 +23,18 @@ namespace raylex::transport {
 class Bsdf {
   public:
     enum class Kind : std::uint8_t {
-        black,                 ///< absorbs everything
-        pass_through,          ///< no surface at all (pbrt's "interface"): the path goes on straight
-        lambert, conductor, dielectric, thin_dielectric, coated_diffuse, coated_conductor, additive, ideal,
-        custom,                ///< a plugin's own
-        phase                  ///< particles of a medium: no surface, no cosine
+        black,         ///< absorbs everything
+        pass_through,  ///< no surface at all (pbrt's "interface"): the path goes on straight
+        lambert,
+        conductor,
+        dielectric,
+        thin_dielectric,
+        coated_diffuse,
+        coated_conductor,
+        additive,
+        ideal,
+        custom,  ///< a plugin's own
+        phase    ///< particles of a medium: no surface, no cosine
     };
 
     Bsdf() : lambert_{} {}
@@ -145,7 +152,8 @@ class Bsdf {
 // tangents where a cosine will do.
 
 inline BsdfEvaluation Bsdf::evaluate(const Vec3& wo, const Vec3& wi) const {
-    if (kind_ != Kind::lambert) [[unlikely]] return evaluate_other(wo, wi);
+    if (kind_ != Kind::lambert) [[unlikely]]
+        return evaluate_other(wo, wi);
     BsdfEvaluation result;
     const Real cos_i = dot(wi, frame_.n);
     if (!(cos_i * dot(wo, frame_.n) > 0)) return result;
@@ -156,13 +164,15 @@ inline BsdfEvaluation Bsdf::evaluate(const Vec3& wo, const Vec3& wi) const {
 }
 
 inline Real Bsdf::pdf(const Vec3& wo, const Vec3& wi) const {
-    if (kind_ != Kind::lambert) [[unlikely]] return pdf_other(wo, wi);
+    if (kind_ != Kind::lambert) [[unlikely]]
+        return pdf_other(wo, wi);
     const Real cos_i = dot(wi, frame_.n);
     return cos_i * dot(wo, frame_.n) > 0 ? std::abs(cos_i) * inv_pi : 0.0f;
 }
 
 inline BsdfSample Bsdf::sample(const Vec3& wo, Real u_lobe, const Vec2& u) const {
-    if (kind_ != Kind::lambert) [[unlikely]] return sample_other(wo, u_lobe, u);
+    if (kind_ != Kind::lambert) [[unlikely]]
+        return sample_other(wo, u_lobe, u);
     BsdfSample result;
     const Real cos_o = dot(wo, frame_.n);
     if (cos_o == 0) return result;

@@ -77,9 +77,11 @@ Built make_mix(const SceneEntity& entity, const MaterialContext& context) {
 }  // namespace
 
 void register_composite_materials(Registry<MaterialFactory>& registry) {
-    registry.add({"mix", "one of two named materials at every hit",
+    registry.add({"mix",
+                  "one of two named materials at every hit",
                   {{"materials", ParameterType::string, "", "names of the two materials"},
-                   {"amount", ParameterType::real, "0.5", "share of the second"}}, make_mix});
+                   {"amount", ParameterType::real, "0.5", "share of the second"}},
+                  make_mix});
 }
 
 }  // namespace raylex::transport

@@ -15,7 +15,7 @@ Rgb ConductorClosure::value_and_pdf(Vec3 wo, Vec3 wi, Real& pdf) const {
     if (is_delta() || !to_upper_side(wo, wi)) return {};
     const Vec3 m = normalize(wo + wi);
     const Real d = facets.d(m), lambda_o = facets.lambda(wo), lambda_i = facets.lambda(wi);
-    const Real scale = d / (4 * wo.z);                        // Jacobian 1 / (4 wo.m) and the cosines cancelled
+    const Real scale = d / (4 * wo.z);  // Jacobian 1 / (4 wo.m) and the cosines cancelled
     pdf = scale / (1 + lambda_o);
     return fresnel(dot(wo, m)) * (scale / (1 + lambda_o + lambda_i));
 }

@@ -14,8 +14,8 @@ namespace raylex::transport {
 
 struct ConductorClosure {
     Ggx facets;
-    Rgb eta, k;                        ///< complex index relative to the outside
-    bool constant_reflectance;         ///< `eta` is the reflectance itself, at every angle
+    Rgb eta, k;                 ///< complex index relative to the outside
+    bool constant_reflectance;  ///< `eta` is the reflectance itself, at every angle
 
     [[nodiscard]] Rgb fresnel(Real cos_theta) const {
         return constant_reflectance ? eta : fresnel_conductor(cos_theta, eta, k);

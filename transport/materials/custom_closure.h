@@ -1,9 +1,9 @@
 // Closures that are not in the tree: a plugin's own lobes behind the closure table, without a cost to the in-tree ones.
 //
-// A closure is a small trivially copyable struct with the functions of ScatteringClosure, as LambertClosure is. The table
-// keeps its bytes and a pointer to its functions, so a call to it is an indirect one; in-tree closures are known to the
-// compiler and pay nothing. Directions are unit vectors in the shading frame, away from the surface, z along the normal;
-// both may lie on either side.
+// A closure is a small trivially copyable struct with the functions of ScatteringClosure, as LambertClosure is. The
+// table keeps its bytes and a pointer to its functions, so a call to it is an indirect one; in-tree closures are known
+// to the compiler and pay nothing. Directions are unit vectors in the shading frame, away from the surface, z along the
+// normal; both may lie on either side.
 #pragma once
 
 #include <array>
@@ -26,14 +26,14 @@ namespace raylex::transport {
 ///
 /// Lobes are ids of lobes.h or of PluginHost::add_lobe. Their values must sum to `value` (Law 5).
 template <class Closure>
-concept ScatteringClosure =
-    std::is_trivially_copyable_v<Closure> && requires(const Closure& c, const Vec3& v, Real number, const Vec2& u) {
-        { c.evaluate(v, v) } -> std::same_as<BsdfEvaluation>;
-        { c.sample(v, number, u) } -> std::same_as<BsdfSample>;
-        { c.pdf(v, v) } -> std::same_as<Real>;
-        { c.albedo(number) } -> std::same_as<Rgb>;
-        { c.has_density() } -> std::same_as<bool>;
-    };
+concept ScatteringClosure = std::is_trivially_copyable_v<Closure> &&
+    requires(const Closure& c, const Vec3& v, Real number, const Vec2& u) {
+    { c.evaluate(v, v) } -> std::same_as<BsdfEvaluation>;
+    { c.sample(v, number, u) } -> std::same_as<BsdfSample>;
+    { c.pdf(v, v) } -> std::same_as<Real>;
+    { c.albedo(number) } -> std::same_as<Rgb>;
+    { c.has_density() } -> std::same_as<bool>;
+};
 
 /// What a Bsdf keeps of one.
 struct CustomClosure {

@@ -19,13 +19,15 @@ Real reflection_chance(Real fresnel, Sides sides) {
     return sides == Sides::reflection ? 1.0f : 0.0f;
 }
 
-Real radiance_scale(TransportMode mode, Real eta) { return mode == TransportMode::radiance ? 1 / (eta * eta) : 1.0f; }
+Real radiance_scale(TransportMode mode, Real eta) {
+    return mode == TransportMode::radiance ? 1 / (eta * eta) : 1.0f;
+}
 
 /// Everything that value and density share for a pair of directions, wo above the surface.
 struct Pair {
     bool valid = false, reflected = false;
     Real fresnel = 0, d = 0;
-    Real jacobian = 0;       // |d m / d wi| times wo.m / wo.z: what turns G1 D into a density of wi
+    Real jacobian = 0;  // |d m / d wi| times wo.m / wo.z: what turns G1 D into a density of wi
 
     Pair(const Ggx& facets, const Vec3& wo, const Vec3& wi, Real eta) {
         if (wo.z < min_cosine || std::abs(wi.z) < min_cosine) return;
@@ -36,7 +38,7 @@ struct Pair {
         m = m / std::sqrt(l2);
         if (m.z < 0) m = -m;
         const Real om = dot(wo, m), im = dot(wi, m);
-        if (!(om > 0) || (reflected ? !(im > 0) : !(im < 0))) return;   // seen from a facet's back
+        if (!(om > 0) || (reflected ? !(im > 0) : !(im < 0))) return;  // seen from a facet's back
         valid = true;
         fresnel = fresnel_dielectric(om, eta);
         d = facets.d(m);
@@ -86,7 +88,7 @@ LocalSample DielectricClosure::sample_ideal(const Vec3& wo, Real u_lobe, Transpo
         return s;
     }
     const Real sin2_t = (1 - cos_o * cos_o) / (view.eta * view.eta);
-    if (sin2_t >= 1) return s;                                 // only asked for transmission and there is none
+    if (sin2_t >= 1) return s;  // only asked for transmission and there is none
     const Real cos_t = std::copysign(std::sqrt(1 - sin2_t), -wo.z);
     s.wi = {-wo.x / view.eta, -wo.y / view.eta, cos_t};
     s.pdf = 1 - reflect_chance;
@@ -105,7 +107,7 @@ LocalSample DielectricClosure::sample_rough(const Vec3& wo_given, Real u_lobe, c
     const Real om = dot(wo, m);
     if (!(om > 0)) return s;
     const Real fresnel = fresnel_dielectric(om, view.eta), reflect_chance = reflection_chance(fresnel, sides);
-    const Real visible = facets.d(m) * facets.g1(wo) / wo.z;    // times om: the density of m
+    const Real visible = facets.d(m) * facets.g1(wo) / wo.z;  // times om: the density of m
     Vec3 wi;
     if (u_lobe < reflect_chance) {
         wi = reflect(wo, m);

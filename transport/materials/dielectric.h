@@ -12,7 +12,7 @@ namespace raylex::transport {
 
 struct DielectricClosure {
     Ggx facets;
-    Real eta;                          ///< inside over outside
+    Real eta;  ///< inside over outside
 
     /// Index-matched interfaces are ideal whatever their roughness: refraction turns no direction, and the half vector
     /// of a transmitted pair, wo + eta wi, drowns in rounding (pbrt-v4 does so at eta = 1 exactly).

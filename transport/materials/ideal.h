@@ -22,7 +22,7 @@ struct IdealClosure {
 /// evaluated, and the density is that of the mixture (Law 5's test surface).
 struct AdditiveClosure {
     LambertClosure diffuse;
-    ConductorClosure specular;         ///< never smooth
+    ConductorClosure specular;  ///< never smooth
 
     /// Chance of drawing from the Lambert lobe.
     [[nodiscard]] Real diffuse_probability() const;

@@ -30,12 +30,13 @@ bool place(const Image& image, WrapMode wrap, int& x, int& y) {
         case WrapMode::octahedral_sphere:
             fold_octahedral(x, y, image.width, image.height);
             fold_octahedral(y, x, image.height, image.width);
-            [[fallthrough]];           // farther than one image away
+            [[fallthrough]];  // farther than one image away
         case WrapMode::clamp:
             x = std::clamp(x, 0, image.width - 1);
             y = std::clamp(y, 0, image.height - 1);
             return true;
-        case WrapMode::black: break;
+        case WrapMode::black:
+            break;
     }
     return x >= 0 && y >= 0 && x < image.width && y < image.height;
 }

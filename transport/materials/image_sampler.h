@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "transport/math/real.h"
 #include "transport/import/image.h"
+#include "transport/math/real.h"
 #include "transport/math/vec.h"
 
 namespace raylex::transport {
@@ -16,7 +16,7 @@ struct ImageSampler {
     const Image* image;
     WrapMode wrap;
     bool nearest;
-    bool alpha_varies;                 ///< a fourth channel that is not 1 everywhere
+    bool alpha_varies;  ///< a fourth channel that is not 1 everywhere
 
     [[nodiscard]] Rgb rgb(const Vec2& st) const;
     /// What a float texture reads: the only channel, the mean of three, or the alpha of four where it varies.

@@ -26,9 +26,8 @@ class WalkRandom {
 
   private:
     void absorb(Real a, Real b) {
-        state_ =
-            mix_bits(state_ ^ (std::uint64_t{std::bit_cast<std::uint32_t>(to_float(a))} << 32 |
-                          std::bit_cast<std::uint32_t>(to_float(b))));
+        state_ = mix_bits(state_ ^ (std::uint64_t{std::bit_cast<std::uint32_t>(to_float(a))} << 32 |
+                                    std::bit_cast<std::uint32_t>(to_float(b))));
     }
     std::uint64_t state_;
 };
@@ -50,7 +49,9 @@ Vec3 sample_phase(const Vec3& along, const Vec2& u, Real g) {
     return Frame::from_normal(g < 0 ? -along : along).to_world(local);
 }
 
-Real transmittance(Real depth, const Vec3& w) { return std::exp(-std::abs(depth / w.z)); }
+Real transmittance(Real depth, const Vec3& w) {
+    return std::exp(-std::abs(depth / w.z));
+}
 
 /// Where a walk stands: height above the base, direction of travel.
 struct WalkPoint {
@@ -69,7 +70,7 @@ Advance advance(const CoatLayer& coat, WalkPoint& at, Rgb& beta, WalkRandom& ran
         at.z = boundary;
         return Advance::interface;
     }
-    const Real z = at.z - std::log1p(-random.one()) * at.w.z;      // w is unit: distance times w.z is height
+    const Real z = at.z - std::log1p(-random.one()) * at.w.z;  // w is unit: distance times w.z is height
     if (z == at.z) return Advance::stuck;
     if (z > 0 && z < coat.thickness) {
         at.z = z;
@@ -91,16 +92,19 @@ bool survives(int depth, Rgb& beta, Real& pdf, WalkRandom& random) {
 
 /// A connection through the coat from the light's direction `wi`, found once per walk and used at every vertex.
 struct Exit {
-    Vec3 wi;                 // outside
-    LocalSample inside;      // refracted: points down, away from the coat
-    Real scale;              // f / pdf |cos wi|, from inside.wi to wi
+    Vec3 wi;             // outside
+    LocalSample inside;  // refracted: points down, away from the coat
+    Real scale;          // f / pdf |cos wi|, from inside.wi to wi
 };
 
 template <class Base>
 class Evaluation {
   public:
     Evaluation(const LayeredClosure<Base>& layered, const Vec3& wi, WalkRandom& random)
-        : coat_(layered.coat), base_(layered.base), random_(random), coat_delta_(coat_.interface.is_delta()),
+        : coat_(layered.coat),
+          base_(layered.base),
+          random_(random),
+          coat_delta_(coat_.interface.is_delta()),
           base_delta_(base_.is_delta()) {
         exit_.wi = wi;
         const Real u_lobe = random_.one();
@@ -149,8 +153,7 @@ class Evaluation {
         const Vec3 up = -exit_.inside.wi;
         if (!base_delta_) {
             const Real weight = coat_delta_ ? 1.0f : power_heuristic(exit_.inside.pdf, base_.pdf(-at_.w, up));
-            result_ += beta_ * base_.value(-at_.w, up) *
-                       (weight * transmittance(coat_.thickness, up) * exit_.scale);
+            result_ += beta_ * base_.value(-at_.w, up) * (weight * transmittance(coat_.thickness, up) * exit_.scale);
         }
         const Real u_lobe = random_.one();
         const LocalSample s = base_.sample(-at_.w, u_lobe, random_.two());
@@ -165,7 +168,7 @@ class Evaluation {
         if (!(value > 0)) return;
         // The competitor refracts from wi inwards; pbrt-v4 takes the density of the way out (see layered.h).
         const Real other = coat_.as_pbrt ? coat_.interface.pdf(-at_.w, exit_.wi, Sides::transmission)
-                                          : coat_.interface.pdf(exit_.wi, -at_.w, Sides::transmission);
+                                         : coat_.interface.pdf(exit_.wi, -at_.w, Sides::transmission);
         result_ += beta_ * (value * transmittance(rise, at_.w) * (only_strategy ? 1.0f : power_heuristic(pdf, other)));
     }
 
@@ -196,7 +199,7 @@ Vec3 refract_down(const Vec3& w, Real eta) {
 Real conductor_density(const CoatLayer& coat, const ConductorClosure& base, const Vec3& wo, const Vec3& wi) {
     const Real eta = coat.interface.eta;
     const Vec3 in = -refract_down(wo, eta), out = -refract_down(wi, eta);
-    if (!(in.z > Real(0.01)) || !(out.z > Real(0.01))) return 0;          // beyond the critical angle, for eta < 1
+    if (!(in.z > Real(0.01)) || !(out.z > Real(0.01))) return 0;  // beyond the critical angle, for eta < 1
     const Real bend = 0.5f * square(1 - 1 / eta);
     const auto widened = [&](Real of_base, Real of_coat) {
         return std::max(std::sqrt(square(of_base) + bend * square(of_coat)), Ggx::smooth_below);
@@ -204,7 +207,7 @@ Real conductor_density(const CoatLayer& coat, const ConductorClosure& base, cons
     const Ggx facets{widened(base.facets.alpha_x, coat.interface.facets.alpha_x),
                      widened(base.facets.alpha_y, coat.interface.facets.alpha_y)};
     const Real inside = facets.g1(in) * facets.d(normalize(in + out)) / (4 * in.z);
-    return inside * wi.z / (eta * eta * out.z);                  // d(out) / d(wi)
+    return inside * wi.z / (eta * eta * out.z);  // d(out) / d(wi)
 }
 
 }  // namespace
@@ -228,7 +231,7 @@ template <class Base>
 Real LayeredClosure<Base>::pdf(Vec3 wo, Vec3 wi) const {
     if (is_delta() || !to_upper_side(wo, wi)) return 0;
     const Real enters = 1 - fresnel_dielectric(wo.z, coat.interface.eta);
-    Real entered = LambertClosure::pdf(wo, wi);        // what a Lambert base gives through any number of reflections
+    Real entered = LambertClosure::pdf(wo, wi);  // what a Lambert base gives through any number of reflections
     if constexpr (std::is_same_v<Base, ConductorClosure>) {
         // A smooth base under a smooth coat has a density only by the medium; else most of it is one reflection.
         if (!coat.interface.is_delta() || !base.is_delta())

@@ -134,12 +134,11 @@ void register_layered_materials(Registry<MaterialFactory>& registry) {
         {"nsamples", integer, "1", "random walks per evaluation"},
         {"remaproughness", boolean, "true", "alpha = sqrt(roughness) instead of roughness"},
         {"raylex:unbiased", boolean, "false", "under a rough coat: exact instead of agreeing with pbrt-v4's bias"}};
-    std::vector<ParameterDescription> diffuse{
-        {"reflectance", rgb, "0.5", "diffuse albedo of the base"},
-        {"eta", real, "1.5", "index of refraction of the coat"},
-        {"roughness", real, "0", "of the coat, on both axes"},
-        {"uroughness", real, "roughness", "of the coat, along dp/du"},
-        {"vroughness", real, "roughness", "of the coat, across dp/du"}};
+    std::vector<ParameterDescription> diffuse{{"reflectance", rgb, "0.5", "diffuse albedo of the base"},
+                                              {"eta", real, "1.5", "index of refraction of the coat"},
+                                              {"roughness", real, "0", "of the coat, on both axes"},
+                                              {"uroughness", real, "roughness", "of the coat, along dp/du"},
+                                              {"vroughness", real, "roughness", "of the coat, across dp/du"}};
     std::vector<ParameterDescription> metal{
         {"interface.eta", real, "1.5", "index of refraction of the coat"},
         {"interface.roughness", real, "0", "of the coat, on both axes"},

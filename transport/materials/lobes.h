@@ -8,18 +8,18 @@
 namespace raylex::transport::lobes {
 
 // A lobe is singular (S) when it is a Dirac delta, which for microfacets means alpha < Ggx::smooth_below on both axes.
-inline constexpr LobeId diffuse = 0;                 ///< R D: Lambert, alone, under a coat, or beside a specular lobe
-inline constexpr LobeId conductor_glossy = 1;        ///< R G
-inline constexpr LobeId conductor_singular = 2;      ///< R S
-inline constexpr LobeId glass_reflect_glossy = 3;    ///< R G: dielectric
-inline constexpr LobeId glass_reflect_singular = 4;  ///< R S: dielectric, thindielectric
-inline constexpr LobeId glass_transmit_glossy = 5;   ///< T G
-inline constexpr LobeId glass_transmit_singular = 6; ///< T S
-inline constexpr LobeId coat_glossy = 7;             ///< R G: light that never entered the coat
-inline constexpr LobeId coat_singular = 8;           ///< R S
-inline constexpr LobeId specular_glossy = 9;         ///< R G: the GGX lobe of raylex:additive
-inline constexpr LobeId mirror = 10;                 ///< R S: ideal reflection of constant reflectance
-inline constexpr LobeId sheet = 11;                  ///< T S: index-matched sheet, straight through, an event of its own
+inline constexpr LobeId diffuse = 0;                  ///< R D: Lambert, alone, under a coat, or beside a specular lobe
+inline constexpr LobeId conductor_glossy = 1;         ///< R G
+inline constexpr LobeId conductor_singular = 2;       ///< R S
+inline constexpr LobeId glass_reflect_glossy = 3;     ///< R G: dielectric
+inline constexpr LobeId glass_reflect_singular = 4;   ///< R S: dielectric, thindielectric
+inline constexpr LobeId glass_transmit_glossy = 5;    ///< T G
+inline constexpr LobeId glass_transmit_singular = 6;  ///< T S
+inline constexpr LobeId coat_glossy = 7;              ///< R G: light that never entered the coat
+inline constexpr LobeId coat_singular = 8;            ///< R S
+inline constexpr LobeId specular_glossy = 9;          ///< R G: the GGX lobe of raylex:additive
+inline constexpr LobeId mirror = 10;                  ///< R S: ideal reflection of constant reflectance
+inline constexpr LobeId sheet = 11;  ///< T S: index-matched sheet, straight through, an event of its own
 inline constexpr int count = 12;
 
 // Numbers (D2, S4, S8) come from lobe slots by these names: lpe/channels/lobe_slots.h.

@@ -52,10 +52,10 @@ namespace {
 /// Per-thread lists of the hits of each material; they grow to the largest batch and scene once, then stay.
 struct Buckets {
     static constexpr std::uint32_t none = 0xffffffffu;
-    std::vector<std::uint32_t> head;        // [material] first hit; `none` between calls
-    std::vector<std::uint32_t> next;        // [hit]
-    std::vector<std::uint32_t> order;       // hits, one material after another
-    std::vector<std::uint32_t> used;        // materials of this batch
+    std::vector<std::uint32_t> head;   // [material] first hit; `none` between calls
+    std::vector<std::uint32_t> next;   // [hit]
+    std::vector<std::uint32_t> order;  // hits, one material after another
+    std::vector<std::uint32_t> used;   // materials of this batch
 
     void fit(std::size_t materials, std::size_t hits) {
         if (head.size() < materials) head.resize(materials, none);
@@ -75,7 +75,7 @@ void MaterialTable::shade(const TextureTable& textures, std::span<const SurfaceP
     const ShadingScope scope(display);
     thread_local Buckets buckets;
     buckets.fit(materials_.size(), points.size());
-    for (std::size_t i = points.size(); i-- > 0;) {              // backwards, so that lists come out ascending
+    for (std::size_t i = points.size(); i-- > 0;) {  // backwards, so that lists come out ascending
         const auto material = static_cast<std::size_t>(points[i].material);
         if (buckets.head[material] == Buckets::none) buckets.used.push_back(static_cast<std::uint32_t>(material));
         buckets.next[i] = buckets.head[material];

@@ -1,7 +1,7 @@
 // Materials: registered by name, compiled once per scene, run on batches of hits of one material at a time.
 //
-// Parameters are pbrt-v4's, by name and default. "displacement" and "normalmap" change the image and are not supported: an
-// Error (a constant displacement bends nothing and is accepted). Materials that pbrt-v4 does not have are called
+// Parameters are pbrt-v4's, by name and default. "displacement" and "normalmap" change the image and are not supported:
+// an Error (a constant displacement bends nothing and is accepted). Materials that pbrt-v4 does not have are called
 // "raylex:..."; they serve analytic scenes and tests, from files and from the API alike.
 #pragma once
 
@@ -40,9 +40,9 @@ class MaterialTable;
 /// What a material's factory may use.
 struct MaterialContext {
     const SceneDescription& scene;
-    TextureTable& textures;                     ///< a factory resolves texture parameters here, once
-    const MaterialTable& materials;             ///< materials before this one in the list, and by name (for mix)
-    std::uint32_t salt;                         ///< this material's own number, for choices that must not correlate
+    TextureTable& textures;          ///< a factory resolves texture parameters here, once
+    const MaterialTable& materials;  ///< materials before this one in the list, and by name (for mix)
+    std::uint32_t salt;              ///< this material's own number, for choices that must not correlate
 };
 
 using MaterialFactory = std::function<Result<std::unique_ptr<Material>>(const SceneEntity&, const MaterialContext&)>;
@@ -56,8 +56,9 @@ class MaterialTable {
   public:
     static Result<MaterialTable> build(const SceneDescription& scene, TextureTable& textures);
 
-    /// Turns hits into closures; sorts by material internally, so any order is fine. `points.size() == closures.size()`.
-    /// Materials and patterns may write to `display`, to the rows of points that have one (pattern.h).
+    /// Turns hits into closures; sorts by material internally, so any order is fine. `points.size() ==
+    /// closures.size()`. Materials and patterns may write to `display`, to the rows of points that have one
+    /// (pattern.h).
     void shade(const TextureTable& textures, std::span<const SurfacePoint> points, std::span<Bsdf> closures,
                display::DisplayServices* display = nullptr) const;
     [[nodiscard]] const Material* material(std::size_t index) const { return materials_[index].get(); }

@@ -49,7 +49,7 @@ MaterialReader::MaterialReader(const SceneEntity& entity, const MaterialContext&
     if (const Parameter* p = set().find("displacement"); p != nullptr && p->type == ParameterType::texture)
         fail(error_at(where(*p),
                       "\"displacement\" by a texture is not supported, and without it the image would be wrong"));
-    static_cast<void>(set().find("type"));     // how MakeNamedMaterial names it
+    static_cast<void>(set().find("type"));  // how MakeNamedMaterial names it
 }
 
 RgbInput MaterialReader::rgb(std::string_view name, const Rgb& fallback, SpectrumRole role) {
@@ -113,7 +113,7 @@ Real MaterialReader::index_of_refraction(std::string_view name, Real fallback) {
     }
     const Rgb value = take(resolve_spectrum(*parameter, SpectrumRole::unbounded, context_.scene.color), Rgb(fallback));
     const Real eta = value.r == value.g && value.g == value.b ? value.r : value.average();
-    if (eta == 0) return 1;            // as pbrt-v4: no index given means no interface
+    if (eta == 0) return 1;  // as pbrt-v4: no index given means no interface
     if (eta > 0 && eta < 100) return eta;
     fail(error_at(where(*parameter), quoted("", name) + " is " + std::to_string(eta) +
                                          "; expected an index of refraction above 0 (glass: 1.5)"));

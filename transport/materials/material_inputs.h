@@ -11,7 +11,9 @@
 
 namespace raylex::transport {
 
-inline TexturePoint texture_point(const SurfacePoint& p) { return {p.u, p.v, p.position, p.row}; }
+inline TexturePoint texture_point(const SurfacePoint& p) {
+    return {p.u, p.v, p.position, p.row};
+}
 
 inline Rgb clamp_to_unit(const Rgb& c) {
     return {std::clamp(c.r, Real(0), Real(1)), std::clamp(c.g, Real(0), Real(1)), std::clamp(c.b, Real(0), Real(1))};
@@ -19,7 +21,7 @@ inline Rgb clamp_to_unit(const Rgb& c) {
 
 struct RgbInput {
     Rgb value;
-    TextureId texture = -1;            ///< -1: `value` everywhere
+    TextureId texture = -1;  ///< -1: `value` everywhere
 
     [[nodiscard]] Rgb at(const TextureTable& textures, const SurfacePoint& p) const {
         return texture < 0 ? value : textures.rgb(texture, texture_point(p));
@@ -37,11 +39,12 @@ struct RealInput {
 
 struct RoughnessInput {
     RealInput u, v;
-    bool remap = true;                 ///< alpha = sqrt(roughness), as pbrt-v4
+    bool remap = true;  ///< alpha = sqrt(roughness), as pbrt-v4
 
     [[nodiscard]] Ggx at(const TextureTable& textures, const SurfacePoint& p) const {
         const Real x = u.at(textures, p), y = v.at(textures, p);
-        return remap ? Ggx::from_alpha(Ggx::alpha_from_roughness(x), Ggx::alpha_from_roughness(y)) : Ggx::from_alpha(x, y);
+        return remap ? Ggx::from_alpha(Ggx::alpha_from_roughness(x), Ggx::alpha_from_roughness(y))
+                     : Ggx::from_alpha(x, y);
     }
     /// Whether the facets can be smooth, or rough, somewhere: what lobes the material must announce.
     [[nodiscard]] bool may_be_smooth() const;

@@ -49,13 +49,15 @@ struct Ggx {
     /// A normal visible from `w`, with density g1(w) d(m) max(0, w.m) / w.z.
     [[nodiscard]] Vec3 sample_visible_normal(const Vec3& w, const Vec2& u) const {
         const Vec3 stretched = normalize({alpha_x * w.x, alpha_y * w.y, w.z});
-        const Real z = (1 - u.x) * (1 + stretched.z) - stretched.z;       // uniform on the cap z in (-stretched.z, 1]
+        const Real z = (1 - u.x) * (1 + stretched.z) - stretched.z;  // uniform on the cap z in (-stretched.z, 1]
         const Real r = safe_sqrt(1 - z * z), phi = 2 * pi * u.y;
         const Vec3 h = Vec3{r * std::cos(phi), r * std::sin(phi), z} + stretched;
         return normalize({alpha_x * h.x, alpha_y * h.y, std::max(Real(1e-6) * length(h), h.z)});
     }
 };
 
-constexpr Vec3 reflect(const Vec3& w, const Vec3& m) { return m * (2 * dot(w, m)) - w; }
+constexpr Vec3 reflect(const Vec3& w, const Vec3& m) {
+    return m * (2 * dot(w, m)) - w;
+}
 
 }  // namespace raylex::transport

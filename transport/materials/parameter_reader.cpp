@@ -41,8 +41,7 @@ std::size_t ParameterReader::choice(std::string_view name, const std::vector<std
     std::string list;
     for (const std::string& each : known) list += (list.empty() ? "" : ", ") + each;
     const std::string near = nearest_name(found, known);
-    fail(error_at(place_of(name),
-                  "parameter '" + std::string(name) + "' is '" + found + "'; expected one of: " + list,
+    fail(error_at(place_of(name), "parameter '" + std::string(name) + "' is '" + found + "'; expected one of: " + list,
                   near.empty() ? std::string() : "did you mean '" + near + "'?"));
     return fallback;
 }

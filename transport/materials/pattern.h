@@ -1,9 +1,10 @@
 // Patterns: textures that compute what they return from their parameters, other textures and the point, one call per
-// look-up. In-tree textures are nodes of the texture table, which the compiler sees through; what is not in the tree comes in
-// here, under a type name of its own ("Texture "x" "spectrum" "NAME" ...").
+// look-up. In-tree textures are nodes of the texture table, which the compiler sees through; what is not in the tree
+// comes in here, under a type name of its own ("Texture "x" "spectrum" "NAME" ...").
 //
-// A pattern may write to display channels while the integrator runs (PatternPoint::display). It can do so where a camera
-// sees the surface directly, and there only: deeper in a path, in light samples and in cutouts there is nothing to write to.
+// A pattern may write to display channels while the integrator runs (PatternPoint::display). It can do so where a
+// camera sees the surface directly, and there only: deeper in a path, in light samples and in cutouts there is nothing
+// to write to.
 #pragma once
 
 #include <functional>
@@ -26,8 +27,8 @@ class TextureLookup {
     [[nodiscard]] virtual Real real(TextureId id, const TexturePoint& at) const = 0;
 };
 
-/// The display services of the thread that is shading, null outside of MaterialTable::shade: for materials, whose rows are
-/// SurfacePoint::row. Patterns have PatternPoint::display.
+/// The display services of the thread that is shading, null outside of MaterialTable::shade: for materials, whose rows
+/// are SurfacePoint::row. Patterns have PatternPoint::display.
 display::DisplayServices* shading_display();
 
 /// Where a pattern is evaluated, and with what.
@@ -55,7 +56,8 @@ class Pattern {
     [[nodiscard]] virtual Real real(const PatternPoint& point) const = 0;
 };
 
-/// A ParameterReader for patterns: numbers, colours and textures become inputs. Every factory asks for error() in the end.
+/// A ParameterReader for patterns: numbers, colours and textures become inputs. Every factory asks for error() in the
+/// end.
 class PatternReader : public ParameterReader {
   public:
     using Resolve = std::function<Result<TextureId>(std::string_view name, const Rgb& fallback, bool spectrum)>;
@@ -64,7 +66,9 @@ class PatternReader : public ParameterReader {
 
     const SceneTexture& texture;
 
-    TextureId rgb_input(std::string_view name, const Rgb& fallback) { return take(resolve_(name, fallback, true), TextureId{0}); }
+    TextureId rgb_input(std::string_view name, const Rgb& fallback) {
+        return take(resolve_(name, fallback, true), TextureId{0});
+    }
     TextureId real_input(std::string_view name, Real fallback) {
         return take(resolve_(name, Rgb(fallback), false), TextureId{0});
     }

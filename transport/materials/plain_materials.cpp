@@ -145,8 +145,10 @@ void register_plain_materials(Registry<MaterialFactory>& registry) {
                                  {"reflectance", rgb, "", "instead of eta and k: reflectance at normal incidence"}});
     const ParameterDescription index{"eta", real, "1.5", "index of refraction, inside over outside"};
     glass.insert(glass.begin(), index);
-    registry.add({"diffuse", "ideal diffuse reflection from both sides",
-                  {{"reflectance", rgb, "0.5", "diffuse albedo"}}, make_diffuse});
+    registry.add({"diffuse",
+                  "ideal diffuse reflection from both sides",
+                  {{"reflectance", rgb, "0.5", "diffuse albedo"}},
+                  make_diffuse});
     registry.add({"conductor", "metal with GGX facets", metal, make_conductor});
     registry.add({"dielectric", "glass with GGX facets", glass, make_dielectric});
     registry.add({"thindielectric", "a thin pane of smooth glass", {index}, make_thin_dielectric});

@@ -82,7 +82,8 @@ Built make_additive(const SceneEntity& entity, const MaterialContext& context) {
 
 void register_raylex_materials(Registry<MaterialFactory>& registry) {
     using enum ParameterType;
-    registry.add({"raylex:additive", "the sum of a Lambert and a GGX lobe",
+    registry.add({"raylex:additive",
+                  "the sum of a Lambert and a GGX lobe",
                   {{"diffuse", rgb, "0.5", "albedo of the Lambert lobe"},
                    {"specular", rgb, "0.5", "reflectance of the GGX lobe at normal incidence"},
                    {"roughness", real, "0.3", "of the GGX lobe; alpha is kept at 0.001 or more"},

@@ -11,9 +11,9 @@ namespace raylex::transport {
 /// A direction drawn by one closure; pdf 0 marks failure.
 struct LocalSample {
     Vec3 wi;
-    Rgb weight;                 ///< f |cos| / pdf
-    Real pdf = 0;               ///< per steradian; a probability when `delta`
-    Real eta = 1;               ///< transmitted over incident index; 1 unless transmitted through an interface
+    Rgb weight;    ///< f |cos| / pdf
+    Real pdf = 0;  ///< per steradian; a probability when `delta`
+    Real eta = 1;  ///< transmitted over incident index; 1 unless transmitted through an interface
     bool delta = false;
     bool transmitted = false;
 };

@@ -23,8 +23,8 @@ struct ImageStage {
     ImageSampler sampler;
     Real scale = 1;
     bool invert = false;
-    bool clamp_to_one = false;                                  ///< albedo
-    bool convert = false;                                       ///< to the rendering space
+    bool clamp_to_one = false;  ///< albedo
+    bool convert = false;       ///< to the rendering space
     std::array<std::array<Real, 3>, 3> matrix{};
 
     [[nodiscard]] Real real(const Vec2& st) const {
@@ -52,11 +52,11 @@ struct ImageStage {
 struct Node {
     enum class Kind : std::uint8_t { constant, scale, mix, checkerboard, solid_checkerboard, image, pattern };
     Kind kind = Kind::constant;
-    Rgb value;                          ///< constant (a float texture's in all three)
-    TextureId a = 0, b = 0;             ///< scale: a; mix, checkerboards: a and b
-    TextureId amount = 0;               ///< scale, mix: a float texture
-    std::int32_t mapping = 0;           ///< checkerboard, image
-    std::int32_t stage = 0;             ///< image: its stage; pattern: which
+    Rgb value;                 ///< constant (a float texture's in all three)
+    TextureId a = 0, b = 0;    ///< scale: a; mix, checkerboards: a and b
+    TextureId amount = 0;      ///< scale, mix: a float texture
+    std::int32_t mapping = 0;  ///< checkerboard, image
+    std::int32_t stage = 0;    ///< image: its stage; pattern: which
 };
 
 /// What one look-up costs at most, its inputs included: textures that use one twice each grow like powers of two.
@@ -80,16 +80,16 @@ bool odd(Real x) {
 
 struct TextureTable::Storage final : TextureLookup {
     std::vector<Node> nodes;
-    std::vector<LookupCost> costs;          // parallel to nodes
+    std::vector<LookupCost> costs;  // parallel to nodes
     std::vector<std::unique_ptr<Pattern>> patterns;
     std::vector<LookupCost> pattern_costs;  // parallel to patterns
     std::vector<TextureMapping> mappings;
     std::vector<ImageStage> stages;
-    std::deque<Image> images;                                   // addresses stay
-    std::map<std::pair<std::string, std::string>, const Image*> image_by_file;   // (path, encoding)
+    std::deque<Image> images;                                                   // addresses stay
+    std::map<std::pair<std::string, std::string>, const Image*> image_by_file;  // (path, encoding)
 
-    std::vector<SceneTexture> sources;                          // as the scene has them
-    std::map<std::string, std::vector<std::size_t>, std::less<>> sources_by_name;   // ascending
+    std::vector<SceneTexture> sources;                                             // as the scene has them
+    std::map<std::string, std::vector<std::size_t>, std::less<>> sources_by_name;  // ascending
     std::map<std::pair<std::size_t, SpectrumRole>, TextureId> compiled;
     ColorContext color;
     std::string scene_file;
@@ -126,7 +126,8 @@ struct TextureTable::Storage final : TextureLookup {
             case Node::Kind::constant:
                 if constexpr (std::is_same_v<T, Rgb>) return n.value;
                 else return n.value.r;
-            case Node::Kind::scale: return evaluate<T>(n.a, at) * evaluate<Real>(n.amount, at);
+            case Node::Kind::scale:
+                return evaluate<T>(n.a, at) * evaluate<Real>(n.amount, at);
             case Node::Kind::mix: {
                 const Real amount = evaluate<Real>(n.amount, at);
                 T sum{};
@@ -339,7 +340,7 @@ Result<Node> TextureTable::Storage::compile_node(const SceneTexture& source, Spe
 
 Result<TextureId> TextureTable::Storage::compile(std::size_t index, SpectrumRole role) {
     const SceneTexture& source = sources[index];
-    if (!source.spectrum) role = SpectrumRole::unbounded;       // floats have no role
+    if (!source.spectrum) role = SpectrumRole::unbounded;  // floats have no role
     if (const auto known = compiled.find({index, role}); known != compiled.end()) return known->second;
     Result<Node> result = compile_node(source, role, index);
     if (!result) return std::move(result).error();
@@ -461,8 +462,14 @@ Result<TextureId> TextureTable::named_real(std::string_view name, const SourceLo
                     near.empty() ? std::string() : "did you mean '" + near + "'?");
 }
 
-bool TextureTable::is_constant(TextureId id) const { return storage_->node(id).kind == Node::Kind::constant; }
-Rgb TextureTable::rgb(TextureId id, const TexturePoint& at) const { return storage_->evaluate<Rgb>(id, at); }
-Real TextureTable::real(TextureId id, const TexturePoint& at) const { return storage_->evaluate<Real>(id, at); }
+bool TextureTable::is_constant(TextureId id) const {
+    return storage_->node(id).kind == Node::Kind::constant;
+}
+Rgb TextureTable::rgb(TextureId id, const TexturePoint& at) const {
+    return storage_->evaluate<Rgb>(id, at);
+}
+Real TextureTable::real(TextureId id, const TexturePoint& at) const {
+    return storage_->evaluate<Real>(id, at);
+}
 
 }  // namespace raylex::transport

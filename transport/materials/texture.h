@@ -1,11 +1,12 @@
 // Textures: constant, scale, mix, checkerboard, imagemap; float and colour alike, evaluated by index.
 //
-// Patterns, mappings (uv, spherical, cylindrical, planar) and parameters are pbrt-v4's. Looked up at a point: neither image
-// pyramids nor pbrt-v4's filtered checkerboard; camera samples do the filtering. Image filters "bilinear", "trilinear" and
-// "EWA" are therefore all bilinear on the full image, "point" takes the nearest texel. The top of an image is at v = 1.
+// Patterns, mappings (uv, spherical, cylindrical, planar) and parameters are pbrt-v4's. Looked up at a point: neither
+// image pyramids nor pbrt-v4's filtered checkerboard; camera samples do the filtering. Image filters "bilinear",
+// "trilinear" and "EWA" are therefore all bilinear on the full image, "point" takes the nearest texel. The top of an
+// image is at v = 1.
 //
-// A colour texture is compiled once for every role it is used in (SpectrumRole): the role decides whether its values are
-// clamped to [0, 1] and taken to the rendering space.
+// A colour texture is compiled once for every role it is used in (SpectrumRole): the role decides whether its values
+// are clamped to [0, 1] and taken to the rendering space.
 #pragma once
 
 #include <functional>
@@ -14,8 +15,8 @@
 #include <vector>
 
 #include "display/services/registry.h"
-#include "transport/math/real.h"
 #include "transport/color/spectrum.h"
+#include "transport/math/real.h"
 #include "transport/scene/scene_description.h"
 
 namespace raylex::transport {
@@ -41,8 +42,8 @@ class TextureTable {
 
     [[nodiscard]] TextureId add_constant(const Rgb& value);
     /// The texture behind a "texture"-typed parameter, or a constant from its value, or from `fallback` when absent.
-    Result<TextureId> rgb_parameter(const ParameterSet& set, std::string_view name, const Rgb& fallback, SpectrumRole role,
-                                    const ColorContext& color);
+    Result<TextureId> rgb_parameter(const ParameterSet& set, std::string_view name, const Rgb& fallback,
+                                    SpectrumRole role, const ColorContext& color);
     Result<TextureId> real_parameter(const ParameterSet& set, std::string_view name, Real fallback);
     /// By the float texture's own name (SceneShape::alpha_texture).
     Result<TextureId> named_real(std::string_view name, const SourceLocation& where) const;

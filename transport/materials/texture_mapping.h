@@ -13,8 +13,8 @@ struct TextureMapping {
 
     Kind kind = Kind::uv;
     Real scale_u = 1, scale_v = 1, offset_u = 0, offset_v = 0;
-    Vec3 axis_u{1, 0, 0}, axis_v{0, 1, 0};     ///< planar
-    Transform texture_from_world;              ///< all but uv
+    Vec3 axis_u{1, 0, 0}, axis_v{0, 1, 0};  ///< planar
+    Transform texture_from_world;           ///< all but uv
 
     [[nodiscard]] Vec2 map(const TexturePoint& at) const;
 };

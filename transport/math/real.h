@@ -25,9 +25,17 @@ inline constexpr bool real_is_double = std::is_same_v<Real, double>;
 /// Radiance, throughput, densities by colour. What display/ takes is raylex::Rgb, always float.
 using Rgb = BasicRgb<Real>;
 
-constexpr float to_float(float v) { return v; }
-constexpr float to_float(double v) { return static_cast<float>(v); }
-constexpr const raylex::Rgb& to_float(const raylex::Rgb& c) { return c; }
-constexpr raylex::Rgb to_float(const RgbD& c) { return raylex::Rgb(c); }
+constexpr float to_float(float v) {
+    return v;
+}
+constexpr float to_float(double v) {
+    return static_cast<float>(v);
+}
+constexpr const raylex::Rgb& to_float(const raylex::Rgb& c) {
+    return c;
+}
+constexpr raylex::Rgb to_float(const RgbD& c) {
+    return raylex::Rgb(c);
+}
 
 }  // namespace raylex::transport

@@ -15,12 +15,18 @@ namespace raylex::transport {
 
 inline constexpr Real one_minus_epsilon = 1 - std::numeric_limits<Real>::epsilon() / 2;  ///< the largest number below 1
 
-inline Real safe_sqrt(Real x) { return std::sqrt(std::max(Real(0), x)); }
-constexpr Real square(Real x) { return x * x; }
-constexpr Real lerp(Real t, Real a, Real b) { return (1 - t) * a + t * b; }
+inline Real safe_sqrt(Real x) {
+    return std::sqrt(std::max(Real(0), x));
+}
+constexpr Real square(Real x) {
+    return x * x;
+}
+constexpr Real lerp(Real t, Real a, Real b) {
+    return (1 - t) * a + t * b;
+}
 
-/// Sine and cosine on [-pi/4, pi/4] by their Taylor series, cut where the error (2e-9) is below float's rounding. Cheaper
-/// than the library's, and the same bits on every machine. In double the library's.
+/// Sine and cosine on [-pi/4, pi/4] by their Taylor series, cut where the error (2e-9) is below float's rounding.
+/// Cheaper than the library's, and the same bits on every machine. In double the library's.
 struct SinCos {
     Real sin, cos;
 
@@ -56,30 +62,40 @@ inline Vec3 sample_cosine_hemisphere(const Vec2& u) {
     const Vec2 d = sample_disk(u);
     return {d.x, d.y, safe_sqrt(1 - d.x * d.x - d.y * d.y)};
 }
-constexpr Real cosine_hemisphere_pdf(Real cos_theta) { return cos_theta > 0 ? cos_theta * inv_pi : 0.0f; }
+constexpr Real cosine_hemisphere_pdf(Real cos_theta) {
+    return cos_theta > 0 ? cos_theta * inv_pi : 0.0f;
+}
 
 inline Vec3 sample_uniform_hemisphere(const Vec2& u) {
     const Real r = safe_sqrt(1 - u.x * u.x), phi = 2 * pi * u.y;
     return {r * std::cos(phi), r * std::sin(phi), u.x};
 }
-constexpr Real uniform_hemisphere_pdf() { return inv_pi * 0.5f; }
+constexpr Real uniform_hemisphere_pdf() {
+    return inv_pi * 0.5f;
+}
 
 inline Vec3 sample_uniform_sphere(const Vec2& u) {
     const Real z = 1 - 2 * u.x, phi = 2 * pi * u.y;
-    const Real r = 2 * std::sqrt(u.x * (1 - u.x));      // sqrt(1 - z^2) without the cancellation at the poles
+    const Real r = 2 * std::sqrt(u.x * (1 - u.x));  // sqrt(1 - z^2) without the cancellation at the poles
     return {r * std::cos(phi), r * std::sin(phi), z};
 }
-constexpr Real uniform_sphere_pdf() { return inv_pi * 0.25f; }
+constexpr Real uniform_sphere_pdf() {
+    return inv_pi * 0.25f;
+}
 
 /// Cone about +z. It is given by 1 - cos(theta_max), which stays exact for tiny cones (see one_minus_cos_of_sin2).
 inline Vec3 sample_uniform_cone(const Vec2& u, Real one_minus_cos_max) {
-    const Real h = u.x * one_minus_cos_max;             // 1 - cos(theta)
+    const Real h = u.x * one_minus_cos_max;  // 1 - cos(theta)
     const Real sin_theta = safe_sqrt(h * (2 - h)), phi = 2 * pi * u.y;
     return {sin_theta * std::cos(phi), sin_theta * std::sin(phi), 1 - h};
 }
-inline Real uniform_cone_pdf(Real one_minus_cos_max) { return 1 / (2 * pi * one_minus_cos_max); }
+inline Real uniform_cone_pdf(Real one_minus_cos_max) {
+    return 1 / (2 * pi * one_minus_cos_max);
+}
 /// 1 - cos(theta) from sin^2(theta), theta in [0, pi/2]: the plain difference has lost all digits at 1e-4 rad.
-inline Real one_minus_cos_of_sin2(Real sin2) { return sin2 / (1 + safe_sqrt(1 - sin2)); }
+inline Real one_minus_cos_of_sin2(Real sin2) {
+    return sin2 / (1 + safe_sqrt(1 - sin2));
+}
 
 /// Barycentrics (b0, b1), b2 = 1 - b0 - b1, uniform over a triangle by folding, which keeps strata compact
 /// (Heitz 2019, "A Low-Distortion Map Between Triangle and Square").
@@ -89,7 +105,9 @@ inline Vec2 sample_uniform_triangle(const Vec2& u) {
 }
 
 /// Density proportional to lerp(x, a, b) on [0, 1]; a, b >= 0, not both 0.
-inline Real linear_pdf(Real x, Real a, Real b) { return x < 0 || x > 1 ? 0.0f : 2 * lerp(x, a, b) / (a + b); }
+inline Real linear_pdf(Real x, Real a, Real b) {
+    return x < 0 || x > 1 ? 0.0f : 2 * lerp(x, a, b) / (a + b);
+}
 inline Real sample_linear(Real u, Real a, Real b) {
     if (u == 0 && a == 0) return 0;
     const Real x = u * (a + b) / (a + std::sqrt(lerp(u, a * a, b * b)));
@@ -120,7 +138,9 @@ inline Real power_heuristic(Real a, Real b) {
 }
 
 /// Re-uses a number that was compared with `threshold` (the chance of the first branch): uniform in [0, 1) again.
-inline Real remap_below(Real u, Real threshold) { return std::min(u / threshold, one_minus_epsilon); }
+inline Real remap_below(Real u, Real threshold) {
+    return std::min(u / threshold, one_minus_epsilon);
+}
 inline Real remap_above(Real u, Real threshold) {
     return std::min((u - threshold) / (1 - threshold), one_minus_epsilon);
 }
@@ -132,6 +152,8 @@ constexpr std::uint64_t mix_bits(std::uint64_t v) {
     return v ^ (v >> 31);
 }
 /// The upper 24 bits as a float in [0, 1): never 1.
-constexpr Real unit_float(std::uint64_t bits) { return static_cast<Real>(bits >> 40) * 0x1p-24f; }
+constexpr Real unit_float(std::uint64_t bits) {
+    return static_cast<Real>(bits >> 40) * 0x1p-24f;
+}
 
 }  // namespace raylex::transport

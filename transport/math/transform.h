@@ -7,12 +7,12 @@
 
 namespace raylex::transport {
 
-using Matrix4 = std::array<std::array<double, 4>, 4>;   ///< row-major; points are columns
+using Matrix4 = std::array<std::array<double, 4>, 4>;  ///< row-major; points are columns
 
 class Transform {
   public:
-    Transform();                                        ///< identity
-    explicit Transform(const Matrix4& matrix);          ///< inverse computed; `invertible()` tells whether there is one
+    Transform();                                ///< identity
+    explicit Transform(const Matrix4& matrix);  ///< inverse computed; `invertible()` tells whether there is one
     Transform(const Matrix4& matrix, const Matrix4& inverse) : m_(matrix), inverse_(inverse) {}
 
     static Transform translate(double x, double y, double z);
@@ -32,7 +32,7 @@ class Transform {
 
     [[nodiscard]] Vec3 point(const Vec3& p) const;
     [[nodiscard]] Vec3 vector(const Vec3& v) const;
-    [[nodiscard]] Vec3 normal(const Vec3& n) const;     ///< by the inverse transpose; not normalised
+    [[nodiscard]] Vec3 normal(const Vec3& n) const;  ///< by the inverse transpose; not normalised
 
   private:
     Matrix4 m_, inverse_;

@@ -14,8 +14,18 @@ struct BasicVec3 {
     constexpr T operator[](int i) const { return i == 0 ? x : i == 1 ? y : z; }
     constexpr T& operator[](int i) { return i == 0 ? x : i == 1 ? y : z; }
     constexpr BasicVec3 operator-() const { return {-x, -y, -z}; }
-    constexpr BasicVec3& operator+=(const BasicVec3& o) { x += o.x; y += o.y; z += o.z; return *this; }
-    constexpr BasicVec3& operator*=(T s) { x *= s; y *= s; z *= s; return *this; }
+    constexpr BasicVec3& operator+=(const BasicVec3& o) {
+        x += o.x;
+        y += o.y;
+        z += o.z;
+        return *this;
+    }
+    constexpr BasicVec3& operator*=(T s) {
+        x *= s;
+        y *= s;
+        z *= s;
+        return *this;
+    }
     friend constexpr BasicVec3 operator+(BasicVec3 a, const BasicVec3& b) { return a += b; }
     friend constexpr BasicVec3 operator-(const BasicVec3& a, const BasicVec3& b) {
         return {a.x - b.x, a.y - b.y, a.z - b.z};
@@ -40,21 +50,43 @@ using Vec2 = BasicVec2<Real>;
 using StoredVec3 = BasicVec3<float>;
 using StoredVec2 = BasicVec2<float>;
 
-constexpr const StoredVec3& to_float(const StoredVec3& v) { return v; }
-constexpr const StoredVec2& to_float(const StoredVec2& v) { return v; }
-constexpr StoredVec3 to_float(const BasicVec3<double>& v) { return {to_float(v.x), to_float(v.y), to_float(v.z)}; }
-constexpr StoredVec2 to_float(const BasicVec2<double>& v) { return {to_float(v.x), to_float(v.y)}; }
+constexpr const StoredVec3& to_float(const StoredVec3& v) {
+    return v;
+}
+constexpr const StoredVec2& to_float(const StoredVec2& v) {
+    return v;
+}
+constexpr StoredVec3 to_float(const BasicVec3<double>& v) {
+    return {to_float(v.x), to_float(v.y), to_float(v.z)};
+}
+constexpr StoredVec2 to_float(const BasicVec2<double>& v) {
+    return {to_float(v.x), to_float(v.y)};
+}
 
-constexpr Real dot(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+constexpr Real dot(const Vec3& a, const Vec3& b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 constexpr Vec3 cross(const Vec3& a, const Vec3& b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-constexpr Real length_squared(const Vec3& v) { return dot(v, v); }
-inline Real length(const Vec3& v) { return std::sqrt(length_squared(v)); }
-inline Vec3 normalize(const Vec3& v) { return v / length(v); }
-inline Real abs_dot(const Vec3& a, const Vec3& b) { return std::abs(dot(a, b)); }
-constexpr Vec3 face_forward(const Vec3& n, const Vec3& v) { return dot(n, v) < 0 ? -n : n; }
-inline bool is_finite(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+constexpr Real length_squared(const Vec3& v) {
+    return dot(v, v);
+}
+inline Real length(const Vec3& v) {
+    return std::sqrt(length_squared(v));
+}
+inline Vec3 normalize(const Vec3& v) {
+    return v / length(v);
+}
+inline Real abs_dot(const Vec3& a, const Vec3& b) {
+    return std::abs(dot(a, b));
+}
+constexpr Vec3 face_forward(const Vec3& n, const Vec3& v) {
+    return dot(n, v) < 0 ? -n : n;
+}
+inline bool is_finite(const Vec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
 
 inline constexpr Real pi = Real(3.14159265358979323846);
 inline constexpr Real inv_pi = Real(0.31830988618379067154);

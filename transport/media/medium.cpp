@@ -44,7 +44,7 @@ Rgb emission_along(const Medium& medium, Real distance) {
 
 FreeFlight sample_free_flight(const Medium& medium, const Rgb& throughput, Real end, const Vec2& u) {
     FreeFlight flight;
-    const Real depth = -std::log1p(-u.y);   // optical
+    const Real depth = -std::log1p(-u.y);  // optical
     if (medium.grey) {
         const Real sigma = medium.sigma_t.r;
         flight.distance = sigma > 0 ? depth / sigma : infinity;

@@ -1,8 +1,8 @@
 // Participating media: plain values and the three things that paths ask of them.
 //
-// All media are homogeneous, so transmittance and emission along a segment have closed forms; chance decides only how far
-// a path flies. Where colours have different extinction, one colour picked in proportion to the path's throughput draws
-// the distance, and the weight divides by the mean density over all colours (the balance heuristic over the three
+// All media are homogeneous, so transmittance and emission along a segment have closed forms; chance decides only how
+// far a path flies. Where colours have different extinction, one colour picked in proportion to the path's throughput
+// draws the distance, and the weight divides by the mean density over all colours (the balance heuristic over the three
 // strategies): every colour is unbiased, none is weighed by more than its share of the throughput.
 #pragma once
 
@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "display/services/registry.h"
-#include "transport/math/real.h"
 #include "lpe/result.h"
+#include "transport/math/real.h"
 #include "transport/scene/scene_description.h"
 
 namespace raylex::transport {
@@ -43,8 +43,8 @@ struct FreeFlight {
     Rgb weight;             ///< transmittance (and sigma_s for a collision) over the chance of what happened
 };
 
-/// Samples a collision in front of `end` (infinity allowed). `throughput` decides the odds of the colours; it must not be
-/// black. u in [0, 1)^2.
+/// Samples a collision in front of `end` (infinity allowed). `throughput` decides the odds of the colours; it must not
+/// be black. u in [0, 1)^2.
 FreeFlight sample_free_flight(const Medium& medium, const Rgb& throughput, Real end, const Vec2& u);
 
 /// Where a medium that only absorbs takes light away on a segment of length `end`: a distance whose density is the mean

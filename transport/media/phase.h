@@ -1,8 +1,8 @@
 // The Henyey-Greenstein phase function, stable for every asymmetry.
 //
-// Everything is written in h = 1 - cos(theta), theta being the angle to the axis that light is thrown towards: the way it
-// came for g > 0, the way back for g < 0. Near g = 1 the cosine itself has lost all its digits, and near g = 0 the common
-// inversion divides by g; these forms keep a relative error of some ulps from g = 0 to g = 1 - 2^-24.
+// Everything is written in h = 1 - cos(theta), theta being the angle to the axis that light is thrown towards: the way
+// it came for g > 0, the way back for g < 0. Near g = 1 the cosine itself has lost all its digits, and near g = 0 the
+// common inversion divides by g; these forms keep a relative error of some ulps from g = 0 to g = 1 - 2^-24.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace raylex::transport {
 
 struct PhaseSample {
     Vec3 wi;
-    Real pdf = 0;   ///< per steradian; the phase function itself has the same value
+    Real pdf = 0;  ///< per steradian; the phase function itself has the same value
 };
 
 namespace phase_detail {

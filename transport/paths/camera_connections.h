@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "display/services/raster_splats.h"
+#include "transport/cameras/camera.h"
 #include "transport/paths/counters.h"
 #include "transport/paths/record.h"
 #include "transport/paths/strategies.h"
-#include "transport/cameras/camera.h"
 
 namespace raylex::transport {
 
@@ -32,10 +32,10 @@ struct LightSubpathEnd {
     std::uint32_t depth = 0;  ///< scattering events before it
     const SurfacePoint* point = nullptr;
     const Bsdf* bsdf = nullptr;
-    Real offset = 0;  ///< SurfaceSource::offset
+    Real offset = 0;       ///< SurfaceSource::offset
     bool holdout = false;  ///< what the camera sees there is one
     Rgb power;
-    LightEnd end;                         ///< its lobes are filled in here
+    LightEnd end;                        ///< its lobes are filled in here
     const StrategySums* sums = nullptr;  ///< null: this is the only strategy
 };
 

@@ -22,9 +22,9 @@ struct CameraSubpathOptions {
     WalkOptions walk;
     bool shade_first_hits =
         false;  ///< somebody reads AOVs or patterns there: the first hit is shaded whatever the light
-    bool light_can_be_hit = true;      ///< by a ray: if not, a path's last scattering need not be traced
-    CameraView view;                   ///< for densities
-    Real world_to_camera[3][4] = {};   ///< rigid part, for surfaces that say their normal
+    bool light_can_be_hit = true;     ///< by a ray: if not, a path's last scattering need not be traced
+    CameraView view;                  ///< for densities
+    Real world_to_camera[3][4] = {};  ///< rigid part, for surfaces that say their normal
 };
 
 /// What an integrator makes of the light that camera subpaths meet. Derive and hide.
@@ -36,7 +36,7 @@ struct CameraEnds {
     /// The ray meets what is infinitely far away.
     void escapes(std::uint32_t /*row*/, const Ray& /*ray*/) {}
     /// A medium sends `emitted` back along the ray.
-    void glows(std::uint32_t /*row*/, const Rgb& /*emitted*/) {}
+    void volume_emits(std::uint32_t /*row*/, const Rgb& /*emitted*/) {}
 };
 
 class CameraSubpaths {
@@ -103,8 +103,8 @@ struct CameraSubpaths::Visitor : WalkVisitor {
     Ends& ends;
 
     void escapes(std::uint32_t row, const Ray& ray) { ends.escapes(row, ray); }
-    void shines(std::size_t j) { ends.emits(j); }
-    void passes(std::size_t j) { self.pass(display, j); }
+    void interface_emits(std::size_t j) { ends.emits(j); }
+    void passes_cutout(std::size_t j) { self.pass(display, j); }
     bool arrives(std::size_t j) {
         const VertexBatch& v = self.vertices();
         const std::uint32_t row = v.rows[j];
@@ -118,7 +118,7 @@ struct CameraSubpaths::Visitor : WalkVisitor {
         sums.forward =
             view.density(view.camera->importance(point.position, self.path(row).from), point.cosine(point.wo));
     }
-    void glows(std::uint32_t row, const Rgb& emitted) { ends.glows(row, emitted); }
+    void volume_emits(std::uint32_t row, const Rgb& emitted) { ends.volume_emits(row, emitted); }
     bool worth_colliding(std::uint32_t row) {
         const Subpath& path = self.path(row);
         if (path.depth == 0) return true;  // the camera ray's depth and opacity are to be found

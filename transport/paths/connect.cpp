@@ -89,7 +89,10 @@ void Connections::report(const CameraSubpaths& subpaths, IntegratorCounters& cou
         if (blocked_[i] && !blockable) continue;
         const Pending& pending = pending_[i];
         display::Tracker tracker = record.after(pending.row, pending.label, pending.lobes);
-        Arrival arrival{pending.value, {}, blockable ? blockable_[i].unweighted : Rgb(), blocked_[i] ? 0.0f : 1.0f,
+        Arrival arrival{pending.value,
+                        {},
+                        blockable ? blockable_[i].unweighted : Rgb(),
+                        blocked_[i] ? 0.0f : 1.0f,
                         pending.end != no_end};
         if (straight && (!blocked_[i] || in_media_)) {
             Rgb transmittance(1);

@@ -54,7 +54,7 @@ class Connections {
   private:
     static constexpr std::uint32_t no_end = 0xffffffffu, no_light = 0xffffffffu;
     struct Pending {
-        std::uint32_t row, light;      // light: of a light sample
+        std::uint32_t row, light;    // light: of a light sample
         std::int32_t label, medium;  // medium: in which the shadow ray begins
         std::uint32_t end;           // in ends_
         display::Technique technique;

@@ -74,7 +74,7 @@ void LightSubpaths::start(std::uint32_t row, const EmissionSample& s) {
 struct LightSubpaths::Visitor : WalkVisitor {
     LightSubpaths& self;
 
-    void passes(std::size_t j) {
+    void passes_cutout(std::size_t j) {
         self.record_.pass_straight(self.vertices().rows[j], self.vertices().sources[j].label);
     }
     /// The strategy that joins at the light has the density of a light sample and not of an emission.

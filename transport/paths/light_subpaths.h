@@ -19,7 +19,7 @@ namespace raylex::transport {
 
 struct LightSubpathOptions {
     WalkOptions walk;
-    const lpe::ReversedProgram* language = nullptr;    ///< of LightLanguage; null when no channel reads words
+    const LightLanguage* language = nullptr;           ///< null when no channel reads words
     LightChoice camera_samples_by = LightChoice::mis;  ///< how camera subpaths sample lights, for sums()
     std::span<const std::int32_t> media_of_lights;     ///< media_of_lights(); must outlive the subpaths
 };

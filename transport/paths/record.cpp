@@ -1,20 +1,12 @@
 #include "transport/paths/record.h"
 
-#include <string>
 #include <utility>
 
 namespace raylex::transport {
 
-Status LightLanguage::prepare(const display::LpeSetup& setup, const EventTable& events) {
-    program_.reset();
-    if (!events.any()) return success();
-    Result<lpe::ReversedProgram> reversed = lpe::ReversedProgram::build(setup.program());
-    if (!reversed)
-        return error_at({},
-                        "the light path expressions cannot be followed from the lights: " + reversed.error().message,
-                        reversed.error().hint + ", or choose an integrator that starts at the camera only: path");
-    program_.emplace(std::move(*reversed));
-    return success();
+LightLanguage::LightLanguage(const display::LpeSetup& setup) {
+    if (Result<lpe::ReversedProgram> reversed = lpe::ReversedProgram::build(setup.program()))
+        reversed_.emplace(std::move(*reversed));
 }
 
 bool Record::worth_colliding(std::uint32_t row, std::int32_t medium) const {

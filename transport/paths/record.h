@@ -142,22 +142,21 @@ class Record {
 /// Reads the words of a render's channels from their lights.
 class LightLanguage {
   public:
-    /// Errors: the channels' automata grow too large when they are reversed.
-    Status prepare(const display::LpeSetup& setup, const EventTable& events);
-    /// Null when no channel reads words.
-    [[nodiscard]] const lpe::ReversedProgram* get() const { return program_ ? &*program_ : nullptr; }
+    explicit LightLanguage(const display::LpeSetup& setup);
+    /// Null where the channels' program is too large to be reversed.
+    [[nodiscard]] const lpe::ReversedProgram* reversed() const { return reversed_ ? &*reversed_ : nullptr; }
 
   private:
-    std::optional<lpe::ReversedProgram> program_;
+    std::optional<lpe::ReversedProgram> reversed_;
 };
 
 /// The record of light subpaths, row by row.
 class LightRecord {
   public:
-    /// `language` reads the words of this render's channels; null when no channel reads any. Must outlive the record.
-    LightRecord(const EventTable& events, const lpe::ReversedProgram* language, std::size_t rows) : events_(&events) {
+    /// `language`: null when no channel reads words. Must outlive the record.
+    LightRecord(const EventTable& events, const LightLanguage* language, std::size_t rows) : events_(&events) {
         if (language == nullptr) return;
-        words_.emplace(*language);
+        words_.emplace(language->reversed());
         word_.resize(rows);
     }
     /// Forgets all words.

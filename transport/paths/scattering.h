@@ -19,8 +19,8 @@ namespace raylex::transport {
 /// What is scattered from `point.wo`'s side towards `to`, ready to be joined with a subpath of the other direction:
 /// times |cos| at the point, which leaves 1 / distance^2 of the geometry term, or for light subpaths that too.
 struct JoinedScattering {
-    BsdfEvaluation f;       ///< its pdf: with which the subpath would have gone there, per steradian
-    Real pdf_reverse = 0;   ///< with which one from there would have gone back
+    BsdfEvaluation f;      ///< its pdf: with which the subpath would have gone there, per steradian
+    Real pdf_reverse = 0;  ///< with which one from there would have gone back
 };
 
 /// One sample of a closure for a subpath that came from point.wo, `pdf` being the density whatever the closure. u_lobe

@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "transport/math/real.h"
 #include "transport/materials/scatter.h"
+#include "transport/math/real.h"
 #include "transport/math/vec.h"
 
 namespace raylex::transport {
@@ -15,10 +15,10 @@ inline constexpr std::uint32_t filter_dimension = 0, lens_dimension = 1, time_di
 struct Subpath {
     Rgb beta{1};  ///< throughput: product of scattering weights; of a light subpath the power it carries
     Real roulette_scale =
-        1;          ///< what roulette sets beta against: of a camera subpath times the product of eta^2 over
-                    ///< transmissions, which takes their radiance scaling out; of a light subpath over its first power
-    Real pdf = 0;   ///< of the last direction, per steradian (from a light at infinity per area across the
-                    ///< beam); of a specular one the lobe's probability
+        1;         ///< what roulette sets beta against: of a camera subpath times the product of eta^2 over
+                   ///< transmissions, which takes their radiance scaling out; of a light subpath over its first power
+    Real pdf = 0;  ///< of the last direction, per steradian (from a light at infinity per area across the
+                   ///< beam); of a specular one the lobe's probability
     Real cosine = 1;          ///< of that direction to the geometric normal where it was left; kept for densities only
     Vec3 from;                ///< the vertex it left; the camera or the light at first
     Real travelled = 0;       ///< along the camera ray, over cutouts passed

@@ -20,7 +20,7 @@ Real emitter_opacity(const SceneView& scene, const LightSample& sample, const Ve
 }
 
 Real straight_transmittance(const StraightWalk& walk, Ray ray, Real visible, std::int32_t medium,
-                             display::Tracker& tracker, Rgb& through) {
+                            display::Tracker& tracker, Rgb& through) {
     const EmbreeScene& geometry = *walk.scene.geometry;
     const bool finite_end = ray.t_max < infinity;
     const Vec3 end = ray.origin + ray.direction;

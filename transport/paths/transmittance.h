@@ -21,7 +21,7 @@ struct StraightWalk {
 /// `through` takes what the media on the way let pass, `medium` being the first (-1: none); opaque surfaces are no
 /// borders to it.
 Real straight_transmittance(const StraightWalk& walk, Ray ray, Real visible, std::int32_t medium,
-                             display::Tracker& tracker, Rgb& through);
+                            display::Tracker& tracker, Rgb& through);
 
 /// The medium at `point`, found by going there from `camera` past all surfaces, cutouts and opaque ones alike: where a
 /// light without an interface of its own stands. Right where a scene's interfaces are closed, as free flights take them

@@ -38,15 +38,15 @@ struct WalkVisitor {
     /// A ray has hit nothing: its subpath ends.
     void escapes(std::uint32_t /*row*/, const Ray& /*ray*/) {}
     /// Vertex j is an interface with alpha, which no ray stops at, and a light.
-    void shines(std::size_t /*j*/) {}
+    void interface_emits(std::size_t /*j*/) {}
     /// The ray goes straight on through the cutout at vertex j.
-    void passes(std::size_t /*j*/) {}
+    void passes_cutout(std::size_t /*j*/) {}
     /// The subpath has reached vertex j, a surface. False: it ends there.
     bool arrives(std::size_t /*j*/) { return true; }
     /// The densities of a subpath's first vertex are those of `sums`, but for what depends on how it began.
     void first_vertex(std::uint32_t /*row*/, const SurfacePoint& /*point*/, StrategySums& /*sums*/) {}
     /// `emitted` is the light that the medium sends back along a ray of a camera subpath.
-    void glows(std::uint32_t /*row*/, const Rgb& /*emitted*/) {}
+    void volume_emits(std::uint32_t /*row*/, const Rgb& /*emitted*/) {}
     /// Whether what the medium around the ray scatters could count at all: if not, it only takes light away.
     bool worth_colliding(std::uint32_t /*row*/) { return true; }
     /// The ray flew `distance` through a medium that could only take light away and left `passed`.
@@ -127,7 +127,7 @@ class Walk {
     void arrive(std::uint32_t row, const SurfacePoint& point, Visitor& visitor);
     template <class Visitor>
     void append_collisions(Visitor& visitor);
-    bool passes_cutout(std::size_t j) const;
+    bool fails_alpha_test(std::size_t j) const;
     bool survives_roulette(std::uint32_t row, std::uint32_t dimension);
 
     const SceneView scene_;
@@ -180,7 +180,7 @@ template <class Visitor>
 bool Walk<mode>::crosses_medium(std::uint32_t row, const Ray& ray, Real distance, Visitor& visitor) {
     Subpath& path = paths_[row];
     const Medium& medium = (*scene_.media)[path.medium];
-    if (mode == TransportMode::radiance && medium.emits) visitor.glows(row, emission_along(medium, distance));
+    if (mode == TransportMode::radiance && medium.emits) visitor.volume_emits(row, emission_along(medium, distance));
     const Vec2 u = samplers_[row].get_2d(dimensions.flights + path.segment);
     if (!medium.scatters || !visitor.worth_colliding(row)) {
         const Rgb passed = transmittance(medium, distance);
@@ -241,7 +241,7 @@ void Walk<mode>::append_collisions(Visitor& visitor) {
 
 /// Closest hit first, then one counter-based choice: in expectation what alpha blending gives, and what pbrt does.
 template <TransportMode mode>
-bool Walk<mode>::passes_cutout(std::size_t j) const {
+bool Walk<mode>::fails_alpha_test(std::size_t j) const {
     const std::uint32_t row = vertices_.rows[j];
     const SurfacePoint& point = vertices_.points[j];
     const TextureId alpha = scene_.geometry->shapes()[vertices_.hits[j].shape].alpha;
@@ -265,9 +265,9 @@ void Walk<mode>::advance(display::DisplayServices& display, Visitor& visitor) {
         arrive(row, point, visitor);
         if (cutouts && shapes[v.hits[j].shape].alpha >= 0) {
             const ShapeGeometry& shape = shapes[v.hits[j].shape];
-            if (shape.interface && shape.first_light != Hit::none) visitor.shines(j);
-            if (passes_cutout(j)) {
-                visitor.passes(j);
+            if (shape.interface && shape.first_light != Hit::none) visitor.interface_emits(j);
+            if (fails_alpha_test(j)) {
+                visitor.passes_cutout(j);
                 // What a cutout takes away of a surface is no border between media either.
                 const Vec3& direction = v.rays[j].direction;
                 if (in_media_ && shape.interface)

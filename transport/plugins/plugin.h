@@ -1,10 +1,12 @@
-// What a plugin includes. A plugin is one shared library that brings integrators, patterns, materials, lights, filters or
-// display drivers; `raylex render --plugin libNAME.so` loads it, and its objects are then used by name like in-tree ones.
+// What a plugin includes. A plugin is one shared library that brings integrators, patterns, materials, lights, filters
+// or display drivers; `raylex render --plugin libNAME.so` loads it, and its objects are then used by name like in-tree
+// ones.
 //
 //     #include "transport/plugins/plugin.h"
 //     ... classes ...
 //     RAYLEX_PLUGIN(host) {
-//         host.add_integrator({"name", "one line of help", {{"samples", ParameterType::integer, "16", "..."}}, factory});
+//         host.add_integrator({"name", "one line of help", {{"samples", ParameterType::integer, "16", "..."}},
+//         factory});
 //     }
 //
 //     find_package(raylex REQUIRED COMPONENTS plugin)
@@ -22,12 +24,12 @@
 #include "transport/plugins/plugin_stamp.h"
 
 /// The entry point, once per plugin; its body registers with the PluginHost& called `host`.
-#define RAYLEX_PLUGIN(host)                                                                                       \
-    extern "C" {                                                                                                  \
-    extern __attribute__((section("raylex_plugin"), visibility("default")))                                       \
-    const ::raylex::transport::PluginStamp raylex_plugin_stamp;                                                   \
-    __attribute__((used)) constinit const ::raylex::transport::PluginStamp raylex_plugin_stamp =                  \
-        ::raylex::transport::make_plugin_stamp();                                                                 \
-    __attribute__((visibility("default"))) void raylex_register_plugin(::raylex::transport::PluginHost& host);    \
-    }                                                                                                             \
+#define RAYLEX_PLUGIN(host)                                                                                    \
+    extern "C" {                                                                                               \
+    extern __attribute__((section("raylex_plugin"), visibility("default")))                                    \
+    const ::raylex::transport::PluginStamp raylex_plugin_stamp;                                                \
+    __attribute__((used)) constinit const ::raylex::transport::PluginStamp raylex_plugin_stamp =               \
+        ::raylex::transport::make_plugin_stamp();                                                              \
+    __attribute__((visibility("default"))) void raylex_register_plugin(::raylex::transport::PluginHost& host); \
+    }                                                                                                          \
     void raylex_register_plugin([[maybe_unused]] ::raylex::transport::PluginHost& host)

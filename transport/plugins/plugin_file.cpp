@@ -75,8 +75,9 @@ Result<PluginStamp> read_plugin_stamp(const std::string& file, const SourceLocat
         return error_at(where, "plugin '" + file + "' was built for another kind of machine; expected one for this");
     const std::span<const char> section = section_of(bytes, *header, PluginStamp::section);
     if (section.empty())
-        return error_at(where, "'" + file + "' is a shared library but no raylex plugin; expected one with "
-                               "RAYLEX_PLUGIN(host) { ... }");
+        return error_at(where, "'" + file +
+                                   "' is a shared library but no raylex plugin; expected one with "
+                                   "RAYLEX_PLUGIN(host) { ... }");
     std::array<char, 24> magic{}, version{};
     if (section.size() >= magic.size() + version.size()) {
         std::copy_n(section.begin(), magic.size(), magic.begin());

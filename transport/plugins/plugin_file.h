@@ -9,8 +9,8 @@
 
 namespace raylex::transport {
 
-/// The stamp in the ELF file (System V gABI, chapter 4). Errors at `where`: a file that cannot be read, that is no shared
-/// library or none for this machine, or that carries no stamp of this form.
+/// The stamp in the ELF file (System V gABI, chapter 4). Errors at `where`: a file that cannot be read, that is no
+/// shared library or none for this machine, or that carries no stamp of this form.
 Result<PluginStamp> read_plugin_stamp(const std::string& file, const SourceLocation& where);
 
 /// Success when a plugin with this stamp fits this program; else an Error at `where` that says what differs.

@@ -26,12 +26,24 @@ void PluginHost::add(Registry<Factory>& registry, typename Registry<Factory>::En
 void PluginHost::add_integrator(Registry<IntegratorFactory>::Entry entry) {
     add(integrator_registry(), std::move(entry));
 }
-void PluginHost::add_camera(Registry<CameraFactory>::Entry entry) { add(camera_registry(), std::move(entry)); }
-void PluginHost::add_material(Registry<MaterialFactory>::Entry entry) { add(material_registry(), std::move(entry)); }
-void PluginHost::add_pattern(Registry<PatternFactory>::Entry entry) { add(pattern_registry(), std::move(entry)); }
-void PluginHost::add_medium(Registry<MediumFactory>::Entry entry) { add(medium_registry(), std::move(entry)); }
-void PluginHost::add_shape(Registry<ShapeFactory>::Entry entry) { add(shape_registry(), std::move(entry)); }
-void PluginHost::add_light(Registry<LightFactory>::Entry entry) { add(light_registry(), std::move(entry)); }
+void PluginHost::add_camera(Registry<CameraFactory>::Entry entry) {
+    add(camera_registry(), std::move(entry));
+}
+void PluginHost::add_material(Registry<MaterialFactory>::Entry entry) {
+    add(material_registry(), std::move(entry));
+}
+void PluginHost::add_pattern(Registry<PatternFactory>::Entry entry) {
+    add(pattern_registry(), std::move(entry));
+}
+void PluginHost::add_medium(Registry<MediumFactory>::Entry entry) {
+    add(medium_registry(), std::move(entry));
+}
+void PluginHost::add_shape(Registry<ShapeFactory>::Entry entry) {
+    add(shape_registry(), std::move(entry));
+}
+void PluginHost::add_light(Registry<LightFactory>::Entry entry) {
+    add(light_registry(), std::move(entry));
+}
 void PluginHost::add_pixel_filter(Registry<display::PixelFilterFactory>::Entry entry) {
     add(display::pixel_filter_registry(), std::move(entry));
 }

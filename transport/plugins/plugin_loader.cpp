@@ -26,7 +26,9 @@ using EntryPoint = void (*)(PluginHost&);
 
 }  // namespace
 
-const std::vector<LoadedPlugin>& loaded_plugins() { return plugins(); }
+const std::vector<LoadedPlugin>& loaded_plugins() {
+    return plugins();
+}
 
 Status load_plugin(const std::string& file, const SourceLocation& where) {
     auto stamp = read_plugin_stamp(file, where);
@@ -56,9 +58,7 @@ Status load_plugin(const std::string& file, const SourceLocation& where) {
         entry(host);
     } catch (const std::exception& error) {
         host.refuse(std::string("it threw while registering: ") + error.what());
-    } catch (...) {
-        host.refuse("it threw something that is no std::exception while registering");
-    }
+    } catch (...) { host.refuse("it threw something that is no std::exception while registering"); }
     if (host.refusal()) {
         host.take_back();
         return error_at(where, "plugin '" + file + "' cannot be used: " + *host.refusal());

@@ -16,8 +16,8 @@ struct LoadedPlugin {
     std::vector<PluginEntry> entries;
 };
 
-/// Loads the plugin and lets it register; one that is loaded already is left as it is. Single-threaded, before scenes are
-/// built. Plugins stay loaded until the program ends.
+/// Loads the plugin and lets it register; one that is loaded already is left as it is. Single-threaded, before scenes
+/// are built. Plugins stay loaded until the program ends.
 ///
 /// Checked in this order, each an Error at `where` that names the file: it can be read; it is a shared library for this
 /// machine; it carries a stamp; the stamp's raylex version, compiler, standard library, headers and layout are this

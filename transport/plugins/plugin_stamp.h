@@ -1,9 +1,10 @@
-// What a plugin says of itself before it is loaded: written into a section of its file by RAYLEX_PLUGIN, read from the file
-// by plugin_loader.h. Nothing of a plugin runs, not even its static constructors, until its stamp was found to be the
-// program's own.
+// What a plugin says of itself before it is loaded: written into a section of its file by RAYLEX_PLUGIN, read from the
+// file by plugin_loader.h. Nothing of a plugin runs, not even its static constructors, until its stamp was found to be
+// the program's own.
 //
-// C++ objects cross the border in both directions, so everything that decides their layout and meaning must agree: raylex's
-// version and headers, the compiler's and the standard library's binary interface, and the sizes that came out.
+// C++ objects cross the border in both directions, so everything that decides their layout and meaning must agree:
+// raylex's version and headers, the compiler's and the standard library's binary interface, and the sizes that came
+// out.
 #pragma once
 
 #include <array>
@@ -29,10 +30,10 @@ struct PluginStamp {
     static constexpr std::size_t layout_count = 12;
 
     std::array<char, 24> magic{};
-    std::array<char, 24> version{};    ///< of raylex
-    std::array<char, 48> compiler{};   ///< and its version of the C++ binary interface
-    std::array<char, 48> standard_library{};    ///< and what changes its layout
-    std::array<char, 72> interface{};  ///< digest of raylex's headers
+    std::array<char, 24> version{};                    ///< of raylex
+    std::array<char, 48> compiler{};                   ///< and its version of the C++ binary interface
+    std::array<char, 48> standard_library{};           ///< and what changes its layout
+    std::array<char, 72> interface {};                 ///< digest of raylex's headers
     std::array<std::uint32_t, layout_count> layout{};  ///< sizes of what crosses the border
 };
 
@@ -58,7 +59,8 @@ constexpr PluginStamp make_plugin_stamp() {
     stamp.magic = padded<24>(PluginStamp::magic_text);
     stamp.version = padded<24>(RAYLEX_PLUGIN_VERSION);
 #if defined(__clang__)
-    stamp.compiler = padded<48>("Clang " RAYLEX_PLUGIN_TEXT(__clang_major__) ", C++ ABI " RAYLEX_PLUGIN_TEXT(__GXX_ABI_VERSION));
+    stamp.compiler =
+        padded<48>("Clang " RAYLEX_PLUGIN_TEXT(__clang_major__) ", C++ ABI " RAYLEX_PLUGIN_TEXT(__GXX_ABI_VERSION));
 #else
     stamp.compiler = padded<48>("g++ " RAYLEX_PLUGIN_TEXT(__GNUC__) ", C++ ABI " RAYLEX_PLUGIN_TEXT(__GXX_ABI_VERSION));
 #endif

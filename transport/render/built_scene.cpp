@@ -103,13 +103,13 @@ Result<SceneAlphabet> scene_alphabet(const SceneDescription& scene, const lpe::L
         groups.insert(group);
         alphabet.terminals.push_back(terminal_event(infinite, group));
     }
-    bool glows = false;
+    bool medium_emits = false;
     for (std::size_t i = 0; i < media->size(); ++i) {
         const Medium& medium = (*media)[static_cast<std::int32_t>(i)];
         if (medium.scatters) alphabet.scattering.push_back(phase_event(media->names()[i]));
-        glows = glows || medium.emits;
+        medium_emits = medium_emits || medium.emits;
     }
-    if (glows) alphabet.terminals.push_back(emission_event());
+    if (medium_emits) alphabet.terminals.push_back(emission_event());
     for (const auto& [label, lobe] : scattering)
         alphabet.scattering.push_back(scattering_event(label, lobe_kinds()[lobe], slots));
     for (const std::string& label : straight) alphabet.scattering.push_back(straight_event(label));

@@ -88,9 +88,9 @@ void RenderWorker::add_pixel(int x, int y, std::uint64_t first, int count, std::
         const std::uint64_t sample = first + static_cast<std::uint64_t>(k);
         const PixelSampler sampler(from.sampler, from.seed, x, y, sample);
         const Vec2 u = sampler.get_2d(filter_dimension);
-        const display::FilterSample offset =
-            from.splat ? display::FilterSample{to_float(u.x) - 0.5f, to_float(u.y) - 0.5f, 1}
-                       : from.filter->sample(to_float(u.x), to_float(u.y));
+        const display::FilterSample offset = from.splat
+                                                 ? display::FilterSample{to_float(u.x) - 0.5f, to_float(u.y) - 0.5f, 1}
+                                                 : from.filter->sample(to_float(u.x), to_float(u.y));
         display::CameraRow& row = rows_[count_];
         row.pixel_x = x;
         row.pixel_y = y;

@@ -1,6 +1,7 @@
 // Counter-based sample numbers: every number is a pure function of (seed, pixel, sample, dimension).
 //
-// A Markov chain's numbers (primary_samples.h) come through the same door: an integrator then makes its samplers itself.
+// A Markov chain's numbers (primary_samples.h) come through the same door: an integrator then makes its samplers
+// itself.
 //
 // Nothing is carried from one call to the next, so a path may skip numbers, threads may take any block of samples, and
 // a run with fewer rays sees the same numbers at the same places (Laws 3 and 4).
@@ -86,14 +87,16 @@ class PixelSampler {
 
     /// `dimension` names a use (lens, light choice of the third vertex, ...): the same name, the same number.
     [[nodiscard]] Real get_1d(std::uint32_t dimension) const {
-        if (source_ != Source::sobol) [[unlikely]] return plain_1d(dimension);
+        if (source_ != Source::sobol) [[unlikely]]
+            return plain_1d(dimension);
         const std::uint64_t h = hash(dimension);
         using namespace sampler_detail;
         const std::uint32_t index = reverse_bits(owen_hash(reversed_index_, static_cast<std::uint32_t>(h)));
         return unit_float(reverse_bits(owen_hash(index, static_cast<std::uint32_t>(h >> 32))));
     }
     [[nodiscard]] Vec2 get_2d(std::uint32_t dimension) const {
-        if (source_ != Source::sobol) [[unlikely]] return plain_2d(dimension);
+        if (source_ != Source::sobol) [[unlikely]]
+            return plain_2d(dimension);
         const std::uint64_t h = hash(dimension);
         const auto low = static_cast<std::uint32_t>(h), high = static_cast<std::uint32_t>(h >> 32);
         using namespace sampler_detail;
@@ -104,9 +107,10 @@ class PixelSampler {
     }
     /// Independent of every other number, whatever the sampler: for choices of which few are made per path.
     [[nodiscard]] Real get_random(std::uint32_t dimension) const {
-        if (source_ == Source::chain) [[unlikely]] return chain().get(dimension, false);
-        return sampler_detail::unit_float(static_cast<std::uint32_t>(
-            sampler_detail::mix(hash(dimension) ^ reversed_index_) >> 32));
+        if (source_ == Source::chain) [[unlikely]]
+            return chain().get(dimension, false);
+        return sampler_detail::unit_float(
+            static_cast<std::uint32_t>(sampler_detail::mix(hash(dimension) ^ reversed_index_) >> 32));
     }
     /// A key for somebody else's hash: distinct per (pixel, sample, dimension), not itself random enough to use.
     [[nodiscard]] std::uint32_t key(std::uint32_t dimension) const {

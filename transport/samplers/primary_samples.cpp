@@ -8,12 +8,11 @@
 namespace raylex::transport {
 namespace {
 
-constexpr std::uint64_t choices = std::uint64_t{1} << 40;   // names no dimension has
+constexpr std::uint64_t choices = std::uint64_t{1} << 40;  // names no dimension has
 
 /// A standard normal number (Box and Muller) of 64 random bits.
 Real normal_number(std::uint64_t bits) {
-    const Real u = (static_cast<Real>(bits >> 40) + 0.5f) * 0x1p-24f,
-                v = static_cast<Real>(bits & 0xffffff) * 0x1p-24f;
+    const Real u = (static_cast<Real>(bits >> 40) + 0.5f) * 0x1p-24f, v = static_cast<Real>(bits & 0xffffff) * 0x1p-24f;
     return std::sqrt(-2 * std::log(u)) * std::cos(2 * pi * v);
 }
 
@@ -57,7 +56,9 @@ std::uint64_t PrimarySamples::bits(std::uint64_t name) const {
     return mix_bits(mix_bits(stream_ + mutation_ * 0x9e3779b97f4a7c15ull) ^ (name * 0xd1342543de82ef95ull));
 }
 
-Real PrimarySamples::choose(std::uint32_t use) const { return unit_float(bits(2 * choices + use)); }
+Real PrimarySamples::choose(std::uint32_t use) const {
+    return unit_float(bits(2 * choices + use));
+}
 
 void PrimarySamples::grow() {
     slots_.assign(std::max<std::size_t>(64, 2 * slots_.size()), 0u);

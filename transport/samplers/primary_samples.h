@@ -1,10 +1,11 @@
-// The numbers of one path as the state of a Markov chain: primary sample space (C. Kelemen et al. 2002, "A Simple and Robust
-// Mutation Strategy for the Metropolis Light Transport Algorithm", Computer Graphics Forum 21(3)).
+// The numbers of one path as the state of a Markov chain: primary sample space (C. Kelemen et al. 2002, "A Simple and
+// Robust Mutation Strategy for the Metropolis Light Transport Algorithm", Computer Graphics Forum 21(3)).
 //
-// A path asks by dimension, as of every PixelSampler; a number that was never asked for does not exist. Mutations are lazy: a
-// number learns of the small steps that it missed when it is asked for again, and they are one normal step of the square root
-// of their number (M. Pharr et al. 2016, "Physically Based Rendering", section 16.4.4). All draws are counter-based, keyed by
-// chain, mutation and dimension: they depend neither on the order of questions nor on anything beside the chain.
+// A path asks by dimension, as of every PixelSampler; a number that was never asked for does not exist. Mutations are
+// lazy: a number learns of the small steps that it missed when it is asked for again, and they are one normal step of
+// the square root of their number (M. Pharr et al. 2016, "Physically Based Rendering", section 16.4.4). All draws are
+// counter-based, keyed by chain, mutation and dimension: they depend neither on the order of questions nor on anything
+// beside the chain.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +22,8 @@ class PrimarySamples {
     /// Goes on with draws of another stream: chains that start at one point go different ways.
     void switch_stream(std::uint64_t stream) { stream_ = stream; }
 
-    /// Begins a mutation: all numbers anew (`large`), or each a little (normal steps of `sigma`, around the unit interval).
+    /// Begins a mutation: all numbers anew (`large`), or each a little (normal steps of `sigma`, around the unit
+    /// interval).
     void propose(bool large, Real sigma);
     /// The mutation becomes the state, or the state is what it was.
     void accept();
@@ -35,21 +37,21 @@ class PrimarySamples {
 
   private:
     struct Number {
-        std::uint64_t name = 0;              // dimension and which of the pair
+        std::uint64_t name = 0;  // dimension and which of the pair
         Real value = 0, kept = 0;
-        std::uint64_t changed = 0, kept_changed = 0;   // the step of the chain in which it was last brought up to date
+        std::uint64_t changed = 0, kept_changed = 0;  // the step of the chain in which it was last brought up to date
     };
     Number& find(std::uint64_t name);
     void grow();
     [[nodiscard]] std::uint64_t bits(std::uint64_t name) const;
 
     std::uint64_t stream_ = 0;
-    std::uint64_t mutation_ = 0;             // proposals so far: the counter of the draws
-    std::uint64_t step_ = 0, last_large_ = 0;   // accepted proposals and the one at hand; the last accepted large one
+    std::uint64_t mutation_ = 0;               // proposals so far: the counter of the draws
+    std::uint64_t step_ = 0, last_large_ = 0;  // accepted proposals and the one at hand; the last accepted large one
     bool large_ = true;
     Real sigma_ = 0;
     std::vector<Number> numbers_;
-    std::vector<std::uint32_t> slots_;       // open addressing by name: index + 1; 0 is free
+    std::vector<std::uint32_t> slots_;  // open addressing by name: index + 1; 0 is free
 };
 
 }  // namespace raylex::transport

@@ -1,8 +1,9 @@
 // A scene as its file describes it: the importer's output and the scene builder's input. Plain data.
 //
-// Materials, textures, lights, camera, film, filter, sampler and integrator stay (type name, parameters): the registries
-// give them meaning, so that a plugin's material needs no change here. Geometry is already loaded and transformed.
-// All rgb parameters are in `color.scene_space`, scene-linear. File names that materials, textures and lights read
+// Materials, textures, lights, camera, film, filter, sampler and integrator stay (type name, parameters): the
+// registries give them meaning, so that a plugin's material needs no change here. Geometry is already loaded and
+// transformed. All rgb parameters are in `color.scene_space`, scene-linear. File names that materials, textures and
+// lights read
 // ("filename", "normalmap", file spectra) are absolute and exist; every name of a material, texture or object resolves.
 #pragma once
 
@@ -22,15 +23,15 @@ namespace raylex::transport {
 
 /// Anything named by a type and a list of parameters.
 struct SceneEntity {
-    std::string name;            ///< of a named material or texture; else empty
-    std::string type;            ///< "diffuse", "imagemap", "path", ...
+    std::string name;  ///< of a named material or texture; else empty
+    std::string type;  ///< "diffuse", "imagemap", "path", ...
     ParameterSet parameters;
     SourceLocation location;
 };
 
 struct SceneTexture : SceneEntity {
-    bool spectrum = false;       ///< colour-valued; false: a single float
-    Transform to_world;          ///< current transform at its definition (planar, spherical ... mappings)
+    bool spectrum = false;  ///< colour-valued; false: a single float
+    Transform to_world;     ///< current transform at its definition (planar, spherical ... mappings)
 };
 
 enum class ShapeKind : std::uint8_t { triangle_mesh, bilinear_mesh, sphere, disk, cylinder };
@@ -39,25 +40,25 @@ enum class ShapeKind : std::uint8_t { triangle_mesh, bilinear_mesh, sphere, disk
 /// quadrics hold their parameters and the transform.
 struct SceneShape {
     ShapeKind kind = ShapeKind::triangle_mesh;
-    std::string source_file;                    ///< base name of a plymesh file; else empty
+    std::string source_file;  ///< base name of a plymesh file; else empty
     SourceLocation location;
 
-    std::vector<StoredVec3> positions, normals; ///< normals: one per position, or none
-    std::vector<StoredVec2> uvs;                ///< one per position, or none
-    std::vector<std::uint32_t> indices;         ///< 3 per triangle, 4 per patch (p00 p10 p01 p11)
+    std::vector<StoredVec3> positions, normals;  ///< normals: one per position, or none
+    std::vector<StoredVec2> uvs;                 ///< one per position, or none
+    std::vector<std::uint32_t> indices;          ///< 3 per triangle, 4 per patch (p00 p10 p01 p11)
 
-    Real radius = 1, z_min = -1, z_max = 1, phi_max = 360;     ///< sphere, cylinder; degrees
-    Real height = 0, inner_radius = 0;                         ///< disk
-    Transform object_to_world;                  ///< quadrics; meshes: where their vertices came from, for AOVs
+    Real radius = 1, z_min = -1, z_max = 1, phi_max = 360;  ///< sphere, cylinder; degrees
+    Real height = 0, inner_radius = 0;                      ///< disk
+    Transform object_to_world;  ///< quadrics; meshes: where their vertices came from, for AOVs
 
-    bool flip_normal = false;                   ///< ReverseOrientation xor a transform that swaps handedness
-    int material = -1;                          ///< index into materials
-    int area_light = -1;                        ///< index into area_lights
+    bool flip_normal = false;                     ///< ReverseOrientation xor a transform that swaps handedness
+    int material = -1;                            ///< index into materials
+    int area_light = -1;                          ///< index into area_lights
     int inside_medium = -1, outside_medium = -1;  ///< indices into media, -1 = none; alike: the surface is no border
-    Real alpha = 1;                             ///< constant opacity
-    std::string alpha_texture;                  ///< name of a float texture; overrides alpha
-    std::string label;                          ///< LPE object label; as imported: the named material's name
-    bool holdout = false;                       ///< set by a label rule; see LabelRule
+    Real alpha = 1;                               ///< constant opacity
+    std::string alpha_texture;                    ///< name of a float texture; overrides alpha
+    std::string label;                            ///< LPE object label; as imported: the named material's name
+    bool holdout = false;                         ///< set by a label rule; see LabelRule
 };
 
 struct SceneObject {
@@ -66,17 +67,17 @@ struct SceneObject {
 };
 
 struct SceneInstance {
-    int object = -1;                            ///< index into objects
+    int object = -1;  ///< index into objects
     Transform to_world;
-    std::string label;                          ///< set by a label rule: overrides the shapes' own labels
-    std::optional<bool> holdout;                ///< set by a label rule: overrides the shapes' own
+    std::string label;            ///< set by a label rule: overrides the shapes' own labels
+    std::optional<bool> holdout;  ///< set by a label rule: overrides the shapes' own
     SourceLocation location;
 };
 
 /// LightSource: point, spot, distant, infinite, ...
 struct SceneLight : SceneEntity {
     Transform to_world;
-    std::string group;                          ///< LPE light group; empty = none
+    std::string group;  ///< LPE light group; empty = none
 };
 
 /// AreaLightSource: one per directive, shared by the shapes that follow it.
@@ -101,38 +102,38 @@ struct ColorContext {
 
 struct SceneDescription {
     std::string file;
-    SceneEntity camera, film, filter, sampler, integrator;     ///< type empty: not given, defaults apply
+    SceneEntity camera, film, filter, sampler, integrator;  ///< type empty: not given, defaults apply
     Transform camera_to_world;
-    int camera_medium = -1;                                    ///< index into media; -1 = none
+    int camera_medium = -1;  ///< index into media; -1 = none
     ColorContext color;
-    std::vector<SceneEntity> materials;                        ///< [0] is the default diffuse material
+    std::vector<SceneEntity> materials;  ///< [0] is the default diffuse material
     std::vector<SceneTexture> textures;
-    std::vector<SceneEntity> media;                            ///< by MakeNamedMedium
+    std::vector<SceneEntity> media;  ///< by MakeNamedMedium
     std::vector<SceneShape> shapes;
     std::vector<SceneObject> objects;
     std::vector<SceneInstance> instances;
     std::vector<SceneLight> lights;
     std::vector<SceneAreaLight> area_lights;
-    std::vector<Error> warnings;                               ///< unknown but harmless: printed once, kept for --stats
+    std::vector<Error> warnings;  ///< unknown but harmless: printed once, kept for --stats
 };
 
 /// Gives labels to objects and groups to lights of an unmodified scene. Exactly one selector is set; globs (* and ?).
 struct LabelRule {
     enum class Selector : std::uint8_t { material, mesh_file, instance, light, area_light_material };
     Selector selector = Selector::material;
-    std::string pattern;         ///< light: "infinite", "spot:1", "area:0" (kind, or kind:index in file order), globs
-    std::string label;           ///< object label, or light group for the light selectors
+    std::string pattern;  ///< light: "infinite", "spot:1", "area:0" (kind, or kind:index in file order), globs
+    std::string label;    ///< object label, or light group for the light selectors
     SourceLocation location;
-    /// Objects only. What a camera ray finds first at a holdout leaves the beauty, its alpha and all channels but those with
-    /// the prefix `holdouts`: a stand-in for what the plate shows already.
+    /// Objects only. What a camera ray finds first at a holdout leaves the beauty, its alpha and all channels but those
+    /// with the prefix `holdouts`: a stand-in for what the plate shows already.
     std::optional<bool> holdout{};
-    bool keeps_label = false;    ///< the rule speaks of holdouts alone
+    bool keeps_label = false;  ///< the rule speaks of holdouts alone
 };
 
-/// First matching rule wins per object and per light, for the label and for being a holdout apart; what no rule matches keeps its label (shapes: the name of their
-/// named material, as imported). Area lights count as kind "area", one per AreaLightSource in file order; an instance
-/// goes by its object's name or name:index. A rule that matches nothing is an Error that lists near misses; one that
-/// matches only what earlier rules took adds a warning.
+/// First matching rule wins per object and per light, for the label and for being a holdout apart; what no rule matches
+/// keeps its label (shapes: the name of their named material, as imported). Area lights count as kind "area", one per
+/// AreaLightSource in file order; an instance goes by its object's name or name:index. A rule that matches nothing is
+/// an Error that lists near misses; one that matches only what earlier rules took adds a warning.
 Status apply_label_rules(SceneDescription& scene, const std::vector<LabelRule>& rules);
 
 }  // namespace raylex::transport

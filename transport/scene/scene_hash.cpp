@@ -17,10 +17,8 @@ namespace {
 class SceneHash {
   public:
     template <class Number>
-        requires std::is_arithmetic_v<Number> || std::is_enum_v<Number>
-    void add(Number number) {
-        bytes({reinterpret_cast<const char*>(&number), sizeof number});
-    }
+    requires std::is_arithmetic_v<Number> || std::is_enum_v<Number>
+    void add(Number number) { bytes({reinterpret_cast<const char*>(&number), sizeof number}); }
     void add(const std::string& text) { bytes(text); }
     template <class Item>
     void add(const std::vector<Item>& items) {

@@ -7,8 +7,8 @@
 
 namespace raylex::transport {
 
-/// Of everything that can change an image: entities with their parameters, geometry, labels, groups, and the bytes of the
-/// files that parameters name. What ColorContext::file_color does cannot be looked into and is the caller's to add.
+/// Of everything that can change an image: entities with their parameters, geometry, labels, groups, and the bytes of
+/// the files that parameters name. What ColorContext::file_color does cannot be looked into and is the caller's to add.
 [[nodiscard]] std::uint64_t scene_hash(const SceneDescription& scene);
 
 }  // namespace raylex::transport

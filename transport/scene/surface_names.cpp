@@ -70,8 +70,8 @@ SurfaceNames::SurfaceNames(const SceneDescription& scene) {
     for (const SceneInstance& instance : scene.instances) {
         if (instance.object < 0 || static_cast<std::size_t>(instance.object) >= scene.objects.size()) continue;
         const auto object = static_cast<std::size_t>(instance.object);
-        instances_.push_back({object, scene.objects[object].name + ":" + std::to_string(count[instance.object]++),
-                              instance.label});
+        instances_.push_back(
+            {object, scene.objects[object].name + ":" + std::to_string(count[instance.object]++), instance.label});
     }
 }
 

@@ -1,8 +1,10 @@
 // What the surfaces of a scene are called in cryptomattes. Surfaces count as EmbreeScene::surface_number() counts them.
 //
-// object    the label that a rule gave (a label other than the material's name); else the file of a mesh, as label rules
-//           know it; else the kind of shape and its number among its like, in file order: "sphere:0", and "leaf/sphere:0"
-//           for a shape that the object "leaf" defines. The label of an instance stands for all it places.
+// object    the label that a rule gave (a label other than the material's name); else the file of a mesh, as label
+// rules
+//           know it; else the kind of shape and its number among its like, in file order: "sphere:0", and
+//           "leaf/sphere:0" for a shape that the object "leaf" defines. The label of an instance stands for all it
+//           places.
 // material  the named material; else its type and its number among the nameless of that type: "diffuse:2"
 // asset     the instance, as label rules know it, "leaf:17"; a shape outside instances: its object name
 #pragma once
@@ -23,9 +25,14 @@ class SurfaceNames {
     [[nodiscard]] geoaovs::MatteNames of(geoaovs::MatteKind kind) const;
 
   private:
-    struct Shape { std::string object, material; };
-    struct Instance { std::size_t object; std::string name, label; };
-    std::vector<std::vector<Shape>> shapes_;   // [0] the top level, then every object's
+    struct Shape {
+        std::string object, material;
+    };
+    struct Instance {
+        std::size_t object;
+        std::string name, label;
+    };
+    std::vector<std::vector<Shape>> shapes_;  // [0] the top level, then every object's
     std::vector<Instance> instances_;
 };
 

@@ -1,4 +1,5 @@
-// The groups of `raylex lpe` subcommands, one file each, and what they share: dialects, and channels from the command line.
+// The groups of `raylex lpe` subcommands, one file each, and what they share: dialects, and channels from the command
+// line.
 #pragma once
 
 #include <optional>
@@ -17,10 +18,11 @@
 namespace raylex::experiments {
 
 // Each adds its subcommands to `raylex lpe`.
-void add_lpe_match_commands(CLI::App& lpe, CommandContext& context);    ///< match, vectors
-void add_lpe_check_commands(CLI::App& lpe, CommandContext& context);    ///< check
-void add_lpe_relation_commands(CLI::App& lpe, CommandContext& context); ///< equal, contains, empty
-void add_lpe_path_commands(CLI::App& lpe, CommandContext& context);     ///< words, complement, intersection, union, difference
+void add_lpe_match_commands(CLI::App& lpe, CommandContext& context);     ///< match, vectors
+void add_lpe_check_commands(CLI::App& lpe, CommandContext& context);     ///< check
+void add_lpe_relation_commands(CLI::App& lpe, CommandContext& context);  ///< equal, contains, empty
+void add_lpe_path_commands(CLI::App& lpe,
+                           CommandContext& context);  ///< words, complement, intersection, union, difference
 void add_lpe_explain_commands(CLI::App& lpe, CommandContext& context);  ///< explain
 void add_lpe_graph_commands(CLI::App& lpe, CommandContext& context);    ///< graph
 void add_lpe_split_commands(CLI::App& lpe, CommandContext& context);    ///< split
@@ -55,8 +57,8 @@ CLI::Option* add_channel_arguments(CLI::App& command, ChannelArguments& argument
 /// --channels and --format alone.
 CLI::Option* add_channel_files(CLI::App& command, ChannelArguments& arguments);
 
-/// Whether the text given by itself is the path of a channel file. Errors: it is as well NAME=EXPR, or ends as one and is
-/// not there.
+/// Whether the text given by itself is the path of a channel file. Errors: it is as well NAME=EXPR, or ends as one and
+/// is not there.
 Result<bool> is_channel_file(const std::string& text);
 /// Takes the files among the arguments to the files. Commands do so first.
 Status take_channel_files(ChannelArguments& arguments);
@@ -71,8 +73,8 @@ Result<std::vector<lpe::ChannelSource>> resolved_channels(const ChannelSet& set,
 /// Commands work on what this returns and on nothing else. Errors: no channel at all.
 Result<std::vector<lpe::ChannelSource>> read_channels(const ChannelArguments& arguments, lpe::Dialect dialect);
 
-/// What a text given by itself means beside files: the channel of that name in them, or an expression that may use their
-/// macros. `what` names it in errors ("--of").
+/// What a text given by itself means beside files: the channel of that name in them, or an expression that may use
+/// their macros. `what` names it in errors ("--of").
 Result<lpe::ChannelSource> channel_or_expression(const std::string& text, const ChannelArguments& arguments,
                                                  lpe::Dialect dialect, const std::string& what);
 

@@ -1,5 +1,5 @@
-// What `raylex lpe check` judges: which channels of files are layers of a split, what they are held against, and the paths
-// that there are.
+// What `raylex lpe check` judges: which channels of files are layers of a split, what they are held against, and the
+// paths that there are.
 #pragma once
 
 #include <optional>
@@ -18,8 +18,8 @@ struct PathOptions {
 };
 void add_path_options(CLI::App& command, PathOptions& options);
 
-/// The paths of the scene, else all, cut by the options; without a word on volumes RIB and rendermn.ini have none unless
-/// an expression names V.
+/// The paths of the scene, else all, cut by the options; without a word on volumes RIB and rendermn.ini have none
+/// unless an expression names V.
 Result<lpe::Words> words_of(const PathOptions& options, const std::optional<SceneWords>& scene, const ChannelSet& set,
                             std::span<const lpe::ChannelSource> channels);
 
@@ -28,13 +28,13 @@ std::vector<lpe::ChannelSource> read_all(const ChannelSet& set, std::vector<Erro
 
 struct Layers {
     std::vector<lpe::ChannelSource> sources;
-    std::optional<lpe::ChannelSource> whole;                   ///< what they are held against; none: every path
-    std::string whole_name;                                    ///< the channel that it is, or empty
+    std::optional<lpe::ChannelSource> whole;                     ///< what they are held against; none: every path
+    std::string whole_name;                                      ///< the channel that it is, or empty
     std::vector<std::pair<std::string, std::string>> no_layers;  ///< names, and why they are no part of the split
 };
 
-/// Of channels from files, those with prefixes, with statistics other than the mean, and those that are the whole itself
-/// are no layers. `of` is --of, or none. Errors: nothing is left; the algebra's.
+/// Of channels from files, those with prefixes, with statistics other than the mean, and those that are the whole
+/// itself are no layers. `of` is --of, or none. Errors: nothing is left; the algebra's.
 Result<Layers> choose_layers(const ChannelSet& set, std::vector<lpe::ChannelSource> sources,
                              std::optional<lpe::ChannelSource> of, const lpe::Words& words);
 

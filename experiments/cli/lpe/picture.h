@@ -12,20 +12,20 @@
 namespace raylex::experiments {
 
 struct CheckPicture {
-    std::string partition;             ///< its name where a TOML file declares it
-    std::size_t channels = 0;          ///< that were read
-    std::vector<std::string> files;    ///< they came from
+    std::string partition;           ///< its name where a TOML file declares it
+    std::size_t channels = 0;        ///< that were read
+    std::vector<std::string> files;  ///< they came from
     Layers layers;
     lpe::Words words;
     bool holds = false;
-    std::string verdict;               ///< "partition", "missed", "counted twice", "outside", "disjoint", "overlaps"
+    std::string verdict;  ///< "partition", "missed", "counted twice", "outside", "disjoint", "overlaps"
     std::string summary;
     lpe::Witness witness;
     std::vector<std::string> warnings;
-    lpe::Overview overview;            ///< empty where it holds
-    lpe::Sorting sorting;              ///< of layers from files that overlap
-    std::string rest;                  ///< an expression for what is missed, or empty
-    std::string rest_note;             ///< who reads it, or why there is none
+    lpe::Overview overview;  ///< empty where it holds
+    lpe::Sorting sorting;    ///< of layers from files that overlap
+    std::string rest;        ///< an expression for what is missed, or empty
+    std::string rest_note;   ///< who reads it, or why there is none
 };
 
 /// To standard output: what was read, where it came from files; overlaps, holes; the verdict, and the path against it.

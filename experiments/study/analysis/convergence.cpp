@@ -15,7 +15,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 // much.
 constexpr double slope_margin = 0.02;
 constexpr std::size_t fewest_judged_budgets = 3;  // two lie on a line whatever the error does between and beyond
-constexpr double farthest_octaves = 10;  // an extrapolation beyond is a guess
+constexpr double farthest_octaves = 10;           // an extrapolation beyond is a guess
 
 struct Point {
     double x = 0, y = 0;  // logs

@@ -58,10 +58,10 @@ struct TimeToError {
     bool extrapolated = false;  ///< outside the measured times
 };
 
-/// Inside the measured budgets from a line through those within an octave of the target's bracket; outside, from the last (or
-/// first) four octaves with the slope fixed at -1 unless the fitted 99 % interval excludes it. x is samples per pixel, where they
-/// are known, priced at the nearest large budget; else the time less the setup. The setup is added again. Intervals by the
-/// delta method; times beyond 2^10 of the measured ones are not given.
+/// Inside the measured budgets from a line through those within an octave of the target's bracket; outside, from the
+/// last (or first) four octaves with the slope fixed at -1 unless the fitted 99 % interval excludes it. x is samples
+/// per pixel, where they are known, priced at the nearest large budget; else the time less the setup. The setup is
+/// added again. Intervals by the delta method; times beyond 2^10 of the measured ones are not given.
 TimeToError time_to_error(std::span<const BudgetGroup> groups, double relative_error, double confidence = 0.95);
 
 /// What the budgets before the last say about the last: the time to the error that the last one had.

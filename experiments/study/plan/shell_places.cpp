@@ -22,7 +22,8 @@ bool is_interpreter(const std::string& name) {
            name.starts_with("node") || name.starts_with("lua");
 }
 
-/// What a command hands to another shell, which would read the values of variables that this one has put in; empty: nothing.
+/// What a command hands to another shell, which would read the values of variables that this one has put in; empty:
+/// nothing.
 std::string other_shell(const std::string& command) {
     if (command.find("<<") != std::string::npos) return "a here document";
     std::string word, before;

@@ -110,8 +110,8 @@ void find_words(Study& study, const SceneInfo& scene, const MethodVariant& varia
         any = any || entry.convicts();
         for (const ChannelInfo& channel : scene.channels)
             if (channel.name == entry.channel && !channel.beauty)
-                channels.push_back({channel.name, channel.expression, channel.dialect, entry.convicts(),
-                                    entry.verdict.adjusted_p});
+                channels.push_back(
+                    {channel.name, channel.expression, channel.dialect, entry.convicts(), entry.verdict.adjusted_p});
     }
     if (!any) return;
     WordsEntry entry{scene.name, variant.name, first_differing_words(channels)};

@@ -62,9 +62,9 @@ class Measurer {
     Status measure_scene(const SceneInfo& scene) {
         if (scene.reference.empty()) {
             study_.omissions.push_back(
-                {"scene " + scene.name, "no reference" +
-                                            (scene.reference_failure.empty() ? "" : " (" + scene.reference_failure + ")") +
-                                            ": errors, bias and images of it are not judged"});
+                {"scene " + scene.name,
+                 "no reference" + (scene.reference_failure.empty() ? "" : " (" + scene.reference_failure + ")") +
+                     ": errors, bias and images of it are not judged"});
             return success();
         }
         std::vector<RegionPixels> regions{{"", {}}};

@@ -69,8 +69,9 @@ struct BiasEntry {
     double budget = 0;
     std::size_t replicates = 0;
     BiasVerdict verdict;
-    bool heavy_tail = false;  ///< a few rare samples decide: what the test assumes does not hold, and it convicts nobody
-    std::string omitted;      ///< paths of this channel that the method says it does not find: then it is not judged by it
+    bool heavy_tail =
+        false;            ///< a few rare samples decide: what the test assumes does not hold, and it convicts nobody
+    std::string omitted;  ///< paths of this channel that the method says it does not find: then it is not judged by it
     [[nodiscard]] bool convicts() const { return verdict.differs && !heavy_tail && omitted.empty(); }
 };
 
@@ -81,8 +82,9 @@ struct WordsEntry {
 
 /// Two variants that differ in one setting, of one method or of two.
 struct SettingEffect {
-    std::string scene, channel, key, from, to, others;  ///< others: the method that `from` is of, and what it sweeps beside
-    Interval speed_up;                                  ///< of `to` against `from`
+    std::string scene, channel, key, from, to,
+        others;         ///< others: the method that `from` is of, and what it sweeps beside
+    Interval speed_up;  ///< of `to` against `from`
 };
 
 /// The expression of paths that a variant says it does not find in a scene and that a channel has, too; empty: none.

@@ -201,8 +201,7 @@ std::string study_page(const Study& study, const std::vector<Plot>& plots, const
         omissions_table(study) + "</section>\n<section id=\"provenance\"><h2>Provenance</h2>\n" +
         provenance_table(study) + "</section>\n";
     page.reserve(page.size() + d3.size() + pictures.bytes + pictures.encoded.size() * 80 + 1'000'000);
-    page += "<script type=\"application/json\" id=\"study\">" +
-            script_json(json_text(data)) + "</script>\n";
+    page += "<script type=\"application/json\" id=\"study\">" + script_json(json_text(data)) + "</script>\n";
     for (std::size_t id = 0; id < pictures.encoded.size(); ++id)
         page += "<script type=\"text/plain\" id=\"picture-" + std::to_string(id) + "\">" + pictures.encoded[id] +
                 "</script>\n";

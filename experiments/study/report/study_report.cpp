@@ -67,7 +67,9 @@ std::string bias_line(const Study& study, const std::string& scene, const Method
     }
     std::string text = variant.name + " on " + scene + ": ";
     const std::string not_judged =
-        omitted.empty() ? "" : "not judged by " + without + ", which have paths that it says it does not find (" + omitted + ")";
+        omitted.empty()
+            ? ""
+            : "not judged by " + without + ", which have paths that it says it does not find (" + omitted + ")";
     if (!tested) return omitted.empty() ? std::string() : text + not_judged;
     const std::string elsewhere = omitted.empty() ? "" : "; " + not_judged;
     if (!convicted && doubtful) return text + "no verdict on bias, since a few rare samples decide" + elsewhere;

@@ -18,7 +18,8 @@ struct StudyReportOptions {
 
 /// Measures every cell against its scene's reference and writes the files, each whole or not at all. Prints what it
 /// wrote, and warnings for what could not be judged. Returns an exit code: 0 written, 2 bad input or a file that cannot
-/// be written (the message is printed), or damaged files were left out. Verdicts do not change the code: they are results.
+/// be written (the message is printed), or damaged files were left out. Verdicts do not change the code: they are
+/// results.
 int write_study_report(const Experiment& experiment, const StudyReportOptions& options = {});
 
 }  // namespace raylex::experiments

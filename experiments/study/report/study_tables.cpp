@@ -305,9 +305,8 @@ std::string bias_table(const Study& study, const SceneInfo& scene) {
                         text_cell(v.note));
             continue;
         }
-        cells += !entry.omitted.empty()
-                     ? "<td class=\"note\">not judged: it says that it does not find <code>" + escape_html(entry.omitted) +
-                           "</code></td>"
+        cells += !entry.omitted.empty() ? "<td class=\"note\">not judged: it says that it does not find <code>" +
+                                              escape_html(entry.omitted) + "</code></td>"
                  : entry.convicts()
                      ? std::string("<td class=\"fails\">differs") + (unbiased ? "" : ", as declared") + "</td>"
                  : v.differs ? "<td class=\"warn\">differs, but a few rare samples decide</td>"

@@ -1,5 +1,5 @@
-// The last step of a cell: its files made safe on disk, its directory renamed. Waiting for a disk costs no processor, so it
-// is done beside the next render, one cell at a time.
+// The last step of a cell: its files made safe on disk, its directory renamed. Waiting for a disk costs no processor,
+// so it is done beside the next render, one cell at a time.
 #pragma once
 
 #include <condition_variable>
@@ -15,8 +15,8 @@
 
 namespace raylex::experiments {
 
-/// A directory whose files are all written but cell.json, which lists them. It gets its final name only once they are on
-/// disk: a name in cells/ is a whole cell, whatever happens.
+/// A directory whose files are all written but cell.json, which lists them. It gets its final name only once they are
+/// on disk: a name in cells/ is a whole cell, whatever happens.
 struct WrittenCell {
     Cell cell;  ///< for cell.json; `files` is filled in
     std::string partial, final_name;

@@ -27,7 +27,8 @@ Status write_channel(const std::string& directory, const std::string& name, cons
     PixelArray array{size_of(layout.height), size_of(layout.width), 3,
                      buffer.resolve(id, {0, 0, layout.width, layout.height})};
     if (Status s = write_npy(directory + "/" + name + ".mean.npy", array, display::FileSync::later); !s) return s;
-    if (buffer.light_path_count() > 0) return success();  // moments would be of camera samples alone, and splats count too
+    if (buffer.light_path_count() > 0)
+        return success();  // moments would be of camera samples alone, and splats count too
     std::vector<double> variance = buffer.resolve_variance_of_mean(id);
     if (variance.empty()) return success();
     for (std::size_t i = 0; i < variance.size(); ++i) {
@@ -71,10 +72,9 @@ std::vector<ChannelInfo> channel_infos(const ChannelPlan& plan) {
 Result<std::vector<PartitionVerdict>> write_render_files(const std::string& directory, const Rendered& rendered,
                                                          const JobScene& scene,
                                                          const std::map<std::string, std::string>& attributes) {
-    return write_buffer_files(
-        directory, rendered.output.frame_buffer, rendered.output.beauty,
-        image_description(rendered.job, scene, rendered.output, rendered.partitions, attributes),
-        record_identity(rendered));
+    return write_buffer_files(directory, rendered.output.frame_buffer, rendered.output.beauty,
+                              image_description(rendered.job, scene, rendered.output, rendered.partitions, attributes),
+                              record_identity(rendered));
 }
 
 display::RecordIdentity record_identity(const Rendered& rendered) {
@@ -132,7 +132,8 @@ Result<std::vector<PartitionVerdict>> write_buffer_files(const std::string& dire
         for (const display::SplitVerdict& read : *found) {
             if (read.partition != each.partition) continue;
             const std::string map = directory + "/" + each.partition + ".residual.png";
-            if (Status s = display::write_residual_png(map, read, written->width, written->height); !s) return s.error();
+            if (Status s = display::write_residual_png(map, read, written->width, written->height); !s)
+                return s.error();
         }
     }
     return verdicts;

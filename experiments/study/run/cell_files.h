@@ -12,8 +12,8 @@
 
 namespace raylex::experiments {
 
-/// image.exr, the arrays and record.bin of a render, into a directory that is there; none is synced yet. Returns what the
-/// image's partitions come to, of the very numbers in the file.
+/// image.exr, the arrays and record.bin of a render, into a directory that is there; none is synced yet. Returns what
+/// the image's partitions come to, of the very numbers in the file.
 Result<std::vector<PartitionVerdict>> write_render_files(const std::string& directory, const Rendered& rendered,
                                                          const JobScene& scene,
                                                          const std::map<std::string, std::string>& attributes);
@@ -25,8 +25,8 @@ Result<std::vector<PartitionVerdict>> write_buffer_files(const std::string& dire
                                                          display::RecordIdentity identity);
 display::RecordIdentity record_identity(const Rendered& rendered);
 
-/// The arrays of an image of another program: the beauty, and the layers that are called like channels; not synced. Errors: it
-/// cannot be read, has no colours, is not of this size, or has values that are not finite.
+/// The arrays of an image of another program: the beauty, and the layers that are called like channels; not synced.
+/// Errors: it cannot be read, has no colours, is not of this size, or has values that are not finite.
 Status write_image_files(const std::string& directory, const std::string& image, int width, int height,
                          const std::vector<ChannelInfo>& channels);
 

@@ -35,13 +35,13 @@ std::string image_text(const display::ImageDescription& description, display::Ch
     for (const display::PartitionDeclaration& each : description.partitions)
         partitions.push_back({{"name", each.name}, {"of", each.of}, {"layers", each.layers}});
     const display::Chromaticities& c = description.chromaticities;
-    const Json json{{"beauty", beauty},
-                    {"attributes", description.attributes},
-                    {"partitions", partitions},
-                    {"chromaticities",
-                     {vector_json(c.red), vector_json(c.green), vector_json(c.blue), vector_json(c.white)}},
-                    {"world_to_camera", description.world_to_camera},
-                    {"world_to_screen", description.world_to_screen}};
+    const Json json{
+        {"beauty", beauty},
+        {"attributes", description.attributes},
+        {"partitions", partitions},
+        {"chromaticities", {vector_json(c.red), vector_json(c.green), vector_json(c.blue), vector_json(c.white)}},
+        {"world_to_camera", description.world_to_camera},
+        {"world_to_screen", description.world_to_screen}};
     return json_text(json);
 }
 
@@ -105,8 +105,7 @@ WorkList split_cells(const ExperimentConfig& config, const Plan& plan, const Rea
         if (split < 2 || !reason.empty()) {
             const std::string who = "cells of method '" + planned.cell.method + "' with a budget of " +
                                     budget_text(planned.cell.budget_kind, planned.cell.budget);
-            if (!reason.empty() && said.insert(who).second)
-                work.notes.push_back(who + " are kept whole: " + reason);
+            if (!reason.empty() && said.insert(who).second) work.notes.push_back(who + " are kept whole: " + reason);
             work.items.push_back(planned);
             continue;
         }
@@ -155,8 +154,9 @@ Status check_parts(const Cell& cell, std::vector<const Cell*>& parts) {
                                         "' has " + std::to_string(cell.seed));
         if (!part.failed && rendered == nullptr) rendered = &part;
         if (!part.failed && part.isa != rendered->isa)
-            return part_error(part, "this part was rendered with " + part.isa + ", the one in '" + rendered->directory +
-                                        "' with " + rendered->isa + ", so they are not parts of one render",
+            return part_error(part,
+                              "this part was rendered with " + part.isa + ", the one in '" + rendered->directory +
+                                  "' with " + rendered->isa + ", so they are not parts of one render",
                               "isa = \"sse4.2\" or another in the config makes all machines use the same");
         if (i > 0 && part.first_sample < reached)
             return part_error(part,

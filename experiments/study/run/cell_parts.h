@@ -31,7 +31,8 @@ using ReasonToKeep = std::function<std::string(std::size_t scene, std::size_t va
 /// The plan with each cell in `split` parts of about as many samples; fewer where it has fewer blocks of samples. Kept
 /// whole: cells whose samples are found on the way (budgets of time and error), those of external commands, of Markov
 /// chains, with cryptomattes, and of one block.
-WorkList split_cells(const ExperimentConfig& config, const Plan& plan, const ReasonToKeep& reason_to_keep, unsigned split);
+WorkList split_cells(const ExperimentConfig& config, const Plan& plan, const ReasonToKeep& reason_to_keep,
+                     unsigned split);
 
 /// record.bin of a part: its sums, and what the image of the whole cell will say of itself.
 Status write_part_record(const std::string& directory, const Rendered& rendered, const JobScene& scene,

@@ -239,9 +239,11 @@ Result<CellOutcome> run_cell(const WorkContext& context, const PlannedCell& plan
     }
     if (!rendered->output.complete) {
         if (context.stop == nullptr || !context.stop->load())
-            return fail_cell(context, std::move(outcome),
-                             error_at({}, "the time budget was spent before every pixel had a sample; expected more time, or "
-                                          "paths that end: max_depth bounds them"));
+            return fail_cell(
+                context, std::move(outcome),
+                error_at({},
+                         "the time budget was spent before every pixel had a sample; expected more time, or "
+                         "paths that end: max_depth bounds them"));
         outcome.stopped = true;
         return outcome;
     }

@@ -37,13 +37,14 @@ struct CellOutcome {
     double outside_seconds = 0;  ///< wall, within an external renderer
 };
 
-/// Renders into cells/ID.partial and has the closer rename that to cells/ID, or writes failed/ID.json. `seconds_per_sample`
-/// is what a sample of the whole image is expected to take, 0 when not known. Errors end the experiment: a disk that takes
-/// nothing, be it of this cell or of the one before, a checkpoint that is damaged or of another program. A render that cannot
-/// be done is no Error but a failed cell.
+/// Renders into cells/ID.partial and has the closer rename that to cells/ID, or writes failed/ID.json.
+/// `seconds_per_sample` is what a sample of the whole image is expected to take, 0 when not known. Errors end the
+/// experiment: a disk that takes nothing, be it of this cell or of the one before, a checkpoint that is damaged or of
+/// another program. A render that cannot be done is no Error but a failed cell.
 Result<CellOutcome> run_cell(const WorkContext& context, const PlannedCell& planned, double seconds_per_sample);
 
-/// Writes failed/ID.json and removes the cell's directory, all of it or all but its checkpoint. Errors end the experiment.
+/// Writes failed/ID.json and removes the cell's directory, all of it or all but its checkpoint. Errors end the
+/// experiment.
 Result<CellOutcome> record_failure(const std::string& results, CellOutcome outcome, const Error& reason,
                                    bool keep_checkpoint);
 /// Of a cell's directory or a reference's, while it is partial.

@@ -102,8 +102,8 @@ Result<bool> CellWorker::reference(std::size_t scene, SceneInfo& info, double& s
                                    const std::function<void(const WorkProgress&)>& progress) {
     Message request = request_of(Operation::reference, scene);
     request["info"] = scene_message(info);
-    auto answer = ask(request, config_.reference.timeout, config_.checkpoint_seconds > 0 ? seconds_to_save : 1,
-                      progress);
+    auto answer =
+        ask(request, config_.reference.timeout, config_.checkpoint_seconds > 0 ? seconds_to_save : 1, progress);
     if (!answer) {
         if (!died_) return answer.error();
         if (stopped()) return false;

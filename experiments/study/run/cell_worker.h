@@ -1,5 +1,5 @@
-// All that can die of a scene, done where it takes nobody along: loading, calibrating, references, cells. The process that
-// does it is begun anew when it has died, and then loads what it needs again.
+// All that can die of a scene, done where it takes nobody along: loading, calibrating, references, cells. The process
+// that does it is begun anew when it has died, and then loads what it needs again.
 #pragma once
 
 #include <atomic>
@@ -29,8 +29,8 @@ struct Calibration {
 
 class CellWorker {
   public:
-    /// The config and the plan outlive it, and do not change once it has been asked for anything. `isolated`: false does
-    /// everything in this process. `in_process` is called first in every process that is begun.
+    /// The config and the plan outlive it, and do not change once it has been asked for anything. `isolated`: false
+    /// does everything in this process. `in_process` is called first in every process that is begun.
     CellWorker(const ExperimentConfig& config, const Plan& plan, std::string directory, const std::atomic<bool>* stop,
                bool isolated, std::function<void()> in_process = {});
 
@@ -55,7 +55,7 @@ class CellWorker {
 
   private:
     Result<Json> ask(const Json& request, double timeout, double seconds_to_stop,
-                               const std::function<void(const WorkProgress&)>& progress);
+                     const std::function<void(const WorkProgress&)>& progress);
     Status finish_last();
     [[nodiscard]] bool stopped() const { return stop_ != nullptr && stop_->load(); }
 

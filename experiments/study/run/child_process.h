@@ -21,8 +21,8 @@ using Responder = std::function<std::string(const std::string& request, const Te
 
 class ChildProcess {
   public:
-    /// `make` is called in each new process and makes what answers there. The asking process must have one thread when a
-    /// process begins, which is at a request that finds none.
+    /// `make` is called in each new process and makes what answers there. The asking process must have one thread when
+    /// a process begins, which is at a request that finds none.
     explicit ChildProcess(std::function<Responder()> make) : make_(std::move(make)) {}
     /// Ends the process if there is one.
     ~ChildProcess() { end(); }
@@ -38,7 +38,7 @@ class ChildProcess {
     };
     struct Answer {
         std::string content;
-        std::string death;       ///< how the process ended instead of answering, with its last words; empty: it answered
+        std::string death;  ///< how the process ended instead of answering, with its last words; empty: it answered
         bool timed_out = false;  ///< it was ended after `timeout_seconds`
     };
     /// Errors: no process could be made.

@@ -22,8 +22,8 @@ class Estimates {
     explicit Estimates(const ExperimentConfig& config) : config_(config) {}
 
     /// Renders each scene by each variant of this program for a fifth of a second or 64 samples, which also warms up
-    /// caches and clocks. Renders that fail are left to their cells, and scenes that `skips` are. Returns what the renders
-    /// warned of, each once; nothing more is done after an interrupt.
+    /// caches and clocks. Renders that fail are left to their cells, and scenes that `skips` are. Returns what the
+    /// renders warned of, each once; nothing more is done after an interrupt.
     std::vector<std::string> calibrate(CellWorker& worker, const Plan& plan, const std::set<std::size_t>& skips,
                                        const std::atomic<bool>* stop);
     /// Takes note of a cell that is done.

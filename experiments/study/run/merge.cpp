@@ -45,7 +45,8 @@ Status check_files(const Experiment& experiment) {
     for (const SceneInfo& scene : experiment.scenes)
         if (!scene.reference.empty())
             if (const std::string damage = damage_of_reference(scene.reference); !damage.empty())
-                return merge_error(experiment.directory, "the reference of scene '" + scene.name + "' is damaged: " + damage,
+                return merge_error(experiment.directory,
+                                   "the reference of scene '" + scene.name + "' is damaged: " + damage,
                                    "remove its folder, and 'raylex experiment resume' makes it again");
     return success();
 }
@@ -106,10 +107,10 @@ Result<std::map<std::string, std::vector<const Cell*>>> parts_of(const std::vect
     for (const Experiment& each : experiments)
         for (const Cell& part : each.parts) {
             if (const auto whole = cells.find(part.part_of); whole != cells.end() && !whole->second->failed)
-                return merge_error(each.directory,
-                                   "part '" + part.id + "' is here, and its cell is finished in '" +
-                                       whole->second->directory + "'",
-                                   "merge takes every sample once: leave out one of the two, or remove it");
+                return merge_error(
+                    each.directory,
+                    "part '" + part.id + "' is here, and its cell is finished in '" + whole->second->directory + "'",
+                    "merge takes every sample once: leave out one of the two, or remove it");
             std::vector<const Cell*>& list = parts[part.part_of];
             const bool listed =
                 std::any_of(list.begin(), list.end(), [&](const Cell* known) { return known->id == part.id; });
@@ -117,8 +118,8 @@ Result<std::map<std::string, std::vector<const Cell*>>> parts_of(const std::vect
         }
     for (auto& [id, list] : parts) {
         const auto& planned = experiments.front().planned;
-        const auto cell = std::find_if(planned.begin(), planned.end(),
-                                       [&, &name = id](const Cell& each) { return each.id == name; });
+        const auto cell =
+            std::find_if(planned.begin(), planned.end(), [&, &name = id](const Cell& each) { return each.id == name; });
         if (Status s = check_parts(*cell, list); !s) return s.error();
     }
     return parts;

@@ -103,16 +103,16 @@ Status print_plan(const ExperimentConfig& config, const std::string& directory, 
     for (const std::string& warning : warnings) print_line("warning: " + warning);
     print_line((shard.split_cells > 1 ? counted(count, "cell or part of one", "cells and parts of cells")
                                       : counted(count, "cell")) +
-               (shard.parts > 1 ? " of " + std::to_string(work.items.size()) : "") +
-               ": " + counted(config.scenes.size(), "scene") + ", " +
+               (shard.parts > 1 ? " of " + std::to_string(work.items.size()) : "") + ": " +
+               counted(config.scenes.size(), "scene") + ", " +
                counted(seen.size(), "pair of scene and settings", "pairs of scene and settings") + ", " +
                counted(config.budgets.size(), "budget") + ", " + counted(config.replicates, "replicate"));
-    print_line("time: " + time_left_text(unknown == count ? -1 : total, unknown) +
-               (unknown > 0 ? " (" + std::to_string(unknown) + (unknown == 1 ? " cell" : " cells") + " cannot be told)" : "") +
-               references_text(config, estimates) +
-               (calibrate
-                    ? "; from a short render of every scene by every setting, " + duration_text(measured) + " in all"
-                    : "; budgets of samples and errors are not known without a calibration"));
+    print_line(
+        "time: " + time_left_text(unknown == count ? -1 : total, unknown) +
+        (unknown > 0 ? " (" + std::to_string(unknown) + (unknown == 1 ? " cell" : " cells") + " cannot be told)" : "") +
+        references_text(config, estimates) +
+        (calibrate ? "; from a short render of every scene by every setting, " + duration_text(measured) + " in all"
+                   : "; budgets of samples and errors are not known without a calibration"));
     print_line("memory: " + display::memory_text(largest) + " for the largest frame buffer" +
                (config.checkpoint_seconds > 0 ? ", as much again for its checkpoints" : "") + "; beside the scenes");
     return broken_scenes(config, broken);

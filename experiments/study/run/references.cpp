@@ -33,8 +33,7 @@ std::string reference_identity(const ExperimentConfig& config, const StudyScene&
 }
 
 Status write_reference_file(const std::string& path, const Json& json) {
-    return display::write_text_file(path, json_text(json, 2) + "\n",
-                                    display::FileSync::later);
+    return display::write_text_file(path, json_text(json, 2) + "\n", display::FileSync::later);
 }
 
 /// Sizes and checksums of what the reference's folder holds.

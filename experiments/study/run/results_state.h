@@ -15,8 +15,8 @@ Error directory_error(const std::string& path, std::string message, std::string 
 /// Whether the results are of this config, overrides included; an Error at the config names both.
 Status check_same_config(const Experiment& results, const ExperimentConfig& config);
 
-/// Held while a run writes to a directory of results, so that no second one renders the same cells into the same files. The
-/// system lets go of it when the process ends, however it does.
+/// Held while a run writes to a directory of results, so that no second one renders the same cells into the same files.
+/// The system lets go of it when the process ends, however it does.
 class DirectoryLock {
   public:
     DirectoryLock() = default;

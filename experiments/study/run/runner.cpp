@@ -57,8 +57,9 @@ Result<std::optional<Experiment>> earlier_results(const ExperimentConfig& config
     if (Status same = check_same_config(*results, config); !same) return same.error();
     if (!request.resume && !(results->cells.empty() && results->parts.empty()))
         return directory_error(
-            directory, "there are " + std::to_string(results->cells.size() + results->parts.size()) +
-                           " finished cells of this config already",
+            directory,
+            "there are " + std::to_string(results->cells.size() + results->parts.size()) +
+                " finished cells of this config already",
             "'raylex experiment resume' goes on with them; to begin again, remove the directory or choose another");
     std::set<std::string> items, settled;
     for (const PlannedCell& each : work.items) items.insert(each.cell.id);
@@ -149,8 +150,8 @@ class Run {
                 fs::remove_all(aside, failed);
                 fs::rename(cell->directory, aside, failed);
                 if (failed)
-                    return directory_error(cell->directory, "cannot move this damaged cell to '" + aside +
-                                                                "': " + failed.message());
+                    return directory_error(cell->directory,
+                                           "cannot move this damaged cell to '" + aside + "': " + failed.message());
                 earlier_->missing.push_back(cell->id);
                 cell = list->erase(cell);
             }
@@ -399,9 +400,10 @@ class Run {
         const RunnerTime& time = results.time;
         if (time.render > 0)
             progress_.line("  " + duration_text(time.render) + " of rendering, " + duration_text(time.warm_up) +
-                           " of warm-up, " + duration_text(time.references) + " for references; runner overhead " + duration_text(time.overhead()) + ": " +
+                           " of warm-up, " + duration_text(time.references) + " for references; runner overhead " +
+                           duration_text(time.overhead()) + ": " +
                            (time.overhead_percent() < 100 ? number_text(time.overhead_percent(), 2)
-                                                             : std::to_string(std::lround(time.overhead_percent()))) +
+                                                          : std::to_string(std::lround(time.overhead_percent()))) +
                            " % of render time");
         if (outcome.parts > 0)
             progress_.line("  'raylex experiment merge' makes cells of their parts, once all are there");
@@ -419,7 +421,7 @@ class Run {
     CellWorker worker_;
     Estimates estimates_;
     RunProgress progress_;
-    std::map<std::size_t, Error> broken_;           // scenes that cannot be rendered
+    std::map<std::size_t, Error> broken_;          // scenes that cannot be rendered
     std::map<std::string, std::size_t> warnings_;  // and how often they came
     std::size_t references_failed_ = 0;
     std::optional<Experiment> earlier_;

@@ -43,8 +43,9 @@ struct RunOutcome {
 };
 
 /// Makes references, then runs the cells. Errors: results of another config or with finished cells (unless `resume`),
-/// scenes that are not those of the results any more, half-written cells, a disk that takes nothing, no scene at all that
-/// can be loaded. Finished cells stay. A scene that cannot be loaded, or ends the process that does it, fails its cells.
+/// scenes that are not those of the results any more, half-written cells, a disk that takes nothing, no scene at all
+/// that can be loaded. Finished cells stay. A scene that cannot be loaded, or ends the process that does it, fails its
+/// cells.
 Result<RunOutcome> run_experiment(const ExperimentConfig& config, const RunRequest& request,
                                   const std::atomic<bool>* stop);
 

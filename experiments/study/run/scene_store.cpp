@@ -12,8 +12,8 @@
 #include "lpe/algebra/check.h"
 #include "transport/integrators/integrator.h"
 #include "transport/integrators/omitted_paths.h"
-#include "transport/render/film.h"
 #include "transport/render/clock.h"
+#include "transport/render/film.h"
 #include "transport/scene/scene_hash.h"
 
 namespace raylex::experiments {
@@ -38,7 +38,8 @@ std::uint64_t peak_memory_since_reset() {
 }  // namespace
 
 double relative_error(const transport::RenderOutput& output) {
-    if (output.beauty < 0 || !output.frame_buffer.channels()[static_cast<std::size_t>(output.beauty)].statistics) return -1;
+    if (output.beauty < 0 || !output.frame_buffer.channels()[static_cast<std::size_t>(output.beauty)].statistics)
+        return -1;
     display::AdaptiveSettings settings;
     settings.neighbourhood = 0;
     display::AdaptiveSampler measure(settings, output.frame_buffer.channels(), output.beauty,
@@ -118,8 +119,7 @@ std::vector<OmittedPathsInfo> SceneStore::omissions(const Job& job, const StudyS
         source.origin = "what integrator '" + chosen->name + "' omits";
         const auto word = lpe::find_word(source, words.words);
         // Where it cannot be told, it may be there.
-        if (!word || *word)
-            found.push_back({each.expression, each.dialect == lpe::Dialect::osl ? "osl" : "renderman"});
+        if (!word || *word) found.push_back({each.expression, each.dialect == lpe::Dialect::osl ? "osl" : "renderman"});
     }
     return found;
 }

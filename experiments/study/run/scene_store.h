@@ -36,7 +36,7 @@ struct RenderOrder {
     std::uint64_t first_sample = 0;  ///< more than 0, or fewer `samples` than the cell has: a part of a cell
     std::optional<transport::SampleLimit> limit{};
     std::optional<transport::CheckpointSettings> checkpoint{};  ///< without an identity: that is filled in
-    const CellCloser* beside = nullptr;                         ///< works meanwhile; its CPU time is none of the render's
+    const CellCloser* beside = nullptr;  ///< works meanwhile; its CPU time is none of the render's
 };
 
 struct Rendered {

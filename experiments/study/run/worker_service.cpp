@@ -73,13 +73,17 @@ class Service {
         // A person reads it: ten times a second are enough.
         const auto since = std::make_shared<transport::Stopwatch>();
         const auto told = std::make_shared<double>(-1.0);
-        return {config_, plan_, scenes_, directory_,
+        return {config_,
+                plan_,
+                scenes_,
+                directory_,
                 [=](const WorkProgress& now) {
                     if (*told >= 0 && since->wall() - *told < 0.1 && now.process_group == 0) return;
                     *told = since->wall();
                     tell(packed({now.share, now.seconds, now.error, now.process_group}));
                 },
-                stop_, &closer()};
+                stop_,
+                &closer()};
     }
 
     Result<Message> describe(std::size_t index, std::size_t variant) {

@@ -39,18 +39,18 @@ struct Deadly : Integrator {
 }  // namespace
 
 RAYLEX_PLUGIN(host) {
-    host.add_integrator({"deadly",
-                         "ends its process",
-                         {{"way", raylex::ParameterType::string, "", "abort, segmentation, kill, exit, exception, endless"},
-                          {"at", raylex::ParameterType::string, "rendering", "rendering or loading"}},
-                         [](const SceneEntity& entity, auto) -> Result<std::unique_ptr<Integrator>> {
-                             auto made = std::make_unique<Deadly>();
-                             auto way = entity.parameters.string_or("way", ""),
-                                  at = entity.parameters.string_or("at", "rendering");
-                             if (!way) return way.error();
-                             if (!at) return at.error();
-                             made->way = *way;
-                             if (*at == "loading") die(made->way);
-                             return std::unique_ptr<Integrator>(std::move(made));
-                         }});
+    host.add_integrator(
+        {"deadly",
+         "ends its process",
+         {{"way", raylex::ParameterType::string, "", "abort, segmentation, kill, exit, exception, endless"},
+          {"at", raylex::ParameterType::string, "rendering", "rendering or loading"}},
+         [](const SceneEntity& entity, auto) -> Result<std::unique_ptr<Integrator>> {
+             auto made = std::make_unique<Deadly>();
+             auto way = entity.parameters.string_or("way", ""), at = entity.parameters.string_or("at", "rendering");
+             if (!way) return way.error();
+             if (!at) return at.error();
+             made->way = *way;
+             if (*at == "loading") die(made->way);
+             return std::unique_ptr<Integrator>(std::move(made));
+         }});
 }

@@ -9,7 +9,8 @@ RAYLEX_PLUGIN(host) {
     using namespace raylex;
     const char* asked = std::getenv("MISBEHAVIOUR");
     const std::string kind = asked != nullptr ? asked : "";
-    const auto factory = [](const ParameterSet&, const display::DriverContext&) -> Result<std::unique_ptr<display::DisplayDriver>> {
+    const auto factory = [](const ParameterSet&,
+                            const display::DriverContext&) -> Result<std::unique_ptr<display::DisplayDriver>> {
         return error_at({}, "never made");
     };
     if (kind == "nothing") return;

@@ -1,6 +1,6 @@
-// A material with a lobe of its own: Minnaert's law of the moon's surface ("The reciprocity principle in lunar photometry",
-// Astrophysical Journal 93, 1941), f = reflectance (k + 2) / (2 pi) (cos_i cos_o)^k. It is reciprocal; what it reflects of
-// light from everywhere is reflectance cos_o^k.
+// A material with a lobe of its own: Minnaert's law of the moon's surface ("The reciprocity principle in lunar
+// photometry", Astrophysical Journal 93, 1941), f = reflectance (k + 2) / (2 pi) (cos_i cos_o)^k. It is reciprocal;
+// what it reflects of light from everywhere is reflectance cos_o^k.
 #include <cmath>
 
 #include "transport/plugins/plugin.h"
@@ -69,7 +69,8 @@ Result<std::unique_ptr<Material>> make_minnaert(const SceneEntity& entity, const
 
 RAYLEX_PLUGIN(host) {
     minnaert_lobe = host.add_lobe({lpe::EventType::reflection, lpe::Scatter::diffuse, "minnaert"});
-    host.add_material({"minnaert", "the moon's surface",
+    host.add_material({"minnaert",
+                       "the moon's surface",
                        {{"reflectance", ParameterType::rgb, "0.5", "what is reflected when seen from straight above"},
                         {"k", ParameterType::real, "0.5", "0 is Lambert's surface, more darkens the rim; 0 to 100"}},
                        make_minnaert});

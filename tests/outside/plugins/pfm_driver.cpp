@@ -54,7 +54,8 @@ class PfmDriver final : public DisplayDriver {
 Result<std::unique_ptr<DisplayDriver>> make_pfm(const ParameterSet& parameters, const DriverContext&) {
     transport::ParameterReader reader(parameters);
     const std::string file = reader.string("file", ""), layer = reader.string("layer", "");
-    if (file.empty()) reader.fail(error_at(parameters.location, "display driver 'pfm' has no file; expected file=NAME.pfm"));
+    if (file.empty())
+        reader.fail(error_at(parameters.location, "display driver 'pfm' has no file; expected file=NAME.pfm"));
     if (reader.error()) return *reader.error();
     return std::unique_ptr<DisplayDriver>(std::make_unique<PfmDriver>(file, layer, parameters.location));
 }
@@ -62,7 +63,8 @@ Result<std::unique_ptr<DisplayDriver>> make_pfm(const ParameterSet& parameters, 
 }  // namespace
 
 RAYLEX_PLUGIN(host) {
-    host.add_display_driver({"pfm", "writes a Portable Float Map",
+    host.add_display_driver({"pfm",
+                             "writes a Portable Float Map",
                              {{"file", ParameterType::string, "", "to write"},
                               {"layer", ParameterType::string, "", "of three numbers a pixel; default: the beauty"}},
                              make_pfm});

@@ -24,8 +24,8 @@ Result<std::vector<SceneShape>> make_polygon(const ParameterSet& parameters, con
     const auto count = static_cast<std::uint32_t>(*sides);
     for (std::uint32_t i = 0; i < count; ++i) {
         const double angle = 2 * std::numbers::pi * i / count;
-        mesh.positions.push_back({static_cast<float>(*radius * std::cos(angle)),
-                                  static_cast<float>(*radius * std::sin(angle)), 0});
+        mesh.positions.push_back(
+            {static_cast<float>(*radius * std::cos(angle)), static_cast<float>(*radius * std::sin(angle)), 0});
         mesh.indices.insert(mesh.indices.end(), {0, 1 + i, 1 + (i + 1) % count});
     }
     return finish_mesh(std::move(mesh), "the polygon", context, warnings);
@@ -34,7 +34,8 @@ Result<std::vector<SceneShape>> make_polygon(const ParameterSet& parameters, con
 }  // namespace
 
 RAYLEX_PLUGIN(host) {
-    host.add_shape({"polygon", "a regular polygon across z",
+    host.add_shape({"polygon",
+                    "a regular polygon across z",
                     {{"sides", ParameterType::integer, "6", "3 to 10000"},
                      {"radius", ParameterType::real, "1", "of the circle around it"}},
                     make_polygon});

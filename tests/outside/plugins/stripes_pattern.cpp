@@ -32,7 +32,8 @@ Result<std::unique_ptr<Pattern>> make_stripes(PatternReader& reader) {
 }  // namespace
 
 RAYLEX_PLUGIN(host) {
-    host.add_pattern({"stripes", "two textures by turns along u",
+    host.add_pattern({"stripes",
+                      "two textures by turns along u",
                       {{"tex1", ParameterType::texture, "1", "of the first half of each stripe"},
                        {"tex2", ParameterType::texture, "0", "of the second"},
                        {"count", ParameterType::integer, "8", "stripes over u from 0 to 1; 1 to 10000"}},
