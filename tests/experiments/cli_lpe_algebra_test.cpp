@@ -106,6 +106,26 @@ TEST_CASE("lpe match tells where a path fails, under the event, and what was wan
     CHECK(run_raylex(folder, "lpe match 'CLD - C.*' 'C,-'").out == "no match\nthe expression matches no path at all\n");
 }
 
+TEST_CASE("lpe truth says what expressions must give in a room of emitting walls") {
+    const Folder folder;
+    const Outcome caustics = run_raylex(folder, "lpe truth 'C<RD><RS>+L' --kd .5 --ks .3");
+    CHECK(caustics.code == 0);
+    CHECK(caustics.out == "0.214285714\n");  // .5 x .3 / (1 - .3)
+    const Outcome several =
+        run_raylex(folder, "lpe truth \"C<RD'wall'>+<L.'lamp'>\" CL --kd .75 --le 2 --object wall --group lamp");
+    CHECK(several.code == 0);
+    CHECK(several.out == "6  C<RD'wall'>+<L.'lamp'>\n2  CL\n");
+    const Outcome limited = run_raylex(folder, "lpe truth 'C.*L' --kd 1 --max-depth 3 --by-depth");
+    CHECK(limited.out.substr(0, 2) == "4\n");
+    CHECK(contains(limited.out, "  3 scattering: 1\n  4 scattering: 0\n"));
+    const Outcome unbounded = run_raylex(folder, "lpe truth 'C.*L' --kd .75 --ks .25");
+    CHECK(unbounded.code == 2);
+    CHECK(contains(unbounded.err, "expected less than 1"));
+    const Outcome negative = run_raylex(folder, "lpe truth 'C.*L' --kd -1");
+    CHECK(negative.code == 2);
+    CHECK(contains(negative.err, "--kd"));
+}
+
 TEST_CASE("lpe graph writes DOT and SVG") {
     const Folder folder;
     const Outcome dot = run_raylex(folder, "lpe graph 'CDS+L'");
@@ -126,7 +146,7 @@ TEST_CASE("lpe graph writes DOT and SVG") {
 TEST_CASE("every lpe subcommand has help") {
     const Folder folder;
     for (const char* command : {"explain", "equal", "contains", "empty", "words", "complement", "intersection", "union",
-                                "difference", "graph"}) {
+                                "difference", "graph", "truth"}) {
         CAPTURE(command);
         const Outcome help = run_raylex(folder, std::string("lpe ") + command + " --help");
         CHECK(help.code == 0);

@@ -26,6 +26,7 @@ void add_lpe_path_commands(CLI::App& lpe,
 void add_lpe_explain_commands(CLI::App& lpe, CommandContext& context);  ///< explain
 void add_lpe_graph_commands(CLI::App& lpe, CommandContext& context);    ///< graph
 void add_lpe_split_commands(CLI::App& lpe, CommandContext& context);    ///< split
+void add_lpe_truth_command(CLI::App& lpe, CommandContext& context);     ///< truth
 
 /// --dialect.
 struct DialectOption {

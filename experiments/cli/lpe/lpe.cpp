@@ -16,6 +16,7 @@ void add_lpe_command(CLI::App& app, CommandContext& context) {
     add_lpe_explain_commands(*command, context);
     add_lpe_graph_commands(*command, context);
     add_lpe_split_commands(*command, context);
+    add_lpe_truth_command(*command, context);
 }
 
 }  // namespace raylex::experiments
