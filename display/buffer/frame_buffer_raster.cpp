@@ -3,6 +3,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <vector>
 
 #include "display/buffer/frame_buffer_storage.h"
 
@@ -50,7 +51,22 @@ void FrameBuffer::splat(const SampleTable& table, std::span<const int> rows) {
     Storage& storage = *storage_;
     const PixelFilter& kernel = *storage.raster_kernel;
     const FrameBufferLayout& layout = storage.layout;
+    struct Part {
+        Channel* channel;
+        std::size_t index;
+        const double* values;
+    };
+    std::vector<Part> parts;  // few of many channels take a splat: asked once, not for every pixel
+    parts.reserve(storage.raster_channels.size());
     for (const int row : rows) {
+        parts.clear();
+        for (const std::size_t index : storage.raster_channels) {
+            Channel& channel = storage.channels[index];
+            if (!table.touched(channel.samples_of)) continue;
+            const double* values = table.values(channel.samples_of) + 3 * static_cast<std::size_t>(row);
+            if (values[0] != 0 || values[1] != 0 || values[2] != 0) parts.push_back({&channel, index, values});
+        }
+        if (parts.empty()) continue;
         const CameraRow& splat = table.camera_row(row);
         const Footprint across(splat.screen_x, kernel.radius_x(), layout.width),
             down(splat.screen_y, kernel.radius_y(), layout.height);
@@ -63,13 +79,9 @@ void FrameBuffer::splat(const SampleTable& table, std::span<const int> rows) {
                 if (weight == 0) continue;
                 const std::size_t pixel =
                     static_cast<std::size_t>(y) * static_cast<std::size_t>(layout.width) + static_cast<std::size_t>(x);
-                for (const std::size_t index : storage.raster_channels) {
-                    Channel& channel = storage.channels[index];
-                    if (!table.touched(channel.samples_of)) continue;
-                    const double* values = table.values(channel.samples_of) + 3 * static_cast<std::size_t>(row);
-                    if (values[0] == 0 && values[1] == 0 && values[2] == 0) continue;
+                for (const auto& [channel, index, values] : parts) {
                     const std::array<double, 3> terms{weight * values[0], weight * values[1], weight * values[2]};
-                    storage.add(channel.raster_sum, 3 * pixel, terms.data(), 3, layout.quantum_exponent, index);
+                    storage.add(channel->raster_sum, 3 * pixel, terms.data(), 3, layout.quantum_exponent, index);
                 }
             }
     }
