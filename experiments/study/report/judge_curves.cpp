@@ -128,7 +128,7 @@ void judge_curves(Study& study) {
     for (BiasEntry& entry : study.bias)
         if (const Curve* curve = study.curve(entry.scene, entry.variant, entry.channel))
             for (const BudgetPoint& point : curve->points)
-                if (point.budget == entry.budget) entry.heavy_tail = point.group.heavy_tail;
+                if (point.budget == entry.budget) entry.heavy_tail = entry.heavy_tail || point.group.heavy_tail;
     for (Curve& curve : study.curves) {
         std::stable_sort(curve.points.begin(), curve.points.end(),
                          [](const BudgetPoint& a, const BudgetPoint& b) { return a.seconds < b.seconds; });

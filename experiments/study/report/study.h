@@ -69,8 +69,9 @@ struct BiasEntry {
     double budget = 0;
     std::size_t replicates = 0;
     BiasVerdict verdict;
-    bool heavy_tail =
-        false;            ///< a few rare samples decide: what the test assumes does not hold, and it convicts nobody
+    /// A few rare samples decide, of the cells or of a reference whose own variance is not known: what the test assumes
+    /// does not hold, and it convicts nobody.
+    bool heavy_tail = false;
     std::string omitted;  ///< paths of this channel that the method says it does not find: then it is not judged by it
     [[nodiscard]] bool convicts() const { return verdict.differs && !heavy_tail && omitted.empty(); }
 };
