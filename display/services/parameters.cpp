@@ -8,7 +8,6 @@
 #include <utility>
 
 namespace raylex {
-namespace {
 
 const char* type_name(ParameterType type) {
     switch (type) {
@@ -41,6 +40,8 @@ const char* type_name(ParameterType type) {
     }
     return "value";
 }
+
+namespace {
 
 std::size_t value_count(const Parameter& parameter) {
     if (parameter.type == ParameterType::boolean) return parameter.booleans.size();

@@ -37,6 +37,9 @@ enum class ParameterType : std::uint8_t {
     texture
 };
 
+/// As scene files write it: "float", "point3", ...
+[[nodiscard]] const char* type_name(ParameterType type);
+
 /// One named parameter as the user wrote it. Numbers are kept as double: exact for every int32 and float.
 struct Parameter {
     std::string name;

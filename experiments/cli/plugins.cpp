@@ -19,38 +19,6 @@ namespace {
 
 using transport::PluginEntry;
 
-const char* type_name(ParameterType type) {
-    switch (type) {
-        case ParameterType::boolean:
-            return "bool";
-        case ParameterType::integer:
-            return "integer";
-        case ParameterType::real:
-            return "float";
-        case ParameterType::string:
-            return "string";
-        case ParameterType::rgb:
-            return "rgb";
-        case ParameterType::blackbody:
-            return "blackbody";
-        case ParameterType::spectrum:
-            return "spectrum";
-        case ParameterType::point2:
-            return "point2";
-        case ParameterType::vector2:
-            return "vector2";
-        case ParameterType::point3:
-            return "point3";
-        case ParameterType::vector3:
-            return "vector3";
-        case ParameterType::normal:
-            return "normal";
-        case ParameterType::texture:
-            return "texture";
-    }
-    return "";
-}
-
 void print_entry(const PluginEntry& entry) {
     print_line("  " + entry.kind + " " + entry.name + (entry.shadows ? " (instead of the in-tree one)" : "") + ": " +
                entry.help);
