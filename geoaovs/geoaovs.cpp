@@ -190,6 +190,7 @@ struct Aov {
     FilterRule rule;
     float miss_value;
     Source source;
+    int length_power = 0;  ///< 1: a length in the scene's unit, -1: one over a length
 };
 
 using T = ChannelType;
@@ -198,10 +199,10 @@ namespace in = inputs;
 
 // The only place that knows what an AOV is.
 constexpr std::array aovs{
-    Aov{"P", T::point, "camera", R::filter, 0, from_hits(in_camera_space<&ShadingBatch::position, true>, in::position)},
+    Aov{"P", T::point, "camera", R::filter, 0, from_hits(in_camera_space<&ShadingBatch::position, true>, in::position), 1},
     Aov{"Po", T::point, "object", R::filter, 0,
-        from_hits(as_it_is<&ShadingBatch::object_position>, in::object_position)},
-    Aov{"Pw", T::point, "world", R::filter, 0, from_hits(as_it_is<&ShadingBatch::position>, in::position)},
+        from_hits(as_it_is<&ShadingBatch::object_position>, in::object_position), 1},
+    Aov{"Pw", T::point, "world", R::filter, 0, from_hits(as_it_is<&ShadingBatch::position>, in::position), 1},
     Aov{"Nn", T::normal, "camera", R::filter, 0,
         from_hits(in_camera_space<&ShadingBatch::shading_normal>, in::shading_normal)},
     Aov{"Ngn", T::normal, "camera", R::filter, 0,
@@ -210,16 +211,16 @@ constexpr std::array aovs{
         from_hits(in_camera_space<&ShadingBatch::plain_normal>, in::plain_normal)},
     Aov{"Tn", T::vector, "camera", R::filter, 0, from_hits(hits<values::tangent>, in::dpdu)},
     Aov{"Vn", T::vector, "camera", R::filter, 0, from_hits(in_camera_space<&ShadingBatch::view>, in::view)},
-    Aov{"VLen", T::real, "world", R::zmin, infinity, from_rays(depths<radial_depth>)},
-    Aov{"z", T::real, "camera", R::zmin, infinity, from_rays(depths<axial_depth>)},
-    Aov{"zback", T::real, "camera", R::zmin, infinity, from_rays(depths<axial_depth>)},
-    Aov{"zfiltered", T::real, "camera", R::filter, 0, from_rays(depths<axial_depth>)},
+    Aov{"VLen", T::real, "world", R::zmin, infinity, from_rays(depths<radial_depth>), 1},
+    Aov{"z", T::real, "camera", R::zmin, infinity, from_rays(depths<axial_depth>), 1},
+    Aov{"zback", T::real, "camera", R::zmin, infinity, from_rays(depths<axial_depth>), 1},
+    Aov{"zfiltered", T::real, "camera", R::filter, 0, from_rays(depths<axial_depth>), 1},
     Aov{"u", T::real, "parameter", R::filter, 0, from_hits(as_it_is<&ShadingBatch::u>, in::parameters)},
     Aov{"v", T::real, "parameter", R::filter, 0, from_hits(as_it_is<&ShadingBatch::v>, in::parameters)},
     Aov{"st", T::vector, "texture", R::filter, 0, from_hits(hits<values::st>, in::texture)},
-    Aov{"dPdu", T::vector, "camera", R::filter, 0, from_hits(in_camera_space<&ShadingBatch::dpdu>, in::dpdu)},
-    Aov{"dPdv", T::vector, "camera", R::filter, 0, from_hits(in_camera_space<&ShadingBatch::dpdv>, in::dpdv)},
-    Aov{"curvature", T::real, "world", R::filter, 0, from_hits(as_it_is<&ShadingBatch::curvature>, in::curvature)},
+    Aov{"dPdu", T::vector, "camera", R::filter, 0, from_hits(in_camera_space<&ShadingBatch::dpdu>, in::dpdu), 1},
+    Aov{"dPdv", T::vector, "camera", R::filter, 0, from_hits(in_camera_space<&ShadingBatch::dpdv>, in::dpdv), 1},
+    Aov{"curvature", T::real, "world", R::filter, 0, from_hits(as_it_is<&ShadingBatch::curvature>, in::curvature), -1},
     Aov{"outsideIOR", T::real, "", R::filter, 0, from_hits(as_it_is<&ShadingBatch::outside_ior>, in::outside_ior)},
     Aov{"incidenceAngle", T::real, "radians", R::filter, 0,
         from_hits(hits<values::incidence_angle>, in::shading_normal | in::view)},
@@ -233,13 +234,13 @@ constexpr std::array aovs{
     Aov{"cpuTime", T::real, "seconds", R::sum, 0, from_samples(samples<cpu_time>, true)},
     Aov{"sampleCount", T::real, "", R::sum, 0, from_samples(samples<one>)},
     Aov{"invalidSamples", T::real, "", R::sum, 0, from_samples(samples<invalid_values>)},
-    Aov{"__Pworld", T::point, "world", R::filter, 0, from_hits(as_it_is<&ShadingBatch::position>, in::position)},
+    Aov{"__Pworld", T::point, "world", R::filter, 0, from_hits(as_it_is<&ShadingBatch::position>, in::position), 1},
     Aov{"__Nworld", T::normal, "world", R::filter, 0,
         from_hits(as_it_is<&ShadingBatch::shading_normal>, in::shading_normal)},
     Aov{"__Vworld", T::vector, "world", R::filter, 0, from_hits(as_it_is<&ShadingBatch::view>, in::view)},
     Aov{"__st", T::vector, "texture", R::filter, 0, from_hits(hits<values::st>, in::texture)},
     Aov{"__depth", T::vector, "camera depth, world height, cosine", R::filter, 0,
-        from_hits(hits<values::depth_height_facing>, in::position | in::shading_normal | in::view)},
+        from_hits(hits<values::depth_height_facing>, in::position | in::shading_normal | in::view), 1},
     Aov{"albedo", T::rgb, "rendering colour space", R::filter, 0,
         from_hits(as_it_is<&ShadingBatch::albedo>, in::albedo)},
     Aov{"wireframe", T::real, "", R::filter, 0, from_hits(hits<values::wireframe>, in::edges)},
@@ -308,6 +309,12 @@ Result<ChannelDefinition> channel_definition(std::string_view name) {
         return definition;
     }
     return unknown_name(name);
+}
+
+int length_power(const ChannelDefinition& channel) {
+    for (const Aov& aov : aovs)
+        if (channel.name == aov.name && channel.type == aov.type) return aov.length_power;
+    return 0;
 }
 
 GeometricAovs::GeometricAovs(std::span<const ChannelDefinition> channels) {

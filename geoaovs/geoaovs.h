@@ -18,6 +18,9 @@ namespace raylex::geoaovs {
 /// The definition (type, space, filter rule, miss value) of a standard AOV name, or an error that lists what there is
 /// and the near miss. Names are case-sensitive. Ci comes as the expression channel of all light.
 Result<display::ChannelDefinition> channel_definition(std::string_view name);
+
+/// The power of the scene's unit of length in a standard AOV's values: 1 of positions and depths, -1 of curvature, else 0.
+int length_power(const display::ChannelDefinition& channel);
 std::vector<std::string> channel_names();
 
 /// The geometric AOVs among a render's channels, found once.

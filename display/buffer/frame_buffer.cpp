@@ -28,6 +28,25 @@ Status check_layout(const FrameBufferLayout& layout) {
     return success();
 }
 
+Status check_scales(std::span<const ChannelDefinition> channels) {
+    const ChannelDefinition* light = nullptr;
+    for (const ChannelDefinition& channel : channels) {
+        const int scale = channel.scale_exponent;
+        if (std::abs(scale) > largest_scale_exponent)
+            return error_at({}, "channel '" + channel.name + "' has values of the order of 2^" + std::to_string(scale) +
+                                    "; expected -256 to 256");
+        if (channel.source != invalid_channel && static_cast<std::size_t>(channel.source) < channels.size() &&
+            channels[static_cast<std::size_t>(channel.source)].scale_exponent != scale)
+            return error_at({}, "layer '" + channel.name + "' has another scale than its source; expected the same");
+        if (channel.style != ChannelStyle::expression) continue;
+        if (light == nullptr) light = &channel;
+        if (light->scale_exponent != scale)
+            return error_at({}, "channels '" + light->name + "' and '" + channel.name +
+                                    "' of light have different scales; expected the same");
+    }
+    return success();
+}
+
 Status check_outputs(std::span<const ChannelDefinition> channels) {
     for (const ChannelDefinition& layer : channels) {
         if (takes_samples(layer) && keeps_pixels(layer)) continue;
@@ -147,7 +166,11 @@ FrameBuffer::FrameBuffer(const FrameBufferLayout& layout, std::span<const Channe
                                     : Places{place(channel.picked), place(channel.depth), place(channel.seen)}});
     }
     storage.own_accumulators = storage.accumulators.size();
-    for (Channel& channel : storage.channels) storage.sum_of.push_back(channel.sum.empty() ? nullptr : &channel.sum[0]);
+    for (Channel& channel : storage.channels) {
+        storage.sum_of.push_back(channel.sum.empty() ? nullptr : &channel.sum[0]);
+        storage.exponents.push_back(layout.quantum_exponent + channel.definition.scale_exponent);
+    }
+    storage.exponents.push_back(layout.quantum_exponent);
     if (raster != nullptr) storage.light_paths.allocate(1);
     storage.rejected = std::make_unique<std::atomic<std::uint64_t>[]>(channels.size() + 1);
 }
@@ -161,6 +184,7 @@ Result<FrameBuffer> FrameBuffer::create(const FrameBufferLayout& layout, std::sp
     if (splat != nullptr)
         if (const Status status = check_splat(channels); !status) return status.error();
     if (const Status status = check_layout(layout); !status) return status.error();
+    if (const Status status = check_scales(channels); !status) return status.error();
     if (const Status status = check_outputs(channels); !status) return status.error();
     if (raster != nullptr)
         if (const Status status = check_raster(channels); !status) return status.error();
@@ -277,7 +301,7 @@ void FrameBuffer::accumulate_run(const SampleTable& table, const Run& run) {
 template <std::size_t components>
 inline void FrameBuffer::Storage::add_sum(const Accumulator& accumulator, const SampleTable& table, const Run& run) {
     const double* const values = table.values(static_cast<ChannelId>(accumulator.from));
-    add_blocks<components>(sum_of[accumulator.channel] + run.pixel * components, run, layout.quantum_exponent,
+    add_blocks<components>(sum_of[accumulator.channel] + run.pixel * components, run, exponents[accumulator.channel],
                            accumulator.channel, [&](int first, int last) {
                                return weighted_sum<components>(values + static_cast<std::size_t>(first) * components,
                                                                run.sum_weights(first),

@@ -5,7 +5,8 @@
 // `block_size` samples; each block sum is then added exactly, in 128-bit fixed point with quantum 2^quantum_exponent.
 // Integer addition is associative, so the sum does not depend on which thread, session or shard brought a block, nor in
 // which order (Law 3). The quantum is 2^-80 by default: relative to a pixel of 1e-12 still below 1e-12 (Law 1), with
-// room for sums up to 2^47. A block sum out of range is rejected and counted like a non-finite value, never wrapped.
+// room for sums up to 2^47; a channel whose values are of the order of 2^scale_exponent has both that much higher.
+// A block sum out of range is rejected and counted like a non-finite value, never wrapped.
 //
 // Two modes of the pixel filter. Importance mode (the usual one): samples are drawn as the kernel says, each belongs to
 // one pixel and counts by CameraRow::filter_weight. Splat mode (create() is given the kernel): samples are drawn

@@ -81,7 +81,7 @@ void FrameBuffer::splat(const SampleTable& table, std::span<const int> rows) {
                     static_cast<std::size_t>(y) * static_cast<std::size_t>(layout.width) + static_cast<std::size_t>(x);
                 for (const auto& [channel, index, values] : parts) {
                     const std::array<double, 3> terms{weight * values[0], weight * values[1], weight * values[2]};
-                    storage.add(channel->raster_sum, 3 * pixel, terms.data(), 3, layout.quantum_exponent, index);
+                    storage.add(channel->raster_sum, 3 * pixel, terms.data(), 3, storage.exponents[index], index);
                 }
             }
     }

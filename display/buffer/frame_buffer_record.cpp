@@ -9,12 +9,12 @@ namespace raylex::display {
 namespace {
 
 /// Raise it with every change of what stands in a record, but for planes: those have names.
-constexpr std::uint32_t record_version = 3;
+constexpr std::uint32_t record_version = 4;
 
 /// A binding that no longer fits says that ChannelDefinition has a member which no record holds yet.
 void write_channel(RecordWriter& writer, const ChannelDefinition& definition) {
     const auto& [name, style, type, expression, dialect, rest_of, rule, space, statistics, source, statistic,
-                 miss_value, origin, origin_line, origin_column] = definition;
+                 miss_value, scale_exponent, origin, origin_line, origin_column] = definition;
     writer.text(name);
     writer.number(style);
     writer.number(type);
@@ -27,6 +27,7 @@ void write_channel(RecordWriter& writer, const ChannelDefinition& definition) {
     writer.number(source);
     writer.number(statistic);
     writer.number(miss_value);
+    writer.number(scale_exponent);
     // Where it was written (origin...) is for error messages: it is no part of the record.
     static_cast<void>(origin), static_cast<void>(origin_line), static_cast<void>(origin_column);
 }
@@ -53,6 +54,8 @@ ChannelDefinition read_channel(RecordReader& reader) {
     definition.source = reader.number<ChannelId>();
     definition.statistic = read_enum(reader, Statistic::odd);
     definition.miss_value = reader.number<float>();
+    definition.scale_exponent = reader.number<int>();
+    if (std::abs(definition.scale_exponent) > largest_scale_exponent) reader.fail();
     return definition;
 }
 

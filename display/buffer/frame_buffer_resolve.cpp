@@ -22,6 +22,7 @@ std::string difference(const ChannelDefinition& a, const ChannelDefinition& b) {
     if (a.statistics != b.statistics || a.statistic != b.statistic || a.source != b.source)
         return channel + "statistics setting";
     if (a.miss_value != b.miss_value) return channel + "miss value";
+    if (a.scale_exponent != b.scale_exponent) return channel + "scale";
     return {};
 }
 
@@ -58,16 +59,17 @@ std::vector<double> FrameBuffer::resolve(ChannelId id, const PixelRegion& region
                                  channel.definition.statistic, region);
     const auto components = static_cast<std::size_t>(channel.components);
     const int exponent = storage.layout.quantum_exponent;
+    const int scale = channel.definition.scale_exponent;
     const FilterRule rule = channel.definition.rule;
     const double miss =
         channel.definition.style == ChannelStyle::name ? static_cast<double>(channel.definition.miss_value) : 0;
     std::vector<double> result(pixel_count(region) * components);
-    const long double raster_scale = channel.raster_sum.empty() ? 0 : storage.raster_scale();
+    const long double raster_scale = channel.raster_sum.empty() ? 0 : storage.raster_scale() * power_of_two(scale);
     for_each_pixel(region, storage.layout.width, [&](std::size_t at, std::size_t pixel) {
         double* out = &result[at * components];
         const std::size_t in = pixel * components;
         if (rule == FilterRule::filter) {
-            const Divisor divisor(storage.weight[pixel], storage.samples[pixel], exponent);
+            const Divisor divisor(storage.weight[pixel], storage.samples[pixel], exponent, scale);
             for (std::size_t c = 0; c < components; ++c) out[c] = divisor.mean_of(channel.sum[in + c]);
             if (raster_scale == 0) return;
             for (std::size_t c = 0; c < components; ++c)
@@ -77,7 +79,7 @@ std::vector<double> FrameBuffer::resolve(ChannelId id, const PixelRegion& region
         } else if (is_z_rule(rule) || is_extremum(rule)) {
             std::copy_n(&channel.picked[in], components, out);
         } else {
-            const Divisor divisor(0, rule == FilterRule::sum ? 1 : channel.seen[pixel], exponent);
+            const Divisor divisor(0, rule == FilterRule::sum ? 1 : channel.seen[pixel], exponent, scale);
             for (std::size_t c = 0; c < components; ++c) out[c] = divisor.mean_of(channel.sum[in + c]);
         }
     });

@@ -105,7 +105,7 @@ void FrameBuffer::Storage::add_filtered(Channel& channel, std::size_t index, con
     if (!channel.even_sum.empty()) add_halves(channel, index, table, run, values);
     const auto add = [&]<std::size_t count>() {
         add_blocks<count>(
-            &channel.sum[run.pixel * count], run, layout.quantum_exponent, index, [&](int first, int last) {
+            &channel.sum[run.pixel * count], run, exponents[index], index, [&](int first, int last) {
                 return weighted_sum<count>(values + static_cast<std::size_t>(first - run.begin) * count,
                                            run.sum_weights(first), static_cast<std::size_t>(last - first));
             });
@@ -125,9 +125,9 @@ void FrameBuffer::Storage::add_moments(Channel& channel, std::size_t index, cons
                               values + static_cast<std::size_t>(first - run.begin) * components, plain[block],
                               square[block]);
     });
-    add_each<components>(&channel.plain_sum[run.pixel * components], run, layout.quantum_exponent, index,
+    add_each<components>(&channel.plain_sum[run.pixel * components], run, exponents[index], index,
                          [&](auto add, int, int, std::size_t block) { add(plain[block]); });
-    add_each<components>(&channel.square_sum[run.pixel * components], run, square_exponent, index,
+    add_each<components>(&channel.square_sum[run.pixel * components], run, square_exponent(channel), index,
                          [&](auto add, int first, int last, std::size_t block) {
                              std::array<double, components> high, low;
                              for (std::size_t c = 0; c < components; ++c)
@@ -141,7 +141,7 @@ void FrameBuffer::Storage::add_moments(Channel& channel, std::size_t index, cons
 void FrameBuffer::Storage::add_plain(Channel& channel, std::size_t index, const SampleTable& table, const Run& run) {
     const auto id = static_cast<ChannelId>(index);
     const auto add = [&]<std::size_t count>() {
-        add_blocks<count>(&channel.sum[run.pixel * count], run, layout.quantum_exponent, index,
+        add_blocks<count>(&channel.sum[run.pixel * count], run, exponents[index], index,
                           [&](int first, int last) {
                               std::array<double, count> sum{};
                               run.for_each_row(first, last, [&](int row) {

@@ -63,13 +63,14 @@ void FrameBuffer::Storage::add_sets(const SampleTable& table, const Run& run) {
 inline void FrameBuffer::Storage::add_set(const SampleTable& table, const Run& run, std::size_t place,
                                           std::span<const ChannelId> set) {
     SetSums& of_run = *run.set_sums;
-    FixedSum<3> of_set(layout.quantum_exponent);
+    const int exponent = exponents[static_cast<std::size_t>(set.front())];  // of all channels of light
+    FixedSum<3> of_set(exponent);
     run.for_each_block([&](int first, int, std::size_t) {
         const std::array<double, 3> sum = table.set_sum(first, place);
         if (of_set.add(sum)) [[likely]]
             return;
         for (const ChannelId id : set)
-            add_block(sum_of[static_cast<std::size_t>(id)] + 3 * run.pixel, sum, layout.quantum_exponent,
+            add_block(sum_of[static_cast<std::size_t>(id)] + 3 * run.pixel, sum, exponent,
                       static_cast<std::size_t>(id));
     });
     const SetSums::Sum total = of_set.total();

@@ -60,7 +60,7 @@ void FrameBuffer::Storage::splat_values(Channel& channel, std::size_t index, con
             for (std::size_t c = 0; c < components; ++c) sum[c] += w[i] * values[i * components + c];
         if (sum != std::array<double, 3>{})
             add(channel.sum, run.splat->pixels[target] * components, sum.data(), channel.components,
-                layout.quantum_exponent, index);
+                exponents[index], index);
     }
 }
 

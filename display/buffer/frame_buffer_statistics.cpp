@@ -35,7 +35,7 @@ void FrameBuffer::Storage::add_halves(Channel& channel, std::size_t index, const
     const auto halves = [&]<std::size_t components>() {
         for (const bool odd : {false, true})
             add_blocks<components>(&(odd ? channel.odd_sum : channel.even_sum)[run.pixel * components], run,
-                                   layout.quantum_exponent, index, [&](int first, int last) {
+                                   exponents[index], index, [&](int first, int last) {
                                        std::array<double, components> sum{};
                                        for (int row = first; row < last; ++row) {
                                            if (is_odd(table, row) != odd) continue;
@@ -53,14 +53,15 @@ void FrameBuffer::Storage::add_halves(Channel& channel, std::size_t index, const
 std::vector<double> FrameBuffer::Storage::statistic(const Channel& source, Statistic statistic,
                                                     const PixelRegion& region) const {
     const auto components = static_cast<std::size_t>(source.components);
-    const int exponent = layout.quantum_exponent;
+    const int exponent = layout.quantum_exponent, scale_exponent = source.definition.scale_exponent;
+    const int value_exponent = exponent + scale_exponent;
     std::vector<double> result(display::pixel_count(region) * components);
     if (statistic == Statistic::even || statistic == Statistic::odd) {
         const bool odd = statistic == Statistic::odd;
         const Plane<Int128>&sums = odd ? source.odd_sum : source.even_sum, &weights = odd ? odd_weight : even_weight;
         const Plane<std::uint64_t>& counts = odd ? odd_samples : even_samples;
         for_each_pixel(region, layout.width, [&](std::size_t at, std::size_t pixel) {
-            const Divisor divisor(weights[pixel], counts[pixel], exponent);
+            const Divisor divisor(weights[pixel], counts[pixel], exponent, scale_exponent);
             for (std::size_t c = 0; c < components; ++c)
                 result[at * components + c] = divisor.mean_of(sums[pixel * components + c]);
         });
@@ -76,10 +77,10 @@ std::vector<double> FrameBuffer::Storage::statistic(const Channel& source, Stati
         for (std::size_t c = 0; c < components; ++c) {
             const std::size_t i = pixel * components + c;
             if ((source.sum[i] | source.plain_sum[i] | source.square_sum[i]) == 0) continue;
-            const long double mean = to_long_double(source.sum[i], exponent) / weight_sum;
+            const long double mean = to_long_double(source.sum[i], value_exponent) / weight_sum;
             // sum(v^2) is exact to 2^-56, so nothing is lost but what these 64-bit mantissas round off: 2^-63 sum(v^2).
-            const long double about_mean = to_long_double(source.square_sum[i], square_exponent) -
-                                           mean * (2 * to_long_double(source.plain_sum[i], exponent) - n * mean);
+            const long double about_mean = to_long_double(source.square_sum[i], square_exponent(source)) -
+                                           mean * (2 * to_long_double(source.plain_sum[i], value_exponent) - n * mean);
             result[at * components + c] = static_cast<double>(std::max(0.0L, about_mean) * scale);
         }
     });

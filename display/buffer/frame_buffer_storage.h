@@ -171,7 +171,7 @@ struct FrameBuffer::Channel {
     Plane<Int128> sum;                // [pixel, component] filter: weighted; average, sum: unweighted
     Plane<Int128> raster_sum;         // [pixel, component] raster splats: by the kernel
     Plane<Int128> plain_sum;          // [pixel, component] statistics: unweighted
-    Plane<Int128> square_sum;         // [pixel, component] statistics: squares, quantum 2^square_exponent
+    Plane<Int128> square_sum;         // [pixel, component] statistics: squares, quantum 2^square_exponent()
     Plane<Int128> even_sum, odd_sum;  // [pixel, component] half buffers: weighted, of the samples of that parity
     Plane<double> picked;             // [pixel, component] zmin, zmax, min, max
     Plane<float> depth;               // [pixel] zmin, zmax: of the row picked
@@ -195,7 +195,7 @@ struct FrameBuffer::Channel {
 
 struct FrameBuffer::Storage {
     // Squares need more room upwards (2^71) and less below than values do.
-    static constexpr int square_exponent = -56;
+    static constexpr int unscaled_square_exponent = -56;
 
     FrameBufferLayout layout;
     std::optional<PixelFilter> kernel;            // splat mode
@@ -221,6 +221,7 @@ struct FrameBuffer::Storage {
     std::vector<Accumulator> accumulators;           // those of channels that sets stand for come last
     std::size_t own_accumulators = 0;                // the others
     std::vector<Int128*> sum_of;                     // [channel] null where its rule keeps none
+    std::vector<int> exponents;                      // [channel] of its sums' quantum; the last entry for weight and alpha
     Plane<std::uint64_t> samples;                    // [pixel]
     Plane<Int128> weight, alpha;                     // [pixel] sums of weight, weight x alpha
     Plane<Int128> weight_square;                     // [pixel] only when a channel keeps statistics
@@ -259,7 +260,11 @@ struct FrameBuffer::Storage {
         if (!weight_square.empty()) __builtin_prefetch(&weight_square[pixel], 1);
     }
     /// What makes a pixel of a raster sum; 0 before there are light paths.
+    /// What raster sums in quanta of the weights' size are multiplied by.
     [[nodiscard]] long double raster_scale() const;
+    [[nodiscard]] static int square_exponent(const Channel& channel) {
+        return unscaled_square_exponent + 2 * channel.definition.scale_exponent;
+    }
     void reject(std::size_t channel) { rejected[channel].fetch_add(1, std::memory_order_relaxed); }
     /// sum[at ..] += the terms, all of them or (counted against `channel`) none.
     void add(Plane<Int128>& sum, std::size_t at, const double* terms, int count, int exponent, std::size_t channel) {
@@ -416,16 +421,19 @@ struct Divisor {
     long double reciprocal = 0;
     std::uint64_t samples = 0;
     int exponent = 0;
+    long double scale = 1;
 
-    Divisor(Int128 weight_sum, std::uint64_t sample_count, int quantum_exponent)
+    /// `quantum_exponent` is of the weights, `scale_exponent` what the sums' own is more.
+    Divisor(Int128 weight_sum, std::uint64_t sample_count, int quantum_exponent, int scale_exponent = 0)
         : reciprocal(weight_sum != 0 ? 1.0L / as_long_double(weight_sum) : 0.0L),
           samples(sample_count),
-          exponent(quantum_exponent) {}
+          exponent(quantum_exponent),
+          scale(power_of_two(scale_exponent)) {}
     [[nodiscard]] double mean_of(Int128 sum) const {
         if (sum == 0) return 0;
-        if (reciprocal != 0) return static_cast<double>(as_long_double(sum) * reciprocal);
+        if (reciprocal != 0) return static_cast<double>(as_long_double(sum) * reciprocal * scale);
         if (samples == 0) return 0;
-        return static_cast<double>(to_long_double(sum, exponent) / static_cast<long double>(samples));
+        return static_cast<double>(to_long_double(sum, exponent) * scale / static_cast<long double>(samples));
     }
 };
 

@@ -49,6 +49,9 @@ struct DisplayChannel {
 };
 
 /// A channel as the job declares it. The index in the render's list is its ChannelId.
+/// Beyond the range of float either way.
+inline constexpr int largest_scale_exponent = 256;
+
 struct ChannelDefinition {
     std::string name;
     ChannelStyle style = ChannelStyle::name;
@@ -67,6 +70,10 @@ struct ChannelDefinition {
     ChannelId source = invalid_channel;
     Statistic statistic = Statistic::none;
     float miss_value = 0.0f;                 ///< value of a sample to which nothing was written
+    /// Values are of the order of 2^scale_exponent: where the frame buffer's exact sums begin and end (frame_buffer.h).
+    /// From -largest_scale_exponent to that; the same for all channels of style expression, and for a layer as for its
+    /// source.
+    int scale_exponent = 0;
     std::string origin;                      ///< for errors: the file or option the expression stands in
     int origin_line = 0, origin_column = 0;  ///< of the expression's first character, 0 = not known
 };

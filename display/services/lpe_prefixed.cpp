@@ -115,7 +115,7 @@ void LpeServices::contribute_user(const Rgb& value, const Rgb& throughput, const
 
 void LpeServices::contribute_apart(const Report& report, const Tracker& tracker) {
     const Rgb& value = report.value;
-    const bool valid = !out_of_range(value), black = value.is_black();
+    const bool valid = !out_of_range(value, setup_.largest_contribution_), black = value.is_black();
     if (!valid) reject(value, tracker);
     const std::size_t at = 3 * static_cast<std::size_t>(tracker.row_);
     const RgbD whole(value);
@@ -160,7 +160,7 @@ void LpeServices::splat_apart(const Report& report, const Tracker& tracker, bool
         const Rgb own = own_value(prefixes, report.value, report.sample, report.technique);
         if (own.is_black()) continue;
         const ChannelId id = setup_.channel_of_accept_[channel];
-        if (out_of_range(own)) {
+        if (out_of_range(own, setup_.largest_contribution_)) {
             if (std::exchange(rejected, true)) {
                 table_.count_invalid_of(id);
             } else {

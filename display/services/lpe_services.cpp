@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstddef>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -56,6 +58,10 @@ Result<LpeSetup> LpeSetup::build(std::span<const ChannelDefinition> channels, Ch
                                  const lpe::CompileOptions& options) {
     LpeSetup setup;
     setup.beauty_ = beauty;
+    for (const ChannelDefinition& channel : channels)
+        if (channel.style == ChannelStyle::expression)
+            setup.largest_contribution_ = static_cast<float>(std::min(
+                std::ldexp(0x1p38, channel.scale_exponent), double(std::numeric_limits<float>::max())));
     const Result<std::vector<lpe::ChannelSource>> sources = collect_sources(channels, beauty, setup.channel_of_accept_);
     if (!sources) return sources.error();
     if (sources->empty()) return setup;

@@ -104,6 +104,10 @@ class LpeSetup {
     }
     [[nodiscard]] const lpe::Program& program() const { return program_; }
     [[nodiscard]] ChannelId beauty() const { return beauty_; }
+    /// A contribution with a larger component is as invalid as one that is not finite: a block of samples with it would
+    /// leave the frame buffer's range, for beauty but not for every layer. 2^38 times what
+    /// ChannelDefinition::scale_exponent of the channels says, far above the sun's 2e9 cd/m^2.
+    [[nodiscard]] float largest_contribution() const { return largest_contribution_; }
 
     /// A channel whose prefixes need an integrator that fills in EmitterSample, or one that samples lights; or
     /// invalid_channel. An integrator that does not is to be refused before the render.
@@ -133,6 +137,7 @@ class LpeSetup {
     ChannelId beauty_ = invalid_channel;
     std::vector<ChannelPrefixes> prefixes_;  // [program channel]
     std::vector<std::uint8_t> reach_;        // [table state] which channels can still accept; empty without holdouts
+    float largest_contribution_ = 0x1p38f;
     bool has_user_events_ = false;           // some expression may name one
     bool prefixed_ = false;                  // some prefix changes what is splatted
     bool wants_emitter_samples_ = false;     // some prefix changes nothing but by what an EmitterSample says
@@ -142,10 +147,6 @@ class LpeSetup {
 /// Per thread. All calls are inline-cheap when no expression channel exists.
 class LpeServices {
   public:
-    /// A contribution with a larger component is as invalid as one that is not finite: a block of samples with it would
-    /// leave the frame buffer's range, for beauty but not for every layer. Far above the sun's 2e9 cd/m^2.
-    static constexpr float largest_contribution = 0x1p38f;
-
     /// How lobes are attributed: `exact` is Law 5; `picked` labels each scattering by one lobe drawn in proportion to
     /// its part (per colour, by one random number, so that colours still sum), the common practice, kept to measure
     /// against.
@@ -177,7 +178,7 @@ class LpeServices {
 
     /// Adds `value` (radiance times throughput, filter weight not applied) to beauty and to every channel whose
     /// expression accepts the path; the terminal event must have been moved along. Non-finite values, and those beyond
-    /// largest_contribution, are rejected for beauty and splits alike, counted and logged in the table (Law 6).
+    /// LpeSetup::largest_contribution(), are rejected for beauty and splits alike, counted and logged in the table (Law 6).
     void contribute(const Rgb& value, Technique technique, const Tracker& tracker);
     /// The same with what channels with prefixes take. A light sample that is blocked has a black value and is reported
     /// all the same. A channel that takes another value than beauty is checked for that value too, and with

@@ -71,8 +71,8 @@ inline void LpeServices::move(Tracker& tracker, std::span<const LobePart> parts)
 }
 
 /// Also true of NaN.
-inline bool out_of_range(const Rgb& value) {
-    const auto outside = [](float v) { return !(std::abs(v) <= LpeServices::largest_contribution); };
+inline bool out_of_range(const Rgb& value, float largest) {
+    const auto outside = [largest](float v) { return !(std::abs(v) <= largest); };
     return outside(value.r) || outside(value.g) || outside(value.b);
 }
 
@@ -82,7 +82,7 @@ inline void LpeServices::contribute(const Rgb& value, Technique technique, const
         contribute(value, technique, tracker, EmitterSample{value, value, 1, false});
         return;
     }
-    if (out_of_range(value)) {
+    if (out_of_range(value, setup_.largest_contribution_)) {
         reject(value, tracker);
         return;
     }

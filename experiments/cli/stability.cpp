@@ -1,23 +1,20 @@
 // raylex stability: hard cases, what must hold of each, and what was measured.
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
-#include <set>
 
 #include "display/output/atomic_file.h"
 #include "experiments/cli/commands.h"
 #include "experiments/cli/plugin_options.h"
-#include "experiments/job/provenance.h"
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
 #include "experiments/program/interrupt.h"
 #include "experiments/program/tint.h"
 #include "experiments/stability/probe.h"
+#include "experiments/stability/suite/beside.h"
 #include "experiments/stability/suite/case_file.h"
 #include "experiments/stability/suite/line_records.h"
 #include "experiments/stability/suite/suite_page.h"
 #include "experiments/stability/suite/suite_runner.h"
-#include "experiments/study/run/external.h"
 
 namespace raylex::experiments {
 namespace {
@@ -26,7 +23,8 @@ namespace fs = std::filesystem;
 
 struct StabilityOptions {
     std::vector<std::string> files, plugins;
-    std::string output, beside;
+    std::string output;
+    BesideOptions beside;
     SuiteOptions suite;
     bool list = false, probes = false;
 };
@@ -69,38 +67,19 @@ int print_probes() {
     return exit_holds;
 }
 
-/// The same cases by another program, such as one that computes in double.
-Result<SuiteResults> run_beside(const StabilityOptions& options, const fs::path& folder) {
-    std::vector<std::string> words{fs::absolute(options.beside).string(), "stability"};
-    for (const std::string& file : options.files) words.push_back(fs::absolute(file).string());
-    for (const std::string& name : options.suite.names) words.insert(words.end(), {"--case", name});
-    for (const int row : options.suite.rows) words.insert(words.end(), {"--row", std::to_string(row)});
-    if (options.suite.fast) words.emplace_back("--fast");
-    words.insert(words.end(), {"-o", "."});
-    ShellCommand command;
-    command.text = shell_command(words);
-    const fs::path place = folder / "beside";
-    std::error_code failed;
-    fs::create_directories(place, failed);
-    auto outcome = run_process(command, place.string(), "log.txt", 0, &interrupt_flag(), {});
-    if (!outcome) return outcome.error();
-    if (outcome->exit_code != exit_holds && outcome->exit_code != exit_does_not_hold)
-        return error_at({"--beside", 0, 0}, "'" + command.text + "' ended with " + std::to_string(outcome->exit_code) +
-                                                ": " + outcome->last_words);
-    return read_results_json((place / "results.json").string());
-}
-
 Status write_results(const StabilityOptions& options, const std::vector<CaseFamily>& families,
                      const SuiteResults& results) {
     const fs::path folder = options.output;
-    SuiteResults other;
-    SuitePage page{&families, &results, nullptr, {}, options.suite.pictures};
-    if (!options.beside.empty() && !results.interrupted) {
-        auto beside = run_beside(options, folder);
-        if (!beside) return beside.error();
-        other = std::move(*beside);
+    BesideRun other;
+    SuitePage page{&families, &results, nullptr, options.suite.pictures};
+    if (!options.beside.program.empty() && !results.interrupted) {
+        BesideOptions beside = options.beside;
+        beside.files = options.files;
+        beside.folder = options.output;
+        auto run = run_beside(beside, options.suite, &interrupt_flag());
+        if (!run) return run.error();
+        other = std::move(*run);
         page.beside = &other;
-        page.name_beside = fs::path(options.beside).parent_path().filename().string();
     }
     for (const auto& [name, text] :
          {std::pair("results.json", results_json(results)), std::pair("results.csv", results_csv(results)),
@@ -120,7 +99,7 @@ int run_stability(StabilityOptions& options) {
         print_cases(*families, options.suite);
         return exit_holds;
     }
-    if (!options.beside.empty() && options.output.empty())
+    if (!options.beside.program.empty() && options.output.empty())
         return report_error("--beside needs -o: the page shows both side by side");
     if (!options.output.empty()) {
         std::error_code failed;
@@ -176,6 +155,16 @@ void add_stability_command(CLI::App& app, CommandContext& context) {
                      "another raylex, such as one built with -DRAYLEX_TRANSPORT_DOUBLE=ON: runs the same cases, whose "
                      "errors and times stand beside these on the page")
         ->option_text("PROGRAM");
+    command
+        ->add_option(
+            "--scene", options->beside.scenes,
+            "with --beside: a pbrt file that both programs render with the same random numbers, to see how far "
+            "the images differ and what each took; may be repeated")
+        ->option_text("SCENE.pbrt")
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    command->add_option("--scene-spp", options->beside.samples, "samples a pixel of those scenes; default 16")
+        ->option_text("N");
     command->add_flag("--list", options->list, "only names the cases");
     command->add_flag("--probes", options->probes, "only names the probes that cases can use, with their parameters");
     add_plugin_option(*command, options->plugins);

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "experiments/revision.h"
+#include "transport/math/real.h"
 #include "transport/plugins/plugin_loader.h"
 
 namespace raylex::experiments {
@@ -86,6 +87,7 @@ std::map<std::string, std::string> header_attributes(const Job& job, const trans
         {"raylex/camera_samples", std::to_string(output.statistics.camera_samples)},
         {"raylex/threads", std::to_string(output.threads)},
         {"raylex/isa", output.isa},
+        {"raylex/arithmetic", transport::real_is_double ? "double" : "float"},
         {"raylex/integrator", output.integrator},
         {"raylex/sampler", output.sampler},
         {"raylex/filter", output.filter},

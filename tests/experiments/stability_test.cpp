@@ -168,6 +168,23 @@ tolerance = "1e-6"
     CHECK(contains(died.out, "1 line holds, 2 not"));
 }
 
+TEST_CASE("another program's results stand beside these", "[stability][cli]") {
+    const SceneFolder folder;
+    folder.write("held.toml", head + environment_case("vary.L = [1, 2]\nexpected = \"3.5*L/3\"\ntolerance = \"2 ulp\""));
+    // The program beside itself: the same bits, so that every difference would be a fault of the comparison.
+    const Outcome both = run_shell(
+        folder, "\"$RAYLEX\" stability held.toml -o out --beside \"$RAYLEX\" --scene room.pbrt --scene-spp 4");
+    INFO(both.out << both.err);
+    CHECK(both.code == 0);
+    const std::string page = run_shell(folder, "cat out/page.html").out;
+    CHECK(contains(page, "<td>room.pbrt</td><td class=\"number\">0</td><td class=\"number\">0</td>"));
+    CHECK(contains(page, "all hold too"));
+    check_refused(folder, "stability held.toml --beside /bin/true", {"--beside needs -o"});
+    const Outcome missing = run_raylex(folder, "stability held.toml -o out --beside ./nothing");
+    CHECK(missing.code == 2);
+    CHECK(contains(missing.err, "nothing"));
+}
+
 TEST_CASE("files of cases are refused with line, column and the near miss", "[stability][cli]") {
     const Folder folder;
     const auto refused = [&](const std::string& text, const std::vector<std::string>& words) {

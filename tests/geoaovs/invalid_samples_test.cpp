@@ -47,7 +47,7 @@ TEST_CASE("planted values that are not finite are counted at their pixels and ch
             if (x == 1 && row < 2) lpe.contribute(Rgb(0.0f, nan, 0.0f), Technique{1, 2}, bounced);
             if (x == 1 && row == 7) lpe.contribute(Rgb(-inf), Technique{1, 2}, direct);
             if (x == 3 && row == 0) {
-                lpe.contribute(Rgb(2 * LpeServices::largest_contribution), Technique{1, 2}, bounced);
+                lpe.contribute(Rgb(2 * setup.largest_contribution()), Technique{1, 2}, bounced);
                 CHECK_FALSE(display.write(normal, row, Rgb(nan)));
                 const std::vector<std::int32_t> rows{0, 5};
                 CHECK_FALSE(display.write(normal, rows, std::vector<Rgb>{Rgb(inf), Rgb(0.0f)}));

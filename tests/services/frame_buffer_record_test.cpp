@@ -37,6 +37,8 @@ std::vector<ChannelDefinition> every_recorded_rule() {
     channels.back().source = 1;
     channels[0].space = "rendering colour space";
     channels[7].rest_of = {0, 3};
+    channels[0].scale_exponent = 12;
+    channels[1].scale_exponent = channels.back().scale_exponent = -40;
     return channels;
 }
 

@@ -53,6 +53,41 @@ TEST_CASE("the mean of alternating 0.1 and 0.9 does not drift over 2^27 samples"
     check_alternating_mean(1 << 27);
 }
 
+TEST_CASE("a channel of another scale has the same digits", "[frame_buffer][law3]") {
+    const auto values_at = [](int scale) {
+        std::vector<ChannelDefinition> channels{test::expression_channel("light", "CL"),
+                                                plain_channel("v", ChannelType::rgb),
+                                                plain_channel("average", ChannelType::rgb, FilterRule::average)};
+        channels[1].statistics = true;
+        for (ChannelDefinition& each : channels) each.scale_exponent = scale;
+        FrameBuffer buffer({1, 1}, channels);
+        Random random(7);
+        feed(buffer, channels, 1000, [&](SampleTable& table, int row, std::uint64_t) {
+            for (int i = 0; i < 3; ++i) {
+                const double value = std::ldexp(random.uniform(), scale);
+                for (ChannelId id = 0; id < 3; ++id) table.values(id)[3 * row + i] = value;
+            }
+            for (ChannelId id = 0; id < 3; ++id) table.touch(id);
+        });
+        CHECK(buffer.rejected_count() == 0);
+        std::vector<double> found;
+        for (ChannelId id = 0; id < 3; ++id)
+            for (const double each : buffer.resolve(id)) found.push_back(std::ldexp(each, -scale));
+        for (const double each : buffer.resolve_variance_of_mean(1)) found.push_back(std::ldexp(each, -2 * scale));
+        return found;
+    };
+    const std::vector<double> usual = values_at(0);
+    for (const int scale : {-256, -80, -1, 1, 66, 256}) {
+        CAPTURE(scale);
+        CHECK(values_at(scale) == usual);  // powers of two round nothing
+    }
+    std::vector<ChannelDefinition> channels{test::expression_channel("a", "CL"), test::expression_channel("b", "CDL")};
+    channels[1].scale_exponent = 3;
+    CHECK(!FrameBuffer::create({1, 1}, channels).ok());
+    channels[0].scale_exponent = channels[1].scale_exponent = 257;
+    CHECK(!FrameBuffer::create({1, 1}, channels).ok());
+}
+
 TEST_CASE("statistics survive an offset of 1e6", "[frame_buffer][statistical]") {
     std::vector<ChannelDefinition> channels{plain_channel("v", ChannelType::rgb)};
     channels[0].statistics = true;

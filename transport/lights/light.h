@@ -34,7 +34,8 @@ struct Light {
     Vec3 direction;     ///< spot: its axis; distant: towards the light; triangle: unit normal, emitting side
     Vec3 edge1, edge2;  ///< triangle
     Real area = 0;      ///< triangle, patch: world; quadric: object space; sphere: world
-    Real cos_full = 1, cos_zero = 0;         ///< spot: where the falloff begins and ends
+    /// Spot: 1 - cos of the angles where the falloff begins and ends. The cosines of narrow cones are 1 in float.
+    Real versine_full = 0, versine_zero = 1;
     std::uint32_t shape = 0, primitive = 0;  ///< area lights
     std::int32_t environment = -1;           ///< index of the image
     Real power = 0;                          ///< watts-like estimate, the weight of its selection
@@ -44,10 +45,15 @@ struct Light {
     [[nodiscard]] bool is_area() const { return kind < LightKind::point; }
 };
 
-/// What a spot light sends at this cosine to its axis, as a share of its intensity: a smoothstep between the two
+/// 1 - cos of the angle between a spot light's axis and a unit direction away from it, without cancellation.
+inline Real spot_versine(const Light& light, const Vec3& direction) {
+    return 0.5f * length_squared(direction - light.direction);
+}
+
+/// What a spot light sends into a unit direction, as a share of its intensity: a smoothstep of the cosine between the two
 /// angles.
-inline Real spot_falloff(const Light& light, Real cosine) {
-    const Real x = (cosine - light.cos_zero) / (light.cos_full - light.cos_zero);
+inline Real spot_falloff(const Light& light, const Vec3& direction) {
+    const Real x = (light.versine_zero - spot_versine(light, direction)) / (light.versine_zero - light.versine_full);
     if (!(x > 0)) return 0;
     const Real t = std::min(x, Real(1));
     return t * t * (3 - 2 * t);

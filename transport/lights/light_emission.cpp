@@ -37,12 +37,11 @@ bool emit_from_point(const Light& light, const Vec2& u, EmissionSample& s) {
         s.power = light.emission * (4 * pi / s.from.pdf);
         return true;
     }
-    const Real one_minus_cos = 1 - light.cos_zero;
-    if (!(one_minus_cos > 0)) return false;
-    const Vec3 local = sample_uniform_cone(u, one_minus_cos);
+    if (!(light.versine_zero > 0)) return false;
+    const Vec3 local = sample_uniform_cone(u, light.versine_zero);
     s.direction = normalize(Frame::from_normal(light.direction).to_world(local));
-    const Real falloff = spot_falloff(light, local.z);
-    s.power = light.emission * (falloff * 2 * pi * one_minus_cos / s.from.pdf);
+    const Real falloff = spot_falloff(light, s.direction);
+    s.power = light.emission * (falloff * 2 * pi * light.versine_zero / s.from.pdf);
     return falloff > 0;
 }
 
@@ -69,7 +68,7 @@ EmissionDensity LightTable::emission_density(const EmbreeScene& geometry, const 
     }
     if (light.kind == LightKind::point) return {chosen, uniform_sphere_pdf()};
     if (light.kind == LightKind::spot)
-        return {chosen, dot(light.direction, direction) > light.cos_zero ? uniform_cone_pdf(1 - light.cos_zero) : 0.0f};
+        return {chosen, spot_versine(light, direction) < light.versine_zero ? uniform_cone_pdf(light.versine_zero) : 0.0f};
     const Real radius = covering_radius(geometry), across = 1 / (pi * radius * radius);
     if (light.kind == LightKind::distant) return {chosen, across};
     return {environment_density(LightChoice::light_sampling, at.light, -direction), across};

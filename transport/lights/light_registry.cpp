@@ -70,13 +70,15 @@ Result<Light> make_spot(const SceneLight& source, LightContext& context) {
     if (*from == *to)
         return error_at(source.location, "spot light: 'from' and 'to' are the same point; expected a direction");
     const double degree = static_cast<double>(pi) / 180;
-    light.cos_zero = static_cast<Real>(std::cos(*cone * degree));
-    light.cos_full = static_cast<Real>(std::cos((*cone - *delta) * degree));
-    if (!(light.cos_full > light.cos_zero)) light.cos_full = light.cos_zero + unit_roundoff;  // a hard edge
+    const auto versine = [](double angle) { return static_cast<Real>(2 * std::sin(0.5 * angle) * std::sin(0.5 * angle)); };
+    light.versine_zero = versine(*cone * degree);
+    light.versine_full = versine((*cone - *delta) * degree);
+    if (!(light.versine_full < light.versine_zero))
+        light.versine_full = light.versine_zero * (1 - 2 * unit_roundoff);  // a hard edge
     light.position = source.to_world.point(*from);
     light.direction = direction_in_world(source.to_world, *to - *from);
     // pbrt's k_e for "power": full inside the falloff, half of it on average within.
-    const Real solid_angle = 2 * pi * ((1 - light.cos_full) + (light.cos_full - light.cos_zero) / 2);
+    const Real solid_angle = pi * (light.versine_full + light.versine_zero);
     light.emission = *power > 0 ? *intensity * (static_cast<Real>(*power) / solid_angle) : *intensity;
     light.power = solid_angle * luminance(light.emission);
     return light;

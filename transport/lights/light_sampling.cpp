@@ -99,7 +99,7 @@ bool sample_point(const Light& light, const Vec3& from, LightSample& s) {
     s.delta = true;
     Real falloff = 1;
     if (light.kind == LightKind::spot) {
-        falloff = spot_falloff(light, -dot(light.direction, s.wi));
+        falloff = spot_falloff(light, -s.wi);
         if (!(falloff > 0)) return false;
     }
     s.radiance = light.emission * (falloff / d2);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "transport/render/channel_scales.h"
 #include "transport/render/resolve_checks.h"
 
 namespace raylex::transport {
@@ -109,6 +110,7 @@ Result<ResolvedJob> ResolvedJob::resolve(const BuiltScene& scene, const RenderSe
     job.warnings.insert(job.warnings.end(), chosen->warnings.begin(), chosen->warnings.end());
     auto channels = resolve_channels(settings, scene.pattern_channels(), *chosen);
     if (!channels) return channels.error();
+    set_scales(scene, channels->list);
     if (Status s = check_raster(settings, *chosen, *sampling, *channels, job.warnings); !s) return s.error();
     auto budget = resolve_budget(settings, *sampling, *chosen, *channels, job.warnings);
     if (!budget) return budget.error();

@@ -80,12 +80,36 @@ void read_rows(TomlTable& table, std::vector<int>& rows) {
     if (!whole) table.source().fail(table.location_of("rows"), "'rows' is no list of numbers of hard cases");
 }
 
+/// against.NAME, and against.integrator.
+void read_against(TomlTable& table, SceneSubject& scene) {
+    const bool compares = scene.measure == SceneMeasure::same_image || scene.measure == SceneMeasure::same_bits;
+    if (table.has("against") != compares)
+        table.source().fail(table.location_of(compares ? "measure" : "against"),
+                            "'against' belongs to the measures same_image and same_bits, and they need it");
+    const toml::table* against = table.take_table("against");
+    if (against == nullptr) return;
+    TomlTable other(table.source(), *against, "against");
+    if (other.read("integrator", scene.against_integrator)) {
+        const auto known =
+            transport::integrator_registry().require(scene.against_integrator, other.content_location_of("integrator"));
+        if (!known) table.source().fail(known.error());
+    }
+    for (const auto& [name, node] : *against) {
+        if (name.str() == "integrator") continue;
+        CaseText value;
+        read_text(other, name.str(), value);
+        scene.against.emplace_back(std::string(name.str()), std::move(value));
+    }
+}
+
 void read_scene(TomlTable& table, SceneSubject& scene) {
     table.read("scene", scene.scene.text);
     scene.scene.location = table.location_of("scene");
-    constexpr std::array measures{std::pair("mean", SceneMeasure::mean), std::pair("largest", SceneMeasure::largest),
+    constexpr std::array measures{std::pair("mean", SceneMeasure::mean),
+                                  std::pair("largest", SceneMeasure::largest),
                                   std::pair("same_image", SceneMeasure::same_image),
                                   std::pair("same_bits", SceneMeasure::same_bits),
+                                  std::pair("split", SceneMeasure::split),
                                   std::pair("outcome", SceneMeasure::outcome)};
     read_choice(table, "measure", measures, scene.measure);
     std::vector<SourceLocation> locations;
@@ -100,6 +124,7 @@ void read_scene(TomlTable& table, SceneSubject& scene) {
     read_entity(table, "sampler", scene.settings.sampler);
     read_entity(table, "filter", scene.settings.filter);
     read_method_settings(table, scene.settings);
+    read_sample_filters(table, scene.settings);
     Job job;
     job.settings = scene.settings;
     if (const Status known = check_parameters(job); !known) table.source().fail(known.error());
@@ -109,18 +134,7 @@ void read_scene(TomlTable& table, SceneSubject& scene) {
     read_text(table, "spp", scene.samples);
     read_text(table, "seeds", scene.seeds);
     read_text(table, "threads", scene.threads);
-    const bool compares = scene.measure == SceneMeasure::same_image || scene.measure == SceneMeasure::same_bits;
-    if (table.has("against") != compares)
-        table.source().fail(table.location_of(compares ? "measure" : "against"),
-                            "'against' belongs to the measures same_image and same_bits, and they need it");
-    if (const toml::table* against = table.take_table("against")) {
-        TomlTable other(table.source(), *against, "against");
-        for (const auto& [name, node] : *against) {
-            CaseText value;
-            read_text(other, name.str(), value);
-            scene.against.emplace_back(std::string(name.str()), std::move(value));
-        }
-    }
+    read_against(table, scene);
 }
 
 void read_subject(TomlTable& table, StabilityCase& each) {

@@ -28,7 +28,10 @@ Result<std::string> fill_in(const std::string& text, const Setting& setting, con
         if (close == std::string::npos) return error_at(where, "'${' without '}'; expected ${NAME} or ${FORMULA}");
         filled += text.substr(at, open - at);
         const std::string inner = text.substr(open + 2, close - open - 2);
-        if (const auto word = setting.words.find(inner); word != setting.words.end()) {
+        const auto named = setting.words.find(inner.substr(inner.starts_with('*') ? 1 : 0));
+        const auto word =
+            inner.starts_with('*') && named != setting.words.end() ? setting.words.find(named->second) : named;
+        if (word != setting.words.end()) {
             filled += word->second;
         } else {
             auto value = evaluate(inner, setting.numbers, where);

@@ -24,7 +24,8 @@ struct Setting {
 /// An Error at `where` says what is wrong, and which numbers there are where the formula asks for another.
 Result<double> evaluate(const std::string& formula, const Numbers& numbers, const SourceLocation& where);
 
-/// The text with every ${...} replaced: by a word, or by the value of a formula with all its digits.
+/// The text with every ${...} replaced: by a word, by the word that a word names (${*kind}), or by the value of a
+/// formula with all its digits.
 Result<std::string> fill_in(const std::string& text, const Setting& setting, const SourceLocation& where);
 
 /// "max(1e-5, x/a) rel + 4 se" in its terms: cut at each " + " outside parentheses.

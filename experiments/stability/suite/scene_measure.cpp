@@ -8,6 +8,7 @@
 #include "experiments/program/console.h"
 #include "experiments/program/interrupt.h"
 #include "experiments/study/analysis/distributions.h"
+#include "lpe/shipped.h"
 #include "transport/import/pbrt_importer.h"
 #include "transport/render/built_scene.h"
 
@@ -19,14 +20,15 @@ constexpr double default_samples = 16, default_seeds = 8;
 /// Renders of one scene.
 class SceneRenders {
   public:
-    static Result<SceneRenders> prepare(const SceneSubject& subject, std::size_t integrator, const Setting& setting,
-                                        int threads) {
+    /// `integrator`: its type; empty: as the case or the scene says.
+    static Result<SceneRenders> prepare(const SceneSubject& subject, const std::string& integrator,
+                                        const Setting& setting, int threads) {
         SceneRenders renders;
         renders.component_ = subject.component;
         renders.settings_ = subject.settings;
-        if (!subject.integrators.empty()) {
+        if (!integrator.empty()) {
             renders.settings_.integrator.emplace();
-            renders.settings_.integrator->type = subject.integrators[integrator];
+            renders.settings_.integrator->type = integrator;
         }
         auto samples = value(subject.samples, setting, default_samples),
              seeds = value(subject.seeds, setting, default_seeds), count = value(subject.threads, setting, threads);
@@ -75,6 +77,21 @@ class SceneRenders {
         for (std::size_t i = 0; i < components; ++i) sum += at[i];
         return sum / double(components);
     }
+    /// Beauty, then the shipped partition's layers, of seed 1.
+    Result<std::vector<std::vector<double>>> render_split() {
+        settings_.seed = 1;
+        settings_.beauty = true;
+        settings_.channels.clear();
+        for (const lpe::NamedExpression& each : lpe::shipped_partition())
+            settings_.channels.push_back(expression_channel(std::string(each.name), std::string(each.expression)));
+        auto output = transport::render(*scene_, settings_, {}, &interrupt_flag());
+        if (!output) return output.error();
+        std::vector<std::vector<double>> layers;
+        for (std::size_t i = 0; i <= settings_.channels.size(); ++i)
+            layers.push_back(output->frame_buffer.resolve(output->beauty + static_cast<display::ChannelId>(i)));
+        return layers;
+    }
+
     [[nodiscard]] std::size_t pixels() const { return std::size_t(width_) * std::size_t(height_); }
     [[nodiscard]] int width() const { return width_; }
     [[nodiscard]] int height() const { return height_; }
@@ -94,16 +111,15 @@ class SceneRenders {
         beauty_ = subject.channel == "beauty";
         if (beauty_) return success();
         auto aov = transport::named_channel(subject.channel, scene_->pattern_channels());
-        display::ChannelDefinition channel;
-        if (aov) {
-            channel = *aov;
-        } else {
-            channel.name = "asked";
-            channel.style = display::ChannelStyle::expression;
-            channel.expression = subject.channel;
-        }
-        settings_.channels.push_back(std::move(channel));
+        settings_.channels.push_back(aov ? *aov : expression_channel("asked", subject.channel));
         return success();
+    }
+    static display::ChannelDefinition expression_channel(const std::string& name, const std::string& expression) {
+        display::ChannelDefinition channel;
+        channel.name = name;
+        channel.style = display::ChannelStyle::expression;
+        channel.expression = expression;
+        return channel;
     }
 
     std::shared_ptr<const transport::BuiltScene> scene_;
@@ -224,8 +240,25 @@ Result<ProbeResult> same_bits(SceneRenders& one, SceneRenders& other, CaseImage*
     return result;
 }
 
-Result<ProbeResult> outcome_of(const SceneSubject& subject, std::size_t integrator, const Setting& setting, int threads,
-                               CaseImage* image) {
+Result<ProbeResult> split_of(SceneRenders& renders) {
+    auto layers = renders.render_split();
+    if (!layers) return layers.error();
+    ProbeResult result;
+    for (std::size_t i = 0; i < layers->front().size(); ++i) {
+        const double beauty = layers->front()[i];
+        double sum = 0, size = std::abs(beauty);
+        for (std::size_t layer = 1; layer < layers->size(); ++layer) {
+            sum += (*layers)[layer][i];
+            size += std::abs((*layers)[layer][i]);
+        }
+        if (size > 0) result.measured = std::max(result.measured, std::abs(sum - beauty) / size);
+    }
+    result.note = "of " + std::to_string(layers->front().size()) + " values";
+    return result;
+}
+
+Result<ProbeResult> outcome_of(const SceneSubject& subject, const std::string& integrator, const Setting& setting,
+                               int threads, CaseImage* image) {
     const auto message = [](const Error& error) {
         ProbeResult result;
         result.note = "message: " + error.message;
@@ -245,18 +278,21 @@ Result<ProbeResult> outcome_of(const SceneSubject& subject, std::size_t integrat
 
 Result<ProbeResult> measure_scene(const SceneSubject& subject, std::size_t integrator, const Setting& setting,
                                   int threads, CaseImage* image) {
-    if (subject.measure == SceneMeasure::outcome) return outcome_of(subject, integrator, setting, threads, image);
-    auto renders = SceneRenders::prepare(subject, integrator, setting, threads);
+    const std::string type = subject.integrators.empty() ? std::string() : subject.integrators[integrator];
+    if (subject.measure == SceneMeasure::outcome) return outcome_of(subject, type, setting, threads, image);
+    auto renders = SceneRenders::prepare(subject, type, setting, threads);
     if (!renders) return renders.error();
     if (subject.measure == SceneMeasure::mean) return mean_of(*renders, image);
     if (subject.measure == SceneMeasure::largest) return largest_of(*renders, image);
+    if (subject.measure == SceneMeasure::split) return split_of(*renders);
     Setting other_setting = setting;
     for (const auto& [name, formula] : subject.against) {
         auto value = evaluate(formula.text, setting.numbers, formula.location);
         if (!value) return value.error();
         other_setting.numbers[name] = *value;
     }
-    auto other = SceneRenders::prepare(subject, integrator, other_setting, threads);
+    const std::string& other_type = subject.against_integrator.empty() ? type : subject.against_integrator;
+    auto other = SceneRenders::prepare(subject, other_type, other_setting, threads);
     if (!other) return other.error();
     if (subject.measure == SceneMeasure::same_bits) return same_bits(*renders, *other, image);
     return same_image(*renders, *other, image);

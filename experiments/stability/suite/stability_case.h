@@ -24,6 +24,7 @@ enum class SceneMeasure {
     largest,     ///< pixel of a channel, over all seeds
     same_image,  ///< the p-value that this image and that of `against` have the same means in all blocks
     same_bits,   ///< how many values differ from those of `against`
+    split,       ///< the largest |sum of the shipped partition - beauty| of a pixel, over the sum of their sizes
     outcome      ///< how many values of the image are no numbers; an error that says what is wrong counts as none
 };
 
@@ -37,6 +38,7 @@ struct SceneSubject {
     int component = -1;                                     ///< 0, 1 or 2; -1: the mean over all
     CaseText samples, seeds, threads;                       ///< formulas
     std::vector<std::pair<std::string, CaseText>> against;  ///< numbers that are others in the second image
+    std::string against_integrator;                         ///< of the second image, unless empty
 };
 
 enum class Comparison { equal, at_most, at_least };

@@ -36,11 +36,11 @@ class PageWriter {
     explicit PageWriter(const SuitePage& page) : page_(page) {
         for (const LineResult& line : page.results->lines) lines_[line.name].push_back(line);
         if (page.beside != nullptr)
-            for (const LineResult& line : page.beside->lines) beside_[line.name][line.setting] = line;
+            for (const LineResult& line : page.beside->results.lines) beside_[line.name][line.setting] = line;
     }
 
     std::string html() const {
-        std::string body = summary();
+        std::string body = summary() + scenes();
         for (const CaseFamily& family : *page_.families) body += section(family);
         return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
                "content=\"width=device-width, initial-scale=1\">\n<title>Hard cases</title>\n<style>" +
@@ -78,6 +78,40 @@ class PageWriter {
                 html += "<li><a href=\"#case-" + escape_html(line.name) + "\">" + escape_html(line.name) + "</a> " +
                         escape_html(line.setting) + "</li>\n";
         return html + "</ul>\n";
+    }
+
+    /// Of both programs' images of whole scenes, and what the suite's cases took.
+    std::string scenes() const {
+        if (page_.beside == nullptr) return {};
+        const BesideRun& beside = *page_.beside;
+        double mine = 0, theirs = 0;
+        std::size_t failing = 0;
+        for (const auto& [name, lines] : lines_)
+            for (const LineResult& line : lines) {
+                const auto known = beside_.find(name);
+                if (known == beside_.end()) continue;
+                const auto other = known->second.find(line.setting);
+                if (other == known->second.end()) continue;
+                mine += line.seconds;
+                theirs += other->second.seconds;
+                failing += other->second.verdict == LineVerdict::holds ? 0 : 1;
+            }
+        std::string html = "<h2>Beside it: " + escape_html(beside.name) + "</h2>\n<p>The same lines take " +
+                           number_text(theirs / mine) + " times as long there; " +
+                           (failing == 0 ? "all hold too" : counted(failing, "line does", "lines do") + " not hold") +
+                           ". Hollow dots and the columns of each case are that program's.</p>\n";
+        if (beside.scenes.empty()) return html;
+        html +=
+            "<p>Whole scenes with the same random numbers, so that the images differ by arithmetic and not by noise; "
+            "CPU time is the least of several runs by turns.</p>\n<div class=\"wide\"><table><tr><th>scene</th>"
+            "<th>relmse between the images</th><th>mean of this / that - 1</th><th>CPU seconds</th><th>there</th>"
+            "<th>ratio</th></tr>\n";
+        for (const SceneDifference& each : beside.scenes)
+            html += "<tr>" + cell(each.scene, false) + cell(number_text(each.relative_mse)) +
+                    cell(number_text(each.mean_ratio - 1)) + cell(number_text(each.cpu_seconds)) +
+                    cell(number_text(each.cpu_seconds_beside)) +
+                    cell(number_text(each.cpu_seconds_beside / each.cpu_seconds)) + "</tr>\n";
+        return html + "</table></div>\n";
     }
 
     std::string section(const CaseFamily& family) const {
@@ -121,7 +155,7 @@ class PageWriter {
             "</p>\n<div class=\"wide\"><table><tr><th></th><th>expected</th><th>measured</th>"
             "<th>error</th><th>allowed</th><th></th><th>seconds</th>" +
             (beside == beside_.end() ? ""
-                                     : "<th>error in " + escape_html(page_.name_beside) + "</th><th>seconds</th>") +
+                                     : "<th>error in " + escape_html(page_.beside->name) + "</th><th>seconds</th>") +
             "<th></th></tr>\n";
         for (const LineResult& line : lines) {
             html += "<tr>" + cell(line.setting, false) + cell(number_text(line.expected, 9)) +

@@ -109,7 +109,8 @@ class SuiteService {
     std::string answer(const std::string& request) const {
         const Message asked = unpacked(request);
         const std::vector<PlannedLine>& lines = cases_[asked.at(0).get<std::size_t>()];
-        if (asked.size() > 1) return packed({line_record(one(lines, asked.at(1).get<std::size_t>(), 1))});
+        if (asked.size() > 1)
+            return packed(Message::array({line_record(one(lines, asked.at(1).get<std::size_t>(), 1))}));
         Message records = Message::array();
         for (const LineResult& each : all(lines)) records.push_back(line_record(each));
         return packed(records);
