@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "display/services/elementary.h"
 #include "transport/color/spectrum.h"
 #include "transport/import/image.h"
 #include "transport/lights/light_table.h"
@@ -70,8 +71,8 @@ Result<Light> make_spot(const SceneLight& source, LightContext& context) {
     if (*from == *to)
         return error_at(source.location, "spot light: 'from' and 'to' are the same point; expected a direction");
     const double degree = static_cast<double>(pi) / 180;
-    light.cos_zero = static_cast<Real>(std::cos(*cone * degree));
-    light.cos_full = static_cast<Real>(std::cos((*cone - *delta) * degree));
+    light.cos_zero = static_cast<Real>(elementary::cos(*cone * degree));
+    light.cos_full = static_cast<Real>(elementary::cos((*cone - *delta) * degree));
     if (!(light.cos_full > light.cos_zero)) light.cos_full = light.cos_zero + unit_roundoff;  // a hard edge
     light.position = source.to_world.point(*from);
     light.direction = direction_in_world(source.to_world, *to - *from);
