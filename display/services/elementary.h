@@ -10,8 +10,8 @@
 // Largest errors in units of the last place, measured (tests/services/elementary_test.cpp):
 //
 //     float    all below 0.51: they are computed in double and rounded once
-//     double   sin, cos 0.8; tan 1.9; exp, exp2, log, log2 1.0; expm1 1.5; log1p 1.0; atan, atan2 1.0; asin, acos 1.0;
-//              pow 1.0; hypot 1.3; cbrt 0.7
+//     double   sin, cos 0.8; tan 2.1; exp, exp2 1.0; expm1 1.5; log 0.9; log2, log1p 2.1; atan, atan2 2.2; asin 1.7;
+//              acos, pow 1.1; hypot 1.3; cbrt 1.0
 //
 // Arguments may be anything: results for zeros, infinities, NaN and outside of a domain are those of C (annex F), but
 // for the sign of a NaN; so are denormal ones. sin and cos reduce by pi/2 in four parts below 2^20 and by as many bits

@@ -131,10 +131,10 @@ inline Vec2 sample_bilinear(const Vec2& u, Real w00, Real w10, Real w01, Real w1
 
 /// Weight of a sample drawn with density `a` when another strategy has density `b`: the power heuristic with exponent 2
 /// (Veach 1997, section 9.2.4), as a ratio so that densities near the limits of float neither overflow nor give NaN.
-/// a = inf (a delta) gives 1; a = 0 gives 0.
+/// a = inf (a delta) gives 1, beside another one half; a = 0 gives 0.
 inline Real power_heuristic(Real a, Real b) {
     if (!(a > 0)) return 0;
-    if (std::isinf(a)) return 1;
+    if (std::isinf(a)) return std::isinf(b) ? Real(0.5) : Real(1);
     const Real ratio = b / a;
     return 1 / (1 + ratio * ratio);
 }
