@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "display/services/elementary.h"
 #include "display/services/rgb.h"
 #include "geoaovs/shading_batch.h"
 
@@ -45,7 +46,7 @@ inline constexpr auto st = [](Hits h, At i) { return Rgb(h.s[i], h.t[i], 0.0f); 
 inline constexpr auto incidence_angle = [](Hits h, At i) {
     const Rgb n = triple(h.shading_normal, i), w = triple(h.view, i);
     const Rgb cross{n.g * w.b - n.b * w.g, n.b * w.r - n.r * w.b, n.r * w.g - n.g * w.r};
-    return std::atan2(length(cross), std::abs(dot(n, w)));
+    return elementary::atan2(length(cross), std::abs(dot(n, w)));
 };
 inline constexpr auto depth_height_facing = [](Hits h, At i) {
     const Rgb p = triple(h.position, i);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "display/services/elementary.h"
+
 namespace raylex::display {
 
 std::vector<PixelMoments> pixel_moments(std::span<const double> values, std::span<const double> variances,
@@ -43,8 +45,8 @@ double relative_error(const PixelMoments& pixel, double darkest, double weight) 
 std::optional<double> crossing(const ErrorPoint& from, const ErrorPoint& to, double square) {
     if (!(from.samples > 0) || from.square <= square || to.square > square) return std::nullopt;
     if (to.square <= 0) return to.samples;
-    const double part = std::log(from.square / square) / std::log(from.square / to.square);
-    return from.samples * std::pow(to.samples / from.samples, part);
+    const double part = elementary::log(from.square / square) / elementary::log(from.square / to.square);
+    return from.samples * elementary::pow(to.samples / from.samples, part);
 }
 
 void PooledErrors::Sums::add(const Sums& other) {
@@ -117,7 +119,7 @@ double PartsOfSum::standard_error() const {
 }
 
 double PartsOfSum::lower() const {
-    return sum_ > 0 ? sum_ * std::exp(-standard_error() / sum_) : 0;
+    return sum_ > 0 ? sum_ * elementary::exp(-standard_error() / sum_) : 0;
 }
 
 void add_parts(std::span<const double> pixels, int width, int height, PartsOfSum& parts) {
@@ -189,8 +191,9 @@ double ErrorForecast::error_after(double samples) const {
     const ErrorPoint& from = points[at];
     double slope = -1;  // of the logarithm of the square: E stays
     if (samples > from.samples && at + 1 < levels && from.square > 0 && points[at + 1].square > 0)
-        slope = std::log(points[at + 1].square / from.square) / std::log(points[at + 1].samples / from.samples);
-    return std::sqrt(from.square * std::pow(samples / from.samples, slope));
+        slope = elementary::log(points[at + 1].square / from.square) /
+                elementary::log(points[at + 1].samples / from.samples);
+    return std::sqrt(from.square * elementary::pow(samples / from.samples, slope));
 }
 
 }  // namespace raylex::display

@@ -3,6 +3,8 @@
 #include <numbers>
 #include <utility>
 
+#include "display/services/elementary.h"
+
 namespace raylex::display {
 namespace {
 
@@ -14,7 +16,7 @@ constexpr int smooth_segments = 256;  // a Gaussian's straight pieces are then w
 // transform", Proc. IEEE 66 (1978), 4-term minimum.
 
 double normal_density(double x, double sigma) {
-    return std::exp(-x * x / (2 * sigma * sigma)) / std::sqrt(2 * pi * sigma * sigma);
+    return elementary::exp(-x * x / (2 * sigma * sigma)) / std::sqrt(2 * pi * sigma * sigma);
 }
 
 /// Mitchell and Netravali's piecewise cubic on [0, 2].
@@ -26,12 +28,13 @@ double mitchell(double x, double b, double c) {
 }
 
 double sinc(double x) {
-    return std::abs(x) < 1e-8 ? 1.0 : std::sin(pi * x) / (pi * x);
+    return std::abs(x) < 1e-8 ? 1.0 : elementary::sin(pi * x) / (pi * x);
 }
 
 double blackman_harris(double x, double radius) {
     const double phase = pi * x / radius;
-    return 0.35875 + 0.48829 * std::cos(phase) + 0.14128 * std::cos(2 * phase) + 0.01168 * std::cos(3 * phase);
+    return 0.35875 + 0.48829 * elementary::cos(phase) + 0.14128 * elementary::cos(2 * phase) +
+           0.01168 * elementary::cos(3 * phase);
 }
 
 using RadiusProfile = std::function<double(double x, double radius)>;

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "display/buffer/fixed_point.h"
+#include "display/services/elementary.h"
 #include "display/services/parameters.h"
 
 namespace raylex::display {
@@ -75,7 +76,7 @@ DeepBuffer::DeepBuffer(int width, int height, std::span<const ChannelDefinition>
         components_ +=
             static_cast<std::size_t>(raylex::display::component_count(channels_[static_cast<std::size_t>(id)].type));
     first_level_ =
-        std::clamp(mantissa_bits + static_cast<int>(std::floor(std::log2(options.tolerance))), 1, mantissa_bits);
+        std::clamp(mantissa_bits + static_cast<int>(std::floor(elementary::log2(options.tolerance))), 1, mantissa_bits);
 }
 
 DeepBuffer::~DeepBuffer() = default;
@@ -157,7 +158,7 @@ void DeepBuffer::add_row(Pixel& pixel, const SampleTable& table, const Row& row)
     const auto put = [&](std::size_t at, double value) { fits = fits && to_fixed(value, quantum, terms[at]); };
     put(0, row.drop);
     // The mean depth is kept relative to 1, so that its sums stay in range: depths reach 1e30.
-    put(1, row.background ? 0 : row.drop * std::log2(std::max(depth, std::numeric_limits<float>::min())));
+    put(1, row.background ? 0 : row.drop * elementary::log2(std::max(depth, std::numeric_limits<float>::min())));
     std::size_t at = 2;
     for (const ChannelId id : chosen_) {
         const auto components =
@@ -243,8 +244,9 @@ std::vector<DeepSample> DeepBuffer::resolve(int x, int y) const {
         sample.z = bin.nearest;
         sample.z_back = bin.farthest;
         if (points && bin.key != background_key && sums[0] > 0) {
-            const auto mean =
-                static_cast<float>(std::exp2(to_long_double(sums[1], quantum) / to_long_double(sums[0], quantum)));
+            const auto exponent =
+                static_cast<double>(to_long_double(sums[1], quantum) / to_long_double(sums[0], quantum));
+            const auto mean = static_cast<float>(elementary::exp2(exponent));
             sample.z = sample.z_back = std::clamp(mean, bin.nearest, bin.farthest);
         } else if (points) {
             sample.z_back = sample.z;

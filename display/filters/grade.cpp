@@ -4,12 +4,13 @@
 #include <cmath>
 
 #include "display/services/channel_prefixes.h"
+#include "display/services/elementary.h"
 
 namespace raylex::display {
 namespace {
 
 double power(double value, double gamma) {
-    return gamma == 1 ? value : std::copysign(std::pow(std::abs(value), 1 / gamma), value);
+    return gamma == 1 ? value : std::copysign(elementary::pow(std::abs(value), 1 / gamma), value);
 }
 
 }  // namespace
@@ -73,7 +74,7 @@ Result<Grade> read_grade(const ParameterSet& parameters, const std::string& who)
     if (!(std::min({gamma->r, gamma->g, gamma->b}) > 0))
         return wrong("a gamma that is not above 0; expected such as 2.2");
     if (!(*saturation >= 0) || !std::isfinite(*saturation)) return wrong("a negative saturation; expected 0 or above");
-    grade.gain = *gain * std::exp2(*exposure);
+    grade.gain = *gain * elementary::exp2(*exposure);
     grade.offset = *offset;
     grade.gamma = *gamma;
     grade.saturation = *saturation;

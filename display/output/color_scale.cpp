@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "display/services/elementary.h"
+
 namespace raylex::display {
 
 namespace {
@@ -11,7 +13,7 @@ namespace {
 unsigned char encode(double linear) {
     const double clipped = std::clamp(linear, 0.0, 1.0);
     const double value =
-        clipped <= 0.0031308 ? 12.92 * clipped : 1.055 * std::pow(clipped, 1 / 2.4) - 0.055;  // IEC 61966-2-1
+        clipped <= 0.0031308 ? 12.92 * clipped : 1.055 * elementary::pow(clipped, 1 / 2.4) - 0.055;  // IEC 61966-2-1
     return static_cast<unsigned char>(std::lround(255 * value));
 }
 

@@ -9,6 +9,7 @@
 
 #include "display/output/image_filters.h"
 #include "display/output/primaries.h"
+#include "display/services/elementary.h"
 
 namespace raylex::display {
 
@@ -48,7 +49,7 @@ Color to_hunt_lab(const Color& rgb) {
     const Color xyz = transform_colour(space().to_xyz, rgb), &n = space().white;
     constexpr double delta = 6.0 / 29;
     const auto root = [](double t) {
-        return t > delta * delta * delta ? std::cbrt(t) : t / (3 * delta * delta) + 4.0 / 29;
+        return t > delta * delta * delta ? elementary::cbrt(t) : t / (3 * delta * delta) + 4.0 / 29;
     };
     const double x = root(xyz[0] / n[0]), y = root(xyz[1] / n[1]), z = root(xyz[2] / n[2]);
     const double lightness = 116 * y - 16;
@@ -57,7 +58,7 @@ Color to_hunt_lab(const Color& rgb) {
 
 /// City-block distance of lightness, Euclidean of chroma.
 double hyab(const Color& p, const Color& q) {
-    return std::abs(p[0] - q[0]) + std::hypot(p[1] - q[1], p[2] - q[2]);
+    return std::abs(p[0] - q[0]) + elementary::hypot(p[1] - q[1], p[2] - q[2]);
 }
 
 constexpr double qc = 0.7, pc = 0.4, pt = 0.95, qf = 0.5;
@@ -125,7 +126,8 @@ std::pair<Plane, Plane> features(const Plane& achromatic) {
         const Kernel along = balanced(derivative), beside = normalised(smooth);
         Plane across = filtered(achromatic, along, beside, Border::repeats);
         const Plane down = filtered(achromatic, beside, along, Border::repeats);
-        for (std::size_t i = 0; i < across.size(); ++i) across.values[i] = std::hypot(across.values[i], down.values[i]);
+        for (std::size_t i = 0; i < across.size(); ++i)
+            across.values[i] = elementary::hypot(across.values[i], down.values[i]);
         return across;
     };
     return {strength(edge), strength(point)};
@@ -193,7 +195,7 @@ std::vector<double> exposures_for(const LinearImage& reference) {
     const double median = std::max(*middle, brightest * 0x1p-23);
     constexpr double shown = 0.85;
     const double value = Curve().shown_as(shown);
-    const double start = std::log2(value / brightest), stop = std::log2(value / median);
+    const double start = elementary::log2(value / brightest), stop = elementary::log2(value / median);
     const int count = std::max(2, static_cast<int>(std::ceil(stop - start)));
     std::vector<double> stops;
     for (int i = 0; i < count; ++i) stops.push_back(start + i * (stop - start) / (count - 1));
@@ -202,7 +204,7 @@ std::vector<double> exposures_for(const LinearImage& reference) {
 
 LinearImage exposed(const LinearImage& image, double stops) {
     LinearImage result = image;
-    const double factor = std::exp2(stops);
+    const double factor = elementary::exp2(stops);
     const Curve curve;
     for (double& each : result.rgb) each = curve(each * factor);
     return result;
@@ -212,14 +214,14 @@ LinearImage exposed(const LinearImage& image, double stops) {
 
 ImageErrors measure_flip(const LinearImage& image, const LinearImage& reference) {
     const View a = view_of(image), b = view_of(reference);
-    const double largest = std::pow(hyab(to_hunt_lab({0, 1, 0}), to_hunt_lab({0, 0, 1})), qc);
+    const double largest = elementary::pow(hyab(to_hunt_lab({0, 1, 0}), to_hunt_lab({0, 0, 1})), qc);
     ImageErrors result;
     result.map.resize(a.lab.size());
     for (std::size_t i = 0; i < a.lab.size(); ++i) {
-        const double color = redistributed(std::pow(hyab(a.lab[i], b.lab[i]), qc), largest);
+        const double color = redistributed(elementary::pow(hyab(a.lab[i], b.lab[i]), qc), largest);
         const double feature = std::max(std::abs(a.edges.values[i] - b.edges.values[i]),
                                         std::abs(a.points.values[i] - b.points.values[i]));
-        result.map[i] = std::pow(color, 1 - std::pow(feature / std::numbers::sqrt2, qf));
+        result.map[i] = elementary::pow(color, 1 - elementary::pow(feature / std::numbers::sqrt2, qf));
     }
     result.value = mean(result.map);
     return result;

@@ -6,6 +6,7 @@
 #include "display/output/color_scale.h"
 #include "display/output/split_check.h"
 #include "display/output/split_sum.h"
+#include "display/services/elementary.h"
 
 namespace raylex::display {
 
@@ -17,8 +18,8 @@ constexpr ScaleAnchor anchors[] = {{0.00, 0.12, 0.00, -0.06}, {0.25, 0.30, 0.03,
 
 // 0 .. 0.49 within the bound (ten powers of two below it), 0.51 .. 1 from the bound to 1.
 double position_of(double residual, double bound) {
-    if (residual <= bound) return 0.49 * std::clamp(1 + std::log2(residual / bound) / 10, 0.0, 1.0);
-    return 0.51 + 0.49 * std::clamp(std::log2(residual / bound) / -std::log2(bound), 0.0, 1.0);
+    if (residual <= bound) return 0.49 * std::clamp(1 + elementary::log2(residual / bound) / 10, 0.0, 1.0);
+    return 0.51 + 0.49 * std::clamp(elementary::log2(residual / bound) / -elementary::log2(bound), 0.0, 1.0);
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "display/services/elementary.h"
+
 namespace raylex::display {
 
 namespace {
@@ -36,7 +38,7 @@ Plane filtered(const Plane& plane, const Kernel& across, const Kernel& down, Bor
 
 Kernel gaussian(double deviation, int radius) {
     Kernel kernel;
-    for (int x = -radius; x <= radius; ++x) kernel.push_back(std::exp(-0.5 * x * x / (deviation * deviation)));
+    for (int x = -radius; x <= radius; ++x) kernel.push_back(elementary::exp(-0.5 * x * x / (deviation * deviation)));
     return kernel;
 }
 

@@ -7,6 +7,7 @@
 
 #include "display/output/flip.h"
 #include "display/output/image_filters.h"
+#include "display/services/elementary.h"
 
 namespace raylex::display {
 
@@ -32,7 +33,7 @@ double encoded_luminance(const double* rgb) {
     double luminance = 0;
     for (std::size_t c = 0; c < 3; ++c) luminance += weights[c] * std::clamp(rgb[c], 0.0, 1.0);
     // IEC 61966-2-1
-    return luminance <= 0.0031308 ? 12.92 * luminance : 1.055 * std::pow(luminance, 1 / 2.4) - 0.055;
+    return luminance <= 0.0031308 ? 12.92 * luminance : 1.055 * elementary::pow(luminance, 1 / 2.4) - 0.055;
 }
 
 Plane luminance_plane(const LinearImage& image) {

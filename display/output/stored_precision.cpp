@@ -2,15 +2,17 @@
 
 #include <cmath>
 
+#include "display/services/elementary.h"
+
 namespace raylex::display {
 
 namespace {
 
 double to_dwa(double x) {
-    return x <= 1 ? std::pow(x, 1 / 2.2) : 1 + std::log(x) / 2.2;
+    return x <= 1 ? elementary::pow(x, 1 / 2.2) : 1 + elementary::log(x) / 2.2;
 }
 double from_dwa(double y) {
-    return y <= 1 ? std::pow(y, 2.2) : std::exp(2.2 * (y - 1));
+    return y <= 1 ? elementary::pow(y, 2.2) : elementary::exp(2.2 * (y - 1));
 }
 
 }  // namespace

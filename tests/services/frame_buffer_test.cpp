@@ -33,26 +33,6 @@ void feed(FrameBuffer& buffer, std::span<const ChannelDefinition> channels, std:
     }
 }
 
-void check_alternating_mean(std::uint64_t samples) {
-    const std::vector<ChannelDefinition> channels{plain_channel("v", ChannelType::real)};
-    FrameBuffer buffer({1, 1}, channels);
-    feed(buffer, channels, samples, [](SampleTable& table, int row, std::uint64_t sample) {
-        table.values(0)[row] = sample % 2 == 0 ? 0.1 : 0.9;
-        table.touch(0);
-    });
-    CHECK(std::abs(buffer.resolve(0)[0] - 0.5) < 1e-9);  // stability.md row 40
-}
-
-// Block sums are added exactly, so only the rounding inside one block of 16 is left, whatever the number of blocks:
-// 2^20 samples show what 2^27 do.
-TEST_CASE("the mean of alternating 0.1 and 0.9 does not drift", "[frame_buffer]") {
-    check_alternating_mean(1 << 20);
-}
-
-TEST_CASE("the mean of alternating 0.1 and 0.9 does not drift over 2^27 samples", "[frame_buffer][.full]") {
-    check_alternating_mean(1 << 27);
-}
-
 TEST_CASE("a channel of another scale has the same digits", "[frame_buffer][law3]") {
     const auto values_at = [](int scale) {
         std::vector<ChannelDefinition> channels{test::expression_channel("light", "CL"),

@@ -3,7 +3,6 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
-#include <set>
 #include <vector>
 
 using namespace raylex;
@@ -60,17 +59,6 @@ TEST_CASE("pairs of different dimensions, and pixels, are uncorrelated", "[sampl
             }
             REQUIRE(std::abs(sum * 12 / n) < 5 / std::sqrt(double(n)));
         }
-}
-
-TEST_CASE("sample indices around 2^32 give distinct points", "[samplers]") {
-    for (const SamplerKind kind : {SamplerKind::independent, SamplerKind::sobol}) {
-        std::set<std::pair<float, float>> points;
-        for (std::uint64_t s = (1ull << 32) - 2; s <= (1ull << 32) + 2; ++s) {
-            const Vec2 p = PixelSampler(kind, 0, 0, 0, s).get_2d(400);
-            points.insert({p.x, p.y});
-        }
-        CHECK(points.size() == 5);
-    }
 }
 
 TEST_CASE("sobol integrates a smooth function with less error than independent numbers", "[samplers]") {

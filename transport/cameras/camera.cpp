@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "display/services/elementary.h"
 #include "transport/cameras/perspective.h"
 #include "transport/geometry/matrix34.h"
 
@@ -44,7 +45,7 @@ Real Camera::importance(const Vec3& point, const Vec3& position) const {
 
 void Camera::rigid_world_to_camera(Real (&matrix)[3][4]) const {
     const Matrix34 m(world_to_camera_);
-    const double scale = 1 / std::cbrt(std::abs(m.determinant()));
+    const double scale = 1 / elementary::cbrt(std::abs(m.determinant()));
     for (int r = 0; r < 3; ++r)
         for (int c = 0; c < 4; ++c) matrix[r][c] = static_cast<Real>(m.m[r][c] * scale);
 }

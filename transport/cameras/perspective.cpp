@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "display/services/elementary.h"
 #include "transport/math/sampling.h"
 
 namespace raylex::transport {
@@ -26,7 +27,7 @@ Result<std::unique_ptr<Camera>> PerspectiveCamera::build(const SceneEntity& enti
             return error_at(p->location, "'screenwindow' must be four numbers: x min, x max, y min, y max");
         for (std::size_t i = 0; i < 4; ++i) screen[i] = p->numbers[i];
     }
-    const double tangent = std::tan(*fov * 3.14159265358979323846 / 360);
+    const double tangent = elementary::tan(*fov * 3.14159265358979323846 / 360);
     const Vec3 step_x = DVec3{(screen[1] - screen[0]) * tangent / width, 0, 0}.to_real(),
                step_y = DVec3{0, (screen[2] - screen[3]) * tangent / height, 0}.to_real();
     const double near = 1e-2, far = 1e3;

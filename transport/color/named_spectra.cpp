@@ -1,4 +1,5 @@
 // Spectra that scene files call by name, under pbrt-v4's names.
+#include "display/services/elementary.h"
 #include "transport/color/spectral_data.h"
 
 #include <cmath>
@@ -99,7 +100,7 @@ VisibleSpectrum sample_rows(std::span<const ConstantRow> rows, double ConstantRo
 VisibleSpectrum sample_glass(const Sellmeier& glass) {
     VisibleSpectrum result{};
     for (std::size_t i = 0; i < visible_samples; ++i) {
-        const double l2 = std::pow(visible_wavelength(i) * 1e-3, 2);
+        const double l = visible_wavelength(i) * 1e-3, l2 = l * l;
         double n2 = 1;
         for (std::size_t k = 0; k < 3; ++k) n2 += glass.b[k] * l2 / (l2 - glass.c[k]);
         result[i] = std::sqrt(n2);
@@ -112,8 +113,8 @@ VisibleSpectrum illuminant_a() {
     VisibleSpectrum result{};
     for (std::size_t i = 0; i < visible_samples; ++i) {
         const double lambda = visible_wavelength(i);
-        result[i] =
-            std::pow(560 / lambda, 5) * std::expm1(1.435e7 / (2848 * 560.0)) / std::expm1(1.435e7 / (2848 * lambda));
+        result[i] = elementary::pow(560 / lambda, 5) * elementary::expm1(1.435e7 / (2848 * 560.0)) /
+                    elementary::expm1(1.435e7 / (2848 * lambda));
     }
     return result;
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "display/services/elementary.h"
+
 namespace raylex::transport {
 
 namespace {
@@ -102,7 +104,7 @@ VisibleSpectrum blackbody_spectrum(double kelvin) {
     constexpr double second_constant = 6.62607015e-34 * 299792458.0 / 1.380649e-23;  // h c / k, m K
     constexpr double wien = 2.897771955e-3;                                          // m K
     const auto radiance = [kelvin](double metres) {
-        return std::pow(metres, -5) / std::expm1(second_constant / (metres * kelvin));
+        return elementary::pow(metres, -5) / elementary::expm1(second_constant / (metres * kelvin));
     };
     const double peak = radiance(wien / kelvin);
     VisibleSpectrum result{};

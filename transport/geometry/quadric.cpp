@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <numbers>
 
+#include "display/services/elementary.h"
+
 namespace raylex::transport {
 namespace {
 
 constexpr double two_pi = 2 * std::numbers::pi;
 
 double angle_of(const DVec3& p) {
-    const double phi = std::atan2(p.y, p.x);
+    const double phi = elementary::atan2(p.y, p.x);
     return phi < 0 ? phi + two_pi : phi;
 }
 
@@ -27,8 +29,8 @@ Quadric::Quadric(const SceneShape& shape) : kind(shape.kind), placement(shape.ob
         partial = partial || z_min > -radius || z_max < radius;
         z_min = std::clamp(z_min, -radius, radius);
         z_max = std::clamp(z_max, -radius, radius);
-        theta_min = std::acos(z_min / radius);
-        theta_max = std::acos(z_max / radius);
+        theta_min = elementary::acos(z_min / radius);
+        theta_max = elementary::acos(z_max / radius);
     }
     // flip_normal is ReverseOrientation xor handedness; a normal goes through the transform by the inverse transpose,
     // which keeps outside outside, so only ReverseOrientation is left to apply.
@@ -38,7 +40,7 @@ Quadric::Quadric(const SceneShape& shape) : kind(shape.kind), placement(shape.ob
 bool Quadric::accept(const DVec3& p, double& u, double& v) const {
     const double phi = angle_of(p);
     if (kind == ShapeKind::sphere) {
-        const double theta = std::acos(std::clamp(p.z / radius, -1.0, 1.0));
+        const double theta = elementary::acos(std::clamp(p.z / radius, -1.0, 1.0));
         if (partial && ((z_min > -radius && p.z < z_min) || (z_max < radius && p.z > z_max) || phi > phi_max))
             return false;
         v = (theta - theta_min) / (theta_max - theta_min);
@@ -46,7 +48,7 @@ bool Quadric::accept(const DVec3& p, double& u, double& v) const {
         if (p.z < z_min || p.z > z_max || phi > phi_max) return false;
         v = (p.z - z_min) / (z_max - z_min);
     } else {
-        const double r = std::hypot(p.x, p.y);
+        const double r = elementary::hypot(p.x, p.y);
         if (r > radius || r < inner_radius || phi > phi_max) return false;
         v = (radius - r) / (radius - inner_radius);
     }
@@ -79,7 +81,7 @@ bool Quadric::intersect(const DVec3& origin, const DVec3& direction, double t_mi
     for (const double root : {t0, t1}) {
         if (!(root > t_min && root < t_max)) continue;
         DVec3 p = o + d * root;
-        const double r = sphere ? length(p) : std::hypot(p.x, p.y);
+        const double r = sphere ? length(p) : elementary::hypot(p.x, p.y);
         const double scale = radius / r;
         p = sphere ? p * scale : DVec3{p.x * scale, p.y * scale, p.z};
         if (accept(p, u, v)) {
@@ -91,10 +93,10 @@ bool Quadric::intersect(const DVec3& origin, const DVec3& direction, double t_mi
 }
 
 DVec3 Quadric::object_point(double u, double v) const {
-    const double phi = u * phi_max, c = std::cos(phi), s = std::sin(phi);
+    const auto [s, c] = elementary::sin_cos(u * phi_max);
     if (kind == ShapeKind::sphere) {
-        const double theta = theta_min + v * (theta_max - theta_min), r = radius * std::sin(theta);
-        return {r * c, r * s, radius * std::cos(theta)};
+        const auto [sine, cosine] = elementary::sin_cos(theta_min + v * (theta_max - theta_min));
+        return {radius * sine * c, radius * sine * s, radius * cosine};
     }
     if (kind == ShapeKind::cylinder) return {radius * c, radius * s, z_min + v * (z_max - z_min)};
     const double r = radius - v * (radius - inner_radius);
@@ -109,7 +111,7 @@ DVec3 Quadric::object_normal(const DVec3& p) const {
 
 DVec3 Quadric::object_dpdv(const DVec3& p) const {
     if (kind == ShapeKind::cylinder) return {0, 0, z_max - z_min};
-    const double rho = std::hypot(p.x, p.y), c = rho > 0 ? p.x / rho : 1, s = rho > 0 ? p.y / rho : 0;
+    const double rho = elementary::hypot(p.x, p.y), c = rho > 0 ? p.x / rho : 1, s = rho > 0 ? p.y / rho : 0;
     if (kind == ShapeKind::sphere) return DVec3{p.z * c, p.z * s, -rho} * (theta_max - theta_min);
     return DVec3{c, s, 0} * (inner_radius - radius);
 }
@@ -123,7 +125,7 @@ void Quadric::sample_area(double a, double b, double& u, double& v) const {
     u = a;
     if (kind == ShapeKind::sphere) {
         const double z = z_min + b * (z_max - z_min);
-        v = (std::acos(std::clamp(z / radius, -1.0, 1.0)) - theta_min) / (theta_max - theta_min);
+        v = (elementary::acos(std::clamp(z / radius, -1.0, 1.0)) - theta_min) / (theta_max - theta_min);
     } else if (kind == ShapeKind::cylinder) {
         v = b;
     } else {

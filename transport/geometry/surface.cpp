@@ -8,6 +8,7 @@
 //   gamma(8) [ |n| . max |v| + ((|e1| x+ |e2|) . extent) / |N| ],  x+ the cross product with plus signs.
 // Componentwise bounds keep axis-aligned planes nearly exact. A plane through 0 would get 0, so 2^-32 of the triangle's
 // extent is added: it changes nothing elsewhere.
+#include "display/services/elementary.h"
 #include "transport/geometry/embree_scene.h"
 
 #include <algorithm>
@@ -88,7 +89,7 @@ void quadric_surface(const Quadric& q, const LocalRay& ray, const Hit& hit, Surf
     if (q.kind == ShapeKind::sphere) {
         p = p * (q.radius / length(p));
     } else if (q.kind == ShapeKind::cylinder) {
-        const double scale = q.radius / std::hypot(p.x, p.y);
+        const double scale = q.radius / elementary::hypot(p.x, p.y);
         p = {p.x * scale, p.y * scale, p.z};
     } else {
         p.z = q.height;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "display/services/elementary.h"
 #include "display/services/parameters.h"
 #include "transport/import/image_readers.h"
 #include "transport/import/input_file.h"
@@ -33,11 +34,11 @@ float Encoding::decode(double stored) const {
         case Kind::linear:
             return static_cast<float>(stored);
         case Kind::gamma:
-            return static_cast<float>(std::pow(stored, exponent));
+            return static_cast<float>(elementary::pow(stored, exponent));
         case Kind::srgb:
             break;
     }
-    return static_cast<float>(stored <= 0.04045 ? stored / 12.92 : std::pow((stored + 0.055) / 1.055, 2.4));
+    return static_cast<float>(stored <= 0.04045 ? stored / 12.92 : elementary::pow((stored + 0.055) / 1.055, 2.4));
 }
 
 Result<Encoding> parse_encoding(const std::string& text) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "display/services/elementary.h"
+
 namespace raylex::transport {
 namespace {
 
@@ -53,7 +55,7 @@ Real edge_distance(const IntegratorContext& context, const Vec3& position, std::
         const Vec2 from = image(a), to = image(b), along{to.x - from.x, to.y - from.y};
         const Real l2 = along.x * along.x + along.y * along.y;
         const Real t = l2 > 0 ? std::clamp(-(from.x * along.x + from.y * along.y) / l2, Real(0), Real(1)) : 0.0f;
-        nearest = std::min(nearest, std::hypot(from.x + t * along.x, from.y + t * along.y));
+        nearest = std::min(nearest, elementary::hypot(from.x + t * along.x, from.y + t * along.y));
     }
     return nearest;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "display/services/elementary.h"
 #include "transport/math/sampling.h"
 
 namespace raylex::transport {
@@ -29,7 +30,7 @@ Vec2 octahedral_from_direction(const Vec3& d) {
     const Real x = std::abs(d.x), y = std::abs(d.y), z = std::abs(d.z);
     const Real r = safe_sqrt(1 - z);
     const Real a = std::max(x, y), b = std::min(x, y);
-    Real phi = std::atan(a == 0 ? 0 : b / a) * (2 * inv_pi);
+    Real phi = elementary::atan(a == 0 ? 0 : b / a) * (2 * inv_pi);
     if (x < y) phi = 1 - phi;
     Real v = phi * r, u = r - v;
     if (d.z < 0) {
@@ -48,7 +49,8 @@ Vec3 direction_from_octahedral(const Vec2& uv) {
     const Real phi = (r == 0 ? 1 : (vp - up) / r + 1) * (pi / 4);
     const Real z = std::copysign(1 - r * r, signed_distance);
     const Real s = r * safe_sqrt(2 - r * r);
-    return {std::copysign(std::cos(phi), u) * s, std::copysign(std::sin(phi), v) * s, z};
+    const auto [sine, cosine] = elementary::sin_cos(phi);
+    return {std::copysign(cosine, u) * s, std::copysign(sine, v) * s, z};
 }
 
 EnvironmentImage::EnvironmentImage(int resolution, std::vector<Rgb> pixels, const Placement& placement)

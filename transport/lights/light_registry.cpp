@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "display/services/elementary.h"
 #include "transport/color/spectrum.h"
 #include "transport/import/image.h"
 #include "transport/lights/light_table.h"
@@ -70,7 +71,10 @@ Result<Light> make_spot(const SceneLight& source, LightContext& context) {
     if (*from == *to)
         return error_at(source.location, "spot light: 'from' and 'to' are the same point; expected a direction");
     const double degree = static_cast<double>(pi) / 180;
-    const auto versine = [](double angle) { return static_cast<Real>(2 * std::sin(0.5 * angle) * std::sin(0.5 * angle)); };
+    const auto versine = [](double angle) {
+        const double half = elementary::sin(0.5 * angle);
+        return static_cast<Real>(2 * half * half);
+    };
     light.versine_zero = versine(*cone * degree);
     light.versine_full = versine((*cone - *delta) * degree);
     if (!(light.versine_full < light.versine_zero))

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "display/services/elementary.h"
 #include "transport/lights/area_points.h"
 #include "transport/lights/light_table.h"
 #include "transport/math/sampling.h"
@@ -72,7 +73,7 @@ bool sample_sphere(const Light& light, const Quadric& quadric, bool cut_out, con
     const double sin_alpha = std::sqrt(std::max(0.0, 1 - cos_alpha * cos_alpha));
     const Vec3 axis = (cone.to_center * (1 / cone.distance)).to_real();
     const Frame frame = Frame::from_normal(axis);
-    const Real phi = 2 * pi * u.y, c = std::cos(phi), sn = std::sin(phi);
+    const auto [sn, c] = elementary::sin_cos(2 * pi * u.y);
     const Real sin_theta = static_cast<Real>(std::sqrt(sin2));
     s.wi = normalize(frame.s * (sin_theta * c) + frame.t * (sin_theta * sn) + axis * static_cast<Real>(cos_theta));
     const Vec3 outward = normalize(frame.s * (static_cast<Real>(sin_alpha) * c) +

@@ -3,6 +3,7 @@
 #include <bit>
 #include <type_traits>
 
+#include "display/services/elementary.h"
 #include "transport/materials/conductor.h"
 #include "transport/materials/lambert.h"
 
@@ -44,13 +45,12 @@ Vec3 sample_phase(const Vec3& along, const Vec2& u, Real g) {
     const Real a = std::abs(g);
     Real one_minus_cos = 2 * square(1 - a) * u.x * (1 + a - a * u.x) / square(1 - a + 2 * a * (1 - u.x));
     one_minus_cos = std::min(one_minus_cos, Real(2));
-    const Real sin_theta = safe_sqrt(one_minus_cos * (2 - one_minus_cos)), phi = 2 * pi * u.y;
-    const Vec3 local{sin_theta * std::cos(phi), sin_theta * std::sin(phi), 1 - one_minus_cos};
-    return Frame::from_normal(g < 0 ? -along : along).to_world(local);
+    const Vec2 p = polar_point(safe_sqrt(one_minus_cos * (2 - one_minus_cos)), u.y);
+    return Frame::from_normal(g < 0 ? -along : along).to_world({p.x, p.y, 1 - one_minus_cos});
 }
 
 Real transmittance(Real depth, const Vec3& w) {
-    return std::exp(-std::abs(depth / w.z));
+    return elementary::exp(-std::abs(depth / w.z));
 }
 
 /// Where a walk stands: height above the base, direction of travel.
@@ -70,7 +70,7 @@ Advance advance(const CoatLayer& coat, WalkPoint& at, Rgb& beta, WalkRandom& ran
         at.z = boundary;
         return Advance::interface;
     }
-    const Real z = at.z - std::log1p(-random.one()) * at.w.z;  // w is unit: distance times w.z is height
+    const Real z = at.z - elementary::log1p(-random.one()) * at.w.z;  // w is unit: distance times w.z is height
     if (z == at.z) return Advance::stuck;
     if (z > 0 && z < coat.thickness) {
         at.z = z;

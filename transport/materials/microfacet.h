@@ -50,8 +50,8 @@ struct Ggx {
     [[nodiscard]] Vec3 sample_visible_normal(const Vec3& w, const Vec2& u) const {
         const Vec3 stretched = normalize({alpha_x * w.x, alpha_y * w.y, w.z});
         const Real z = (1 - u.x) * (1 + stretched.z) - stretched.z;  // uniform on the cap z in (-stretched.z, 1]
-        const Real r = safe_sqrt(1 - z * z), phi = 2 * pi * u.y;
-        const Vec3 h = Vec3{r * std::cos(phi), r * std::sin(phi), z} + stretched;
+        const Vec2 p = polar_point(safe_sqrt(1 - z * z), u.y);
+        const Vec3 h = Vec3{p.x, p.y, z} + stretched;
         return normalize({alpha_x * h.x, alpha_y * h.y, std::max(Real(1e-6) * length(h), h.z)});
     }
 };

@@ -2,15 +2,17 @@
 
 #include <algorithm>
 
+#include "display/services/elementary.h"
+
 namespace raylex::transport {
 
 Vec2 TextureMapping::map(const TexturePoint& at) const {
     if (kind == Kind::uv) return {scale_u * at.u + offset_u, scale_v * at.v + offset_v};
     const Vec3 p = texture_from_world.point(at.position);
     if (kind == Kind::planar) return {offset_u + dot(p, axis_u), offset_v + dot(p, axis_v)};
-    if (kind == Kind::cylindrical) return {(pi + std::atan2(p.y, p.x)) * (0.5f * inv_pi), p.z};
-    const Real l = length(p), phi = std::atan2(p.y, p.x);
-    const Real theta = l > 0 ? std::acos(std::clamp(p.z / l, Real(-1), Real(1))) : 0.0f;
+    if (kind == Kind::cylindrical) return {(pi + elementary::atan2(p.y, p.x)) * (0.5f * inv_pi), p.z};
+    const Real l = length(p), phi = elementary::atan2(p.y, p.x);
+    const Real theta = l > 0 ? elementary::acos(std::clamp(p.z / l, Real(-1), Real(1))) : 0.0f;
     return {theta * inv_pi, (phi < 0 ? phi + 2 * pi : phi) * (0.5f * inv_pi)};
 }
 

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "display/services/elementary.h"
 #include "transport/math/vec.h"
 
 namespace raylex::transport {
@@ -25,18 +26,20 @@ constexpr Real lerp(Real t, Real a, Real b) {
     return (1 - t) * a + t * b;
 }
 
-/// Sine and cosine on [-pi/4, pi/4] by their Taylor series, cut where the error (2e-9) is below float's rounding.
-/// Cheaper than the library's, and the same bits on every machine. In double the library's.
-struct SinCos {
-    Real sin, cos;
+/// Sine and cosine on [-pi/4, pi/4] by their Taylor series, cut where the error (2e-9) is below float's rounding:
+/// without the reduction to this range, and in float throughout. In double elementary::sin_cos.
+inline elementary::SinCos<Real> sin_cos_of_eighth(Real x) {
+    if constexpr (real_is_double) return elementary::sin_cos(x);
+    const Real x2 = x * x;
+    return {x * (1 + x2 * (-1 / 6.0f + x2 * (1 / 120.0f + x2 * (-1 / 5040.0f + x2 / 362880.0f)))),
+            1 + x2 * (-0.5f + x2 * (1 / 24.0f + x2 * (-1 / 720.0f + x2 * (1 / 40320.0f - x2 / 3628800.0f))))};
+}
 
-    static SinCos of_eighth(Real x) {
-        if constexpr (real_is_double) return {std::sin(x), std::cos(x)};
-        const Real x2 = x * x;
-        return {x * (1 + x2 * (-1 / 6.0f + x2 * (1 / 120.0f + x2 * (-1 / 5040.0f + x2 / 362880.0f)))),
-                1 + x2 * (-0.5f + x2 * (1 / 24.0f + x2 * (-1 / 720.0f + x2 * (1 / 40320.0f - x2 / 3628800.0f))))};
-    }
-};
+/// The point at `radius` from the origin, `turn` whole turns from the x axis.
+inline Vec2 polar_point(Real radius, Real turn) {
+    const auto [sine, cosine] = elementary::sin_cos(2 * pi * turn);
+    return {radius * cosine, radius * sine};
+}
 
 /// Unit disk, concentric: squares map to rings, so strata stay compact (Shirley and Chiu 1997, "A Low Distortion Map
 /// Between Disk and Square"). Density 1/pi per unit area.
@@ -46,15 +49,14 @@ inline Vec2 sample_disk(const Vec2& u) {
     // which quarter it is cannot be predicted.
     const bool wide = std::abs(a) > std::abs(b);
     const Real radius = wide ? a : b, other = wide ? b : a;
-    const SinCos angle = SinCos::of_eighth(radius == 0 ? 0.0f : (pi / 4) * (other / radius));
+    const auto angle = sin_cos_of_eighth(radius == 0 ? 0.0f : (pi / 4) * (other / radius));
     const Real along = radius * angle.cos, across = radius * angle.sin;
     return {wide ? along : across, wide ? across : along};
 }
 
 /// Unit disk by polar coordinates: u.x is the squared radius, u.y the angle. Density 1/pi.
 inline Vec2 sample_disk_polar(const Vec2& u) {
-    const Real r = std::sqrt(u.x), phi = 2 * pi * u.y;
-    return {r * std::cos(phi), r * std::sin(phi)};
+    return polar_point(std::sqrt(u.x), u.y);
 }
 
 /// Upper hemisphere, density cos(theta)/pi (Malley's method on the concentric disk).
@@ -67,17 +69,17 @@ constexpr Real cosine_hemisphere_pdf(Real cos_theta) {
 }
 
 inline Vec3 sample_uniform_hemisphere(const Vec2& u) {
-    const Real r = safe_sqrt(1 - u.x * u.x), phi = 2 * pi * u.y;
-    return {r * std::cos(phi), r * std::sin(phi), u.x};
+    const Vec2 p = polar_point(safe_sqrt(1 - u.x * u.x), u.y);
+    return {p.x, p.y, u.x};
 }
 constexpr Real uniform_hemisphere_pdf() {
     return inv_pi * 0.5f;
 }
 
 inline Vec3 sample_uniform_sphere(const Vec2& u) {
-    const Real z = 1 - 2 * u.x, phi = 2 * pi * u.y;
     const Real r = 2 * std::sqrt(u.x * (1 - u.x));  // sqrt(1 - z^2) without the cancellation at the poles
-    return {r * std::cos(phi), r * std::sin(phi), z};
+    const Vec2 p = polar_point(r, u.y);
+    return {p.x, p.y, 1 - 2 * u.x};
 }
 constexpr Real uniform_sphere_pdf() {
     return inv_pi * 0.25f;
@@ -86,8 +88,8 @@ constexpr Real uniform_sphere_pdf() {
 /// Cone about +z. It is given by 1 - cos(theta_max), which stays exact for tiny cones (see one_minus_cos_of_sin2).
 inline Vec3 sample_uniform_cone(const Vec2& u, Real one_minus_cos_max) {
     const Real h = u.x * one_minus_cos_max;  // 1 - cos(theta)
-    const Real sin_theta = safe_sqrt(h * (2 - h)), phi = 2 * pi * u.y;
-    return {sin_theta * std::cos(phi), sin_theta * std::sin(phi), 1 - h};
+    const Vec2 p = polar_point(safe_sqrt(h * (2 - h)), u.y);
+    return {p.x, p.y, 1 - h};
 }
 inline Real uniform_cone_pdf(Real one_minus_cos_max) {
     return 1 / (2 * pi * one_minus_cos_max);
@@ -129,10 +131,10 @@ inline Vec2 sample_bilinear(const Vec2& u, Real w00, Real w10, Real w01, Real w1
 
 /// Weight of a sample drawn with density `a` when another strategy has density `b`: the power heuristic with exponent 2
 /// (Veach 1997, section 9.2.4), as a ratio so that densities near the limits of float neither overflow nor give NaN.
-/// a = inf (a delta) gives 1; a = 0 gives 0.
+/// a = inf (a delta) gives 1, beside another one half; a = 0 gives 0.
 inline Real power_heuristic(Real a, Real b) {
     if (!(a > 0)) return 0;
-    if (std::isinf(a)) return 1;
+    if (std::isinf(a)) return std::isinf(b) ? Real(0.5) : Real(1);
     const Real ratio = b / a;
     return 1 / (1 + ratio * ratio);
 }

@@ -4,6 +4,8 @@
 #include <numbers>
 #include <utility>
 
+#include "display/services/elementary.h"
+
 namespace raylex::transport {
 
 namespace {
@@ -107,7 +109,7 @@ Transform Transform::rotate(double degrees, double x, double y, double z) {
     const double radians = degrees * std::numbers::pi / 180;
     // Multiples of 90 degrees are common in scene files and should not carry the rounding of pi.
     const double quarter = std::remainder(degrees, 90.0) == 0 ? std::remainder(degrees / 90, 4.0) : 0.5;
-    double sine = std::sin(radians), cosine = std::cos(radians);
+    auto [sine, cosine] = elementary::sin_cos(radians);
     if (quarter == std::floor(quarter)) {
         sine = std::abs(quarter) == 1 ? quarter : 0;
         cosine = quarter == 0 ? 1 : std::abs(quarter) == 2 ? -1 : 0;

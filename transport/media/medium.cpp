@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "display/services/elementary.h"
 #include "transport/geometry/ray.h"
 
 namespace raylex::transport {
@@ -22,13 +23,15 @@ int pick(const Rgb& share, Real u) {
 /// exp(-(sigma - least) distance): what is left when all colours are scaled by exp(least distance), which cancels in
 /// every ratio and keeps them from vanishing together.
 Real relative_transmittance(Real sigma, Real least, Real distance) {
-    return sigma > least ? std::exp(-(sigma - least) * distance) : 1.0f;
+    return sigma > least ? elementary::exp(-(sigma - least) * distance) : 1.0f;
 }
 
 }  // namespace
 
 Rgb transmittance(const Medium& medium, Real distance) {
-    const auto beam_transmittance = [&](Real sigma) { return sigma > 0 ? std::exp(-sigma * distance) : Real(1); };
+    const auto beam_transmittance = [&](Real sigma) {
+        return sigma > 0 ? elementary::exp(-sigma * distance) : Real(1);
+    };
     if (medium.grey) return Rgb(beam_transmittance(medium.sigma_t.r));
     return {beam_transmittance(medium.sigma_t.r), beam_transmittance(medium.sigma_t.g),
             beam_transmittance(medium.sigma_t.b)};
@@ -38,13 +41,13 @@ Rgb emission_along(const Medium& medium, Real distance) {
     Rgb result;
     for (int c = 0; c < 3; ++c)
         if (medium.emission[c] > 0)  // what emits absorbs: sigma_t is above 0
-            result[c] = medium.emission[c] * (-std::expm1(-medium.sigma_t[c] * distance) / medium.sigma_t[c]);
+            result[c] = medium.emission[c] * (-elementary::expm1(-medium.sigma_t[c] * distance) / medium.sigma_t[c]);
     return result;
 }
 
 FreeFlight sample_free_flight(const Medium& medium, const Rgb& throughput, Real end, const Vec2& u) {
     FreeFlight flight;
-    const Real depth = -std::log1p(-u.y);  // optical
+    const Real depth = -elementary::log1p(-u.y);  // optical
     if (medium.grey) {
         const Real sigma = medium.sigma_t.r;
         flight.distance = sigma > 0 ? depth / sigma : infinity;
@@ -75,7 +78,7 @@ FreeFlight sample_free_flight(const Medium& medium, const Rgb& throughput, Real 
 Real sample_absorption(const Medium& medium, Real end, const Vec2& u) {
     Rgb lost = Rgb(1) - transmittance(medium, end);
     const int c = pick(shares(lost), u.x);
-    return std::min(-std::log1p(-u.y * lost[c]) / medium.sigma_t[c], end);
+    return std::min(-elementary::log1p(-u.y * lost[c]) / medium.sigma_t[c], end);
 }
 
 Result<MediumTable> MediumTable::build(const SceneDescription& scene, std::vector<Error>& warnings) {

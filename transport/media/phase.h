@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "transport/math/vec.h"
+#include "transport/math/sampling.h"
 
 namespace raylex::transport {
 
@@ -39,9 +39,9 @@ inline PhaseSample sample_phase(Real g, const Vec3& forward, const Vec2& u) {
     const Real denominator = (1 - a) + 2 * a * (1 - u.x);
     const Real h =
         std::clamp(2 * (1 - a) * (1 - a) * u.x * (1 + a - a * u.x) / (denominator * denominator), Real(0), Real(2));
-    const Real sine = std::sqrt(h * (2 - h)), phi = 2 * pi * u.y;
+    const Vec2 p = polar_point(std::sqrt(h * (2 - h)), u.y);
     const Frame frame = Frame::from_normal(g < 0 ? -forward : forward);
-    return {normalize(frame.to_world({sine * std::cos(phi), sine * std::sin(phi), 1 - h})), phase_detail::value(a, h)};
+    return {normalize(frame.to_world({p.x, p.y, 1 - h})), phase_detail::value(a, h)};
 }
 
 }  // namespace raylex::transport

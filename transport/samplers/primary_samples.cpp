@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "display/services/elementary.h"
 #include "transport/math/sampling.h"
 
 namespace raylex::transport {
@@ -13,7 +14,7 @@ constexpr std::uint64_t choices = std::uint64_t{1} << 40;  // names no dimension
 /// A standard normal number (Box and Muller) of 64 random bits.
 Real normal_number(std::uint64_t bits) {
     const Real u = (static_cast<Real>(bits >> 40) + 0.5f) * 0x1p-24f, v = static_cast<Real>(bits & 0xffffff) * 0x1p-24f;
-    return std::sqrt(-2 * std::log(u)) * std::cos(2 * pi * v);
+    return std::sqrt(-2 * elementary::log(u)) * elementary::cos(2 * pi * v);
 }
 
 /// Back into [0, 1), as if its ends were joined.

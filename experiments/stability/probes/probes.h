@@ -7,6 +7,11 @@
 
 namespace raylex::experiments {
 
+std::span<const NamedProbe> elementary_probes();
 std::span<const NamedProbe> phase_probes();
+std::span<const NamedProbe> sampler_probes();
+std::span<const NamedProbe> sum_probes();
+std::span<const NamedProbe> warp_probes();
+std::span<const NamedProbe> weight_probes();
 
 }  // namespace raylex::experiments
