@@ -32,7 +32,9 @@ struct Pair {
     Pair(const Ggx& facets, const Vec3& wo, const Vec3& wi, Real eta) {
         if (wo.z < min_cosine || std::abs(wi.z) < min_cosine) return;
         reflected = wi.z > 0;
-        Vec3 m = reflected ? wo + wi : wo + wi * eta;
+        // wo + eta wi; their sum first, which is exact where they are nearly opposite.
+        Vec3 m = wo + wi;
+        if (!reflected) m += wi * (eta - 1);
         const Real l2 = length_squared(m);
         if (!(l2 > 0)) return;
         m = m / std::sqrt(l2);
@@ -87,9 +89,9 @@ LocalSample DielectricClosure::sample_ideal(const Vec3& wo, Real u_lobe, Transpo
         s.weight = Rgb(fresnel / reflect_chance);
         return s;
     }
-    const Real sin2_t = (1 - cos_o * cos_o) / (view.eta * view.eta);
-    if (sin2_t >= 1) return s;  // only asked for transmission and there is none
-    const Real cos_t = std::copysign(std::sqrt(1 - sin2_t), -wo.z);
+    const Real cos2_t = refracted_cosine_squared(cos_o, view.eta);
+    if (cos2_t <= 0) return s;  // only asked for transmission and there is none
+    const Real cos_t = std::copysign(std::sqrt(cos2_t), -wo.z);
     s.wi = {-wo.x / view.eta, -wo.y / view.eta, cos_t};
     s.pdf = 1 - reflect_chance;
     s.weight = Rgb((1 - fresnel) / s.pdf * radiance_scale(mode, view.eta));
@@ -115,9 +117,9 @@ LocalSample DielectricClosure::sample_rough(const Vec3& wo_given, Real u_lobe, c
         s.pdf = reflect_chance * visible * 0.25f;
         s.weight = Rgb(fresnel / reflect_chance);
     } else {
-        const Real sin2_t = (1 - om * om) / (view.eta * view.eta);
-        if (sin2_t >= 1) return s;
-        const Real cos_t = std::sqrt(1 - sin2_t);
+        const Real cos2_t = refracted_cosine_squared(om, view.eta);
+        if (cos2_t <= 0) return s;
+        const Real cos_t = std::sqrt(cos2_t);
         wi = m * (om / view.eta - cos_t) - wo / view.eta;
         if (wi.z > -min_cosine) return s;
         s.pdf = (1 - reflect_chance) * visible * om * cos_t / square(om / view.eta - cos_t);

@@ -15,8 +15,9 @@ struct DielectricClosure {
     Real eta;  ///< inside over outside
 
     /// Index-matched interfaces are ideal whatever their roughness: refraction turns no direction, and the half vector
-    /// of a transmitted pair, wo + eta wi, drowns in rounding (pbrt-v4 does so at eta = 1 exactly).
-    static constexpr Real matched_within = Real(1e-4);
+    /// of a transmitted pair, wo + eta wi, drowns in rounding (pbrt-v4 does so at eta = 1 exactly). Smith's masking,
+    /// which knows no light that meets the surface twice, would dim even light that nothing turns.
+    static constexpr Real matched_within = Real(1.5e-4);
 
     [[nodiscard]] bool is_delta() const { return facets.smooth() || std::abs(eta - 1) < matched_within; }
     /// f |cos theta_i|; 0 for a delta.

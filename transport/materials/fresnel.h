@@ -9,13 +9,21 @@
 
 namespace raylex::transport {
 
+/// Squared cosine of the refracted direction by Snell's law; 0 or less where all light is reflected. `eta` =
+/// transmitted over incident index. Differences are taken in double: near the critical angle float's would leave
+/// cosines in steps of 2e-4, between which reflectance is not monotone.
+inline Real refracted_cosine_squared(Real cos_i, Real eta) {
+    const double c = cos_i, n = eta;
+    return static_cast<Real>(1 - (1 - c * c) / (n * n));
+}
+
 /// Dielectric: `cos_theta` in [0, 1] on the incident side, `eta` = transmitted over incident index.
 /// Total internal reflection gives exactly 1.
 inline Real fresnel_dielectric(Real cos_theta, Real eta) {
     const Real cos_i = std::clamp(cos_theta, Real(0), Real(1));
-    const Real sin2_t = (1 - cos_i * cos_i) / (eta * eta);
-    if (sin2_t >= 1) return 1;
-    const Real cos_t = safe_sqrt(1 - sin2_t);
+    const Real cos2_t = refracted_cosine_squared(cos_i, eta);
+    if (cos2_t <= 0) return 1;
+    const Real cos_t = std::sqrt(cos2_t);
     const Real parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
     const Real perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
     return (parallel * parallel + perpendicular * perpendicular) * 0.5f;

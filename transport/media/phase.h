@@ -41,7 +41,8 @@ inline PhaseSample sample_phase(Real g, const Vec3& forward, const Vec2& u) {
         std::clamp(2 * (1 - a) * (1 - a) * u.x * (1 + a - a * u.x) / (denominator * denominator), Real(0), Real(2));
     const Real sine = std::sqrt(h * (2 - h)), phi = 2 * pi * u.y;
     const Frame frame = Frame::from_normal(g < 0 ? -forward : forward);
-    return {normalize(frame.to_world({sine * std::cos(phi), sine * std::sin(phi), 1 - h})), phase_detail::value(a, h)};
+    const Vec3 wi = normalize(frame.to_world({sine * std::cos(phi), sine * std::sin(phi), 1 - h}));
+    return {wi, phase_pdf(g, forward, wi)};  // of the direction as it was rounded
 }
 
 }  // namespace raylex::transport
