@@ -12,12 +12,12 @@ namespace raylex::transport {
 namespace {
 
 /// Where E is tabulated: x in [0, 1] with mu = w x^2 / (1 + w - x^2). Towards grazing angles E changes over cosines of
-/// about alpha, and steeply at 0: w is 4 alpha, alpha being that along wo's azimuth.
+/// about alpha, and steeply at 0: w is 4 alpha, alpha half that along wo's azimuth (x, y), half the larger one.
 Real width_of(const Ggx& facets, Real x, Real y) {
+    if (facets.alpha_x == facets.alpha_y) return 4 * facets.alpha_x;
     const Real l2 = x * x + y * y;
-    const Real alpha2 = l2 > 0 ? (square(facets.alpha_x * x) + square(facets.alpha_y * y)) / l2
-                               : 0.5f * (square(facets.alpha_x) + square(facets.alpha_y));
-    return 4 * std::sqrt(alpha2);
+    const Real along = l2 > 0 ? std::sqrt((square(facets.alpha_x * x) + square(facets.alpha_y * y)) / l2) : 0.0f;
+    return 2 * (along + std::max(facets.alpha_x, facets.alpha_y));
 }
 
 Real step(int i, int count) {
@@ -78,12 +78,13 @@ double FacetAlbedo::integrate(const Ggx& facets, const Vec3& wo, Real eta, int p
     return std::min(sum / points, 1.0);
 }
 
-FacetAlbedo::FacetAlbedo(const std::optional<Ggx>& only, Real eta) : cosines_(only ? 128 : 64), glass_(eta > 0) {
+FacetAlbedo::FacetAlbedo(const std::optional<Ggx>& only, Real eta) : cosines_(64), glass_(eta > 0) {
     if (!only) alphas_ = 33;
-    else if (only->alpha_x != only->alpha_y) azimuths_ = 33;
-    constexpr int points = 4096;
+    else if (only->alpha_x != only->alpha_y) azimuths_ = 17;
+    else cosines_ = 128;
+    const int points = rows() == 1 ? 4096 : 2048;
     for (int side = 0; side < (glass_ ? 2 : 1); ++side)
-        for (int r = 0; r < alphas_ * azimuths_; ++r) {
+        for (int r = 0; r < static_cast<int>(rows()); ++r) {
             // Roughness of any size is tabulated by alpha / (1 + alpha), ideal facets among it.
             const Real a = step(r, alphas_), alpha = std::clamp(a / (1 - a), Ggx::smooth_below, Real(1e3));
             const Ggx facets = only ? *only : Ggx{alpha, alpha};
