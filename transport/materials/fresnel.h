@@ -35,7 +35,10 @@ inline Real fresnel_conductor(Real cos_theta, Real eta, Real k) {
     const Real cos2 = c * c, sin2 = 1 - cos2;
     const Real t0 = eta * eta - k * k - sin2;
     const Real a2_plus_b2 = std::sqrt(t0 * t0 + 4 * eta * eta * k * k);
-    const Real a = safe_sqrt(0.5f * (a2_plus_b2 + t0));
+    // a^2 and b^2 are half the sum and the difference of a2_plus_b2 and t0, and their product is eta^2 k^2: for metals,
+    // whose t0 is negative, the sum would cancel.
+    const Real wide = 0.5f * (a2_plus_b2 + std::abs(t0)), a2 = t0 < 0 ? square(eta * k) / wide : wide;
+    const Real a = wide > 0 ? std::sqrt(a2) : 0.0f;
     const Real perpendicular = (a2_plus_b2 + cos2 - 2 * a * c) / (a2_plus_b2 + cos2 + 2 * a * c);
     const Real even = cos2 * a2_plus_b2 + sin2 * sin2, odd = 2 * a * c * sin2;
     // At normal incidence both polarisations agree and even + odd = a2_plus_b2, which is 0 only for eta = k = 0.

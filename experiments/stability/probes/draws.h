@@ -11,6 +11,8 @@
 
 namespace raylex::experiments {
 
+inline constexpr double exact_pi = 3.14159265358979323846;
+
 /// A fixed sequence of numbers in [0, 1): a probe gives the same answer whenever it is asked.
 class Draws {
   public:
@@ -56,8 +58,8 @@ class LobeCells {
     [[nodiscard]] std::size_t cell(const transport::Vec3& w) const {
         const transport::Vec3 l = frame_.to_local(w);
         const double theta = std::atan2(std::hypot(double(l.x), double(l.y)), double(l.z));
-        const double t = theta / (theta + scale_) * (pi_ + scale_) / pi_;
-        double phi = std::atan2(double(l.y), double(l.x)) / (2 * pi_);
+        const double t = theta / (theta + scale_) * (exact_pi + scale_) / exact_pi;
+        double phi = std::atan2(double(l.y), double(l.x)) / (2 * exact_pi);
         if (phi < 0) phi += 1;
         const int ring = std::min(static_cast<int>(t * rings_), rings_ - 1);
         return static_cast<std::size_t>(ring * sectors_ + std::min(static_cast<int>(phi * sectors_), sectors_ - 1));
@@ -66,13 +68,13 @@ class LobeCells {
     template <class Density>
     [[nodiscard]] std::vector<double> integrate(const Density& density, int n) const {
         std::vector<double> result(size());
-        const double top = pi_ / (pi_ + scale_);
+        const double top = exact_pi / (exact_pi + scale_);
         for (int i = 0; i < rings_ * n; ++i) {
             const double t = (i + 0.5) / (rings_ * n) * top, theta = scale_ * t / (1 - t);
             const double width = scale_ / ((1 - t) * (1 - t)) * top / (rings_ * n);
-            const double area = std::sin(theta) * width * 2 * pi_ / (sectors_ * n);
+            const double area = std::sin(theta) * width * 2 * exact_pi / (sectors_ * n);
             for (int j = 0; j < sectors_ * n; ++j) {
-                const double phi = 2 * pi_ * (j + 0.5) / (sectors_ * n);
+                const double phi = 2 * exact_pi * (j + 0.5) / (sectors_ * n);
                 const transport::Vec3 w =
                     frame_.to_world({static_cast<transport::Real>(std::sin(theta) * std::cos(phi)),
                                      static_cast<transport::Real>(std::sin(theta) * std::sin(phi)),
@@ -84,7 +86,6 @@ class LobeCells {
     }
 
   private:
-    static constexpr double pi_ = 3.14159265358979323846;
     transport::Frame frame_;
     double scale_;
     int rings_, sectors_;

@@ -19,7 +19,7 @@ struct ReferenceFacets {
         for (int i = 0; i < n; ++i) {
             const double t = (i + 0.5) / n, left = (1 - t) * (1 - t), r = std::sqrt((1 - left) / left);
             for (int j = 0; j < n; ++j) {
-                const double phi = 2 * pi_ * (j + 0.5) / n;
+                const double phi = 2 * exact_pi * (j + 0.5) / n;
                 const DVec3 m = unit({alpha_x * r * std::cos(phi), alpha_y * r * std::sin(phi), 1});
                 const double om = dot_of(wo, m);
                 if (om > 0) sum += 2 * (1 - t) * om / (wo.z * m.z) * given_back(wo, m, om);
@@ -30,7 +30,6 @@ struct ReferenceFacets {
 
   private:
     using DVec3 = transport::BasicVec3<double>;
-    static constexpr double pi_ = 3.14159265358979323846;
 
     static double dot_of(const DVec3& a, const DVec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
     static DVec3 unit(const DVec3& v) { return v * (1 / std::sqrt(dot_of(v, v))); }

@@ -18,7 +18,7 @@ struct TwoCosines {
         BsdfEvaluation result;
         result.pdf = pdf(wo, wi);
         if (!(result.pdf > 0)) return result;
-        result.value = Rgb(result.pdf);
+        result.value = transport::Rgb(result.pdf);
         result.lobes.add(lobes::diffuse, result.value);
         return result;
     }
@@ -26,16 +26,17 @@ struct TwoCosines {
         BsdfSample s;
         s.wi = sample_cosine_hemisphere(u);
         if (u_lobe >= 0.5f) {
-            const Real c = std::pow(1 - u.x, 1 / (exponent + 1)), sine = safe_sqrt((1 - c) * (1 + c));
-            s.wi = {sine * std::cos(2 * pi * u.y), sine * std::sin(2 * pi * u.y), c};
+            const Real c = std::pow(1 - u.x, 1 / (exponent + 1)), sine = safe_sqrt((1 - c) * (1 + c)),
+                       phi = 2 * transport::pi * u.y;
+            s.wi = {sine * std::cos(phi), sine * std::sin(phi), c};
         }
         if (wo.z < 0) s.wi.z = -s.wi.z;
         s.pdf = pdf(wo, s.wi);
-        s.weight = Rgb(1);
-        s.lobes.add(lobes::diffuse, Rgb(s.pdf));
+        s.weight = transport::Rgb(1);
+        s.lobes.add(lobes::diffuse, transport::Rgb(s.pdf));
         return s;
     }
-    [[nodiscard]] Rgb albedo(Real) const { return Rgb(1); }
+    [[nodiscard]] transport::Rgb albedo(Real) const { return transport::Rgb(1); }
     [[nodiscard]] bool has_density() const { return true; }
 };
 
@@ -59,10 +60,12 @@ struct Chosen {
     }
     [[nodiscard]] Ggx facets() const { return Ggx::from_alpha(alpha, alpha_y); }
     [[nodiscard]] CoatLayer coat() const {
-        return {{Ggx::from_alpha(coat_alpha, coat_alpha), eta}, thickness, g, Rgb(albedo), 100, 1, false};
+        return {{Ggx::from_alpha(coat_alpha, coat_alpha), eta}, thickness, g, transport::Rgb(albedo), 100, 1, false};
     }
     /// Conductors' facets and coats with a name in common.
-    [[nodiscard]] ConductorClosure conductor() const { return {facets(), Rgb(reflectance), Rgb(0), true}; }
+    [[nodiscard]] ConductorClosure conductor() const {
+        return {facets(), transport::Rgb(reflectance), transport::Rgb(0), true};
+    }
 };
 
 void set_glass(const Frame& frame, const Chosen& n, ProbedBsdf& result) {
@@ -91,25 +94,27 @@ Result<ProbedBsdf> probed_bsdf(const ProbeInput& input) {
     const bool facets = name == "conductor" || name == "metal" || name == "dielectric" || name == "additive";
     if (facets && !n.facets().smooth())
         result.width = std::min(static_cast<double>(std::min(n.facets().alpha_x, n.facets().alpha_y)), 1.0);
-    if (name == "lambert") result.bsdf.set(frame, LambertClosure{Rgb(n.reflectance)});
+    if (name == "lambert") result.bsdf.set(frame, LambertClosure{transport::Rgb(n.reflectance)});
     else if (name == "conductor") set_metal(frame, n, n.conductor(), result);
     else if (name == "metal") set_metal(frame, n, {n.facets(), {0.2f, 0.92f, 1.1f}, {3.9f, 2.4f, 2.2f}, false}, result);
     else if (name == "dielectric") set_glass(frame, n, result);
     else if (name == "thindielectric") result.bsdf.set(frame, ThinDielectricClosure{n.eta});
     else if (name == "coateddiffuse")
-        result.bsdf.set(frame, LayeredClosure<LambertClosure>{n.coat(), {Rgb(n.reflectance)}}, 7);
+        result.bsdf.set(frame, LayeredClosure<LambertClosure>{n.coat(), {transport::Rgb(n.reflectance)}}, 7);
     else if (name == "coatedconductor")
         result.bsdf.set(frame, LayeredClosure<ConductorClosure>{n.coat(), n.conductor()}, 7);
     else if (name == "additive")
-        result.bsdf.set(
-            frame, AdditiveClosure{{Rgb(0.4f * n.reflectance)}, {n.facets(), Rgb(0.6f * n.reflectance), Rgb(0), true}});
-    else if (name == "ideal")
         result.bsdf.set(frame,
-                        IdealClosure{Rgb(0.5f * n.reflectance), Rgb(0.3f * n.reflectance), Rgb(0.2f * n.reflectance)});
+                        AdditiveClosure{{transport::Rgb(0.4f * n.reflectance)},
+                                        {n.facets(), transport::Rgb(0.6f * n.reflectance), transport::Rgb(0), true}});
+    else if (name == "ideal")
+        result.bsdf.set(frame, IdealClosure{transport::Rgb(0.5f * n.reflectance), transport::Rgb(0.3f * n.reflectance),
+                                            transport::Rgb(0.2f * n.reflectance)});
     else if (name == "custom") result.bsdf.set_custom(frame, TwoCosines{20});
     else if (name == "phase") {
         result.bsdf.set_phase(n.g);
         result.about_wo = true;
+        result.forward = n.g < 0 ? -1 : 1;
         result.width = 1 - std::abs(static_cast<double>(n.g));
     } else return error_at(input.where(), "unknown material '" + name + "' of a probe");
     return result;

@@ -9,10 +9,11 @@ namespace raylex::experiments {
 /// A closure, and what its probes must know of it.
 struct ProbedBsdf {
     transport::Bsdf bsdf;
-    transport::Frame frame;  ///< of its directions; not the world's
-    double width = 1;        ///< of its narrowest lobe, radians
-    bool about_wo = false;   ///< lobes lie about wo and -wo, not about the mirrored direction
-    double eta = 0;          ///< of glass, inside over outside; 0: opaque
+    transport::Frame frame;       ///< of its directions; not the world's
+    double width = 1;             ///< of its narrowest lobe, radians
+    bool about_wo = false;        ///< lobes lie about -wo, not about the mirrored direction
+    transport::Real forward = 1;  ///< -1: about wo
+    double eta = 0;               ///< of glass, inside over outside; 0: opaque
 };
 
 /// Word "material": lambert, conductor (reflectance 1), metal (copper-like), dielectric, thindielectric, coateddiffuse,

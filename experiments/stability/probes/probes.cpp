@@ -5,7 +5,8 @@ namespace raylex::experiments {
 Registry<Probe>& probe_registry() {
     static Registry<Probe> registry = [] {
         Registry<Probe> all("probe");
-        for (const std::span<const NamedProbe> table : {phase_probes()})
+        for (const std::span<const NamedProbe> table :
+             {facet_probes(), light_probes(), media_probes(), phase_probes(), scattering_probes(), texture_probes()})
             for (const NamedProbe& each : table) all.add({each.name, each.help, {}, each.probe});
         return all;
     }();

@@ -7,6 +7,11 @@
 
 namespace raylex::experiments {
 
+std::span<const NamedProbe> facet_probes();
+std::span<const NamedProbe> light_probes();
+std::span<const NamedProbe> media_probes();
 std::span<const NamedProbe> phase_probes();
+std::span<const NamedProbe> scattering_probes();
+std::span<const NamedProbe> texture_probes();
 
 }  // namespace raylex::experiments

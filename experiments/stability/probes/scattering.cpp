@@ -65,7 +65,7 @@ double basic_weight(const BsdfSample& s) {
     return static_cast<double>(s.weight.average()) * static_cast<double>(s.eta) * static_cast<double>(s.eta);
 }
 
-Result<ProbeResult> furnace(const ProbeInput& input) {
+Result<ProbeResult> bsdf_furnace(const ProbeInput& input) {
     auto probed = probed_bsdf(input);
     if (!probed) return probed.error();
     auto result = mean_of_samples(input, *probed, basic_weight);
@@ -89,7 +89,7 @@ Result<ProbeResult> furnace(const ProbeInput& input) {
     return result;
 }
 
-Result<ProbeResult> largest_weight(const ProbeInput& input) {
+Result<ProbeResult> bsdf_largest_weight(const ProbeInput& input) {
     auto probed = probed_bsdf(input);
     if (!probed) return probed.error();
     double largest = 0;
@@ -102,7 +102,7 @@ Result<ProbeResult> largest_weight(const ProbeInput& input) {
     return mean;
 }
 
-Result<ProbeResult> transmitted(const ProbeInput& input) {
+Result<ProbeResult> bsdf_transmitted(const ProbeInput& input) {
     auto probed = probed_bsdf(input);
     if (!probed) return probed.error();
     return mean_of_samples(input, *probed, [](const BsdfSample& s) { return s.transmitted ? basic_weight(s) : 0; });
@@ -116,7 +116,7 @@ struct Lobes {
 
     Lobes(const ProbedBsdf& probed, const Vec3& wo) : frame(probed.frame), wo_above(wo.z > 0) {
         const Vec3 mirrored = frame.to_world({-wo.x, -wo.y, wo.z});
-        cells.emplace_back(probed.about_wo ? -frame.to_world(wo) : mirrored, 2 * probed.width, 10, 12);
+        cells.emplace_back(probed.about_wo ? probed.forward * -frame.to_world(wo) : mirrored, 2 * probed.width, 10, 12);
         if (!(probed.eta > 0)) return;
         const auto eta = static_cast<Real>(wo_above ? probed.eta : 1 / probed.eta);
         Vec3 through{-wo.x / eta, -wo.y / eta, 0};
@@ -133,7 +133,7 @@ struct Lobes {
     }
 };
 
-Result<ProbeResult> chi_squared(const ProbeInput& input) {
+Result<ProbeResult> bsdf_chi_squared(const ProbeInput& input) {
     auto probed = probed_bsdf(input);
     if (!probed) return probed.error();
     const Vec3 local = probed_direction(input), wo = probed->frame.to_world(local);
@@ -166,7 +166,7 @@ Result<ProbeResult> chi_squared(const ProbeInput& input) {
     return result;
 }
 
-Result<ProbeResult> pdf_identity(const ProbeInput& input) {
+Result<ProbeResult> bsdf_pdf_identity(const ProbeInput& input) {
     auto probed = probed_bsdf(input);
     if (!probed) return probed.error();
     const Vec3 wo = probed->frame.to_world(probed_direction(input));
@@ -189,7 +189,7 @@ Result<ProbeResult> pdf_identity(const ProbeInput& input) {
     return result;
 }
 
-Result<ProbeResult> value_identity(const ProbeInput& input) {
+Result<ProbeResult> bsdf_value_identity(const ProbeInput& input) {
     auto probed = probed_bsdf(input);
     if (!probed) return probed.error();
     const Vec3 wo = probed->frame.to_world(probed_direction(input));
@@ -206,7 +206,7 @@ Result<ProbeResult> value_identity(const ProbeInput& input) {
 }
 
 /// f(a, b) / index_b^2 of basic radiance is symmetric.
-Result<ProbeResult> reciprocity(const ProbeInput& input) {
+Result<ProbeResult> bsdf_reciprocity(const ProbeInput& input) {
     auto probed = probed_bsdf(input);
     if (!probed) return probed.error();
     const auto pairs = static_cast<int>(input.number("samples", 20000));
@@ -237,7 +237,7 @@ Result<ProbeResult> reciprocity(const ProbeInput& input) {
 
 /// What is not finite, negative or not a unit vector, of samples from numbers at the ends of [0, 1) and of evaluations
 /// at wi = +-wo and along the normal.
-Result<ProbeResult> extremes(const ProbeInput& input) {
+Result<ProbeResult> bsdf_extremes(const ProbeInput& input) {
     auto probed = probed_bsdf(input);
     if (!probed) return probed.error();
     const Bsdf& bsdf = probed->bsdf;
@@ -273,22 +273,22 @@ Result<ProbeResult> extremes(const ProbeInput& input) {
 std::span<const NamedProbe> scattering_probes() {
     static constexpr NamedProbe table[] = {
         {"bsdf_furnace", "albedo of a material under a white sky: mean of sample weights; materials.h, mu, samples",
-         furnace},
-        {"bsdf_largest_weight", "the largest weight of a sample; materials.h, mu, samples", largest_weight},
-        {"bsdf_transmitted", "share of basic radiance that is transmitted; materials.h, mu, samples", transmitted},
+         bsdf_furnace},
+        {"bsdf_largest_weight", "the largest weight of a sample; materials.h, mu, samples", bsdf_largest_weight},
+        {"bsdf_transmitted", "share of basic radiance that is transmitted; materials.h, mu, samples", bsdf_transmitted},
         {"bsdf_chi_squared",
          "deviations by which Pearson's chi-squared of draws against pdf() is too large; materials.h, mu, samples, "
          "grid, seed",
-         chi_squared},
+         bsdf_chi_squared},
         {"bsdf_pdf_identity",
          "the largest relative difference between a sample's pdf and pdf() of its direction; materials.h, mu, samples",
-         pdf_identity},
+         bsdf_pdf_identity},
         {"bsdf_value_identity",
          "mean of evaluate() over pdf where samples fall, against their weights; materials.h, mu, samples",
-         value_identity},
+         bsdf_value_identity},
         {"bsdf_reciprocity", "the largest relative difference of f under exchange; materials.h, samples, least_cosine",
-         reciprocity},
-        {"bsdf_extremes", "how many samples and values at the edges are no numbers; materials.h, mu", extremes}};
+         bsdf_reciprocity},
+        {"bsdf_extremes", "how many samples and values at the edges are no numbers; materials.h, mu", bsdf_extremes}};
     return table;
 }
 
