@@ -161,26 +161,27 @@ TEST_CASE("mix takes the second material with the probability of its amount, and
 }
 
 TEST_CASE("every lobe that closures give was announced by their material", "[law4]") {
-    std::vector<SceneEntity> materials{entity("diffuse", {}),
-                                       entity("conductor", {}),
-                                       entity("conductor", {real("roughness", 0.1)}),
-                                       entity("dielectric", {}),
-                                       entity("dielectric", {real("roughness", 0.1)}),
-                                       entity("dielectric", {real("roughness", 0.1), real("eta", 1)}),
-                                       entity("conductor", {real("roughness", 0.1), boolean("raylex:compensate", true)}),
-                                       entity("dielectric", {real("roughness", 0.1), boolean("raylex:compensate", true)}),
-                                       entity("thindielectric", {}),
-                                       entity("coateddiffuse", {}),
-                                       entity("coateddiffuse", {real("roughness", 0.1)}),
-                                       entity("coatedconductor", {}),
-                                       entity("coatedconductor", {real("interface.roughness", 0.1)}),
-                                       entity("coatedconductor", {rgb("albedo", 0.9, 0.9, 0.9), real("thickness", 1)}),
-                                       entity("coatedconductor", {real("conductor.roughness", 0.1)}),
-                                       entity("interface", {}),
-                                       entity("raylex:additive", {}),
-                                       entity("raylex:mirror", {}),
-                                       entity("raylex:diffuse-mirror", {}),
-                                       entity("raylex:sheet", {})};
+    std::vector<SceneEntity> materials{
+        entity("diffuse", {}),
+        entity("conductor", {}),
+        entity("conductor", {real("roughness", 0.1)}),
+        entity("dielectric", {}),
+        entity("dielectric", {real("roughness", 0.1)}),
+        entity("dielectric", {real("roughness", 0.1), real("eta", 1)}),
+        entity("conductor", {real("roughness", 0.1), boolean("raylex:compensate", true)}),
+        entity("dielectric", {real("roughness", 0.1), boolean("raylex:compensate", true)}),
+        entity("thindielectric", {}),
+        entity("coateddiffuse", {}),
+        entity("coateddiffuse", {real("roughness", 0.1)}),
+        entity("coatedconductor", {}),
+        entity("coatedconductor", {real("interface.roughness", 0.1)}),
+        entity("coatedconductor", {rgb("albedo", 0.9, 0.9, 0.9), real("thickness", 1)}),
+        entity("coatedconductor", {real("conductor.roughness", 0.1)}),
+        entity("interface", {}),
+        entity("raylex:additive", {}),
+        entity("raylex:mirror", {}),
+        entity("raylex:diffuse-mirror", {}),
+        entity("raylex:sheet", {})};
     SceneDescription scene;
     scene.materials = materials;
     const Built built = build_tables(scene);
