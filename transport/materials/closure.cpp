@@ -219,7 +219,7 @@ BsdfSample Bsdf::sample_other(const Vec3& wo, Real u_lobe, const Vec2& u) const 
     if (!(s.pdf > 0) || s.delta || s.pdf_is_proportional || kind_ == Kind::phase) return s;
     // Turning a direction to world space rounds it. Where the density is steep, on narrow lobes and near the horizon,
     // that of the direction drawn is not that of the direction given.
-    const Real pdf = pdf_other(wo, s.wi), change = pdf / s.pdf;
+    const Real pdf = pdf_other(wo, s.wi), change = pdf / s.pdf;  // facets are drawn with a pdf of 1
     s.pdf = pdf;
     for (int l = 0; l < s.lobes.count; ++l) s.lobes.entry[static_cast<std::size_t>(l)].value *= change;
     return s;
@@ -239,9 +239,9 @@ BsdfSample Bsdf::draw(const Vec3& wo_world, Real u_lobe, const Vec2& u) const {
     const Vec3 wo = frame_.to_local(wo_world);
     switch (kind_) {
         case Kind::conductor:
-            return to_sample(frame_, conductor_.sample(wo, u_lobe, u), conductor_lobe(conductor_.is_delta()));
+            return to_sample(frame_, conductor_.draw(wo, u, false), conductor_lobe(conductor_.is_delta()));
         case Kind::dielectric: {
-            const LocalSample s = dielectric_.sample(wo, u_lobe, u, TransportMode::radiance, Sides::both);
+            const LocalSample s = dielectric_.draw(wo, u_lobe, u, TransportMode::radiance, Sides::both, false);
             return to_sample(frame_, s, glass_lobe(s.transmitted, s.delta));
         }
         case Kind::thin_dielectric: {
@@ -249,9 +249,9 @@ BsdfSample Bsdf::draw(const Vec3& wo_world, Real u_lobe, const Vec2& u) const {
             return to_sample(frame_, s, glass_lobe(s.transmitted, true));
         }
         case Kind::compensated_conductor:
-            return to_sample(frame_, compensated_conductor_.sample(wo, u_lobe, u), lobes::conductor_glossy);
+            return to_sample(frame_, compensated_conductor_.draw(wo, u), lobes::conductor_glossy);
         case Kind::compensated_dielectric: {
-            const LocalSample s = compensated_dielectric_.sample(wo, u_lobe, u);
+            const LocalSample s = compensated_dielectric_.draw(wo, u_lobe, u);
             return to_sample(frame_, s, glass_lobe(s.transmitted, false));
         }
         case Kind::coated_diffuse:

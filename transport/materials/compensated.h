@@ -17,7 +17,7 @@
 
 namespace raylex::transport {
 
-/// Never smooth; `lossless` outlives every use.
+/// Never smooth; `lossless` outlives every use. What draw() gives has a pdf of 1: see ConductorClosure.
 struct CompensatedConductor {
     ConductorClosure metal;
     const FacetAlbedo* lossless;
@@ -30,8 +30,8 @@ struct CompensatedConductor {
         const Rgb single = metal.value_and_pdf(wo, wi, pdf);
         return pdf > 0 ? single * gain(wo) : single;
     }
-    [[nodiscard]] LocalSample sample(const Vec3& wo, Real u_lobe, const Vec2& u) const {
-        LocalSample s = metal.sample(wo, u_lobe, u);
+    [[nodiscard]] LocalSample draw(const Vec3& wo, const Vec2& u) const {
+        LocalSample s = metal.draw(wo, u, false);
         if (s.pdf > 0) s.weight *= gain(wo);
         return s;
     }
@@ -41,7 +41,7 @@ struct CompensatedConductor {
     }
 };
 
-/// Never smooth nor index-matched.
+/// Never smooth nor index-matched; draw() as above.
 struct CompensatedDielectric {
     DielectricClosure glass;
     const FacetAlbedo* lossless;
@@ -50,8 +50,8 @@ struct CompensatedDielectric {
         const Real single = glass.value(wo, wi, TransportMode::radiance);
         return single > 0 ? single / (*lossless)(glass.facets, wo) : 0.0f;
     }
-    [[nodiscard]] LocalSample sample(const Vec3& wo, Real u_lobe, const Vec2& u) const {
-        LocalSample s = glass.sample(wo, u_lobe, u, TransportMode::radiance, Sides::both);
+    [[nodiscard]] LocalSample draw(const Vec3& wo, Real u_lobe, const Vec2& u) const {
+        LocalSample s = glass.draw(wo, u_lobe, u, TransportMode::radiance, Sides::both, false);
         if (s.pdf > 0) s.weight *= 1 / (*lossless)(glass.facets, wo);
         return s;
     }

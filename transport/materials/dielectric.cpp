@@ -72,9 +72,10 @@ Real DielectricClosure::pdf(Vec3 wo, Vec3 wi, Sides sides) const {
     return (pair.reflected ? reflect_chance : 1 - reflect_chance) * facets.g1(wo) * pair.d * pair.jacobian;
 }
 
-LocalSample DielectricClosure::sample(Vec3 wo, Real u_lobe, const Vec2& u, TransportMode mode, Sides sides) const {
+LocalSample DielectricClosure::draw(const Vec3& wo, Real u_lobe, const Vec2& u, TransportMode mode, Sides sides,
+                                    bool density) const {
     if (std::abs(wo.z) < min_cosine) return {};
-    return is_delta() ? sample_ideal(wo, u_lobe, mode, sides) : sample_rough(wo, u_lobe, u, mode, sides);
+    return is_delta() ? sample_ideal(wo, u_lobe, mode, sides) : sample_rough(wo, u_lobe, u, mode, sides, density);
 }
 
 LocalSample DielectricClosure::sample_ideal(const Vec3& wo, Real u_lobe, TransportMode mode, Sides sides) const {
@@ -101,7 +102,7 @@ LocalSample DielectricClosure::sample_ideal(const Vec3& wo, Real u_lobe, Transpo
 }
 
 LocalSample DielectricClosure::sample_rough(const Vec3& wo_given, Real u_lobe, const Vec2& u, TransportMode mode,
-                                            Sides sides) const {
+                                            Sides sides, bool density) const {
     LocalSample s;
     const View view(wo_given.z, eta);
     const Vec3 wo = view.turn(wo_given);
@@ -109,7 +110,8 @@ LocalSample DielectricClosure::sample_rough(const Vec3& wo_given, Real u_lobe, c
     const Real om = dot(wo, m);
     if (!(om > 0)) return s;
     const Real fresnel = fresnel_dielectric(om, view.eta), reflect_chance = reflection_chance(fresnel, sides);
-    const Real visible = facets.d(m) * facets.g1(wo) / wo.z;  // times om: the density of m
+    const Real lambda_o = facets.lambda(wo);
+    const Real visible = density ? facets.d(m) / (1 + lambda_o) / wo.z : 0;  // times om: the density of m
     Vec3 wi;
     if (u_lobe < reflect_chance) {
         wi = reflect(wo, m);
@@ -127,7 +129,8 @@ LocalSample DielectricClosure::sample_rough(const Vec3& wo_given, Real u_lobe, c
         s.eta = view.eta;
         s.transmitted = true;
     }
-    const Real lambda_o = facets.lambda(wo), lambda_i = facets.lambda({wi.x, wi.y, std::abs(wi.z)});
+    if (!density) s.pdf = 1;
+    const Real lambda_i = facets.lambda({wi.x, wi.y, std::abs(wi.z)});
     s.weight *= (1 + lambda_o) / (1 + lambda_o + lambda_i);
     s.wi = view.turn(wi);
     return s;

@@ -23,12 +23,19 @@ struct DielectricClosure {
     /// f |cos theta_i|; 0 for a delta.
     [[nodiscard]] Real value(Vec3 wo, Vec3 wi, TransportMode mode) const;
     [[nodiscard]] Real pdf(Vec3 wo, Vec3 wi, Sides sides) const;
-    [[nodiscard]] LocalSample sample(Vec3 wo, Real u_lobe, const Vec2& u, TransportMode mode, Sides sides) const;
+    [[nodiscard]] LocalSample sample(const Vec3& wo, Real u_lobe, const Vec2& u, TransportMode mode,
+                                     Sides sides) const {
+        return draw(wo, u_lobe, u, mode, sides, true);
+    }
+    /// Without `density` the pdf of a rough sample is left at 1, for callers who ask pdf() of the direction as they
+    /// round it.
+    [[nodiscard]] LocalSample draw(const Vec3& wo, Real u_lobe, const Vec2& u, TransportMode mode, Sides sides,
+                                   bool density) const;
 
   private:
     [[nodiscard]] LocalSample sample_ideal(const Vec3& wo, Real u_lobe, TransportMode mode, Sides sides) const;
-    [[nodiscard]] LocalSample sample_rough(const Vec3& wo, Real u_lobe, const Vec2& u, TransportMode mode,
-                                           Sides sides) const;
+    [[nodiscard]] LocalSample sample_rough(const Vec3& wo, Real u_lobe, const Vec2& u, TransportMode mode, Sides sides,
+                                           bool density) const;
 };
 
 /// Two parallel ideal interfaces with all reflections between them: R = F + (1-F)^2 F / (1 - F^2), T = 1 - R; light

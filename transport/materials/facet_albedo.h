@@ -3,8 +3,9 @@
 // Single scattering between facets, which is what GGX closures compute, drops light that would meet a second facet. The
 // share that is left, E(wo), is the directional albedo of facets that absorb nothing: R of metal whose reflectance is
 // 1, R + T of glass. It has no closed form. Tables are integrated here, once, when a scene asks for them: over visible
-// normals, by 2048 or 4096 points of the R2 lattice (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences"),
-// made periodic by a smoothstep. Against 2^22 points they are right to 5e-4, interpolation included to 1e-3.
+// normals, by 2048 or 4096 points of the R2 lattice (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom
+// Sequences"), made periodic by a smoothstep. Against 2^22 points they are right to 5e-4, interpolation included to
+// 1e-3.
 #pragma once
 
 #include <memory>
