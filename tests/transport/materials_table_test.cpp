@@ -161,24 +161,27 @@ TEST_CASE("mix takes the second material with the probability of its amount, and
 }
 
 TEST_CASE("every lobe that closures give was announced by their material", "[law4]") {
-    std::vector<SceneEntity> materials{entity("diffuse", {}),
-                                       entity("conductor", {}),
-                                       entity("conductor", {real("roughness", 0.1)}),
-                                       entity("dielectric", {}),
-                                       entity("dielectric", {real("roughness", 0.1)}),
-                                       entity("dielectric", {real("roughness", 0.1), real("eta", 1)}),
-                                       entity("thindielectric", {}),
-                                       entity("coateddiffuse", {}),
-                                       entity("coateddiffuse", {real("roughness", 0.1)}),
-                                       entity("coatedconductor", {}),
-                                       entity("coatedconductor", {real("interface.roughness", 0.1)}),
-                                       entity("coatedconductor", {rgb("albedo", 0.9, 0.9, 0.9), real("thickness", 1)}),
-                                       entity("coatedconductor", {real("conductor.roughness", 0.1)}),
-                                       entity("interface", {}),
-                                       entity("raylex:additive", {}),
-                                       entity("raylex:mirror", {}),
-                                       entity("raylex:diffuse-mirror", {}),
-                                       entity("raylex:sheet", {})};
+    std::vector<SceneEntity> materials{
+        entity("diffuse", {}),
+        entity("conductor", {}),
+        entity("conductor", {real("roughness", 0.1)}),
+        entity("dielectric", {}),
+        entity("dielectric", {real("roughness", 0.1)}),
+        entity("dielectric", {real("roughness", 0.1), real("eta", 1)}),
+        entity("conductor", {real("roughness", 0.1), boolean("raylex:compensate", true)}),
+        entity("dielectric", {real("roughness", 0.1), boolean("raylex:compensate", true)}),
+        entity("thindielectric", {}),
+        entity("coateddiffuse", {}),
+        entity("coateddiffuse", {real("roughness", 0.1)}),
+        entity("coatedconductor", {}),
+        entity("coatedconductor", {real("interface.roughness", 0.1)}),
+        entity("coatedconductor", {rgb("albedo", 0.9, 0.9, 0.9), real("thickness", 1)}),
+        entity("coatedconductor", {real("conductor.roughness", 0.1)}),
+        entity("interface", {}),
+        entity("raylex:additive", {}),
+        entity("raylex:mirror", {}),
+        entity("raylex:diffuse-mirror", {}),
+        entity("raylex:sheet", {})};
     SceneDescription scene;
     scene.materials = materials;
     const Built built = build_tables(scene);
@@ -200,6 +203,48 @@ TEST_CASE("every lobe that closures give was announced by their material", "[law
         const std::set<LobeId> expected(announced.begin(), announced.end());
         CHECK(seen == expected);
     }
+}
+
+TEST_CASE("compensation is asked for, keeps lobes and densities, and knows any roughness but one of two by texture") {
+    const auto metal = [](bool compensated, std::vector<Parameter> more) {
+        more.push_back(real("roughness", 0.5));
+        more.push_back(boolean("remaproughness", false));
+        more.push_back(boolean("raylex:compensate", compensated));
+        return shade_one(entity("conductor", std::move(more)));
+    };
+    const Bsdf plain = metal(false, {}), whole = metal(true, {});
+    const Vec3 wo = local_direction(0.4f), wi = local_direction(0.6f, 2);
+    CHECK(plain.kind() == Bsdf::Kind::conductor);
+    CHECK(whole.kind() == Bsdf::Kind::compensated_conductor);
+    CHECK(whole.pdf(wo, wi) == plain.pdf(wo, wi));
+    CHECK(whole.evaluate(wo, wi).lobes.entry[0].lobe == plain.evaluate(wo, wi).lobes.entry[0].lobe);
+    CHECK(whole.evaluate(wo, wi).value.r > 1.1f * plain.evaluate(wo, wi).value.r);
+    // A factor of the camera's direction alone: not reciprocal, and said so.
+    CHECK(whole.evaluate(wo, wi).value.r / plain.evaluate(wo, wi).value.r ==
+          Approx(whole.evaluate(wo, local_direction(0.9f)).value.r / plain.evaluate(wo, local_direction(0.9f)).value.r)
+              .epsilon(1e-5));
+    CHECK(metal(true, {real("vroughness", 0.1)}).kind() == Bsdf::Kind::compensated_conductor);
+    // Nothing to compensate: mirrors, and glass that is no interface.
+    CHECK(shade_one(entity("conductor", {boolean("raylex:compensate", true)})).kind() == Bsdf::Kind::conductor);
+    CHECK(shade_one(entity("dielectric", {real("roughness", 0.5), real("eta", 1), boolean("raylex:compensate", true)}))
+              .kind() == Bsdf::Kind::dielectric);
+    const Bsdf glass = shade_one(entity("dielectric", {real("roughness", 0.2), boolean("raylex:compensate", true)}));
+    CHECK(glass.inside_ior() == 1.5f);
+    CHECK(glass.albedo(wo) == Rgb(1));
+
+    SceneDescription scene;
+    scene.textures = {real_texture("constant", "half", {real("value", 0.5)}),
+                      real_texture("checkerboard", "board", {real("tex1", 0), real("tex2", 0.5)})};
+    scene.materials = {
+        entity("conductor", {texture("roughness", "board"), boolean("raylex:compensate", true)}),
+        entity("dielectric", {texture("uroughness", "board"), boolean("raylex:compensate", true)}, "glass")};
+    const Result<Built> uneven = try_build(scene);
+    REQUIRE_FALSE(uneven.ok());
+    CHECK(uneven.error().message.find("a texture for one of two roughnesses") != std::string::npos);
+    scene.materials.pop_back();
+    const Built even = build_tables(scene);  // smooth tiles beside rough ones
+    CHECK(shade_one(even, hit(0, 0.25f, 0.25f)).kind() == Bsdf::Kind::conductor);
+    CHECK(shade_one(even, hit(0, 0.25f, 1.25f)).kind() == Bsdf::Kind::compensated_conductor);
 }
 
 TEST_CASE("the analytic materials are built from their parameters") {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <random>
 
 #include "materials_scene.h"
@@ -46,12 +47,12 @@ Rgb colour_at(TextureTable& table, const SceneDescription& scene, const std::str
 /// up.
 class ImageFile {
   public:
-    ImageFile()
+    explicit ImageFile(float last = 0)
         : path_(std::filesystem::temp_directory_path() /
                 ("raylex_texture_" + std::to_string(std::random_device{}()) + ".pfm")) {
         std::ofstream file(path_, std::ios::binary);
         file << "PF\n2 2\n-1.0\n";
-        const float rows[] = {0, 0, 0.5f, 1, 1, 1, /* top: */ 0.25f, 0, 0, 0, 2.0f, 0};
+        const float rows[] = {0, 0, 0.5f, 1, 1, 1, /* top: */ 0.25f, 0, 0, 0, 2.0f, last};
         file.write(reinterpret_cast<const char*>(rows), sizeof(rows));
     }
     ~ImageFile() { std::filesystem::remove(path_); }
@@ -149,6 +150,27 @@ TEST_CASE("a float texture reads the mean of an image's colours") {
     const TextureTable table = build_textures(scene);
     CHECK(real_at(table, "mean", 0.75f, 0.75f) == Approx(2.0 / 3));
     CHECK(real_at(table, "mean", 0.25f, 0.25f) == Approx(0.5 / 3));
+}
+
+TEST_CASE("texels that are no numbers are reported with their place and taken as 0") {
+    for (const float value : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), -0.5f}) {
+        const ImageFile file(value);
+        SceneDescription scene;
+        scene.file = "scene.pbrt";
+        scene.textures = {colour_texture("imagemap", "picture", {string("filename", file.name())})};
+        scene.textures[0].location = {"scene.pbrt", 5, 1};
+        TextureTable table = build_textures(scene);
+        REQUIRE(table.warnings().size() == 1);
+        CHECK(table.warnings()[0].file == "scene.pbrt");
+        CHECK(table.warnings()[0].message.find(
+                  "1 value in 1 texel negative or not finite, first at column 1, row 0; taken as 0") !=
+              std::string::npos);
+        CHECK(colour_at(table, scene, "picture", 0.75f, 0.75f) == Rgb(0, 1, 0));  // albedos end at 1
+    }
+    const ImageFile clean;
+    SceneDescription scene;
+    scene.textures = {colour_texture("imagemap", "picture", {string("filename", clean.name())})};
+    CHECK(build_textures(scene).warnings().empty());
 }
 
 TEST_CASE("colour images are taken to the rendering space, unbounded ones are not") {

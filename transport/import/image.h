@@ -1,6 +1,7 @@
 // Image files for textures and image lights: PNG, EXR, HDR, PFM, JPEG, TGA.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,5 +23,9 @@ struct Image {
 
 /// `encoding`: "sRGB" (the default for 8-bit files), "linear", or "gamma <exponent>"; ignored for float formats.
 Result<Image> read_image(const std::string& path, const std::string& encoding = {});
+
+/// Takes values that are negative or not finite as 0, before interpolation spreads them, and says how many there were
+/// and where the first one is. Nothing when there are none.
+std::optional<std::string> clear_invalid_texels(Image& image);
 
 }  // namespace raylex::transport

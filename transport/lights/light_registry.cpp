@@ -112,8 +112,7 @@ std::string resolve_path(const std::string& name, const std::string& beside) {
     return (std::filesystem::path(beside).parent_path() / path).string();
 }
 
-Result<EnvironmentImage> load_environment(const SceneLight& source, const std::string& file,
-                                          const LightContext& context) {
+Result<EnvironmentImage> load_environment(const SceneLight& source, const std::string& file, LightContext& context) {
     auto image =
         read_image(resolve_path(file, source.location.file.empty() ? context.scene.file : source.location.file), "");
     if (!image) {
@@ -126,13 +125,14 @@ Result<EnvironmentImage> load_environment(const SceneLight& source, const std::s
         return error_at(source.location, file + " is " + std::to_string(image->width) + " x " +
                                              std::to_string(image->height) +
                                              "; an equal-area octahedral environment must be square");
+    if (const auto invalid = clear_invalid_texels(*image))
+        context.warnings.push_back(error_at(source.location, "image '" + file + "' of an infinite light: " + *invalid));
     const auto count = static_cast<std::size_t>(image->width) * static_cast<std::size_t>(image->height);
     const bool grey = image->channels < 3;
     std::vector<Rgb> pixels(count);
     for (std::size_t i = 0; i < count; ++i) {
         const float* p = image->pixels.data() + i * static_cast<std::size_t>(image->channels);
         const Rgb c = grey ? Rgb(p[0]) : Rgb(p[0], p[1], p[2]);
-        if (!is_finite(c)) return error_at(source.location, file + ": pixel " + std::to_string(i) + " is not finite");
         const auto& m = context.scene.color.rendering_from_scene;
         for (int r = 0; r < 3; ++r) {
             const auto& row = m[static_cast<std::size_t>(r)];

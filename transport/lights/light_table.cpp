@@ -168,7 +168,7 @@ void LightTable::finish(const EmbreeScene& geometry) {
 Result<LightTable> LightTable::build(const SceneDescription& scene, EmbreeScene& geometry,
                                      std::vector<Error>& warnings) {
     LightTable table;
-    LightContext context{scene, table.images_};
+    LightContext context{scene, table.images_, warnings};
     if (Status s = table.add_area_lights(scene, geometry, context, warnings); !s) return s.error();
     for (const SceneLight& source : scene.lights) {
         auto entry = light_registry().require(source.type, source.location);

@@ -29,6 +29,7 @@ inline constexpr std::size_t light_choices = 4;
 struct LightContext {
     const SceneDescription& scene;
     std::vector<EnvironmentImage>& environments;
+    std::vector<Error>& warnings;
 };
 using LightFactory = std::function<Result<Light>(const SceneLight&, LightContext&)>;
 /// point, spot, distant, infinite; plugins build theirs from the same kinds.

@@ -153,6 +153,14 @@ BsdfEvaluation Bsdf::evaluate_other(const Vec3& wo_world, const Vec3& wi_world) 
         case Kind::dielectric:
             return one_lobe(glass_lobe(wo.z * wi.z < 0, false), Rgb(dielectric_.value(wo, wi, TransportMode::radiance)),
                             dielectric_.pdf(wo, wi, Sides::both));
+        case Kind::compensated_conductor: {
+            Real pdf;
+            const Rgb value = compensated_conductor_.value_and_pdf(wo, wi, pdf);
+            return one_lobe(lobes::conductor_glossy, value, pdf);
+        }
+        case Kind::compensated_dielectric:
+            return one_lobe(glass_lobe(wo.z * wi.z < 0, false), Rgb(compensated_dielectric_.value(wo, wi)),
+                            compensated_dielectric_.glass.pdf(wo, wi, Sides::both));
         case Kind::coated_diffuse:
             return evaluate_layered(coated_diffuse_, wo, wi, key_);
         case Kind::coated_conductor:
@@ -182,6 +190,10 @@ Real Bsdf::pdf_other(const Vec3& wo_world, const Vec3& wi_world) const {
             return conductor_.pdf(wo, wi);
         case Kind::dielectric:
             return dielectric_.pdf(wo, wi, Sides::both);
+        case Kind::compensated_conductor:
+            return compensated_conductor_.metal.pdf(wo, wi);
+        case Kind::compensated_dielectric:
+            return compensated_dielectric_.glass.pdf(wo, wi, Sides::both);
         case Kind::coated_diffuse:
             return coated_diffuse_.pdf(wo, wi);
         case Kind::coated_conductor:
@@ -202,7 +214,18 @@ Real Bsdf::pdf_other(const Vec3& wo_world, const Vec3& wi_world) const {
     return 0;
 }
 
-BsdfSample Bsdf::sample_other(const Vec3& wo_world, Real u_lobe, const Vec2& u) const {
+BsdfSample Bsdf::sample_other(const Vec3& wo, Real u_lobe, const Vec2& u) const {
+    BsdfSample s = draw(wo, u_lobe, u);
+    if (!(s.pdf > 0) || s.delta || s.pdf_is_proportional || kind_ == Kind::phase) return s;
+    // Turning a direction to world space rounds it. Where the density is steep, on narrow lobes and near the horizon,
+    // that of the direction drawn is not that of the direction given.
+    const Real pdf = pdf_other(wo, s.wi), change = pdf / s.pdf;  // facets are drawn with a pdf of 1
+    s.pdf = pdf;
+    for (int l = 0; l < s.lobes.count; ++l) s.lobes.entry[static_cast<std::size_t>(l)].value *= change;
+    return s;
+}
+
+BsdfSample Bsdf::draw(const Vec3& wo_world, Real u_lobe, const Vec2& u) const {
     if (kind_ == Kind::black || kind_ == Kind::pass_through) return {};
     if (kind_ == Kind::phase) {
         const PhaseSample phase = sample_phase(phase_g_, -wo_world, u);
@@ -216,14 +239,20 @@ BsdfSample Bsdf::sample_other(const Vec3& wo_world, Real u_lobe, const Vec2& u) 
     const Vec3 wo = frame_.to_local(wo_world);
     switch (kind_) {
         case Kind::conductor:
-            return to_sample(frame_, conductor_.sample(wo, u_lobe, u), conductor_lobe(conductor_.is_delta()));
+            return to_sample(frame_, conductor_.draw(wo, u, false), conductor_lobe(conductor_.is_delta()));
         case Kind::dielectric: {
-            const LocalSample s = dielectric_.sample(wo, u_lobe, u, TransportMode::radiance, Sides::both);
+            const LocalSample s = dielectric_.draw(wo, u_lobe, u, TransportMode::radiance, Sides::both, false);
             return to_sample(frame_, s, glass_lobe(s.transmitted, s.delta));
         }
         case Kind::thin_dielectric: {
             const LocalSample s = thin_dielectric_.sample(wo, u_lobe);
             return to_sample(frame_, s, glass_lobe(s.transmitted, true));
+        }
+        case Kind::compensated_conductor:
+            return to_sample(frame_, compensated_conductor_.draw(wo, u), lobes::conductor_glossy);
+        case Kind::compensated_dielectric: {
+            const LocalSample s = compensated_dielectric_.draw(wo, u_lobe, u);
+            return to_sample(frame_, s, glass_lobe(s.transmitted, false));
         }
         case Kind::coated_diffuse:
             return sample_layered(frame_, coated_diffuse_, wo, u_lobe, u, key_);
@@ -256,6 +285,10 @@ Rgb Bsdf::albedo(const Vec3& wo) const {
             return conductor_.albedo(cos_o);
         case Kind::dielectric:
         case Kind::thin_dielectric:
+            return Rgb(1);
+        case Kind::compensated_conductor:
+            return compensated_conductor_.albedo(frame_.to_local(wo));
+        case Kind::compensated_dielectric:
             return Rgb(1);
         case Kind::coated_diffuse:
             return coated_diffuse_.albedo(cos_o);

@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "transport/materials/bsdf.h"
+#include "transport/materials/compensated.h"
 #include "transport/materials/custom_closure.h"
 #include "transport/materials/ideal.h"
 #include "transport/materials/layered.h"
@@ -33,6 +34,8 @@ class Bsdf {
         coated_conductor,
         additive,
         ideal,
+        compensated_conductor,
+        compensated_dielectric,
         custom,  ///< a plugin's own
         phase    ///< particles of a medium: no surface, no cosine
     };
@@ -41,7 +44,8 @@ class Bsdf {
 
     /// Sum over non-delta lobes of f |cos|, each lobe apart, and the density of sample().
     [[nodiscard]] BsdfEvaluation evaluate(const Vec3& wo, const Vec3& wi) const;
-    /// u_lobe and u in [0, 1). A failed sample has pdf 0.
+    /// u_lobe and u in [0, 1). A failed sample has pdf 0. The density is that of the direction as it was rounded: the
+    /// same bits as pdf(wo, wi), so that the weights of two strategies for one direction sum to 1.
     [[nodiscard]] BsdfSample sample(const Vec3& wo, Real u_lobe, const Vec2& u) const;
     [[nodiscard]] Real pdf(const Vec3& wo, const Vec3& wi) const;
     /// Whether any lobe has a density: false means that light sampling is of no use here.
@@ -50,7 +54,10 @@ class Bsdf {
     [[nodiscard]] Rgb albedo(const Vec3& wo) const;
 
     /// Refractive index on the inner side, 1 for what light does not enter.
-    [[nodiscard]] Real inside_ior() const { return kind_ == Kind::dielectric ? dielectric_.eta : 1.0f; }
+    [[nodiscard]] Real inside_ior() const {
+        if (kind_ == Kind::compensated_dielectric) return compensated_dielectric_.glass.eta;
+        return kind_ == Kind::dielectric ? dielectric_.eta : 1.0f;
+    }
 
     /// No surface: the integrator continues the ray in its direction, without an event (`s` in the osl dialect). All
     /// other functions answer as for `black`.
@@ -79,6 +86,16 @@ class Bsdf {
         frame_ = frame;
         std::construct_at(&dielectric_, dielectric);
         set_kind(Kind::dielectric, !dielectric.is_delta());
+    }
+    void set(const Frame& frame, const CompensatedConductor& conductor) {
+        frame_ = frame;
+        std::construct_at(&compensated_conductor_, conductor);
+        set_kind(Kind::compensated_conductor, true);
+    }
+    void set(const Frame& frame, const CompensatedDielectric& dielectric) {
+        frame_ = frame;
+        std::construct_at(&compensated_dielectric_, dielectric);
+        set_kind(Kind::compensated_dielectric, true);
     }
     void set(const Frame& frame, const ThinDielectricClosure& pane) {
         frame_ = frame;
@@ -128,6 +145,7 @@ class Bsdf {
     }
     [[nodiscard]] BsdfEvaluation evaluate_other(const Vec3& wo, const Vec3& wi) const;
     [[nodiscard]] BsdfSample sample_other(const Vec3& wo, Real u_lobe, const Vec2& u) const;
+    [[nodiscard]] BsdfSample draw(const Vec3& wo, Real u_lobe, const Vec2& u) const;
     [[nodiscard]] Real pdf_other(const Vec3& wo, const Vec3& wi) const;
 
     Frame frame_;
@@ -143,6 +161,8 @@ class Bsdf {
         LayeredClosure<ConductorClosure> coated_conductor_;
         AdditiveClosure additive_;
         IdealClosure ideal_;
+        CompensatedConductor compensated_conductor_;
+        CompensatedDielectric compensated_dielectric_;
         CustomClosure custom_;
         Real phase_g_;
     };
@@ -178,7 +198,9 @@ inline BsdfSample Bsdf::sample(const Vec3& wo, Real u_lobe, const Vec2& u) const
     if (cos_o == 0) return result;
     const Vec3 local = sample_cosine_hemisphere(u);
     result.wi = frame_.s * local.x + frame_.t * local.y + frame_.n * (cos_o > 0 ? local.z : -local.z);
-    result.pdf = local.z * inv_pi;
+    const Real cos_i = dot(result.wi, frame_.n);  // of the direction as it was rounded: what pdf() will find
+    if (!(cos_i * cos_o > 0)) return result;
+    result.pdf = std::abs(cos_i) * inv_pi;
     result.weight = lambert_.reflectance;
     result.lobes.add(lobes::diffuse, lambert_.reflectance * result.pdf);
     return result;

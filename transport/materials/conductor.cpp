@@ -27,10 +27,10 @@ Rgb ConductorClosure::value(Vec3 wo, Vec3 wi) const {
 
 Real ConductorClosure::pdf(Vec3 wo, Vec3 wi) const {
     if (is_delta() || !to_upper_side(wo, wi)) return 0;
-    return facets.g1(wo) * facets.d(normalize(wo + wi)) / (4 * wo.z);
+    return facets.d(normalize(wo + wi)) / (4 * wo.z) / (1 + facets.lambda(wo));  // the same bits as above
 }
 
-LocalSample ConductorClosure::sample(Vec3 wo, Real, const Vec2& u) const {
+LocalSample ConductorClosure::draw(Vec3 wo, const Vec2& u, bool density) const {
     LocalSample s;
     if (std::abs(wo.z) < min_cosine) return s;
     if (is_delta()) {
@@ -47,7 +47,7 @@ LocalSample ConductorClosure::sample(Vec3 wo, Real, const Vec2& u) const {
     if (wi.z < min_cosine) return s;
     const Real lambda_o = facets.lambda(wo), lambda_i = facets.lambda(wi);
     s.wi = below ? -wi : wi;
-    s.pdf = facets.d(m) / (4 * wo.z * (1 + lambda_o));
+    s.pdf = density ? facets.d(m) / (4 * wo.z * (1 + lambda_o)) : 1;
     // Everything but Fresnel and the masking of wi cancels: the weight is at most 1 at any angle.
     s.weight = fresnel(dot(wo, m)) * ((1 + lambda_o) / (1 + lambda_o + lambda_i));
     return s;

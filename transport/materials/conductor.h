@@ -26,7 +26,10 @@ struct ConductorClosure {
     [[nodiscard]] Real pdf(Vec3 wo, Vec3 wi) const;
     /// Both at once, for half the work.
     [[nodiscard]] Rgb value_and_pdf(Vec3 wo, Vec3 wi, Real& pdf) const;
-    [[nodiscard]] LocalSample sample(Vec3 wo, Real u_lobe, const Vec2& u) const;
+    [[nodiscard]] LocalSample sample(Vec3 wo, Real, const Vec2& u) const { return draw(wo, u, true); }
+    /// Without `density` the pdf of a rough sample is left at 1, for callers who ask pdf() of the direction as they
+    /// round it.
+    [[nodiscard]] LocalSample draw(Vec3 wo, const Vec2& u, bool density) const;
     [[nodiscard]] Rgb albedo(Real cos_theta) const { return fresnel(cos_theta); }
 };
 

@@ -32,7 +32,9 @@ struct Pair {
     Pair(const Ggx& facets, const Vec3& wo, const Vec3& wi, Real eta) {
         if (wo.z < min_cosine || std::abs(wi.z) < min_cosine) return;
         reflected = wi.z > 0;
-        Vec3 m = reflected ? wo + wi : wo + wi * eta;
+        // wo + eta wi; their sum first, which is exact where they are nearly opposite.
+        Vec3 m = wo + wi;
+        if (!reflected) m += wi * (eta - 1);
         const Real l2 = length_squared(m);
         if (!(l2 > 0)) return;
         m = m / std::sqrt(l2);
@@ -70,9 +72,10 @@ Real DielectricClosure::pdf(Vec3 wo, Vec3 wi, Sides sides) const {
     return (pair.reflected ? reflect_chance : 1 - reflect_chance) * facets.g1(wo) * pair.d * pair.jacobian;
 }
 
-LocalSample DielectricClosure::sample(Vec3 wo, Real u_lobe, const Vec2& u, TransportMode mode, Sides sides) const {
+LocalSample DielectricClosure::draw(const Vec3& wo, Real u_lobe, const Vec2& u, TransportMode mode, Sides sides,
+                                    bool density) const {
     if (std::abs(wo.z) < min_cosine) return {};
-    return is_delta() ? sample_ideal(wo, u_lobe, mode, sides) : sample_rough(wo, u_lobe, u, mode, sides);
+    return is_delta() ? sample_ideal(wo, u_lobe, mode, sides) : sample_rough(wo, u_lobe, u, mode, sides, density);
 }
 
 LocalSample DielectricClosure::sample_ideal(const Vec3& wo, Real u_lobe, TransportMode mode, Sides sides) const {
@@ -87,9 +90,9 @@ LocalSample DielectricClosure::sample_ideal(const Vec3& wo, Real u_lobe, Transpo
         s.weight = Rgb(fresnel / reflect_chance);
         return s;
     }
-    const Real sin2_t = (1 - cos_o * cos_o) / (view.eta * view.eta);
-    if (sin2_t >= 1) return s;  // only asked for transmission and there is none
-    const Real cos_t = std::copysign(std::sqrt(1 - sin2_t), -wo.z);
+    const Real cos2_t = refracted_cosine_squared(cos_o, view.eta);
+    if (cos2_t <= 0) return s;  // only asked for transmission and there is none
+    const Real cos_t = std::copysign(std::sqrt(cos2_t), -wo.z);
     s.wi = {-wo.x / view.eta, -wo.y / view.eta, cos_t};
     s.pdf = 1 - reflect_chance;
     s.weight = Rgb((1 - fresnel) / s.pdf * radiance_scale(mode, view.eta));
@@ -99,7 +102,7 @@ LocalSample DielectricClosure::sample_ideal(const Vec3& wo, Real u_lobe, Transpo
 }
 
 LocalSample DielectricClosure::sample_rough(const Vec3& wo_given, Real u_lobe, const Vec2& u, TransportMode mode,
-                                            Sides sides) const {
+                                            Sides sides, bool density) const {
     LocalSample s;
     const View view(wo_given.z, eta);
     const Vec3 wo = view.turn(wo_given);
@@ -107,7 +110,8 @@ LocalSample DielectricClosure::sample_rough(const Vec3& wo_given, Real u_lobe, c
     const Real om = dot(wo, m);
     if (!(om > 0)) return s;
     const Real fresnel = fresnel_dielectric(om, view.eta), reflect_chance = reflection_chance(fresnel, sides);
-    const Real visible = facets.d(m) * facets.g1(wo) / wo.z;  // times om: the density of m
+    const Real lambda_o = facets.lambda(wo);
+    const Real visible = density ? facets.d(m) / (1 + lambda_o) / wo.z : 0;  // times om: the density of m
     Vec3 wi;
     if (u_lobe < reflect_chance) {
         wi = reflect(wo, m);
@@ -115,9 +119,9 @@ LocalSample DielectricClosure::sample_rough(const Vec3& wo_given, Real u_lobe, c
         s.pdf = reflect_chance * visible * 0.25f;
         s.weight = Rgb(fresnel / reflect_chance);
     } else {
-        const Real sin2_t = (1 - om * om) / (view.eta * view.eta);
-        if (sin2_t >= 1) return s;
-        const Real cos_t = std::sqrt(1 - sin2_t);
+        const Real cos2_t = refracted_cosine_squared(om, view.eta);
+        if (cos2_t <= 0) return s;
+        const Real cos_t = std::sqrt(cos2_t);
         wi = m * (om / view.eta - cos_t) - wo / view.eta;
         if (wi.z > -min_cosine) return s;
         s.pdf = (1 - reflect_chance) * visible * om * cos_t / square(om / view.eta - cos_t);
@@ -125,7 +129,8 @@ LocalSample DielectricClosure::sample_rough(const Vec3& wo_given, Real u_lobe, c
         s.eta = view.eta;
         s.transmitted = true;
     }
-    const Real lambda_o = facets.lambda(wo), lambda_i = facets.lambda({wi.x, wi.y, std::abs(wi.z)});
+    if (!density) s.pdf = 1;
+    const Real lambda_i = facets.lambda({wi.x, wi.y, std::abs(wi.z)});
     s.weight *= (1 + lambda_o) / (1 + lambda_o + lambda_i);
     s.wi = view.turn(wi);
     return s;

@@ -9,13 +9,21 @@
 
 namespace raylex::transport {
 
+/// Squared cosine of the refracted direction by Snell's law; 0 or less where all light is reflected. `eta` =
+/// transmitted over incident index. Differences are taken in double: near the critical angle float's would leave
+/// cosines in steps of 2e-4, between which reflectance is not monotone.
+inline Real refracted_cosine_squared(Real cos_i, Real eta) {
+    const double c = cos_i, n = eta;
+    return static_cast<Real>(1 - (1 - c * c) / (n * n));
+}
+
 /// Dielectric: `cos_theta` in [0, 1] on the incident side, `eta` = transmitted over incident index.
 /// Total internal reflection gives exactly 1.
 inline Real fresnel_dielectric(Real cos_theta, Real eta) {
     const Real cos_i = std::clamp(cos_theta, Real(0), Real(1));
-    const Real sin2_t = (1 - cos_i * cos_i) / (eta * eta);
-    if (sin2_t >= 1) return 1;
-    const Real cos_t = safe_sqrt(1 - sin2_t);
+    const Real cos2_t = refracted_cosine_squared(cos_i, eta);
+    if (cos2_t <= 0) return 1;
+    const Real cos_t = std::sqrt(cos2_t);
     const Real parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
     const Real perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
     return (parallel * parallel + perpendicular * perpendicular) * 0.5f;
@@ -27,7 +35,10 @@ inline Real fresnel_conductor(Real cos_theta, Real eta, Real k) {
     const Real cos2 = c * c, sin2 = 1 - cos2;
     const Real t0 = eta * eta - k * k - sin2;
     const Real a2_plus_b2 = std::sqrt(t0 * t0 + 4 * eta * eta * k * k);
-    const Real a = safe_sqrt(0.5f * (a2_plus_b2 + t0));
+    // a^2 and b^2 are half the sum and the difference of a2_plus_b2 and t0, and their product is eta^2 k^2: for metals,
+    // whose t0 is negative, the sum would cancel.
+    const Real wide = 0.5f * (a2_plus_b2 + std::abs(t0)), a2 = t0 < 0 ? square(eta * k) / wide : wide;
+    const Real a = wide > 0 ? std::sqrt(a2) : 0.0f;
     const Real perpendicular = (a2_plus_b2 + cos2 - 2 * a * c) / (a2_plus_b2 + cos2 + 2 * a * c);
     const Real even = cos2 * a2_plus_b2 + sin2 * sin2, odd = 2 * a * c * sin2;
     // At normal incidence both polarisations agree and even + odd = a2_plus_b2, which is 0 only for eta = k = 0.

@@ -39,7 +39,7 @@ Real AdditiveClosure::diffuse_probability() const {
 
 bool AdditiveClosure::sample_direction(const Vec3& wo, Real u_lobe, const Vec2& u, Vec3& wi) const {
     if (std::abs(wo.z) < min_cosine) return false;
-    const LocalSample s = u_lobe < diffuse_probability() ? diffuse.sample(wo, 0, u) : specular.sample(wo, 0, u);
+    const LocalSample s = u_lobe < diffuse_probability() ? diffuse.sample(wo, 0, u) : specular.draw(wo, u, false);
     wi = s.wi;
     return s.pdf > 0;
 }

@@ -6,6 +6,7 @@
 #include "display/services/elementary.h"
 #include "transport/materials/conductor.h"
 #include "transport/materials/lambert.h"
+#include "transport/media/phase.h"
 
 namespace raylex::transport {
 
@@ -32,22 +33,6 @@ class WalkRandom {
     }
     std::uint64_t state_;
 };
-
-/// Henyey-Greenstein in terms of 1 - cos of the turn, without cancellation for |g| near 1 or 0.
-Real phase_pdf(const Vec3& from, const Vec3& to, Real g) {
-    // |from - to|^2 / 2 is 1 - cos of unit vectors.
-    const Real one_minus_cos = length_squared(from - to) * 0.5f;
-    const Real denominator = square(1 - g) + 2 * g * one_minus_cos;
-    return (1 - g * g) / (4 * pi * denominator * safe_sqrt(denominator));
-}
-
-Vec3 sample_phase(const Vec3& along, const Vec2& u, Real g) {
-    const Real a = std::abs(g);
-    Real one_minus_cos = 2 * square(1 - a) * u.x * (1 + a - a * u.x) / square(1 - a + 2 * a * (1 - u.x));
-    one_minus_cos = std::min(one_minus_cos, Real(2));
-    const Vec2 p = polar_point(safe_sqrt(one_minus_cos * (2 - one_minus_cos)), u.y);
-    return Frame::from_normal(g < 0 ? -along : along).to_world({p.x, p.y, 1 - one_minus_cos});
-}
 
 Real transmittance(Real depth, const Vec3& w) {
     return elementary::exp(-std::abs(depth / w.z));
@@ -133,14 +118,14 @@ class Evaluation {
 
   private:
     void in_medium() {
-        const Real g = coat_.g, phase = phase_pdf(at_.w, -exit_.inside.wi, g);
+        const Real g = coat_.g, phase = phase_pdf(g, at_.w, -exit_.inside.wi);
         const Real weight = coat_delta_ ? 1.0f : power_heuristic(exit_.inside.pdf, phase);
         const Real rise = coat_.thickness - at_.z;
         beta_ *= coat_.albedo;
         result_ += beta_ * (phase * weight * transmittance(rise, exit_.inside.wi) * exit_.scale);
-        const Vec3 from = at_.w;
-        at_.w = sample_phase(from, random_.two(), g);
-        if (at_.w.z > 0 && !coat_delta_) leave(rise, phase_pdf(from, at_.w, g), false);
+        const PhaseSample turn = sample_phase(g, at_.w, random_.two());
+        at_.w = turn.wi;
+        if (at_.w.z > 0 && !coat_delta_) leave(rise, turn.pdf, false);
     }
 
     bool below_coat() {
@@ -262,9 +247,9 @@ LayeredSample LayeredClosure<Base>::sample(Vec3 wo, Real u_lobe, const Vec2& u, 
             const Advance step = advance(coat, at, beta, random);
             if (step == Advance::stuck) return result;
             if (step == Advance::scattered) {
-                const Vec3 from = at.w;
-                at.w = sample_phase(from, random.two(), coat.g);
-                pdf *= phase_pdf(from, at.w, coat.g);
+                const PhaseSample turn = sample_phase(coat.g, at.w, random.two());
+                at.w = turn.wi;
+                pdf *= turn.pdf;
                 beta *= coat.albedo;
                 delta = false;
                 continue;

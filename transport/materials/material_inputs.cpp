@@ -29,6 +29,12 @@ bool RoughnessInput::may_be_rough() const {
     return high(u) || high(v);
 }
 
+std::optional<Ggx> RoughnessInput::constant() const {
+    if (u.texture >= 0 || v.texture >= 0) return std::nullopt;
+    return remap ? Ggx::from_alpha(Ggx::alpha_from_roughness(u.value), Ggx::alpha_from_roughness(v.value))
+                 : Ggx::from_alpha(u.value, v.value);
+}
+
 ConductorClosure ConductorInput::at(const TextureTable& textures, const SurfacePoint& p, Real outside_eta) const {
     ConductorClosure closure;
     closure.facets = roughness.at(textures, p);
@@ -102,6 +108,19 @@ ConductorInput MaterialReader::conductor(std::string_view prefix) {
     result.eta = named_spectrum_or(p + "eta", "metal-Cu-eta");
     result.k = named_spectrum_or(p + "k", "metal-Cu-k");
     return result;
+}
+
+std::shared_ptr<const FacetAlbedo> MaterialReader::compensation(const RoughnessInput& roughness, Real eta) {
+    if (!boolean("raylex:compensate", false) || error()) return nullptr;
+    const std::optional<Ggx> facets = roughness.constant();
+    if (!facets && !roughness.isotropic()) {
+        fail(error_at(where(*set().find("raylex:compensate")),
+                      "\"raylex:compensate\" with a texture for one of two roughnesses is not supported; expected "
+                      "numbers for \"uroughness\" and \"vroughness\", or one texture for both"));
+        return nullptr;
+    }
+    const bool smooth = (facets && facets->smooth()) || (eta > 0 && DielectricClosure{{1, 1}, eta}.is_delta());
+    return smooth ? nullptr : FacetAlbedo::shared(facets, eta);
 }
 
 Real MaterialReader::index_of_refraction(std::string_view name, Real fallback) {

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string_view>
 
 #include "transport/materials/conductor.h"
 #include "transport/materials/dielectric.h"
+#include "transport/materials/facet_albedo.h"
 #include "transport/materials/material.h"
 #include "transport/materials/parameter_reader.h"
 
@@ -49,6 +51,10 @@ struct RoughnessInput {
     /// Whether the facets can be smooth, or rough, somewhere: what lobes the material must announce.
     [[nodiscard]] bool may_be_smooth() const;
     [[nodiscard]] bool may_be_rough() const;
+    /// The facets, where no texture decides.
+    [[nodiscard]] std::optional<Ggx> constant() const;
+    /// Whether both axes always have one roughness.
+    [[nodiscard]] bool isotropic() const { return u.texture == v.texture && u.value == v.value; }
 };
 
 /// A metal: from "reflectance", or from eta and k.
@@ -73,6 +79,9 @@ class MaterialReader : public ParameterReader {
     RoughnessInput roughness(std::string_view prefix, Real fallback);
     /// "eta", "k" and roughness under `prefix`, or "reflectance" instead of both; copper when nothing is given.
     ConductorInput conductor(std::string_view prefix);
+    /// "raylex:compensate": the table that makes up for what facets lose (compensated.h), or nothing when it is not
+    /// asked for. `eta` 0: metal.
+    std::shared_ptr<const FacetAlbedo> compensation(const RoughnessInput& roughness, Real eta);
     /// A real index of refraction: a number, or a spectrum, of which the mean over the RGB channels counts.
     Real index_of_refraction(std::string_view name, Real fallback);
 
@@ -88,6 +97,10 @@ inline Frame shading_frame(const SurfacePoint& p, const Ggx& facets) {
     return facets.alpha_x == facets.alpha_y ? Frame::from_normal(p.shading_normal)
                                             : Frame::from_normal_and_tangent(p.shading_normal, p.dpdu);
 }
+
+/// How the catalogue of materials describes it.
+inline constexpr const char* compensation_help =
+    "give back the light that facets scatter more than once (Turquin 2019)";
 
 // The in-tree factories, one file per family.
 void register_plain_materials(Registry<MaterialFactory>& registry);

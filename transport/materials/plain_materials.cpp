@@ -32,12 +32,16 @@ class DiffuseMaterial final : public Material {
 
 class ConductorMaterial final : public Material {
   public:
-    explicit ConductorMaterial(const ConductorInput& metal) : metal_(metal) {}
+    ConductorMaterial(const ConductorInput& metal, std::shared_ptr<const FacetAlbedo> compensation)
+        : metal_(metal), compensation_(std::move(compensation)) {}
     void shade(const TextureTable& textures, HitIndices hits, std::span<const SurfacePoint> points,
                std::span<Bsdf> closures) const override {
         for (const std::uint32_t i : hits) {
             const ConductorClosure closure = metal_.at(textures, points[i], 1);
-            closures[i].set(shading_frame(points[i], closure.facets), closure);
+            const Frame frame = shading_frame(points[i], closure.facets);
+            if (compensation_ && !closure.is_delta())
+                closures[i].set(frame, CompensatedConductor{closure, compensation_.get()});
+            else closures[i].set(frame, closure);
         }
     }
     void append_lobes(std::vector<LobeId>& lobes) const override {
@@ -47,29 +51,36 @@ class ConductorMaterial final : public Material {
 
   private:
     ConductorInput metal_;
+    std::shared_ptr<const FacetAlbedo> compensation_;  ///< null: none
 };
 
 class DielectricMaterial final : public Material {
   public:
-    DielectricMaterial(const RoughnessInput& roughness, Real eta) : roughness_(roughness), eta_(eta) {}
+    DielectricMaterial(const RoughnessInput& roughness, Real eta, std::shared_ptr<const FacetAlbedo> compensation)
+        : roughness_(roughness), eta_(eta), compensation_(std::move(compensation)) {}
     void shade(const TextureTable& textures, HitIndices hits, std::span<const SurfacePoint> points,
                std::span<Bsdf> closures) const override {
         for (const std::uint32_t i : hits) {
             const DielectricClosure closure{roughness_.at(textures, points[i]), eta_};
-            closures[i].set(shading_frame(points[i], closure.facets), closure);
+            const Frame frame = shading_frame(points[i], closure.facets);
+            if (compensation_ && !closure.is_delta())
+                closures[i].set(frame, CompensatedDielectric{closure, compensation_.get()});
+            else closures[i].set(frame, closure);
         }
     }
     void append_lobes(std::vector<LobeId>& lobes) const override {
         const bool matched = DielectricClosure{{1, 1}, eta_}.is_delta();
         if (roughness_.may_be_rough() && !matched)
             lobes.insert(lobes.end(), {lobes::glass_reflect_glossy, lobes::glass_transmit_glossy});
-        if (roughness_.may_be_smooth() || matched)
-            lobes.insert(lobes.end(), {lobes::glass_reflect_singular, lobes::glass_transmit_singular});
+        if (!roughness_.may_be_smooth() && !matched) return;
+        if (eta_ != 1) lobes.push_back(lobes::glass_reflect_singular);  // else there is nothing to reflect, exactly
+        lobes.push_back(lobes::glass_transmit_singular);
     }
 
   private:
     RoughnessInput roughness_;
     Real eta_;
+    std::shared_ptr<const FacetAlbedo> compensation_;  ///< null: none
 };
 
 class ThinDielectricMaterial final : public Material {
@@ -107,16 +118,18 @@ Built make_diffuse(const SceneEntity& entity, const MaterialContext& context) {
 Built make_conductor(const SceneEntity& entity, const MaterialContext& context) {
     MaterialReader reader(entity, context);
     const ConductorInput metal = reader.conductor("");
+    auto compensation = reader.compensation(metal.roughness, 0);
     if (reader.error()) return *reader.error();
-    return std::unique_ptr<Material>(std::make_unique<ConductorMaterial>(metal));
+    return std::unique_ptr<Material>(std::make_unique<ConductorMaterial>(metal, std::move(compensation)));
 }
 
 Built make_dielectric(const SceneEntity& entity, const MaterialContext& context) {
     MaterialReader reader(entity, context);
     const RoughnessInput roughness = reader.roughness("", 0);
     const Real eta = reader.index_of_refraction("eta", 1.5f);
+    auto compensation = reader.compensation(roughness, eta);
     if (reader.error()) return *reader.error();
-    return std::unique_ptr<Material>(std::make_unique<DielectricMaterial>(roughness, eta));
+    return std::unique_ptr<Material>(std::make_unique<DielectricMaterial>(roughness, eta, std::move(compensation)));
 }
 
 Built make_thin_dielectric(const SceneEntity& entity, const MaterialContext& context) {
@@ -138,7 +151,8 @@ void register_plain_materials(Registry<MaterialFactory>& registry) {
         {"roughness", real, "0", "facets on both axes; 0 is a mirror"},
         {"uroughness", real, "roughness", "along dp/du"},
         {"vroughness", real, "roughness", "across dp/du"},
-        {"remaproughness", boolean, "true", "alpha = sqrt(roughness) instead of roughness"}};
+        {"remaproughness", boolean, "true", "alpha = sqrt(roughness) instead of roughness"},
+        {"raylex:compensate", boolean, "false", compensation_help}};
     std::vector<ParameterDescription> metal = rough, glass = rough;
     metal.insert(metal.begin(), {{"eta", spectrum, "metal-Cu-eta", "index of refraction"},
                                  {"k", spectrum, "metal-Cu-k", "extinction"},

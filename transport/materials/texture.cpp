@@ -93,6 +93,7 @@ struct TextureTable::Storage final : TextureLookup {
     std::map<std::pair<std::size_t, SpectrumRole>, TextureId> compiled;
     ColorContext color;
     std::string scene_file;
+    std::vector<Error> warnings;
 
     Result<TextureId> reference(const Parameter& parameter, const SourceLocation& where, bool spectrum,
                                 SpectrumRole role, std::size_t visible);
@@ -230,6 +231,8 @@ Result<const Image*> TextureTable::Storage::load_image(const std::string& name, 
     }
     if (image->width <= 0 || image->height <= 0 || image->channels <= 0)
         return error_at(where, "image texture '" + name + "' holds no pixels");
+    if (const auto invalid = clear_invalid_texels(*image))
+        warnings.push_back(error_at(where, "image texture '" + name + "': " + *invalid));
     if (by_file_rules) {
         auto convert = color.file_color(path.string());
         if (!convert) return error_at(where, "image texture '" + name + "': " + convert.error().message);
@@ -432,6 +435,10 @@ Result<TextureTable> TextureTable::build(const SceneDescription& scene) {
         for (std::size_t p = 0; p < s.sources[i].parameters.parameters.size(); ++p)
             if (s.sources[i].parameters.parameters[p].used) scene.textures[i].parameters.parameters[p].used = true;
     return table;
+}
+
+const std::vector<Error>& TextureTable::warnings() const {
+    return storage_->warnings;
 }
 
 TextureId TextureTable::add_constant(const Rgb& value) {

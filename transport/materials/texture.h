@@ -40,6 +40,9 @@ class TextureTable {
     TextureTable(TextureTable&&) noexcept;
     TextureTable& operator=(TextureTable&&) noexcept;
 
+    /// What was wrong with images that were read and could be mended.
+    [[nodiscard]] const std::vector<Error>& warnings() const;
+
     [[nodiscard]] TextureId add_constant(const Rgb& value);
     /// The texture behind a "texture"-typed parameter, or a constant from its value, or from `fallback` when absent.
     Result<TextureId> rgb_parameter(const ParameterSet& set, std::string_view name, const Rgb& fallback,

@@ -4,6 +4,7 @@
 
 #include "display/services/elementary.h"
 #include "transport/geometry/ray.h"
+#include "transport/math/sampling.h"
 
 namespace raylex::transport {
 namespace {
@@ -14,9 +15,17 @@ Rgb shares(const Rgb& weights) {
     return sum > 0 && std::isfinite(sum) ? weights * (1 / sum) : Rgb(1 / Real(3));
 }
 
-int pick(const Rgb& share, Real u) {
-    if (u < share.r) return 0;
-    if (u < share.r + share.g) return 1;
+/// `u` becomes uniform in [0, 1) again.
+int pick(const Rgb& share, Real& u) {
+    Real below = 0;
+    for (int c = 0; c < 3; ++c) {
+        if (u < below + share[c]) {
+            u = std::min((u - below) / share[c], one_minus_epsilon);
+            return c;
+        }
+        below += share[c];
+    }
+    u = one_minus_epsilon;  // in what rounding left above the last share
     return share.b > 0 ? 2 : share.g > 0 ? 1 : 0;
 }
 
@@ -24,6 +33,37 @@ int pick(const Rgb& share, Real u) {
 /// every ratio and keeps them from vanishing together.
 Real relative_transmittance(Real sigma, Real least, Real distance) {
     return sigma > least ? elementary::exp(-(sigma - least) * distance) : 1.0f;
+}
+
+/// Two numbers of 24 bits as one of 48.
+Real joined(const Vec2& u) {
+    return u.y + u.x * Real(0x1p-24);
+}
+
+/// Optical depth that light reaches with chance 1 - u: 48 bits from either end, so that media thinner than 2^-24
+/// scatter no more than they should and light gets 33 mean free paths far. Above a half the chance is taken from 1
+/// exactly.
+Real optical_depth(const Vec2& u) {
+    return u.y < 0.5f ? -elementary::log1p(-joined(u)) : -elementary::log((1 - u.y) - u.x * Real(0x1p-24));
+}
+
+/// Below this optical depth a flight collides with this chance, evenly along the segment, and its weight makes up for
+/// it: else a thin haze would hardly ever be met, and when met, would be as bright as fog. What passes gets a noise of
+/// 0.4 % of a sample.
+constexpr Real thin_depth = Real(0x1p-16);
+
+FreeFlight fly_through_haze(const Medium& medium, Real end, const Vec2& u) {
+    FreeFlight flight;
+    const Real v = joined(u);
+    flight.collided = v < thin_depth;
+    if (flight.collided) {
+        flight.distance = end * (v / thin_depth);
+        flight.weight = medium.sigma_s * transmittance(medium, flight.distance) * (end / thin_depth);
+    } else {
+        flight.distance = end;
+        flight.weight = transmittance(medium, end) * (1 / (1 - thin_depth));
+    }
+    return flight;
 }
 
 }  // namespace
@@ -46,18 +86,19 @@ Rgb emission_along(const Medium& medium, Real distance) {
 }
 
 FreeFlight sample_free_flight(const Medium& medium, const Rgb& throughput, Real end, const Vec2& u) {
+    if (medium.sigma_t.max() * end < thin_depth) return fly_through_haze(medium, end, u);
     FreeFlight flight;
-    const Real depth = -elementary::log1p(-u.y);  // optical
     if (medium.grey) {
         const Real sigma = medium.sigma_t.r;
-        flight.distance = sigma > 0 ? depth / sigma : infinity;
+        flight.distance = sigma > 0 ? optical_depth(u) / sigma : infinity;
         flight.collided = flight.distance < end;
         flight.weight = flight.collided ? medium.sigma_s / sigma : Rgb(1);
         return flight;
     }
     const Rgb share = shares(throughput);
-    const Real chosen = medium.sigma_t[pick(share, u.x)];
-    flight.distance = chosen > 0 ? depth / chosen : infinity;
+    Real rest = u.x;
+    const Real chosen = medium.sigma_t[pick(share, rest)];
+    flight.distance = chosen > 0 ? optical_depth({rest, u.y}) / chosen : infinity;
     flight.collided = flight.distance < end;
     const Real distance = flight.collided ? flight.distance : end;
     Real least = infinity;
@@ -76,8 +117,10 @@ FreeFlight sample_free_flight(const Medium& medium, const Rgb& throughput, Real 
 }
 
 Real sample_absorption(const Medium& medium, Real end, const Vec2& u) {
-    Rgb lost = Rgb(1) - transmittance(medium, end);
-    const int c = pick(shares(lost), u.x);
+    const auto loss = [&](Real sigma) { return sigma > 0 ? -elementary::expm1(-sigma * end) : Real(0); };
+    const Rgb lost{loss(medium.sigma_t.r), loss(medium.sigma_t.g), loss(medium.sigma_t.b)};
+    Real rest = u.x;
+    const int c = pick(shares(lost), rest);
     return std::min(-elementary::log1p(-u.y * lost[c]) / medium.sigma_t[c], end);
 }
 

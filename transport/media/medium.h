@@ -44,7 +44,7 @@ struct FreeFlight {
 };
 
 /// Samples a collision in front of `end` (infinity allowed). `throughput` decides the odds of the colours; it must not
-/// be black. u in [0, 1)^2.
+/// be black. u in [0, 1)^2. Segments of an optical depth below 2^-16 collide with that chance, whatever their depth.
 FreeFlight sample_free_flight(const Medium& medium, const Rgb& throughput, Real end, const Vec2& u);
 
 /// Where a medium that only absorbs takes light away on a segment of length `end`: a distance whose density is the mean

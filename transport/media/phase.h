@@ -41,7 +41,8 @@ inline PhaseSample sample_phase(Real g, const Vec3& forward, const Vec2& u) {
         std::clamp(2 * (1 - a) * (1 - a) * u.x * (1 + a - a * u.x) / (denominator * denominator), Real(0), Real(2));
     const Vec2 p = polar_point(std::sqrt(h * (2 - h)), u.y);
     const Frame frame = Frame::from_normal(g < 0 ? -forward : forward);
-    return {normalize(frame.to_world({p.x, p.y, 1 - h})), phase_detail::value(a, h)};
+    const Vec3 wi = normalize(frame.to_world({p.x, p.y, 1 - h}));
+    return {wi, phase_pdf(g, forward, wi)};  // of the direction as it was rounded
 }
 
 }  // namespace raylex::transport

@@ -21,6 +21,7 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
     auto materials = MaterialTable::build(description, scene->textures_);
     if (!materials) return materials.error();
     scene->materials_ = std::move(*materials);
+    scene->warnings = scene->textures_.warnings();
     auto geometry = EmbreeScene::build(description, scene->textures_, {options.isa, options.threads});
     if (!geometry) return geometry.error();
     scene->geometry_ = std::make_unique<EmbreeScene>(*std::move(geometry));

@@ -8,9 +8,14 @@
 namespace raylex::experiments {
 
 std::span<const NamedProbe> elementary_probes();
+std::span<const NamedProbe> facet_probes();
+std::span<const NamedProbe> light_probes();
+std::span<const NamedProbe> media_probes();
 std::span<const NamedProbe> phase_probes();
 std::span<const NamedProbe> sampler_probes();
+std::span<const NamedProbe> scattering_probes();
 std::span<const NamedProbe> sum_probes();
+std::span<const NamedProbe> texture_probes();
 std::span<const NamedProbe> warp_probes();
 std::span<const NamedProbe> weight_probes();
 
