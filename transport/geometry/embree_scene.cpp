@@ -449,6 +449,19 @@ void EmbreeScene::intersect(std::span<const Ray> rays, std::span<Hit> hits) cons
     }
 }
 
+/// How far from where it should be a point may come to lie by rounding, in the space of its shape's vertices: 4 units
+/// in the last place, where the shape stands and, of an instance, in the world.
+double EmbreeScene::rounding_at(const Hit& hit, const DVec3& point) const {
+    double reach = std::max({std::abs(point.x), std::abs(point.y), std::abs(point.z)});
+    if (hit.instance != Hit::none) {
+        const Placement& placement = instances_[hit.instance].placement;
+        const DVec3 world = placement.to_world.point(point);
+        for (const auto& row : placement.to_object.m)
+            reach += std::abs(row[0] * world.x) + std::abs(row[1] * world.y) + std::abs(row[2] * world.z);
+    }
+    return 0x1p-21 * reach;
+}
+
 /// What Embree calls by its own numbers is called by ours, and where the ray meets it is computed anew, from the ray
 /// and the primitive alone. What is left of Embree in an image is which primitive was hit.
 void EmbreeScene::finish_hit(const Ray& ray, std::uint32_t instance, Hit& hit) const {
@@ -464,8 +477,13 @@ void EmbreeScene::finish_hit(const Ray& ray, std::uint32_t instance, Hit& hit) c
     const ShapeGeometry& shape = shapes_[hit.shape];
     if (shape.kind == ShapeKind::triangle_mesh) {
         const std::uint32_t* index = shape.indices + 3 * static_cast<std::size_t>(hit.primitive);
-        const TriangleHit found = meet_triangle(origin, direction, DVec3(shape.positions[index[0]]),
-                                                DVec3(shape.positions[index[1]]), DVec3(shape.positions[index[2]]));
+        const DVec3 p0(shape.positions[index[0]]), p1(shape.positions[index[1]]), p2(shape.positions[index[2]]);
+        TriangleHit found = meet_triangle(origin, direction, p0, p1, p2);
+        keep_off_edges(found, p0, p1, p2, [&, at = found] {
+            // What single precision does to the point, and to its weights.
+            return rounding_at(hit, p0 + (p1 - p0) * at.u + (p2 - p0) * at.v) +
+                   0x1p-23 * (length(p1 - p0) + length(p2 - p0));
+        });
         hit.t = std::clamp(static_cast<Real>(found.t), Real(std::numeric_limits<float>::min()), ray.t_max);
         hit.u = static_cast<Real>(found.u);
         hit.v = static_cast<Real>(found.v);

@@ -172,6 +172,7 @@ class EmbreeScene {
     Status add_mesh(const SceneShape& shape, const Transform& placement, ShapeGeometry& geometry, RTCGeometryTy*& made);
     Status check_placements(const SceneDescription& scene, std::span<const Transform> instances, double extent);
     [[nodiscard]] bool traceable(const Ray& ray) const;
+    [[nodiscard]] double rounding_at(const Hit& hit, const DVec3& point) const;
     void finish_hit(const Ray& ray, std::uint32_t instance, Hit& hit) const;
     int label_index(const std::string& label);
     std::unique_ptr<Device> device_;
