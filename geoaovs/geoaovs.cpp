@@ -199,10 +199,11 @@ namespace in = inputs;
 
 // The only place that knows what an AOV is.
 constexpr std::array aovs{
-    Aov{"P", T::point, "camera", R::filter, 0, from_hits(in_camera_space<&ShadingBatch::position, true>, in::position), 1},
+    Aov{"P", T::point, "camera", R::filter, 0, from_hits(in_camera_space<&ShadingBatch::position, true>, in::position),
+        1},
     Aov{"Po", T::point, "object", R::filter, 0,
         from_hits(as_it_is<&ShadingBatch::object_position>, in::object_position), 1},
-    Aov{"Pw", T::point, "world", R::filter, 0, from_hits(as_it_is<&ShadingBatch::position>, in::position), 1},
+    Aov{"Pw", T::point, "world", R::filter, 0, from_hits(hits<values::world_position>, in::position), 1},
     Aov{"Nn", T::normal, "camera", R::filter, 0,
         from_hits(in_camera_space<&ShadingBatch::shading_normal>, in::shading_normal)},
     Aov{"Ngn", T::normal, "camera", R::filter, 0,
@@ -234,7 +235,7 @@ constexpr std::array aovs{
     Aov{"cpuTime", T::real, "seconds", R::sum, 0, from_samples(samples<cpu_time>, true)},
     Aov{"sampleCount", T::real, "", R::sum, 0, from_samples(samples<one>)},
     Aov{"invalidSamples", T::real, "", R::sum, 0, from_samples(samples<invalid_values>)},
-    Aov{"__Pworld", T::point, "world", R::filter, 0, from_hits(as_it_is<&ShadingBatch::position>, in::position), 1},
+    Aov{"__Pworld", T::point, "world", R::filter, 0, from_hits(hits<values::world_position>, in::position), 1},
     Aov{"__Nworld", T::normal, "world", R::filter, 0,
         from_hits(as_it_is<&ShadingBatch::shading_normal>, in::shading_normal)},
     Aov{"__Vworld", T::vector, "world", R::filter, 0, from_hits(as_it_is<&ShadingBatch::view>, in::view)},

@@ -47,7 +47,8 @@ Result<std::vector<std::uint32_t>> region_pixels(const Region& region, int width
     std::vector<std::uint32_t> pixels;
     for (int y = crop[1]; y < crop[3]; ++y)
         for (int x = crop[0]; x < crop[2]; ++x) {
-            const auto pixel = static_cast<std::uint32_t>(y * width + x);
+            const auto pixel = static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(width) +
+                               static_cast<std::uint32_t>(x);  // up to 2^32 - 1
             if (mask.empty() || mask[pixel] > 0) pixels.push_back(pixel);
         }
     if (pixels.empty()) return region_error(region, "no pixel of the mask is different from 0 inside the crop");

@@ -1,11 +1,16 @@
 // From hits to surface points: positions, normals and parameterisation by pbrt-v4's conventions ("Physically Based
 // Rendering", 4th edition, chapter 6), and the bound on where the intersector may think the surface is.
 //
-// The bound for a triangle. The point is b0 v0 + b1 v1 + b2 v2 in float: each coordinate is off by at most
-// gamma(5) max |v|. Embree's robust test moves the vertices to the ray's origin (half an ulp of the difference), takes
-// N = e1 x e2 (2 roundings a product, 1 for the difference: gamma(3) (|e1_i e2_j| + |e1_j e2_i|)) and evaluates
-// (v0 - o) . N (gamma(3)). The distance it sees is thus off by at most
-//   gamma(8) [ |n| . max |v| + ((|e1| x+ |e2|) . extent) / |N| ],  x+ the cross product with plus signs.
+// The bound for a triangle. The point is v0 + b1 e1 + b2 e2 in double, rounded once: each coordinate is off by u |p|,
+// u = 2^-24, and so is the origin made from it, which offset_ray_origin() makes up for. Embree's robust test (Pluecker
+// coordinates) moves the vertices to the ray's origin o: each coordinate is off by u |v - o| <= u extent. The plane
+// through vertices moved so passes o at most n . u extent aside, o being a mean of them, and its edges a_i are off by
+// 2 u extent. It takes N as the cross product of two edges (2 roundings a product, 1 for the difference:
+// gamma(3) (|a_i b_j| + |a_j b_i|)) and evaluates (v0 - o) . N (gamma(3)). The distance it sees is thus off by at most
+//   gamma(2) |n| . |p| + gamma(8) ((a x+ b) . extent) / |N|,  x+ the cross product with plus signs,
+// with 2 u extent added to each edge: it is that term which keeps slivers behind the ray that leaves them. Which two of
+// the edges, it chooses for each component by the smaller of two products (products_of_normal() does the same), so that
+// a sliver's short edge is one of them: two long ones would make the bound a multiple of the sliver itself.
 // Componentwise bounds keep axis-aligned planes nearly exact. A plane through 0 would get 0, so 2^-32 of the triangle's
 // extent is added: it changes nothing elsewhere.
 #include "display/services/elementary.h"
@@ -35,26 +40,42 @@ void apply_vertex_normal(const Vec3& interpolated, SurfacePoint& point) {
     point.geometric_normal = face_forward(point.geometric_normal, point.shading_normal);
 }
 
+/// Sums of the magnitudes of the products that Embree's stable_triangle_normal(a, b, c) makes a normal of; where its
+/// choice is closer than rounding decides, the larger.
+Vec3 products_of_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
+    const auto chosen = [](Real ab, Real ab_other, Real bc, Real bc_other) {
+        const Real of_ab = ab + ab_other, of_bc = bc + bc_other;
+        return 2 * ab < bc ? of_ab : 2 * bc < ab ? of_bc : std::max(of_ab, of_bc);
+    };
+    return {chosen(a.z * b.y, a.y * b.z, b.z * c.y, b.y * c.z), chosen(a.x * b.z, a.z * b.x, b.x * c.z, b.z * c.x),
+            chosen(a.y * b.x, a.x * b.y, b.y * c.x, b.x * c.y)};
+}
+
 void triangle_surface(const ShapeGeometry& shape, const Hit& hit, SurfacePoint& point, Real& offset) {
     const std::uint32_t* index = shape.indices + 3 * static_cast<std::size_t>(hit.primitive);
     const Vec3 p0 = shape.positions[index[0]], p1 = shape.positions[index[1]], p2 = shape.positions[index[2]];
     const Real b1 = hit.u, b2 = hit.v, b0 = 1 - b1 - b2;
-    point.position = p0 * b0 + p1 * b1 + p2 * b2;
-    const Vec3 e1 = p1 - p0, e2 = p2 - p0;
-    // In double: a product of floats is exact there, so slivers keep their normal, and the length of the cross product
-    // of edges of 1e-10 does not drown (its square is below the smallest float).
-    const DVec3 n = cross(DVec3(e1), DVec3(e2));
+    // In double: differences of floats and products of those are next to exact there, so slivers keep their normal, and
+    // the length of the cross product of edges of 1e-10 does not drown (its square is below the smallest float).
+    const DVec3 from(p0), along1 = DVec3(p1) - from, along2 = DVec3(p2) - from;
+    point.position = (from + along1 * b1 + along2 * b2).to_real();
+    const DVec3 n = cross(along1, along2);
+    const Vec3 e1 = along1.to_real(), e2 = along2.to_real();
     const double inverse = 1 / length(n);
     const auto inverse_length = static_cast<Real>(inverse);
     const Vec3 unflipped = (n * inverse).to_real();
     point.geometric_normal = shape.flip_normal ? -unflipped : unflipped;
 
     const Vec3 top = largest(p0, largest(p1, p2)), bottom = smallest(p0, smallest(p1, p2));
-    const Vec3 extent = top - bottom, a1 = absolute(e1), a2 = absolute(e2);
-    const Vec3 products{a1.y * a2.z + a1.z * a2.y, a1.z * a2.x + a1.x * a2.z, a1.x * a2.y + a1.y * a2.x};
-    offset = gamma_bound(8) * (dot(absolute(point.geometric_normal), largest(absolute(top), absolute(bottom))) +
-                               dot(products * inverse_length, extent)) +
-             0x1p-32f * (extent.x + extent.y + extent.z);
+    const Vec3 extent = top - bottom, moved = extent * (2 * unit_roundoff);
+    const Vec3 a1 = absolute(e1) + moved, a2 = absolute(e2) + moved;
+    // The sums of one pair bound those of the other that Embree may prefer by three times: |b_i c_j| of what it
+    // compares is the smaller, and the other product differs from it by N. 3 x 3 + 3 + 1 roundings then, for 8.
+    Vec3 products = Vec3{a1.y * a2.z + a1.z * a2.y, a1.z * a2.x + a1.x * a2.z, a1.x * a2.y + a1.y * a2.x} * 1.625f;
+    if ((products.x + products.y + products.z) * inverse_length > 16) [[unlikely]]  // a sliver
+        products = products_of_normal(a2, a1, absolute(p1 - p2) + moved);
+    offset = gamma_bound(2) * dot(absolute(point.geometric_normal), absolute(point.position)) +
+             gamma_bound(8) * dot(products * inverse_length, extent) + 0x1p-32f * (extent.x + extent.y + extent.z);
 
     point.shading_normal = point.geometric_normal;
     if (!shape.normals.empty()) {

@@ -31,6 +31,7 @@ struct LightContext {
     std::vector<EnvironmentImage>& environments;
     std::vector<Error>& warnings;
 };
+/// The light's to_world leads to the space that EmbreeScene places everything in.
 using LightFactory = std::function<Result<Light>(const SceneLight&, LightContext&)>;
 /// point, spot, distant, infinite; plugins build theirs from the same kinds.
 Registry<LightFactory>& light_registry();

@@ -4,6 +4,7 @@
 #include <map>
 #include <mutex>
 
+#include "display/services/elementary.h"
 #include "transport/materials/fresnel.h"
 #include "transport/materials/scatter.h"
 
@@ -25,7 +26,7 @@ Real step(int i, int count) {
 }
 
 Vec3 direction_at(const Ggx& facets, Real x, Real azimuth) {
-    const Real along = azimuth, across = 1 - azimuth, scale = 1 / std::hypot(along, across);
+    const Real along = azimuth, across = 1 - azimuth, scale = 1 / elementary::hypot(along, across);
     const Real w = width_of(facets, along, across);
     const Real mu = std::clamp(w * x * x / (1 + w - x * x), 2 * min_cosine, Real(1));
     const Real sine = safe_sqrt((1 - mu) * (1 + mu)) * scale;

@@ -29,18 +29,19 @@ double brightest_light(const BuiltScene& scene) {
     // What glows along the scene's diameter.
     const MediumTable& media = *scene.view().media;
     for (std::size_t i = 0; i < media.size(); ++i)
-        brightest = std::max(brightest, double(emission_along(media[static_cast<std::int32_t>(i)],
-                                                              static_cast<Real>(2 * radius))
-                                                   .max()));
+        brightest =
+            std::max(brightest,
+                     double(emission_along(media[static_cast<std::int32_t>(i)], static_cast<Real>(2 * radius)).max()));
     return brightest;
 }
 
-/// The largest coordinate that positions of hits may have.
+/// The largest coordinate that positions of hits may have, in the world.
 double extent(const BuiltScene& scene) {
     const Bounds& bounds = scene.view().geometry->bounds();
+    const DVec3 origin = scene.view().geometry->space().origin;
     double largest = 0;
-    for (const Vec3& corner : {bounds.lower, bounds.upper})
-        for (const Real each : {corner.x, corner.y, corner.z}) largest = std::max(largest, std::abs(double(each)));
+    for (const DVec3& corner : {DVec3(bounds.lower) + origin, DVec3(bounds.upper) + origin})
+        for (const double each : {corner.x, corner.y, corner.z}) largest = std::max(largest, std::abs(each));
     return largest;
 }
 

@@ -9,6 +9,7 @@ namespace raylex::experiments {
 
 std::span<const NamedProbe> elementary_probes();
 std::span<const NamedProbe> facet_probes();
+std::span<const NamedProbe> geometry_probes();
 std::span<const NamedProbe> light_probes();
 std::span<const NamedProbe> media_probes();
 std::span<const NamedProbe> phase_probes();

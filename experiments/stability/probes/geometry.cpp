@@ -1,0 +1,604 @@
+// Rays and surfaces: leaving without coming back, closed meshes without holes, hits where the closed form has them.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "experiments/stability/probes/probes.h"
+#include "transport/geometry/embree_scene.h"
+#include "transport/lights/light.h"
+#include "transport/math/sampling.h"
+#include "transport/render/tiles.h"
+#include "transport/samplers/pixel_sampler.h"
+
+namespace raylex::experiments {
+namespace {
+
+using namespace transport;
+
+/// Reproducible uniform numbers.
+class Random {
+  public:
+    explicit Random(std::uint64_t seed) : state_(seed) {}
+    Real operator()() { return unit_float(mix_bits(state_ += 0x9e3779b97f4a7c15ull)); }
+    Real signed_unit() { return 2 * (*this)() - 1; }
+    Vec3 direction() { return sample_uniform_sphere({(*this)(), (*this)()}); }
+    Vec3 point(Real extent) { return {extent * signed_unit(), extent * signed_unit(), extent * signed_unit()}; }
+    std::size_t below(std::size_t n) { return std::min(n - 1, static_cast<std::size_t>((*this)() * Real(n))); }
+
+  private:
+    std::uint64_t state_;
+};
+
+Result<EmbreeScene> geometry_of(std::vector<SceneShape> shapes, const std::optional<Transform>& instance = {}) {
+    SceneDescription scene;
+    SceneEntity material;
+    material.type = "diffuse";
+    scene.materials.push_back(material);
+    for (SceneShape& shape : shapes) shape.material = 0;
+    if (instance) {
+        scene.objects.push_back({"object", std::move(shapes)});
+        SceneInstance placed;
+        placed.object = 0;
+        placed.to_world = *instance;
+        scene.instances.push_back(placed);
+    } else {
+        scene.shapes = std::move(shapes);
+    }
+    TextureTable textures;
+    return EmbreeScene::build(scene, textures, {});
+}
+
+struct Found {
+    Hit hit;
+    SurfacePoint point;
+    SurfaceSource source;
+};
+Found find(const EmbreeScene& scene, const Ray& ray) {
+    Found f;
+    scene.intersect({&ray, 1}, {&f.hit, 1});
+    if (f.hit.valid()) scene.surfaces({&ray, 1}, {&f.hit, 1}, {&f.point, 1}, {&f.source, 1});
+    return f;
+}
+Ray ray_from(const Vec3& origin, const Vec3& direction) {
+    Ray ray;
+    ray.origin = origin;
+    ray.direction = direction;
+    return ray;
+}
+Ray leaving(const Found& from, const Vec3& direction) {
+    return ray_from(offset_ray_origin(from.point.position, from.point.geometric_normal, from.source.offset, direction),
+                    direction);
+}
+
+StoredVec3 stored(const DVec3& p) {
+    return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+}
+
+/// 200 triangles of size `scale` around a point `away` times as far, two of whose edges are as 1 to `aspect`.
+SceneShape random_triangles(Random& random, Real scale, Real away, double aspect) {
+    SceneShape shape;
+    const DVec3 center(random.point(away * scale));
+    for (std::uint32_t i = 0; i < 600; i += 3) {
+        const DVec3 at = center + DVec3(random.point(scale));
+        const DVec3 a(random.point(scale)), b(random.point(scale));
+        for (const DVec3& p : {at, at + a, at + a * (1 - aspect) * 0.5 + b * aspect})
+            shape.positions.push_back(stored(p));
+        for (std::uint32_t k = 0; k < 3; ++k) shape.indices.push_back(i + k);
+    }
+    return shape;
+}
+
+/// At an angle of asin(`sine`) to the plane; any direction for 0.
+Vec3 direction_at(Random& random, const Vec3& normal, double sine) {
+    const Vec3 any = random.direction();
+    if (sine == 0) return any;
+    const DVec3 n(normal), d(any), flat = normalize(d - n * dot(n, d));
+    return normalize(flat * std::sqrt(1 - sine * sine) + n * std::copysign(sine, dot(n, d))).to_real();
+}
+
+/// Row 1. Rays that leave a triangle and find it again.
+Result<ProbeResult> rehits(const ProbeInput& input) {
+    const auto scale = static_cast<Real>(input.number("scale", 1)), away = static_cast<Real>(input.number("away", 0));
+    const double aspect = input.number("aspect", 1), sine = input.number("sine", 0);
+    const auto rays = static_cast<std::uint64_t>(input.number("rays", 20000));
+    Random random(1);
+    const SceneShape mesh = random_triangles(random, scale, away, aspect);
+    std::optional<Transform> place;
+    if (input.number("instanced", 0) != 0)
+        place = Transform::translate(3 * scale, -scale, 2 * scale) * Transform::rotate(31, 1, 2, 3) *
+                Transform::scale(0.3, 2, 1);
+    const auto built = geometry_of({mesh}, place);
+    if (!built) return built.error();
+    const Transform to_world = place.value_or(Transform());
+    std::uint64_t again = 0, tested = 0;
+    for (std::uint64_t tries = 0; tested < rays && tries < 50 * rays; ++tries) {
+        const std::size_t t = 3 * random.below(200);
+        const auto corner = [&](std::size_t k) { return DVec3(Vec3(mesh.positions[t + k])); };
+        const Real r = std::sqrt(random()), s = random();
+        const DVec3 target = corner(0) * (1 - r) + corner(1) * (r * (1 - s)) + corner(2) * (r * s);
+        const Vec3 at = DVec3(to_world.point_in_double({target.x, target.y, target.z})).to_real();
+        const Vec3 toward = random.direction();
+        const Found f = find(*built, ray_from(at - toward * (scale * (random() + Real(0.01))), toward));
+        if (!f.hit.valid()) continue;
+        const Ray next = leaving(f, direction_at(random, f.point.geometric_normal, sine));
+        // Within 2^-20 of the plane the direction's own rounding decides on which side it goes.
+        if (sine == 0 && std::abs(dot(next.direction, f.point.geometric_normal)) < 0x1p-20f) continue;
+        ++tested;
+        const Found second = find(*built, next);
+        again += second.hit.valid() && second.hit.primitive == f.hit.primitive;
+    }
+    ProbeResult result;
+    result.measured = static_cast<double>(again);
+    result.expected = 0;
+    result.note = std::to_string(tested) + " rays";
+    if (tested < rays / 2) return error_at(input.where(), "only " + result.note + " met the triangles");
+    return result;
+}
+
+struct Mesh {
+    std::vector<DVec3> positions;
+    std::vector<std::array<std::uint32_t, 3>> faces;
+};
+
+Mesh icosphere(int levels) {
+    const double g = (1 + std::sqrt(5.0)) / 2;
+    Mesh m;
+    for (const auto& [a, b] : {std::pair{1.0, g}, std::pair{-1.0, g}, std::pair{1.0, -g}, std::pair{-1.0, -g}}) {
+        m.positions.push_back(normalize(DVec3(0, a, b)));
+        m.positions.push_back(normalize(DVec3(a, b, 0)));
+        m.positions.push_back(normalize(DVec3(b, 0, a)));
+    }
+    // Faces: all triples at the icosahedron's edge length, turned outwards.
+    const double edge = 4 / (1 + g * g) * 1.0001;
+    const auto close = [&](std::size_t i, std::size_t j) {
+        const DVec3 d = m.positions[i] - m.positions[j];
+        return dot(d, d) < edge;
+    };
+    for (std::uint32_t i = 0; i < 12; ++i)
+        for (std::uint32_t j = i + 1; j < 12; ++j)
+            for (std::uint32_t k = j + 1; k < 12; ++k) {
+                if (!close(i, j) || !close(j, k) || !close(i, k)) continue;
+                const DVec3 n = cross(m.positions[j] - m.positions[i], m.positions[k] - m.positions[i]);
+                if (dot(n, m.positions[i]) > 0) m.faces.push_back({i, j, k});
+                else m.faces.push_back({i, k, j});
+            }
+    for (int level = 0; level < levels; ++level) {
+        std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
+        std::vector<std::array<std::uint32_t, 3>> finer;
+        const auto middle = [&](std::uint32_t a, std::uint32_t b) {
+            const auto [found, is_new] =
+                middles.try_emplace({std::min(a, b), std::max(a, b)}, static_cast<std::uint32_t>(m.positions.size()));
+            if (is_new) m.positions.push_back(normalize(m.positions[a] + m.positions[b]));
+            return found->second;
+        };
+        for (const auto& [a, b, c] : m.faces) {
+            const std::uint32_t ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+            for (const std::array<std::uint32_t, 3>& face :
+                 {std::array{a, ab, ca}, std::array{b, bc, ab}, std::array{c, ca, bc}, std::array{ab, bc, ca}})
+                finer.push_back(face);
+        }
+        m.faces = std::move(finer);
+    }
+    return m;
+}
+
+/// [-1, 1]^3. `fan`: the sides are cut into triangles around points `aspect` off a corner's edge: slivers.
+Mesh box(double aspect) {
+    Mesh m;
+    for (int i = 0; i < 8; ++i) m.positions.push_back({i & 1 ? 1.0 : -1.0, i & 2 ? 1.0 : -1.0, i & 4 ? 1.0 : -1.0});
+    const std::array<std::array<std::uint32_t, 4>, 6> sides{
+        {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}};
+    for (const auto& side : sides) {
+        if (aspect >= 1) {
+            m.faces.push_back({side[0], side[1], side[2]});
+            m.faces.push_back({side[0], side[2], side[3]});
+            continue;
+        }
+        const DVec3 &a = m.positions[side[0]], &b = m.positions[side[1]], &c = m.positions[side[2]];
+        const auto inner = static_cast<std::uint32_t>(m.positions.size());
+        m.positions.push_back((a + b) * 0.5 + (c - b) * aspect);
+        for (std::size_t k = 0; k < 4; ++k) m.faces.push_back({side[k], side[(k + 1) % 4], inner});
+    }
+    return m;
+}
+
+Result<Mesh> mesh_named(const ProbeInput& input) {
+    const std::string name = input.word("mesh");
+    if (name == "icosphere") return icosphere(static_cast<int>(input.number("levels", 3)));
+    if (name == "box") return box(1);
+    if (name == "slivers") return box(input.number("aspect", 1e-6));
+    return error_at(input.where(), "unknown mesh '" + name + "'; expected icosphere, box or slivers");
+}
+
+/// Turned, so that no edge is along an axis, and rounded.
+SceneShape shape_of(const Mesh& mesh, double scale, const DVec3& center) {
+    const Transform turn = Transform::rotate(17, 1, 2, 3);
+    SceneShape shape;
+    for (const DVec3& p : mesh.positions)
+        shape.positions.push_back(stored(center + DVec3(turn.point_in_double({p.x, p.y, p.z})) * scale));
+    for (const auto& face : mesh.faces) shape.indices.insert(shape.indices.end(), face.begin(), face.end());
+    return shape;
+}
+
+/// A point of an edge, a corner in one case of four, as exactly as a float holds it.
+DVec3 edge_point(Random& random, const SceneShape& shape) {
+    const std::size_t face = 3 * random.below(shape.indices.size() / 3), k = random.below(3);
+    const DVec3 a(Vec3(shape.positions[shape.indices[face + k]])),
+        b(Vec3(shape.positions[shape.indices[face + (k + 1) % 3]]));
+    const Real s = random() < 0.25f ? Real(0) : random();
+    return a * (1 - s) + b * s;
+}
+
+/// Row 4. Rays at the edges and corners of a closed convex mesh that do not meet it.
+Result<ProbeResult> escapes(const ProbeInput& input) {
+    const double scale = input.number("scale", 1);
+    const auto rays = static_cast<std::uint64_t>(input.number("rays", 1e5));
+    const bool inside = input.number("inside", 1) != 0, aimed = input.number("aimed", 1) != 0;
+    const auto mesh = mesh_named(input);
+    if (!mesh) return mesh.error();
+    Random random(static_cast<std::uint64_t>(input.number("seed", 6)));
+    const DVec3 center = DVec3(random.point(1)) * (scale * input.number("away", 0));
+    const SceneShape shape = shape_of(*mesh, scale, center);
+    const auto built = geometry_of({shape});
+    if (!built) return built.error();
+    constexpr std::size_t batch = 256;
+    std::vector<Ray> all(batch);
+    std::vector<Hit> hits(batch);
+    std::uint64_t missed = 0;
+    for (std::uint64_t done = 0; done < rays; done += batch) {
+        for (Ray& ray : all) {
+            const DVec3 within = center + DVec3(random.point(Real(0.4))) * scale,
+                        target = aimed ? edge_point(random, shape) : within + DVec3(random.direction()) * scale;
+            const DVec3 line = normalize(target - within);
+            // From outside: through the target into the mesh, from as far behind it again.
+            ray = ray_from((inside ? within : target + line * scale).to_real(), (inside ? line : line * -1).to_real());
+        }
+        built->intersect(all, hits);
+        const std::size_t count = std::min<std::uint64_t>(batch, rays - done);
+        for (std::size_t i = 0; i < count; ++i) missed += !hits[i].valid();
+    }
+    ProbeResult result;
+    result.measured = static_cast<double>(missed);
+    result.expected = 0;
+    result.note = std::to_string(rays) + " rays";
+    return result;
+}
+
+/// Rows 1, 4. Diffuse bounces in a closed mesh after which the ray is outside, or meets nothing.
+Result<ProbeResult> bounce_leaks(const ProbeInput& input) {
+    const double scale = input.number("scale", 1);
+    const auto bounces = static_cast<std::uint64_t>(input.number("bounces", 1e5));
+    const auto mesh = mesh_named(input);
+    if (!mesh) return mesh.error();
+    Random random(static_cast<std::uint64_t>(input.number("seed", 7)));
+    const DVec3 center = DVec3(random.point(1)) * (scale * input.number("away", 0));
+    const SceneShape shape = shape_of(*mesh, scale, center);
+    std::optional<Transform> place;
+    if (input.number("instanced", 0) != 0) place = Transform::rotate(50, 3, 1, 2);
+    const auto built = geometry_of({shape}, place);
+    if (!built) return built.error();
+    const DVec3 middle = place ? DVec3(place->point_in_double({center.x, center.y, center.z})) : center;
+    const auto start = [&] { return ray_from(middle.to_real(), random.direction()); };
+    Ray ray = start();
+    std::uint64_t leaks = 0;
+    for (std::uint64_t i = 0; i < bounces; ++i) {
+        const Found f = find(*built, ray);
+        // The meshes' faces are turned outwards: a hit against their normal is one from outside.
+        if (!f.hit.valid() || dot(f.point.geometric_normal, ray.direction) < 0) {
+            ++leaks;
+            ray = start();
+            continue;
+        }
+        const Frame frame = Frame::from_normal(-f.point.geometric_normal);
+        ray = leaving(f, normalize(frame.to_world(sample_cosine_hemisphere({random(), random()}))));
+    }
+    ProbeResult result;
+    result.measured = static_cast<double>(leaks);
+    result.expected = 0;
+    result.note = std::to_string(bounces) + " bounces";
+    return result;
+}
+
+/// Row 5. Lines through closed meshes inside one another that do not go in and out by turns.
+Result<ProbeResult> parity(const ProbeInput& input) {
+    const auto lines = static_cast<std::uint64_t>(input.number("lines", 2e4));
+    const bool at_edges = input.number("edges", 0) != 0;
+    const auto mesh = mesh_named(input);
+    if (!mesh) return mesh.error();
+    Random random(5);
+    const DVec3 center = DVec3(random.point(1)) * input.number("away", 0);
+    std::vector<SceneShape> shells;
+    for (const double size : {1.0, 0.7, 0.49}) shells.push_back(shape_of(*mesh, size, center));
+    const auto built = geometry_of(shells);
+    if (!built) return built.error();
+    std::uint64_t broken = 0;
+    for (std::uint64_t i = 0; i < lines; ++i) {
+        const DVec3 target =
+            at_edges ? edge_point(random, shells[random.below(3)]) : center + DVec3(random.point(Real(0.9)));
+        const Vec3 direction = random.direction();
+        Ray ray = ray_from((target - DVec3(direction) * 4).to_real(), direction);
+        std::array<int, 3> depth{};
+        bool wrong = false;
+        for (int k = 0; k < 16 && !wrong; ++k) {
+            const Found f = find(*built, ray);
+            if (!f.hit.valid()) break;
+            int& in = depth[f.hit.shape];
+            in += dot(f.point.geometric_normal, direction) < 0 ? 1 : -1;
+            wrong = in < 0 || in > 1;
+            ray = leaving(f, direction);
+        }
+        wrong = wrong || depth != std::array<int, 3>{};
+        broken += wrong;
+    }
+    ProbeResult result;
+    result.measured = static_cast<double>(broken);
+    result.expected = 0;
+    result.note = std::to_string(lines) + " lines";
+    return result;
+}
+
+/// Row 2. Of rays that leave the lower of two planes, those that the upper does not catch.
+Result<ProbeResult> gap_leaks(const ProbeInput& input) {
+    const double gap = input.number("gap");  // of the planes' distance from the origin
+    const auto rays = static_cast<std::uint64_t>(input.number("rays", 20000));
+    if (Status s = input.status(); !s) return s.error();
+    const Transform turn = Transform::rotate(input.number("degrees", 33), 1, 2, 0.5);
+    const DVec3 n(turn.point_in_double({0, 1, 0})), x(turn.point_in_double({1, 0, 0})),
+        z(turn.point_in_double({0, 0, 1}));
+    std::vector<SceneShape> planes;
+    for (const double height : {1.0, 1 + gap}) {
+        SceneShape plane;
+        for (const auto& [a, b] : {std::pair{-1, -1}, std::pair{1, -1}, std::pair{1, 1}, std::pair{-1, 1}})
+            plane.positions.push_back(stored(n * height + (x * a + z * b) * 0.5));
+        plane.indices = {0, 2, 1, 0, 3, 2};
+        planes.push_back(plane);
+    }
+    const auto built = geometry_of(std::move(planes));
+    if (!built) return built.error();
+    Random random(2);
+    std::uint64_t leaks = 0;
+    for (std::uint64_t i = 0; i < rays; ++i) {
+        const DVec3 target = n + x * (0.2 * double(random.signed_unit())) + z * (0.2 * double(random.signed_unit()));
+        const Found f = find(*built, ray_from((target - n * 0.5).to_real(), n.to_real()));
+        if (!f.hit.valid() || f.hit.shape != 0) {
+            ++leaks;
+            continue;
+        }
+        // Up to 84 degrees: within 10 gaps of where it began.
+        DVec3 d(random.direction());
+        d = d - n * dot(d, n);
+        d = normalize(n + normalize(d) * (9.9 * double(random())));
+        const Found g = find(*built, leaving(f, d.to_real()));
+        leaks += !g.hit.valid() || g.hit.shape != 1;
+    }
+    ProbeResult result;
+    result.measured = static_cast<double>(leaks);
+    result.expected = 0;
+    return result;
+}
+
+/// Row 3. Shadow rays between two facing emitters that are taken for blocked.
+Result<ProbeResult> emitters_blocked(const ProbeInput& input) {
+    const auto scale = input.number("scale", 1);
+    const auto rays = static_cast<std::uint64_t>(input.number("rays", 2e5));
+    std::vector<SceneShape> plates;
+    Random random(4);
+    const DVec3 center = DVec3(random.point(1)) * (scale * input.number("away", 0));
+    const Transform turn = Transform::rotate(20, 1, 1, 0);
+    for (const double y : {0.0, 0.7}) {
+        SceneShape plate;
+        for (const auto& [x, z] : {std::pair{-1, -1}, std::pair{1, -1}, std::pair{1, 1}, std::pair{-1, 1}})
+            plate.positions.push_back(stored(center + DVec3(turn.point_in_double({double(x), y, double(z)})) * scale));
+        plate.indices = {0, 1, 2, 0, 2, 3};
+        plates.push_back(plate);
+    }
+    const auto built = geometry_of(std::move(plates));
+    if (!built) return built.error();
+    const auto point_on = [&](std::uint32_t shape) {
+        Found f;
+        f.hit.shape = shape;
+        f.hit.primitive = random() < 0.5f ? 0 : 1;
+        const Real r = std::sqrt(random()), s = random();
+        f.hit.u = r * (1 - s);
+        f.hit.v = r * s;
+        const Ray none{};
+        built->surfaces({&none, 1}, {&f.hit, 1}, {&f.point, 1}, {&f.source, 1});
+        return f;
+    };
+    std::uint64_t blocked_count = 0;
+    for (std::uint64_t i = 0; i < rays; ++i) {
+        const Found a = point_on(0), b = point_on(1);
+        LightSample sample;
+        sample.target = b.point.position;
+        sample.target_normal = b.point.geometric_normal;
+        sample.target_offset = b.source.offset;
+        sample.wi = normalize(b.point.position - a.point.position);
+        const Ray ray = shadow_ray(a.point.position, a.point.geometric_normal, a.source.offset, sample);
+        std::uint8_t blocked = 0;
+        built->occluded({&ray, 1}, {&blocked, 1});
+        blocked_count += blocked;
+    }
+    ProbeResult result;
+    result.measured = static_cast<double>(blocked_count);
+    result.expected = 0;
+    return result;
+}
+
+SceneShape unit_sphere() {
+    SceneShape sphere;
+    sphere.kind = ShapeKind::sphere;
+    return sphere;
+}
+
+/// Rows 47, 54. Lines at a unit sphere for which "does it meet it, and where" is answered otherwise than by the closed
+/// form in long double of the same ray.
+Result<ProbeResult> sphere_hits(const ProbeInput& input) {
+    const double distance = input.number("distance"), speed = input.number("length", 1);
+    const auto rays = static_cast<std::uint64_t>(input.number("rays", 20000));
+    if (Status s = input.status(); !s) return s.error();
+    const auto built = geometry_of({unit_sphere()});
+    if (!built) return built.error();
+    Random random(5);
+    std::uint64_t wrong = 0, met = 0;
+    for (std::uint64_t i = 0; i < rays; ++i) {
+        const DVec3 axis(random.direction());
+        const DVec3 side = normalize(cross(axis, DVec3(random.direction())));
+        const DVec3 from = axis * -distance;
+        const Ray ray = ray_from(from.to_real(), (normalize(side * (1.5 * double(random())) - from) * speed).to_real());
+        using Long = long double;
+        const Long o[3] = {ray.origin.x, ray.origin.y, ray.origin.z},
+                   d[3] = {ray.direction.x, ray.direction.y, ray.direction.z};
+        Long dd = 0, od = 0, oo = 0;
+        for (int k = 0; k < 3; ++k) dd += d[k] * d[k], od += o[k] * d[k], oo += o[k] * o[k];
+        const Long discriminant = od * od - dd * (oo - 1);
+        // Lines that pass a tangent by no more than double rounds the closest point by are left out.
+        if (std::abs(discriminant) <= Long(0x1p-47) * std::sqrt(oo) * dd) continue;
+        const Long root = discriminant > 0 ? std::sqrt(discriminant) : Long(0), t0 = (-od - root) / dd,
+                   t1 = (-od + root) / dd;
+        const Long t = discriminant <= 0 ? Long(-1) : t0 > 0 ? t0 : t1;
+        if (std::abs(t) < Long(1e-12)) continue;
+        const Found f = find(*built, ray);
+        met += f.hit.valid();
+        const Long error = std::abs(Long(f.hit.t) - t);
+        wrong += f.hit.valid() != (t > 0) || (t > 0 && !(error <= Long(0x1p-23) * t));
+    }
+    ProbeResult result;
+    result.measured = static_cast<double>(wrong);
+    result.expected = 0;
+    result.note = std::to_string(met) + " of " + std::to_string(rays) + " met it";
+    return result;
+}
+
+/// Row 53. How far the points and normals that a camera at a distance sees of a unit sphere lie from its surface, in
+/// units in the last place of 1, at worst.
+Result<ProbeResult> sphere_profile(const ProbeInput& input) {
+    const double distance = input.number("distance");
+    const auto rays = static_cast<std::uint64_t>(input.number("rays", 20000));
+    if (Status s = input.status(); !s) return s.error();
+    const auto built = geometry_of({unit_sphere()});
+    if (!built) return built.error();
+    Random random(53);
+    double worst = 0;
+    for (std::uint64_t i = 0; i < rays; ++i) {
+        const DVec3 from(0, 0, -distance), to(random.signed_unit(), random.signed_unit(), 0);
+        const Found f = find(*built, ray_from(from.to_real(), normalize(to - from).to_real()));
+        if (!f.hit.valid()) continue;
+        const DVec3 p(f.point.position), n(f.point.geometric_normal);
+        worst = std::max({worst, std::abs(length(p) - 1), length(n - normalize(p))});
+    }
+    ProbeResult result;
+    result.measured = worst * 0x1p23;
+    result.expected = 0;
+    result.ulp = 1;
+    return result;
+}
+
+/// Row 51. Pixels of a film of so many a side whose tile does not hold them, or whose tile's number another has.
+Result<ProbeResult> film_indices(const ProbeInput& input) {
+    const auto side = static_cast<int>(input.number("side"));
+    const auto pixels = static_cast<std::uint64_t>(input.number("pixels", 20000));
+    if (Status s = input.status(); !s) return s.error();
+    TileGrid grid;
+    grid.width = grid.height = side;
+    grid.padding_x = grid.padding_y = 2;
+    Random random(51);
+    std::uint64_t wrong = 0;
+    std::map<std::uint64_t, std::pair<int, int>> seen;
+    for (std::uint64_t i = 0; i < pixels; ++i) {
+        const auto any = [&] { return static_cast<int>(random.below(static_cast<std::size_t>(side))); };
+        const int x = i == 0 ? side - 1 : any(), y = i == 0 ? side - 1 : any();
+        const std::uint64_t tile = grid.tile_of(x, y);
+        const display::PixelRegion held = grid.pixels_of(tile);
+        wrong += tile >= grid.count() || x < held.x0 || x >= held.x1 || y < held.y0 || y >= held.y1;
+        const auto [known, is_new] = seen.try_emplace(tile, held.x0, held.y0);
+        wrong += known->second != std::pair(held.x0, held.y0);
+    }
+    ProbeResult result;
+    result.measured = static_cast<double>(wrong);
+    result.expected = 0;
+    return result;
+}
+
+/// Row 8. Rays through a quadrilateral that is tiled by a fan of slivers, and do not meet it.
+Result<ProbeResult> sliver_holes(const ProbeInput& input) {
+    const double aspect = input.number("aspect");
+    const auto rays = static_cast<std::uint64_t>(input.number("rays", 20000));
+    if (Status s = input.status(); !s) return s.error();
+    const Transform turn = Transform::rotate(input.number("degrees", 29), 3, 1, 2);
+    // From the corner (0, 0) to points of the opposite sides, half of them `aspect` from the diagonal's end.
+    std::vector<DVec3> rim{{1, 0, 0}};
+    constexpr int slivers = 64;
+    for (int i = slivers; i > 0; --i) rim.push_back({1, 1 - aspect * i, 0});
+    rim.push_back({1, 1, 0});
+    for (int i = 1; i <= slivers; ++i) rim.push_back({1 - aspect * i, 1, 0});
+    rim.push_back({0, 1, 0});
+    SceneShape fan;
+    fan.positions.push_back({0, 0, 0});
+    for (const DVec3& p : rim) fan.positions.push_back(stored(DVec3(turn.point_in_double({p.x, p.y, p.z}))));
+    for (std::uint32_t i = 1; i < rim.size(); ++i) fan.indices.insert(fan.indices.end(), {0, i, i + 1});
+    const auto built = geometry_of({fan});
+    if (!built) return built.error();
+    Random random(8);
+    std::uint64_t holes = 0, broken = 0;
+    for (std::uint64_t i = 0; i < rays; ++i) {
+        // Half of them along the diagonal, where the slivers are.
+        const double a = 0.01 + 0.98 * double(random()),
+                     b = i % 2 == 0 ? 0.01 + 0.98 * double(random())
+                                    : std::clamp(a * (1 + aspect * 70 * double(random.signed_unit())), 0.01, 0.99);
+        const DVec3 target(turn.point_in_double({a, b, 0})), d(random.direction());
+        if (std::abs(dot(d, DVec3(turn.point_in_double({0, 0, 1})))) < 0.05) continue;
+        const Found f = find(*built, ray_from((target - d).to_real(), d.to_real()));
+        holes += !f.hit.valid();
+        if (f.hit.valid()) broken += !is_finite(f.point.geometric_normal) || !(f.source.offset < Real(0.1));
+    }
+    ProbeResult result;
+    result.measured = static_cast<double>(holes + broken);
+    result.expected = 0;
+    result.note =
+        std::to_string(holes) + " holes, " + std::to_string(broken) + " without a normal or with a far offset";
+    return result;
+}
+
+}  // namespace
+
+std::span<const NamedProbe> geometry_probes() {
+    static constexpr NamedProbe table[] = {
+        {"rehits",
+         "rays that leave a triangle and find it again; scale, away (scales), aspect, sine (to the plane, 0 any), "
+         "instanced, rays",
+         rehits},
+        {"escapes",
+         "rays at edges and corners of a closed mesh (aimed = 0: in any direction) that miss it; mesh (icosphere, box, "
+         "slivers), levels, aspect, scale, away (scales), inside, aimed, seed, rays",
+         escapes},
+        {"bounce_leaks",
+         "diffuse bounces in a closed mesh that end outside; mesh, levels, aspect, scale, away (scales), instanced, "
+         "seed, bounces",
+         bounce_leaks},
+        {"parity",
+         "lines through three closed meshes inside one another that do not go in and out by turns; mesh, levels, "
+         "aspect, away, edges, lines",
+         parity},
+        {"gap_leaks",
+         "rays between two planes that the other does not catch; gap (of their distance to the origin), degrees, rays",
+         gap_leaks},
+        {"emitters_blocked", "shadow rays between facing plates taken for blocked; scale, away (scales), rays",
+         emitters_blocked},
+        {"sphere_hits",
+         "rays whose hit of a unit sphere is not the closed form's; distance of the origin, length of the direction, "
+         "rays",
+         sphere_hits},
+        {"sphere_profile",
+         "largest distance of seen points and normals from a unit sphere's, in ulps of 1; distance, rays",
+         sphere_profile},
+        {"film_indices", "pixels that are not of the tile they belong to; side of the film in pixels, pixels tried",
+         film_indices},
+        {"sliver_holes", "rays through a quadrilateral tiled by slivers that miss it; aspect, degrees, rays",
+         sliver_holes},
+    };
+    return table;
+}
+
+}  // namespace raylex::experiments
