@@ -28,6 +28,7 @@ const char* const order[] = {"lpe",
                              "experiments/study/run",
                              "experiments/study/analysis",
                              "experiments/study/report",
+                             "experiments/invariants",
                              "experiments/cli",
                              "experiments/cli/lpe",
                              "experiments"};
