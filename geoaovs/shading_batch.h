@@ -1,8 +1,9 @@
 // The plain structures of arrays that geometric AOVs are computed from: first hits of a batch of camera rays, and the
 // rays themselves.
 //
-// transport/ fills them, geoaovs/ reads them; neither sees the other's types. Everything is in world space unless it
-// says otherwise; `world_to_camera` takes it to camera space (x right, y up, +z forward).
+// transport/ fills them, geoaovs/ reads them; neither sees the other's types. Unless it says otherwise everything is in
+// render space: the world's axes and unit, the origin near what is seen, so that floats hold it. `world_to_camera`
+// takes that to camera space (x right, y up, +z forward), `origin` added in double to the world's.
 #pragma once
 
 #include <cstddef>
@@ -41,7 +42,8 @@ struct ShadingBatch {
     std::vector<std::int32_t> surface_id;    ///< 1-based number among all shapes of all instances
     std::vector<float> edge_pixels;          ///< to the primitive's nearest edge, pixels of the image; +inf: none
     std::vector<float> albedo[3];            ///< directional-hemispherical reflectance (+ transmittance) estimate
-    float world_to_camera[3][4] = {};        ///< rigid part of the camera's inverse transform
+    float world_to_camera[3][4] = {};        ///< rigid part of the camera's inverse transform, from render space
+    double origin[3] = {};                   ///< of render space, in the world
 
     /// Room for `hits` hits in the columns of `wanted`; the others stay as they are.
     void resize(int hits, Inputs wanted = inputs::all);

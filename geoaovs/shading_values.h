@@ -47,9 +47,17 @@ inline constexpr auto incidence_angle = [](Hits h, At i) {
     const Rgb cross{n.g * w.b - n.b * w.g, n.b * w.r - n.r * w.b, n.r * w.g - n.g * w.r};
     return std::atan2(length(cross), std::abs(dot(n, w)));
 };
+/// A coordinate of the hit point in the world's space.
+template <int axis>
+inline constexpr auto world_coordinate =
+    [](Hits h, At i) { return static_cast<float>(static_cast<double>(h.position[axis][i]) + h.origin[axis]); };
+inline constexpr auto world_position = [](Hits h, At i) {
+    return Rgb(world_coordinate<0>(h, i), world_coordinate<1>(h, i), world_coordinate<2>(h, i));
+};
+
 inline constexpr auto depth_height_facing = [](Hits h, At i) {
     const Rgb p = triple(h.position, i);
-    return Rgb(camera_axis(h, 2, p) + h.world_to_camera[2][3], p.g,
+    return Rgb(camera_axis(h, 2, p) + h.world_to_camera[2][3], world_coordinate<1>(h, i),
                std::abs(dot(triple(h.shading_normal, i), triple(h.view, i))));
 };
 

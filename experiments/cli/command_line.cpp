@@ -93,6 +93,7 @@ int run_command_line(int argc, const char* const* argv) {
     add_report_command(app, context);
     add_experiment_command(app, context);
     add_scene_command(app, context);
+    add_stability_command(app, context);
     add_plugins_command(app, context);
     add_ocio_command(app, context);
     add_color_option(app);

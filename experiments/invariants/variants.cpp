@@ -22,17 +22,11 @@ void multiply(ParameterSet& set, const std::string& name, double factor) {
     set.parameters.push_back(transport::typed::real(name, factor));
 }
 
-void move(SceneShape& shape, const Transform& change) {
-    shape.object_to_world = change * shape.object_to_world;
-    for (transport::StoredVec3& p : shape.positions) p = transport::to_float(change.point(p));
-    for (transport::StoredVec3& n : shape.normals) n = transport::to_float(change.normal(n));
-}
-
 }  // namespace
 
 SceneDescription moved(SceneDescription scene, const Transform& change) {
     scene.camera_to_world = change * scene.camera_to_world;
-    for (SceneShape& shape : scene.shapes) move(shape, change);
+    for (SceneShape& shape : scene.shapes) shape.object_to_world = change * shape.object_to_world;
     for (transport::SceneInstance& instance : scene.instances) instance.to_world = change * instance.to_world;
     for (transport::SceneLight& light : scene.lights) light.to_world = change * light.to_world;
     for (transport::SceneTexture& texture : scene.textures) texture.to_world = change * texture.to_world;

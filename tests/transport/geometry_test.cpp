@@ -144,7 +144,7 @@ TEST_CASE("rays that leave a quadric or patch outwards do not find it again, ins
                 SceneShape shape = quadric(kind, instanced ? Transform() : place);
                 if (kind == ShapeKind::bilinear_mesh) {
                     for (const Vec3& p : {Vec3{-1, -1, 0}, Vec3{1, -1, 0}, Vec3{-1, 1, 0}, Vec3{1, 1, 0}})
-                        shape.positions.push_back(instanced ? p : place.point(p));
+                        shape.positions.push_back(p);
                     shape.indices = {0, 1, 2, 3};
                 }
                 if (instanced) {
@@ -227,7 +227,7 @@ TEST_CASE("every shadow ray between two facing emitters is free", "[geometry]") 
 TEST_CASE("a distant sphere is hit exactly when the line passes it", "[geometry]") {
     // Row 47: up to 1e7 radii away. The oracle is the distance of the line, built so that it is known to 1e-9.
     RandomPoints random(5);
-    const Quadric sphere(quadric(ShapeKind::sphere, Transform()));
+    const Quadric sphere(quadric(ShapeKind::sphere, Transform()), Transform());
     int wrong = 0;
     for (const double distance : {2.0, 1e2, 1e4, 1e7})
         for (int i = 0; i < 5000; ++i) {

@@ -142,13 +142,14 @@ TEST_CASE("objects hold shapes in their own space and instances carry the transf
         triangle_line + "ObjectEnd Translate 0 1 0 ObjectInstance \"tree\" AttributeEnd\n" + triangle_line);
     REQUIRE(scene.objects.size() == 1);
     REQUIRE(scene.objects[0].shapes.size() == 1);
-    CHECK(scene.objects[0].shapes[0].positions[1] == Vec3{7, 0, 0});  // the transform at the definition acts inside
+    CHECK(placed(scene.objects[0].shapes[0]).positions[1] ==
+          Vec3{7, 0, 0});  // the transform at the definition acts inside
     REQUIRE(scene.instances.size() == 2);
     CHECK(scene.instances[0].object == 0);
     CHECK(scene.instances[0].to_world.is_identity());
     CHECK(scene.instances[1].to_world.point({0, 0, 0}) == Vec3{5, 1, 0});  // ObjectEnd took the scale away again
     REQUIRE(scene.shapes.size() == 1);
-    CHECK(scene.shapes[0].positions[1] == Vec3{1, 0, 0});
+    CHECK(placed(scene.shapes[0]).positions[1] == Vec3{1, 0, 0});
 }
 
 TEST_CASE("an area light inside an object stays dark, as in pbrt, and says so", "[import]") {
@@ -173,10 +174,10 @@ TEST_CASE("Include continues the state, Import does not leak it, and both read g
                           "Include \"parts/beside.pbrt\" NamedMaterial \"m\" " + triangle_line));
     if (!scene) FAIL(scene.error().to_string());
     REQUIRE(scene->shapes.size() == 5);
-    CHECK(scene->shapes[0].positions[0] == Vec3{1, 0, 0});
-    CHECK(scene->shapes[1].positions[0] == Vec3{1, 0, 9});
+    CHECK(placed(scene->shapes[0]).positions[0] == Vec3{1, 0, 0});
+    CHECK(placed(scene->shapes[1]).positions[0] == Vec3{1, 0, 9});
     CHECK(scene->shapes[1].label == "m");
-    CHECK(scene->shapes[2].positions[0] == Vec3{1, 0, 0});  // the import's translation ended with it
+    CHECK(placed(scene->shapes[2]).positions[0] == Vec3{1, 0, 0});  // the import's translation ended with it
     CHECK(scene->shapes[2].label.empty());
     CHECK(scene->shapes[4].label == "m");  // its named material did not
 }
@@ -243,7 +244,7 @@ TEST_CASE("a million numbers in one list parse in linear time", "[import]") {
         text += std::to_string(i) + " " + std::to_string(i + 1) + " " + std::to_string(i + 2) + " ";
     const SceneDescription scene = scene_of(text + "]");
     CHECK(scene.shapes[0].indices.size() == 300000);
-    CHECK(scene.shapes[0].positions[299999] == Vec3{0, -0.15f, 2});
+    CHECK(placed(scene.shapes[0]).positions[299999] == Vec3{0, -0.15f, 2});
 }
 
 TEST_CASE("the scenes that ship with the project are read without a warning", "[import]") {

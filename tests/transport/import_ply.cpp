@@ -281,8 +281,8 @@ TEST_CASE("a plymesh becomes shapes that remember their file; triangles and quad
     CHECK(scene->shapes[1].kind == ShapeKind::triangle_mesh);
     for (const SceneShape& shape : scene->shapes) {
         CHECK(shape.source_file == "all.ply");
-        CHECK(shape.positions[4] == Vec3{-2, 1, 0});
-        CHECK(shape.normals[0] == Vec3{0, 0, -0.5f});
+        CHECK(placed(shape).positions[4] == Vec3{-2, 1, 0});
+        CHECK(placed(shape).normals[0] == Vec3{0, 0, -0.5f});
         CHECK(shape.flip_normal);
         CHECK(shape.alpha == 0.5f);
     }

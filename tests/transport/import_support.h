@@ -6,6 +6,7 @@
 
 #include "tests/support/folder.h"
 #include "tests/support/paths.h"
+#include "transport/geometry/placed_mesh.h"
 #include "transport/import/pbrt_importer.h"
 
 namespace import_test {
@@ -24,6 +25,13 @@ inline raylex::Error error_of(const std::string& text, const std::string& path =
     auto scene = raylex::transport::import_pbrt_text(text, path);
     if (scene) FAIL("accepted: " + text);
     return scene.error();
+}
+
+/// The mesh where its transform puts it, in single precision.
+inline raylex::transport::PlacedMesh placed(const raylex::transport::SceneShape& shape) {
+    auto mesh = raylex::transport::place_mesh(shape, shape.object_to_world);
+    if (!mesh) FAIL(mesh.error().to_string());
+    return *std::move(mesh);
 }
 
 inline bool contains(const std::string& text, const std::string& part) {

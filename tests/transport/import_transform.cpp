@@ -46,8 +46,8 @@ TEST_CASE("the last transformation written acts first", "[transform]") {
     const SceneDescription scene = scene_of(
         "WorldBegin Translate 10 0 0 Rotate 90 0 0 1 Scale 2 1 1\n"
         "Shape \"trianglemesh\" \"point3 P\" [1 0 0  0 1 0  0 0 1]");
-    CHECK(scene.shapes[0].positions[0] == Vec3{10, 2, 0});  // multiples of 90 degrees are exact
-    CHECK(scene.shapes[0].positions[1] == Vec3{9, 0, 0});
+    CHECK(placed(scene.shapes[0]).positions[0] == Vec3{10, 2, 0});  // multiples of 90 degrees are exact
+    CHECK(placed(scene.shapes[0]).positions[1] == Vec3{9, 0, 0});
 }
 
 TEST_CASE("matrices are written column by column; Transform replaces and ConcatTransform composes", "[transform]") {
@@ -55,7 +55,7 @@ TEST_CASE("matrices are written column by column; Transform replaces and ConcatT
         "WorldBegin Scale 5 5 5 Transform [1 0 0 0  0 1 0 0  0 0 1 0  7 8 9 1] ConcatTransform [2 0 0 0  0 2 0 0  0 0 "
         "2 0  0 0 0 1]\n"
         "Shape \"trianglemesh\" \"point3 P\" [1 0 0  0 1 0  0 0 1]");
-    CHECK(scene.shapes[0].positions[0] == Vec3{9, 8, 9});
+    CHECK(placed(scene.shapes[0]).positions[0] == Vec3{9, 8, 9});
 }
 
 TEST_CASE("CoordSysTransform returns to the camera's and to a named system", "[transform]") {
@@ -64,16 +64,16 @@ TEST_CASE("CoordSysTransform returns to the camera's and to a named system", "[t
         "CoordSysTransform \"camera\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]\n"
         "CoordSysTransform \"mark\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]\n"
         "CoordSysTransform \"world\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]");
-    CHECK(scene.shapes[0].positions[0] == Vec3{0, 0, 4});
-    CHECK(scene.shapes[1].positions[0] == Vec3{1, 0, 0});
-    CHECK(scene.shapes[2].positions[0] == Vec3{0, 0, 0});
+    CHECK(placed(scene.shapes[0]).positions[0] == Vec3{0, 0, 4});
+    CHECK(placed(scene.shapes[1]).positions[0] == Vec3{1, 0, 0});
+    CHECK(placed(scene.shapes[2]).positions[0] == Vec3{0, 0, 0});
 }
 
 TEST_CASE("a transform that moves and moves back is no motion", "[transform]") {
     const SceneDescription scene = scene_of(
         "WorldBegin ActiveTransform StartTime Translate 1 0 0 ActiveTransform EndTime Translate 1 0 0\n"
         "ActiveTransform All Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]");
-    CHECK(scene.shapes[0].positions[0] == Vec3{1, 0, 0});
+    CHECK(placed(scene.shapes[0]).positions[0] == Vec3{1, 0, 0});
 }
 
 TEST_CASE("the surface turns under ReverseOrientation xor a mirror", "[transform]") {
@@ -93,9 +93,9 @@ TEST_CASE("the surface turns under ReverseOrientation xor a mirror", "[transform
 
 TEST_CASE("shading normals go by the inverse transpose and turn with ReverseOrientation alone", "[transform]") {
     const std::string mesh = "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"normal N\" [1 1 0 1 1 0 1 1 0]";
-    CHECK(scene_of("WorldBegin Scale 2 1 1 " + mesh).shapes[0].normals[0] == Vec3{0.5f, 1, 0});
-    CHECK(scene_of("WorldBegin ReverseOrientation " + mesh).shapes[0].normals[0] == Vec3{-1, -1, 0});
-    CHECK(scene_of("WorldBegin Scale 1 1 -1 " + mesh).shapes[0].normals[0] == Vec3{1, 1, 0});
+    CHECK(placed(scene_of("WorldBegin Scale 2 1 1 " + mesh).shapes[0]).normals[0] == Vec3{0.5f, 1, 0});
+    CHECK(placed(scene_of("WorldBegin ReverseOrientation " + mesh).shapes[0]).normals[0] == Vec3{-1, -1, 0});
+    CHECK(placed(scene_of("WorldBegin Scale 1 1 -1 " + mesh).shapes[0]).normals[0] == Vec3{1, 1, 0});
 }
 
 TEST_CASE("the inverse undoes the transform, and products agree with applying one after the other", "[transform]") {

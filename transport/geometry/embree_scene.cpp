@@ -10,7 +10,9 @@
 #include <pmmintrin.h>
 #include <xmmintrin.h>
 
+#include "transport/geometry/placed_mesh.h"
 #include "transport/geometry/scene_limits.h"
+#include "transport/geometry/triangle_hit.h"
 
 namespace raylex::transport {
 namespace {
@@ -64,12 +66,22 @@ void bound_user_shape(const RTCBoundsFunctionArguments* args) {
     *args->bounds_o = outward(lower, upper);
 }
 
+struct Interval {
+    double lower, upper;
+};
+
+/// A patch or quadric: what is not Embree's own.
+bool intersect_shape(const ShapeGeometry& shape, unsigned primitive, const DVec3& origin, const DVec3& direction,
+                     const Interval& range, double& t, double& u, double& v) {
+    if (shape.kind == ShapeKind::bilinear_mesh)
+        return shape.patch(primitive).intersect(origin, direction, range.lower, range.upper, t, u, v);
+    return shape.quadric.intersect(origin, direction, range.lower, range.upper, t, u, v);
+}
+
 bool intersect_user_shape(const ShapeGeometry& shape, unsigned primitive, const RTCRay& ray, double& t, double& u,
                           double& v) {
-    const DVec3 o{ray.org_x, ray.org_y, ray.org_z}, d{ray.dir_x, ray.dir_y, ray.dir_z};
-    if (shape.kind == ShapeKind::bilinear_mesh)
-        return shape.patch(primitive).intersect(o, d, ray.tnear, ray.tfar, t, u, v);
-    return shape.quadric.intersect(o, d, ray.tnear, ray.tfar, t, u, v);
+    return intersect_shape(shape, primitive, {ray.org_x, ray.org_y, ray.org_z}, {ray.dir_x, ray.dir_y, ray.dir_z},
+                           {ray.tnear, ray.tfar}, t, u, v);
 }
 
 void intersect_user(const RTCIntersectFunctionNArguments* args) {
@@ -101,7 +113,9 @@ RTCRay to_embree(const Ray& ray, unsigned mask) {
     r.org_x = to_float(ray.origin.x);
     r.org_y = to_float(ray.origin.y);
     r.org_z = to_float(ray.origin.z);
-    r.tnear = 0;
+    // Not 0: Embree takes a hit at its lower end, and the distance to the surface that a ray has left may underflow to
+    // 0.
+    r.tnear = std::numeric_limits<float>::min();
     r.dir_x = to_float(ray.direction.x);
     r.dir_y = to_float(ray.direction.y);
     r.dir_z = to_float(ray.direction.z);
@@ -177,18 +191,9 @@ int EmbreeScene::label_index(const std::string& label) {
     return static_cast<int>(labels_.size()) - 1;
 }
 
-Status EmbreeScene::add_shape(const SceneShape& shape, const SceneDescription& scene, TextureTable& textures,
-                              bool instanced) {
-    ShapeGeometry g;
-    g.kind = shape.kind;
-    g.flip_normal = shape.flip_normal;
-    g.material = std::max(shape.material, 0);
-    g.area_light = instanced ? -1 : shape.area_light;
-    g.inside_medium = shape.inside_medium;
-    g.outside_medium = shape.outside_medium;
-    g.label = label_index(shape.label);
-    g.holdout = shape.holdout;
-    has_holdouts_ = has_holdouts_ || shape.holdout;
+/// What the shape's material and alpha make of it.
+Status EmbreeScene::add_surface(const SceneShape& shape, const SceneDescription& scene, TextureTable& textures,
+                                ShapeGeometry& g) {
     const auto material = static_cast<std::size_t>(g.material);
     if (material >= scene.materials.size() && material > 0)
         return error_at(shape.location, "the shape's material is not defined");
@@ -205,38 +210,72 @@ Status EmbreeScene::add_shape(const SceneShape& shape, const SceneDescription& s
     }
     has_alpha_ = has_alpha_ || g.alpha >= 0;
     g.hidden = !g.interface && g.alpha >= 0 && textures.is_constant(g.alpha) && textures.real(g.alpha, {}) <= 0;
-    g.normals = shape.normals;
-    g.uvs = shape.uvs;
-    g.to_object = Placement(shape.object_to_world).to_object;
-    const bool mesh = shape.kind == ShapeKind::triangle_mesh || shape.kind == ShapeKind::bilinear_mesh;
-    const std::size_t corners = shape.kind == ShapeKind::triangle_mesh ? 3 : 4;
-    const Status checked = mesh ? check_mesh(shape, corners) : check_quadric(shape);
-    if (!checked) return checked.error();
-    g.primitive_count = mesh ? static_cast<std::uint32_t>(shape.indices.size() / corners) : 1;
-    if (shape.kind == ShapeKind::bilinear_mesh) {
-        g.patch_positions = shape.positions;
-        g.patch_indices = shape.indices;
-    } else if (!mesh) {
-        g.quadric = Quadric(shape);
-        if (Status s = check_extent(shape, g.quadric.extent()); !s) return s.error();
-    }
+    return success();
+}
 
+/// Places the vertices; `made` stays null for a mesh without faces and for patches, which are user geometry.
+Status EmbreeScene::add_mesh(const SceneShape& shape, const Transform& placement, ShapeGeometry& g,
+                             RTCGeometryTy*& made) {
+    const std::size_t corners = shape.kind == ShapeKind::triangle_mesh ? 3 : 4;
+    if (Status s = check_mesh(shape, corners); !s) return s;
+    auto mesh = place_mesh(shape, placement);
+    if (!mesh) return mesh.error();
+    if (Status s = check_extent(shape, mesh->positions); !s) return s;
+    if (mesh->dropped > 0)
+        warnings_.push_back(error_at(shape.location, std::to_string(mesh->dropped) + " of the faces of " +
+                                                         mesh_name(shape) +
+                                                         " have no area in single precision where they stand and are "
+                                                         "left out"));
+    g.normals = std::move(mesh->normals);
+    g.uvs = shape.uvs;
+    g.primitive_count = static_cast<std::uint32_t>(mesh->indices.size() / corners);
+    if (shape.kind == ShapeKind::bilinear_mesh) {
+        g.patch_positions = std::move(mesh->positions);
+        g.patch_indices = std::move(mesh->indices);
+        return success();
+    }
+    if (g.primitive_count == 0) return success();
+    RTCGeometry geometry = rtcNewGeometry(device_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(StoredVec3),
+                                             mesh->positions.size());
+    void* indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                            3 * sizeof(std::uint32_t), g.primitive_count);
+    if (!vertices || !indices) {
+        rtcReleaseGeometry(geometry);
+        return error_at(shape.location, "not enough memory for the mesh");
+    }
+    std::memcpy(vertices, mesh->positions.data(), mesh->positions.size() * sizeof(StoredVec3));
+    std::memcpy(indices, mesh->indices.data(), mesh->indices.size() * sizeof(std::uint32_t));
+    g.positions = static_cast<const StoredVec3*>(vertices);
+    g.indices = static_cast<const std::uint32_t*>(indices);
+    made = geometry;
+    return success();
+}
+
+Status EmbreeScene::add_shape(const SceneShape& shape, const Transform& placement, const SceneDescription& scene,
+                              TextureTable& textures, bool instanced) {
+    ShapeGeometry g;
+    g.kind = shape.kind;
+    g.flip_normal = shape.flip_normal;
+    g.material = std::max(shape.material, 0);
+    g.area_light = instanced ? -1 : shape.area_light;
+    g.inside_medium = shape.inside_medium;
+    g.outside_medium = shape.outside_medium;
+    g.label = label_index(shape.label);
+    g.holdout = shape.holdout;
+    has_holdouts_ = has_holdouts_ || shape.holdout;
+    if (Status s = add_surface(shape, scene, textures, g); !s) return s;
+    g.to_object = Placement(placement).to_object;
     RTCGeometry geometry = nullptr;
-    if (g.primitive_count > 0 && shape.kind == ShapeKind::triangle_mesh) {
-        geometry = rtcNewGeometry(device_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-        void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                 sizeof(StoredVec3), shape.positions.size());
-        void* indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                                3 * sizeof(std::uint32_t), g.primitive_count);
-        if (!vertices || !indices) {
-            rtcReleaseGeometry(geometry);
-            return error_at(shape.location, "not enough memory for the mesh");
-        }
-        std::memcpy(vertices, shape.positions.data(), shape.positions.size() * sizeof(StoredVec3));
-        std::memcpy(indices, shape.indices.data(), shape.indices.size() * sizeof(std::uint32_t));
-        g.positions = static_cast<const StoredVec3*>(vertices);
-        g.indices = static_cast<const std::uint32_t*>(indices);
-    } else if (g.primitive_count > 0) {
+    if (shape.kind == ShapeKind::triangle_mesh || shape.kind == ShapeKind::bilinear_mesh) {
+        if (Status s = add_mesh(shape, placement, g, geometry); !s) return s;
+    } else {
+        if (Status s = check_quadric(shape); !s) return s;
+        g.primitive_count = 1;
+        g.quadric = Quadric(shape, placement);
+        if (Status s = check_extent(shape, g.quadric.extent()); !s) return s;
+    }
+    if (g.primitive_count > 0 && shape.kind != ShapeKind::triangle_mesh) {
         geometry = rtcNewGeometry(device_->device, RTC_GEOMETRY_TYPE_USER);
         rtcSetGeometryUserPrimitiveCount(geometry, g.primitive_count);
         rtcSetGeometryBoundsFunction(geometry, bound_user_shape, nullptr);
@@ -250,7 +289,8 @@ Status EmbreeScene::add_shape(const SceneShape& shape, const SceneDescription& s
 }
 
 /// Before instances are made.
-Status EmbreeScene::check_placements(const SceneDescription& scene, double extent) {
+Status EmbreeScene::check_placements(const SceneDescription& scene, std::span<const Transform> instances,
+                                     double extent) {
     std::vector<std::optional<Bounds>> objects;
     for (RTCScene object : device_->objects) {
         RTCBounds b{};
@@ -260,7 +300,7 @@ Status EmbreeScene::check_placements(const SceneDescription& scene, double exten
             empty ? std::nullopt
                   : std::optional<Bounds>({{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}}));
     }
-    auto limit = limit_of_rays(scene, {shapes_, objects}, extent);
+    auto limit = limit_of_rays(scene, {shapes_, objects, instances}, extent);
     if (!limit) return limit.error();
     ray_limit_ = *limit;
     return success();
@@ -273,6 +313,7 @@ Result<EmbreeScene> EmbreeScene::build(const SceneDescription& scene, TextureTab
                         "unknown instruction set '" + options.isa + "'; expected sse2, sse4.2, avx, avx2 or avx512",
                         nearest_name(options.isa, known));
     EmbreeScene result;
+    result.space_ = options.space;
     result.device_ = std::make_unique<Device>();
     Device& device = *result.device_;
     // What Embree would choose by itself is asked for by name, so that the name on record gives the same bits later.
@@ -293,12 +334,16 @@ Result<EmbreeScene> EmbreeScene::build(const SceneDescription& scene, TextureTab
     result.shapes_.reserve(total);  // addresses are handed to Embree below
     result.top_level_shapes_ = scene.shapes.size();
     for (const SceneShape& shape : scene.shapes)
-        if (Status s = result.add_shape(shape, scene, textures, false); !s) return s.error();
+        if (Status s = result.add_shape(shape, options.space.placed(shape.object_to_world), scene, textures, false); !s)
+            return s.error();
     std::vector<std::uint32_t> first_shape;
+    std::vector<DVec3> pivots;
     for (const SceneObject& object : scene.objects) {
         first_shape.push_back(static_cast<std::uint32_t>(result.shapes_.size()));
+        const RenderSpace around{pivots.emplace_back(pivot_of(object))};
         for (const SceneShape& shape : object.shapes)
-            if (Status s = result.add_shape(shape, scene, textures, true); !s) return s.error();
+            if (Status s = result.add_shape(shape, around.placed(shape.object_to_world), scene, textures, true); !s)
+                return s.error();
     }
 
     const auto attach = [&](RTCScene target, std::size_t first, std::size_t count) {
@@ -322,9 +367,15 @@ Result<EmbreeScene> EmbreeScene::build(const SceneDescription& scene, TextureTab
         attach(device.objects.back(), first_shape[k], scene.objects[k].shapes.size());
         rtcCommitScene(device.objects.back());
     }
-    double extent = extent_without_shapes(scene);
+    double extent = extent_without_shapes(scene, options.space);
     for (std::size_t i = 0; i < result.top_level_shapes_; ++i) extent = std::max(extent, result.shapes_[i].extent());
-    if (Status s = result.check_placements(scene, extent); !s) return s.error();
+    std::vector<Transform> placements;
+    for (const SceneInstance& instance : scene.instances) {
+        const auto object = static_cast<std::size_t>(instance.object);
+        const bool defined = instance.object >= 0 && object < pivots.size();
+        placements.push_back(options.space.placed(instance.to_world, defined ? pivots[object] : DVec3()));
+    }
+    if (Status s = result.check_placements(scene, placements, extent); !s) return s.error();
     std::uint64_t surfaces = result.top_level_shapes_;
     for (const SceneInstance& instance : scene.instances) {
         if (instance.object < 0 || static_cast<std::size_t>(instance.object) >= scene.objects.size())
@@ -332,7 +383,7 @@ Result<EmbreeScene> EmbreeScene::build(const SceneDescription& scene, TextureTab
         if (!instance.to_world.invertible())
             return error_at(instance.location, "the instance's transform has no inverse");
         const auto object = static_cast<std::size_t>(instance.object);
-        ShapeInstance placed{Placement(instance.to_world), first_shape[object],
+        ShapeInstance placed{Placement(placements[result.instances_.size()]), first_shape[object],
                              instance.label.empty() ? -1 : result.label_index(instance.label), instance.holdout,
                              static_cast<std::uint32_t>(surfaces)};
         surfaces += scene.objects[object].shapes.size();
@@ -379,7 +430,6 @@ std::uint64_t EmbreeScene::untraced_rays() const {
 
 void EmbreeScene::intersect(std::span<const Ray> rays, std::span<Hit> hits) const {
     if (log_ != nullptr) log_->closest.insert(log_->closest.end(), rays.begin(), rays.end());
-    const auto top = static_cast<std::uint32_t>(top_level_shapes_);
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     RTCRayHit rayhit;
@@ -393,19 +443,42 @@ void EmbreeScene::intersect(std::span<const Ray> rays, std::span<Hit> hits) cons
         rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
         rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
         rtcIntersect1(device_->scene, &context, &rayhit);
-        hit.t = rayhit.ray.tfar;
-        hit.u = rayhit.hit.u;
-        hit.v = rayhit.hit.v;
-        hit.primitive = rayhit.hit.primID;
-        hit.shape = rayhit.hit.geomID;  // Embree's invalid id is Hit::none
-        hit.instance = Hit::none;
-        hit.time = rays[i].time;
-        hit.cone = rays[i].cone.after(hit.t);
-        if (rayhit.hit.instID[0] != RTC_INVALID_GEOMETRY_ID && hit.shape != Hit::none) {
-            hit.instance = rayhit.hit.instID[0] - top;
-            hit.shape += instances_[hit.instance].first_shape;
+        hit = {rayhit.ray.tfar,   rayhit.hit.u, rayhit.hit.v, rayhit.hit.geomID,  // Embree's invalid id is Hit::none
+               rayhit.hit.primID, Hit::none,    rays[i].time, rays[i].cone};
+        finish_hit(rays[i], rayhit.hit.instID[0], hit);
+    }
+}
+
+/// What Embree calls by its own numbers is called by ours, and where the ray meets it is computed anew, from the ray
+/// and the primitive alone. What is left of Embree in an image is which primitive was hit.
+void EmbreeScene::finish_hit(const Ray& ray, std::uint32_t instance, Hit& hit) const {
+    if (!hit.valid()) return;
+    DVec3 origin(ray.origin), direction(ray.direction);
+    if (instance != RTC_INVALID_GEOMETRY_ID) {
+        hit.instance = instance - static_cast<std::uint32_t>(top_level_shapes_);
+        const ShapeInstance& placed = instances_[hit.instance];
+        hit.shape += placed.first_shape;
+        origin = placed.placement.to_object.point(origin);
+        direction = placed.placement.to_object.vector(direction);
+    }
+    const ShapeGeometry& shape = shapes_[hit.shape];
+    if (shape.kind == ShapeKind::triangle_mesh) {
+        const std::uint32_t* index = shape.indices + 3 * static_cast<std::size_t>(hit.primitive);
+        const TriangleHit found = meet_triangle(origin, direction, DVec3(shape.positions[index[0]]),
+                                                DVec3(shape.positions[index[1]]), DVec3(shape.positions[index[2]]));
+        hit.t = std::clamp(static_cast<Real>(found.t), Real(std::numeric_limits<float>::min()), ray.t_max);
+        hit.u = static_cast<Real>(found.u);
+        hit.v = static_cast<Real>(found.v);
+    } else if (hit.instance != Hit::none || real_is_double) {
+        // At the top level in float this is what Embree's callback did, of the same numbers.
+        double t, u, v;
+        if (intersect_shape(shape, hit.primitive, origin, direction, {0, ray.t_max}, t, u, v)) {
+            hit.t = static_cast<Real>(t);
+            hit.u = static_cast<Real>(u);
+            hit.v = static_cast<Real>(v);
         }
     }
+    hit.cone = ray.cone.after(hit.t);
 }
 
 void EmbreeScene::intersect_alpha(const Ray& ray, Hit& hit) const {
@@ -421,11 +494,8 @@ void EmbreeScene::intersect_alpha(const Ray& ray, Hit& hit) const {
     rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(device_->scene, &context, &rayhit);
     hit = {rayhit.ray.tfar,   rayhit.hit.u, rayhit.hit.v, rayhit.hit.geomID,
-           rayhit.hit.primID, Hit::none,    ray.time,     ray.cone.after(rayhit.ray.tfar)};
-    if (rayhit.hit.instID[0] != RTC_INVALID_GEOMETRY_ID && hit.shape != Hit::none) {
-        hit.instance = rayhit.hit.instID[0] - static_cast<std::uint32_t>(top_level_shapes_);
-        hit.shape += instances_[hit.instance].first_shape;
-    }
+           rayhit.hit.primID, Hit::none,    ray.time,     ray.cone};
+    finish_hit(ray, rayhit.hit.instID[0], hit);
 }
 
 void EmbreeScene::occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked) const {

@@ -18,9 +18,12 @@
 #include "transport/geometry/bilinear.h"
 #include "transport/geometry/quadric.h"
 #include "transport/geometry/ray.h"
+#include "transport/geometry/render_space.h"
 #include "transport/geometry/surface_point.h"
 #include "transport/materials/texture.h"
 #include "transport/scene/scene_description.h"
+
+struct RTCGeometryTy;  // Embree's
 
 namespace raylex::transport {
 
@@ -102,6 +105,7 @@ class EmbreeScene {
     struct Options {
         std::string isa;  ///< "sse2", "sse4.2", "avx", "avx2", "avx512"; "" = the widest of them that this machine has
         int threads = 0;  ///< for building; 0 = all
+        RenderSpace space{};  ///< where everything is placed; this class's "world"
     };
 
     /// Vertices that are not finite or beyond largest_coordinate, indices out of range, transforms that are singular or
@@ -111,7 +115,8 @@ class EmbreeScene {
     EmbreeScene(EmbreeScene&&) noexcept;
     EmbreeScene& operator=(EmbreeScene&&) noexcept;
 
-    /// Closest hits over (0, t_max). A ray that begins or points beyond largest_coordinate, or is not of numbers, hits
+    /// Closest hits over (0, t_max): which primitive is Embree's choice, where on it is computed here, the same on all
+    /// processors. A ray that begins or points beyond largest_coordinate, or is not of numbers, hits
     /// nothing, and what it asks is taken for blocked; untraced_rays() counts them.
     void intersect(std::span<const Ray> rays, std::span<Hit> hits) const;
     /// 1 where an opaque shape lies on (0, t_max); shapes with alpha do not count.
@@ -153,13 +158,21 @@ class EmbreeScene {
     [[nodiscard]] const std::vector<std::string>& object_labels() const { return labels_; }
     [[nodiscard]] const Bounds& bounds() const { return bounds_; }
     [[nodiscard]] const std::string& isa() const { return isa_; }
+    [[nodiscard]] const RenderSpace& space() const { return space_; }
+    /// What building left out.
+    [[nodiscard]] const std::vector<Error>& warnings() const { return warnings_; }
 
   private:
     EmbreeScene();
     struct Device;
-    Status add_shape(const SceneShape& shape, const SceneDescription& scene, TextureTable& textures, bool instanced);
-    Status check_placements(const SceneDescription& scene, double extent);
+    Status add_shape(const SceneShape& shape, const Transform& placement, const SceneDescription& scene,
+                     TextureTable& textures, bool instanced);
+    Status add_surface(const SceneShape& shape, const SceneDescription& scene, TextureTable& textures,
+                       ShapeGeometry& geometry);
+    Status add_mesh(const SceneShape& shape, const Transform& placement, ShapeGeometry& geometry, RTCGeometryTy*& made);
+    Status check_placements(const SceneDescription& scene, std::span<const Transform> instances, double extent);
     [[nodiscard]] bool traceable(const Ray& ray) const;
+    void finish_hit(const Ray& ray, std::uint32_t instance, Hit& hit) const;
     int label_index(const std::string& label);
     std::unique_ptr<Device> device_;
     std::vector<ShapeGeometry> shapes_;  // top level, then those of every object in turn
@@ -170,6 +183,8 @@ class EmbreeScene {
     Real ray_limit_ =
         largest_coordinate;  // of a ray's numbers, so that they stay in range in every instance's own space
     std::string isa_;
+    RenderSpace space_;
+    std::vector<Error> warnings_;
     mutable RayLog* log_ = nullptr;  // one test a batch; never part of a result
     bool has_alpha_ = false, has_holdouts_ = false;
 };

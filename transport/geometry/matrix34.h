@@ -17,6 +17,7 @@ struct DVec3 {
     friend constexpr DVec3 operator+(const DVec3& a, const DVec3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
     friend constexpr DVec3 operator-(const DVec3& a, const DVec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
     friend constexpr DVec3 operator*(const DVec3& a, double s) { return {a.x * s, a.y * s, a.z * s}; }
+    constexpr bool operator==(const DVec3&) const = default;
     [[nodiscard]] Vec3 to_real() const { return {static_cast<Real>(x), static_cast<Real>(y), static_cast<Real>(z)}; }
     // Friends, so that only DVec3 arguments find them: normalize({x, y, z}) keeps meaning a Vec3.
     friend constexpr double dot(const DVec3& a, const DVec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }

@@ -15,7 +15,7 @@ double angle_of(const DVec3& p) {
 
 }  // namespace
 
-Quadric::Quadric(const SceneShape& shape) : kind(shape.kind), placement(shape.object_to_world) {
+Quadric::Quadric(const SceneShape& shape, const Transform& to_world) : kind(shape.kind), placement(to_world) {
     radius = shape.radius;
     phi_max = std::clamp(static_cast<double>(shape.phi_max), 0.0, 360.0) * (std::numbers::pi / 180);
     partial = shape.phi_max < 360;
@@ -32,7 +32,7 @@ Quadric::Quadric(const SceneShape& shape) : kind(shape.kind), placement(shape.ob
     }
     // flip_normal is ReverseOrientation xor handedness; a normal goes through the transform by the inverse transpose,
     // which keeps outside outside, so only ReverseOrientation is left to apply.
-    reversed = shape.flip_normal != shape.object_to_world.swaps_handedness();
+    reversed = shape.flip_normal != to_world.swaps_handedness();
 }
 
 bool Quadric::accept(const DVec3& p, double& u, double& v) const {

@@ -20,8 +20,8 @@ struct Quadric {
     Placement placement;
 
     Quadric() = default;
-    /// From a quadric shape; the shape's numbers must be finite and its transform invertible.
-    explicit Quadric(const SceneShape& shape);
+    /// From a quadric shape that `to_world` places; the shape's numbers must be finite, the transform invertible.
+    Quadric(const SceneShape& shape, const Transform& to_world);
 
     /// Smallest t in (t_min, t_max) of origin + t direction (world), or false.
     bool intersect(const DVec3& origin, const DVec3& direction, double t_min, double t_max, double& t, double& u,

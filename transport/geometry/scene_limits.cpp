@@ -9,7 +9,7 @@
 namespace raylex::transport {
 namespace {
 
-bool finite(const Vec3& v) {
+bool finite(const StoredVec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
@@ -26,8 +26,8 @@ Error too_far(const SceneShape& shape, double distance) {
                     "another unit of length brings it into range");
 }
 
-double largest_of(const Vec3& v) {
-    return static_cast<double>(std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}));
+double largest_of(const BasicVec3<double>& v) {
+    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
 /// Embree inverts an instance's matrix in single precision by its adjoint and determinant: both must be floats.
@@ -80,8 +80,6 @@ Status check_mesh(const SceneShape& shape, std::size_t per_primitive) {
         if (!finite(shape.positions[i]))
             return error_at(shape.location,
                             "vertex " + std::to_string(i) + " of the mesh is not finite; expected real numbers");
-    for (const StoredVec3& position : shape.positions)
-        if (!(largest_of(position) <= double{largest_coordinate})) return too_far(shape, largest_of(position));
     for (const std::uint32_t index : shape.indices)
         if (index >= shape.positions.size())
             return error_at(shape.location, "vertex index " + std::to_string(index) +
@@ -116,19 +114,25 @@ Status check_extent(const SceneShape& shape, double extent) {
     return too_far(shape, extent);
 }
 
-double extent_without_shapes(const SceneDescription& scene) {
+Status check_extent(const SceneShape& shape, const std::vector<StoredVec3>& positions) {
+    for (const StoredVec3& position : positions)
+        if (!(largest_of(position) <= double{largest_coordinate})) return too_far(shape, largest_of(position));
+    return success();
+}
+
+double extent_without_shapes(const SceneDescription& scene, const RenderSpace& space) {
     double extent = 0;
-    const auto take =
-        [&](const Vec3& place) {  // what lies beyond all reach is an error of its own, at the camera or light
-            if (const double distance = largest_of(place); distance <= double{largest_coordinate})
-                extent = std::max(extent, distance);
-        };
-    take(scene.camera_to_world.point({0, 0, 0}));
+    const auto take = [&](const BasicVec3<double>&
+                              place) {  // what lies beyond all reach is an error of its own, at the camera or light
+        if (const double distance = largest_of(place); distance <= double{largest_coordinate})
+            extent = std::max(extent, distance);
+    };
+    take(space.placed(scene.camera_to_world).point({0, 0, 0}));
     for (const SceneLight& light : scene.lights) {
         const Parameter* from = light.type == "point" || light.type == "spot" ? light.parameters.find("from") : nullptr;
         const bool moved = from != nullptr && from->numbers.size() == 3;
-        const auto at = [&](std::size_t i) { return moved ? static_cast<Real>(from->numbers[i]) : 0.0f; };
-        take(light.to_world.point({at(0), at(1), at(2)}));
+        const auto at = [&](std::size_t i) { return moved ? from->numbers[i] : 0.0; };
+        take(space.placed(light.to_world).point_in_double({at(0), at(1), at(2)}));
     }
     return extent;
 }
@@ -140,11 +144,12 @@ Result<Real> limit_of_rays(const SceneDescription& scene, const PlacedShapes& pl
         return instance.object >= 0 && static_cast<std::size_t>(instance.object) < scene.objects.size() &&
                instance.to_world.invertible();
     };
-    for (const SceneInstance& instance : scene.instances) {
+    for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+        const SceneInstance& instance = scene.instances[i];
         if (!usable(instance)) continue;  // an error of its own
         const std::optional<Bounds>& bounds = placed.object_bounds[static_cast<std::size_t>(instance.object)];
         if (!bounds) continue;
-        const double reach = reach_of(Matrix34(instance.to_world.matrix()), *bounds);
+        const double reach = reach_of(Matrix34(placed.instances[i].matrix()), *bounds);
         if (!(reach <= most))
             return error_at(instance.location, "the instance reaches to " + short_number(reach) +
                                                    " from the origin; expected at most " + short_number(most));
@@ -170,9 +175,10 @@ Result<Real> limit_of_rays(const SceneDescription& scene, const PlacedShapes& pl
             least = std::min(least, placed.shapes[shape].reach_of_rays());
         reaches.push_back(least);
     }
-    for (const SceneInstance& instance : scene.instances) {
+    for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+        const SceneInstance& instance = scene.instances[i];
         if (!usable(instance)) continue;
-        const Placement placement(instance.to_world);
+        const Placement placement(placed.instances[i]);
         if (!invertible_as_float(placement.to_world))
             return error_at(instance.location,
                             "the instance's transform is beyond what single precision inverts: its determinant is " +

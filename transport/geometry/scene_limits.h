@@ -17,12 +17,16 @@ Status check_quadric(const SceneShape& shape);
 /// Whether a quadric lies within largest_coordinate.
 Status check_extent(const SceneShape& shape, double extent);
 
+/// That a mesh lies within largest_coordinate, where it stands.
+Status check_extent(const SceneShape& shape, const std::vector<StoredVec3>& positions);
+
 /// How far from the origin rays of this scene begin, beside those that begin on shapes.
-double extent_without_shapes(const SceneDescription& scene);
+double extent_without_shapes(const SceneDescription& scene, const RenderSpace& space);
 
 struct PlacedShapes {
     std::span<const ShapeGeometry> shapes;                 ///< top level, then those of every object in turn
     std::span<const std::optional<Bounds>> object_bounds;  ///< nothing: an empty object
+    std::span<const Transform> instances;                  ///< where they stand
 };
 /// That each instance lies in range, and that rays of the scene do in the instances' own spaces. What no number of a
 /// ray may exceed. `extent`: how far from the origin rays begin, instances apart.

@@ -1,13 +1,17 @@
 // From hits to surface points: positions, normals and parameterisation by pbrt-v4's conventions ("Physically Based
 // Rendering", 4th edition, chapter 6), and the bound on where the intersector may think the surface is.
 //
-// The bound for a triangle. The point is b0 v0 + b1 v1 + b2 v2 in float: each coordinate is off by at most
-// gamma(5) max |v|. Embree's robust test moves the vertices to the ray's origin (half an ulp of the difference), takes
-// N = e1 x e2 (2 roundings a product, 1 for the difference: gamma(3) (|e1_i e2_j| + |e1_j e2_i|)) and evaluates
+// The bound for a triangle. The point is v0 + b1 e1 + b2 e2 in double, rounded once: each coordinate is off by u |p|,
+// u = 2^-24, and so is the origin made from it, which offset_ray_origin() makes up for. Embree's robust test (Pluecker
+// coordinates) moves the vertices to the ray's origin o: each coordinate is off by u |v - o| <= u extent. The plane
+// through vertices moved so passes o at most n . u extent aside, o being a mean of them, and its edges a_i are off by
+// 2 u extent. It takes N = e1 x e2 (2 roundings a product, 1 for the difference:
+// gamma(3) (|e1_i e2_j| + |e1_j e2_i|); which two edges it takes, by component, makes that only smaller) and evaluates
 // (v0 - o) . N (gamma(3)). The distance it sees is thus off by at most
-//   gamma(8) [ |n| . max |v| + ((|e1| x+ |e2|) . extent) / |N| ],  x+ the cross product with plus signs.
-// Componentwise bounds keep axis-aligned planes nearly exact. A plane through 0 would get 0, so 2^-32 of the triangle's
-// extent is added: it changes nothing elsewhere.
+//   gamma(2) |n| . |p| + gamma(8) ((a1 x+ a2) . extent) / |N|,  x+ the cross product with plus signs,
+// with a_i = |e_i| + 2 u extent: it is that term which keeps slivers behind the ray that leaves them. Componentwise
+// bounds keep axis-aligned planes nearly exact. A plane through 0 would get 0, so 2^-32 of the triangle's extent is
+// added: it changes nothing elsewhere.
 #include "transport/geometry/embree_scene.h"
 
 #include <algorithm>
@@ -38,22 +42,23 @@ void triangle_surface(const ShapeGeometry& shape, const Hit& hit, SurfacePoint& 
     const std::uint32_t* index = shape.indices + 3 * static_cast<std::size_t>(hit.primitive);
     const Vec3 p0 = shape.positions[index[0]], p1 = shape.positions[index[1]], p2 = shape.positions[index[2]];
     const Real b1 = hit.u, b2 = hit.v, b0 = 1 - b1 - b2;
-    point.position = p0 * b0 + p1 * b1 + p2 * b2;
-    const Vec3 e1 = p1 - p0, e2 = p2 - p0;
-    // In double: a product of floats is exact there, so slivers keep their normal, and the length of the cross product
-    // of edges of 1e-10 does not drown (its square is below the smallest float).
-    const DVec3 n = cross(DVec3(e1), DVec3(e2));
+    // In double: differences of floats and products of those are next to exact there, so slivers keep their normal, and
+    // the length of the cross product of edges of 1e-10 does not drown (its square is below the smallest float).
+    const DVec3 from(p0), along1 = DVec3(p1) - from, along2 = DVec3(p2) - from;
+    point.position = (from + along1 * b1 + along2 * b2).to_real();
+    const DVec3 n = cross(along1, along2);
+    const Vec3 e1 = along1.to_real(), e2 = along2.to_real();
     const double inverse = 1 / length(n);
     const auto inverse_length = static_cast<Real>(inverse);
     const Vec3 unflipped = (n * inverse).to_real();
     point.geometric_normal = shape.flip_normal ? -unflipped : unflipped;
 
     const Vec3 top = largest(p0, largest(p1, p2)), bottom = smallest(p0, smallest(p1, p2));
-    const Vec3 extent = top - bottom, a1 = absolute(e1), a2 = absolute(e2);
+    const Vec3 extent = top - bottom, moved = extent * (2 * unit_roundoff);
+    const Vec3 a1 = absolute(e1) + moved, a2 = absolute(e2) + moved;
     const Vec3 products{a1.y * a2.z + a1.z * a2.y, a1.z * a2.x + a1.x * a2.z, a1.x * a2.y + a1.y * a2.x};
-    offset = gamma_bound(8) * (dot(absolute(point.geometric_normal), largest(absolute(top), absolute(bottom))) +
-                               dot(products * inverse_length, extent)) +
-             0x1p-32f * (extent.x + extent.y + extent.z);
+    offset = gamma_bound(2) * dot(absolute(point.geometric_normal), absolute(point.position)) +
+             gamma_bound(8) * dot(products * inverse_length, extent) + 0x1p-32f * (extent.x + extent.y + extent.z);
 
     point.shading_normal = point.geometric_normal;
     if (!shape.normals.empty()) {

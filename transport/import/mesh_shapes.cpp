@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "transport/geometry/matrix34.h"
+#include "transport/geometry/placed_mesh.h"
 #include "transport/import/ply.h"
 
 namespace raylex::transport {
@@ -132,50 +133,16 @@ void warn_repaired(std::size_t count, const SceneShape& shape, const std::string
                                                         " are not finite numbers and were computed from the faces"));
 }
 
-/// Twice the area is exactly 0. In double the differences of float coordinates and their products are exact up to
-/// differences of 2^29 in magnitude, so a thin triangle is not mistaken for a degenerate one.
-bool has_no_area(const StoredVec3& a, const StoredVec3& b, const StoredVec3& c) {
-    const double ux = double(b.x) - a.x, uy = double(b.y) - a.y, uz = double(b.z) - a.z;
-    const double vx = double(c.x) - a.x, vy = double(c.y) - a.y, vz = double(c.z) - a.z;
-    return uy * vz - uz * vy == 0 && uz * vx - ux * vz == 0 && ux * vy - uy * vx == 0;
+/// The transform, and what ReverseOrientation turns.
+void take_context(SceneShape& shape, const ShapeContext& context) {
+    shape.object_to_world = context.object_to_world;
+    shape.flip_normal = context.reverse_orientation != context.object_to_world.swaps_handedness();
+    if (context.reverse_orientation)
+        for (StoredVec3& n : shape.normals) n = -n;
 }
 
-/// Moves the vertices to world space; a vertex that leaves the range of float is an Error.
-Status transform_vertices(SceneShape& shape, const ShapeContext& context) {
-    const Transform& t = context.object_to_world;
-    shape.object_to_world = t;
-    const bool identity = t.is_identity();
-    if (!identity)
-        for (StoredVec3& p : shape.positions) p = to_float(t.point(p));
-    for (StoredVec3& n : shape.normals) {
-        if (!identity) n = to_float(t.normal(n));
-        if (context.reverse_orientation) n = -n;
-    }
-    for (std::size_t i = 0; i < shape.positions.size(); ++i)
-        if (!is_finite(shape.positions[i]) || (!shape.normals.empty() && !is_finite(shape.normals[i])))
-            return error_at(shape.location,
-                            "vertex " + std::to_string(i) + " is not finite after the current transformation");
-    shape.flip_normal = context.reverse_orientation != t.swaps_handedness();
-    return success();
-}
-
-/// Removes primitives without area; returns how many.
 std::size_t drop_degenerate(SceneShape& shape) {
-    const std::size_t group = shape.kind == ShapeKind::triangle_mesh ? 3 : 4;
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i + group <= shape.indices.size(); i += group) {
-        const std::uint32_t* k = shape.indices.data() + i;
-        const auto p = [&](std::size_t corner) -> const StoredVec3& { return shape.positions[k[corner]]; };
-        const bool degenerate =
-            group == 3 ? has_no_area(p(0), p(1), p(2)) : has_no_area(p(0), p(1), p(2)) && has_no_area(p(1), p(3), p(2));
-        if (degenerate) continue;
-        if (kept != i)
-            for (std::size_t c = 0; c < group; ++c) shape.indices[kept + c] = k[c];
-        kept += group;
-    }
-    const std::size_t dropped = (shape.indices.size() - kept) / group;
-    shape.indices.resize(kept);
-    return dropped;
+    return drop_faces_without_area(shape.kind, shape.positions, shape.indices);
 }
 
 void warn_dropped(std::size_t dropped, const SceneShape& shape, const std::string& what, std::vector<Error>& warnings) {
@@ -216,7 +183,7 @@ Result<std::vector<SceneShape>> finish_mesh(SceneShape mesh, const std::string& 
     const std::size_t repaired =
         repair_normals(mesh.normals, mesh.positions, patches ? none : mesh.indices, patches ? mesh.indices : none);
     warn_repaired(repaired, mesh, what, warnings);
-    if (Status status = transform_vertices(mesh, context); !status) return status.error();
+    take_context(mesh, context);
     warn_dropped(drop_degenerate(mesh), mesh, what, warnings);
     std::vector<SceneShape> shapes;
     if (!mesh.indices.empty()) shapes.push_back(std::move(mesh));
@@ -261,13 +228,9 @@ Result<std::vector<SceneShape>> make_ply_mesh(const ParameterSet& set, const Sha
     base.positions = std::move(mesh->positions);
     base.normals = std::move(mesh->normals);
     base.uvs = std::move(mesh->uvs);
-    const std::string shown = "'" + base.source_file + "'";
+    const std::string shown = mesh_name(base);
     warn_repaired(repair_normals(base.normals, base.positions, mesh->triangles, mesh->quads), base, shown, warnings);
-    if (Status status = transform_vertices(base, context); !status) {
-        Error error = status.error();
-        error.message += " ('" + base.source_file + "')";
-        return error;
-    }
+    take_context(base, context);
     std::size_t dropped = mesh->short_faces;
     std::vector<SceneShape> shapes;
     const bool both = !mesh->quads.empty() && !mesh->triangles.empty();
@@ -283,7 +246,7 @@ Result<std::vector<SceneShape>> make_ply_mesh(const ParameterSet& set, const Sha
         dropped += drop_degenerate(base);
         shapes.push_back(std::move(base));
     }
-    warn_dropped(dropped, shapes.front(), "'" + shapes.front().source_file + "'", warnings);
+    warn_dropped(dropped, shapes.front(), mesh_name(shapes.front()), warnings);
     std::erase_if(shapes, [](const SceneShape& shape) { return shape.indices.empty(); });
     return shapes;
 }

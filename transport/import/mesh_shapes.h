@@ -1,4 +1,4 @@
-// Meshes: from parameters or a file to checked world-space vertices.
+// Meshes: from parameters or a file to checked vertices in the space they are written in.
 #pragma once
 
 #include "transport/import/shapes.h"

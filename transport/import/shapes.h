@@ -1,4 +1,4 @@
-// Shape directives into loaded, transformed geometry.
+// Shape directives into loaded geometry, still in the space it was written in.
 #pragma once
 
 #include <functional>
@@ -24,19 +24,19 @@ using ShapeFactory = std::function<Result<std::vector<SceneShape>>(
 Registry<ShapeFactory>& shape_registry();
 
 /// What every mesh goes through: `mesh` has its kind, location, positions and indices, and normals and texture
-/// coordinates if any, in the object's space; they are moved to the world's, normals that are no numbers are computed
-/// from the faces, and faces without area are left out, each with a warning that says `what` it was of.
+/// coordinates if any, in the object's space, where they stay; normals that are no numbers are computed from the faces,
+/// and faces without area are left out, each with a warning that says `what` it was of. Where the shape stands in the
+/// world is `context`'s business, and what that does to its vertices place_mesh()'s, when the scene is built.
 ///
-/// Errors: a vertex beyond the range of float. The caller has checked that indices and counts fit.
+/// The caller has checked that indices and counts fit, and that positions are finite.
 Result<std::vector<SceneShape>> finish_mesh(SceneShape mesh, const std::string& what, const ShapeContext& context,
                                             std::vector<Error>& warnings);
 
 /// The shapes of one directive: none when nothing of positive area is left (a warning says so), two for a mesh file
 /// that holds triangles and quadrilaterals. Material, area light and label are the caller's business.
 ///
-/// Conventions of pbrt: vertices go through object_to_world in double and are then rounded to float; normals through
-/// its inverse transpose, not normalised, and change sign under ReverseOrientation; the surface's own side turns
-/// (flip_normal) under ReverseOrientation xor a transformation that swaps handedness.
+/// Conventions of pbrt: vertices and normals are floats as written; normals change sign under ReverseOrientation; the
+/// surface's own side turns (flip_normal) under ReverseOrientation xor a transformation that swaps handedness.
 Result<std::vector<SceneShape>> make_shapes(const std::string& type, const ParameterSet& parameters,
                                             const ShapeContext& context, std::vector<Error>& warnings);
 

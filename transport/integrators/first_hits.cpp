@@ -82,6 +82,8 @@ void describe_first_hits(const IntegratorContext& context, const FirstHits& firs
     const EmbreeScene& geometry = *context.scene.geometry;
     batch.resize(static_cast<int>(which.size()), wanted);
     std::copy(&context.world_to_camera[0][0], &context.world_to_camera[0][0] + 12, &batch.world_to_camera[0][0]);
+    const DVec3& origin = geometry.space().origin;
+    batch.origin[0] = origin.x, batch.origin[1] = origin.y, batch.origin[2] = origin.z;
     fill(which, batch.row, [&](std::size_t j) { return static_cast<std::int32_t>(first.rows[j]); });
     if (wanted & in::position) fill(which, batch.position, [&](std::size_t j) { return points[j].position; });
     // No material bends its normal yet (normal maps are refused), so the shading normal is the plain one.

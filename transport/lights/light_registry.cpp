@@ -14,12 +14,15 @@ std::string quoted(std::string_view name) {
     return std::string("'").append(name).append("'");
 }
 
-Result<Vec3> point_or(const ParameterSet& set, std::string_view name, const Vec3& fallback) {
+/// Points stay in double until they stand where light transport computes.
+using Point = BasicVec3<double>;
+
+Result<Point> point_or(const ParameterSet& set, std::string_view name, const Point& fallback) {
     const Parameter* p = set.find(name);
     if (!p) return fallback;
     if (p->type != ParameterType::point3 || p->numbers.size() != 3)
         return error_at(p->location, quoted(name).append(" must be one point3"));
-    return Vec3{static_cast<Real>(p->numbers[0]), static_cast<Real>(p->numbers[1]), static_cast<Real>(p->numbers[2])};
+    return Point{p->numbers[0], p->numbers[1], p->numbers[2]};
 }
 
 Status refuse(const ParameterSet& set, std::string_view name, const std::string& why) {
@@ -36,8 +39,13 @@ Result<Rgb> scaled_emission(const SceneEntity& light, std::string_view name, con
     return *emission * static_cast<Real>(*scale);
 }
 
-Vec3 direction_in_world(const Transform& transform, const Vec3& v) {
-    return normalize(normalize(DVec3(transform.vector(v)))).to_real();
+Vec3 placed(const Transform& transform, const Point& p) {
+    return DVec3(transform.point_in_double(p)).to_real();
+}
+
+Vec3 direction_in_world(const Transform& transform, const Point& from, const Point& to) {
+    const DVec3 v = normalize(DVec3(to) - DVec3(from));
+    return normalize(Matrix34(transform.matrix()).vector(v)).to_real();
 }
 
 Result<Light> make_point(const SceneLight& source, LightContext& context) {
@@ -50,7 +58,7 @@ Result<Light> make_point(const SceneLight& source, LightContext& context) {
     auto from = point_or(source.parameters, "from", {});
     if (!from) return from.error();
     light.emission = *power > 0 ? *intensity * static_cast<Real>(*power / (4 * static_cast<double>(pi))) : *intensity;
-    light.position = source.to_world.point(*from);
+    light.position = placed(source.to_world, *from);
     light.power = 4 * pi * luminance(light.emission);
     return light;
 }
@@ -73,8 +81,8 @@ Result<Light> make_spot(const SceneLight& source, LightContext& context) {
     light.cos_zero = static_cast<Real>(std::cos(*cone * degree));
     light.cos_full = static_cast<Real>(std::cos((*cone - *delta) * degree));
     if (!(light.cos_full > light.cos_zero)) light.cos_full = light.cos_zero + unit_roundoff;  // a hard edge
-    light.position = source.to_world.point(*from);
-    light.direction = direction_in_world(source.to_world, *to - *from);
+    light.position = placed(source.to_world, *from);
+    light.direction = direction_in_world(source.to_world, *from, *to);
     // pbrt's k_e for "power": full inside the falloff, half of it on average within.
     const Real solid_angle = 2 * pi * ((1 - light.cos_full) + (light.cos_full - light.cos_zero) / 2);
     light.emission = *power > 0 ? *intensity * (static_cast<Real>(*power) / solid_angle) : *intensity;
@@ -95,7 +103,7 @@ Result<Light> make_distant(const SceneLight& source, LightContext& context) {
     if (*from == *to)
         return error_at(source.location, "distant light: 'from' and 'to' are the same point; expected a direction");
     light.emission = *illuminance > 0 ? *radiance * static_cast<Real>(*illuminance) : *radiance;
-    light.direction = direction_in_world(source.to_world, *from - *to);
+    light.direction = direction_in_world(source.to_world, *to, *from);
     return light;
 }
 

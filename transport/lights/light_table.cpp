@@ -170,11 +170,15 @@ Result<LightTable> LightTable::build(const SceneDescription& scene, EmbreeScene&
     LightTable table;
     LightContext context{scene, table.images_};
     if (Status s = table.add_area_lights(scene, geometry, context, warnings); !s) return s.error();
-    for (const SceneLight& source : scene.lights) {
+    for (const SceneLight& given : scene.lights) {
+        SceneLight source = given;
+        source.to_world = geometry.space().placed(given.to_world);
         auto entry = light_registry().require(source.type, source.location);
         if (!entry) return entry.error();
         auto light = (*entry)->factory(source, context);
         if (!light) return light.error();
+        for (std::size_t i = 0; i < given.parameters.parameters.size(); ++i)  // a look-up marks the copy's
+            given.parameters.parameters[i].used |= source.parameters.parameters[i].used;
         if (light->kind == LightKind::point || light->kind == LightKind::spot) {
             const Vec3& at = light->position;
             if (!(std::max({std::abs(at.x), std::abs(at.y), std::abs(at.z)}) <= largest_coordinate))

@@ -30,6 +30,7 @@ struct LightContext {
     const SceneDescription& scene;
     std::vector<EnvironmentImage>& environments;
 };
+/// The light's to_world leads to the space that EmbreeScene places everything in.
 using LightFactory = std::function<Result<Light>(const SceneLight&, LightContext&)>;
 /// point, spot, distant, infinite; plugins build theirs from the same kinds.
 Registry<LightFactory>& light_registry();

@@ -64,7 +64,7 @@ class PatternReader : public ParameterReader {
     PatternReader(const SceneTexture& of, Resolve resolve)
         : ParameterReader(of.parameters), texture(of), resolve_(std::move(resolve)) {}
 
-    const SceneTexture& texture;
+    const SceneTexture& texture;  ///< its to_world leads to the space of TexturePoint::position
 
     TextureId rgb_input(std::string_view name, const Rgb& fallback) {
         return take(resolve_(name, fallback, true), TextureId{0});

@@ -88,7 +88,7 @@ struct TextureTable::Storage final : TextureLookup {
     std::deque<Image> images;                                                   // addresses stay
     std::map<std::pair<std::string, std::string>, const Image*> image_by_file;  // (path, encoding)
 
-    std::vector<SceneTexture> sources;                                             // as the scene has them
+    std::vector<SceneTexture> sources;                                             // to_world: to render space
     std::map<std::string, std::vector<std::size_t>, std::less<>> sources_by_name;  // ascending
     std::map<std::pair<std::size_t, SpectrumRole>, TextureId> compiled;
     ColorContext color;
@@ -417,10 +417,11 @@ TextureTable::~TextureTable() = default;
 TextureTable::TextureTable(TextureTable&&) noexcept = default;
 TextureTable& TextureTable::operator=(TextureTable&&) noexcept = default;
 
-Result<TextureTable> TextureTable::build(const SceneDescription& scene) {
+Result<TextureTable> TextureTable::build(const SceneDescription& scene, const RenderSpace& space) {
     TextureTable table;
     Storage& s = *table.storage_;
     s.sources = scene.textures;
+    for (SceneTexture& source : s.sources) source.to_world = space.placed(source.to_world);
     s.color = scene.color;
     s.scene_file = scene.file;
     for (std::size_t i = 0; i < s.sources.size(); ++i) s.sources_by_name[s.sources[i].name].push_back(i);

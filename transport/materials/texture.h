@@ -16,6 +16,7 @@
 
 #include "display/services/registry.h"
 #include "transport/color/spectrum.h"
+#include "transport/geometry/render_space.h"
 #include "transport/math/real.h"
 #include "transport/scene/scene_description.h"
 
@@ -27,13 +28,14 @@ using TextureId = std::int32_t;
 /// Where a texture is looked up.
 struct TexturePoint {
     Real u = 0, v = 0;
-    Vec3 position;          ///< world
+    Vec3 position;          ///< render space, where the texture's own to_world leads too
     std::int32_t row = -1;  ///< of the sample table where the camera sees this point directly; else -1
 };
 
 class TextureTable {
   public:
-    static Result<TextureTable> build(const SceneDescription& scene);
+    /// `space`: where TexturePoint::position stands.
+    static Result<TextureTable> build(const SceneDescription& scene, const RenderSpace& space = {});
 
     TextureTable();
     ~TextureTable();

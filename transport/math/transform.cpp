@@ -161,12 +161,18 @@ bool Transform::swaps_handedness() const {
 }
 
 Vec3 Transform::point(const Vec3& p) const {
-    const double x = p.x, y = p.y, z = p.z;
+    const BasicVec3<double> moved = point_in_double(p);
+    return narrow(moved.x, moved.y, moved.z);
+}
+
+BasicVec3<double> Transform::point_in_double(const BasicVec3<double>& p) const {
+    const auto& [x, y, z] = p;
     const double px = m_[0][0] * x + m_[0][1] * y + m_[0][2] * z + m_[0][3];
     const double py = m_[1][0] * x + m_[1][1] * y + m_[1][2] * z + m_[1][3];
     const double pz = m_[2][0] * x + m_[2][1] * y + m_[2][2] * z + m_[2][3];
     const double w = m_[3][0] * x + m_[3][1] * y + m_[3][2] * z + m_[3][3];
-    return w == 1 ? narrow(px, py, pz) : narrow(px / w, py / w, pz / w);
+    if (w == 1) return {px, py, pz};
+    return {px / w, py / w, pz / w};
 }
 
 Vec3 Transform::vector(const Vec3& v) const {

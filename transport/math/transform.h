@@ -31,6 +31,7 @@ class Transform {
     [[nodiscard]] bool swaps_handedness() const;
 
     [[nodiscard]] Vec3 point(const Vec3& p) const;
+    [[nodiscard]] BasicVec3<double> point_in_double(const BasicVec3<double>& p) const;
     [[nodiscard]] Vec3 vector(const Vec3& v) const;
     [[nodiscard]] Vec3 normal(const Vec3& n) const;  ///< by the inverse transpose; not normalised
 

@@ -84,7 +84,8 @@ inline Real abs_dot(const Vec3& a, const Vec3& b) {
 constexpr Vec3 face_forward(const Vec3& n, const Vec3& v) {
     return dot(n, v) < 0 ? -n : n;
 }
-inline bool is_finite(const Vec3& v) {
+template <class T>
+bool is_finite(const BasicVec3<T>& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 

@@ -15,15 +15,17 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
     auto patterns = tee_channels(description);
     if (!patterns) return patterns.error();
     scene->pattern_channels_ = *std::move(patterns);
-    auto textures = TextureTable::build(description);
+    const RenderSpace space = RenderSpace::of(description);
+    auto textures = TextureTable::build(description, space);
     if (!textures) return textures.error();
     scene->textures_ = std::move(*textures);
     auto materials = MaterialTable::build(description, scene->textures_);
     if (!materials) return materials.error();
     scene->materials_ = std::move(*materials);
-    auto geometry = EmbreeScene::build(description, scene->textures_, {options.isa, options.threads});
+    auto geometry = EmbreeScene::build(description, scene->textures_, {options.isa, options.threads, space});
     if (!geometry) return geometry.error();
     scene->geometry_ = std::make_unique<EmbreeScene>(*std::move(geometry));
+    scene->warnings = scene->geometry_->warnings();
     if (scene->materials_.size() == 0)
         return error_at({description.file, 0, 0},
                         "the scene has no material; expected at least the default one at index 0");

@@ -26,10 +26,12 @@ class BuiltScene {
     [[nodiscard]] const std::string& isa() const { return geometry_->isa(); }
     /// Channels that patterns write to.
     [[nodiscard]] std::span<const display::ChannelDefinition> pattern_channels() const { return pattern_channels_; }
+    /// Where the tables of view() stand.
+    [[nodiscard]] const RenderSpace& space() const { return geometry_->space(); }
     [[nodiscard]] const SurfaceNames& surface_names() const { return surface_names_; }
     /// The scene's own camera, film, filter, sampler and integrator, which settings may override.
     SceneEntity camera, film, filter, sampler, integrator;
-    Transform camera_to_world;
+    Transform camera_to_world;  ///< the world's, not render space
     std::string file;
     std::vector<Error> warnings;
     double build_seconds = 0, build_cpu_seconds = 0;

@@ -35,8 +35,8 @@ RenderOutput output_of(const ResolvedJob& job, RenderTarget target, FinishedLoop
                         .sampler = job.sampling.sampler_name,
                         .filter = job.sampling.filter->name(),
                         .isa = job.scene.isa(),
-                        .world_to_camera = job.sampling.camera->world_to_camera(),
-                        .world_to_screen = job.sampling.camera->world_to_screen(),
+                        .world_to_camera = job.scene.space().from_world(job.sampling.camera->world_to_camera()),
+                        .world_to_screen = job.scene.space().from_world(job.sampling.camera->world_to_screen()),
                         .warnings = job.warnings};
     for (const std::vector<Error>* more : {&target.warnings, &finished.warnings})
         output.warnings.insert(output.warnings.end(), more->begin(), more->end());

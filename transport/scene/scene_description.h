@@ -1,9 +1,9 @@
 // A scene as its file describes it: the importer's output and the scene builder's input. Plain data.
 //
 // Materials, textures, lights, camera, film, filter, sampler and integrator stay (type name, parameters): the
-// registries give them meaning, so that a plugin's material needs no change here. Geometry is already loaded and
-// transformed. All rgb parameters are in `color.scene_space`, scene-linear. File names that materials, textures and
-// lights read
+// registries give them meaning, so that a plugin's material needs no change here. Geometry is loaded and stands in the
+// space it was written in, beside its transform: what is rounded where is decided when the scene is built. All rgb
+// parameters are in `color.scene_space`, scene-linear. File names that materials, textures and lights read
 // ("filename", "normalmap", file spectra) are absolute and exist; every name of a material, texture or object resolves.
 #pragma once
 
@@ -36,20 +36,20 @@ struct SceneTexture : SceneEntity {
 
 enum class ShapeKind : std::uint8_t { triangle_mesh, bilinear_mesh, sphere, disk, cylinder };
 
-/// One Shape directive. Meshes hold vertices in world space (in the object's space inside an ObjectBegin block);
-/// quadrics hold their parameters and the transform.
+/// One Shape directive: numbers as they were written, and the transform to the world (inside an ObjectBegin block: to
+/// the space in which instances place it).
 struct SceneShape {
     ShapeKind kind = ShapeKind::triangle_mesh;
     std::string source_file;  ///< base name of a plymesh file; else empty
     SourceLocation location;
 
-    std::vector<StoredVec3> positions, normals;  ///< normals: one per position, or none
+    std::vector<StoredVec3> positions, normals;  ///< object space; normals: one per position on the outside, or none
     std::vector<StoredVec2> uvs;                 ///< one per position, or none
     std::vector<std::uint32_t> indices;          ///< 3 per triangle, 4 per patch (p00 p10 p01 p11)
 
     Real radius = 1, z_min = -1, z_max = 1, phi_max = 360;  ///< sphere, cylinder; degrees
     Real height = 0, inner_radius = 0;                      ///< disk
-    Transform object_to_world;  ///< quadrics; meshes: where their vertices came from, for AOVs
+    Transform object_to_world;
 
     bool flip_normal = false;                     ///< ReverseOrientation xor a transform that swaps handedness
     int material = -1;                            ///< index into materials

@@ -1,0 +1,186 @@
+// raylex stability: hard cases, what must hold of each, and what was measured.
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <set>
+
+#include "display/output/atomic_file.h"
+#include "experiments/cli/commands.h"
+#include "experiments/cli/plugin_options.h"
+#include "experiments/job/provenance.h"
+#include "experiments/program/console.h"
+#include "experiments/program/exit_codes.h"
+#include "experiments/program/interrupt.h"
+#include "experiments/program/tint.h"
+#include "experiments/stability/probe.h"
+#include "experiments/stability/suite/case_file.h"
+#include "experiments/stability/suite/line_records.h"
+#include "experiments/stability/suite/suite_page.h"
+#include "experiments/stability/suite/suite_runner.h"
+#include "experiments/study/run/external.h"
+
+namespace raylex::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct StabilityOptions {
+    std::vector<std::string> files, plugins;
+    std::string output, beside;
+    SuiteOptions suite;
+    bool list = false, probes = false;
+};
+
+std::string column(const std::string& text, std::size_t width, bool right = true) {
+    const std::string blanks(text.size() < width ? width - text.size() : 0, ' ');
+    return (right ? blanks + text : text + blanks) + "  ";
+}
+
+void print_lines(const std::vector<LineResult>& lines) {
+    std::string rows;
+    for (const int row : lines.front().rows) rows += (rows.empty() ? "  row " : ", ") + std::to_string(row);
+    print_line(lines.front().name + rows);
+    for (const LineResult& line : lines) {
+        const bool holds = line.verdict == LineVerdict::holds, absent = line.verdict == LineVerdict::not_applicable;
+        if (absent) {
+            print_line("  not applicable: " + line.note);
+            continue;
+        }
+        print_line("  " + column(line.setting, 34, false) + column(number_text(line.expected, 7), 12) +
+                   column(number_text(line.measured, 7), 12) + column(line.error_text(), 12) +
+                   column(line.tolerance, 14) + tinted(name_of(line.verdict), holds ? Tint::good : Tint::bad, false) +
+                   (line.note.empty() ? "" : "  " + line.note));
+    }
+}
+
+void print_cases(const std::vector<CaseFamily>& families, const SuiteOptions& options) {
+    for (const CaseFamily& family : families)
+        for (const StabilityCase& each : family.cases)
+            if (is_chosen(each, options)) {
+                std::string rows;
+                for (const int row : each.rows) rows += (rows.empty() ? "" : ",") + std::to_string(row);
+                print_line(column(family.name, 12, false) + column(each.name, 36, false) + column(rows, 10, false) +
+                           (each.not_applicable.empty() ? each.symptom : "not applicable: " + each.not_applicable));
+            }
+}
+
+int print_probes() {
+    for (const auto& entry : probe_registry().entries()) print_line(column(entry.name, 32, false) + entry.help);
+    return exit_holds;
+}
+
+/// The same cases by another program, such as one that computes in double.
+Result<SuiteResults> run_beside(const StabilityOptions& options, const fs::path& folder) {
+    std::vector<std::string> words{fs::absolute(options.beside).string(), "stability"};
+    for (const std::string& file : options.files) words.push_back(fs::absolute(file).string());
+    for (const std::string& name : options.suite.names) words.insert(words.end(), {"--case", name});
+    for (const int row : options.suite.rows) words.insert(words.end(), {"--row", std::to_string(row)});
+    if (options.suite.fast) words.emplace_back("--fast");
+    words.insert(words.end(), {"-o", "."});
+    ShellCommand command;
+    command.text = shell_command(words);
+    const fs::path place = folder / "beside";
+    std::error_code failed;
+    fs::create_directories(place, failed);
+    auto outcome = run_process(command, place.string(), "log.txt", 0, &interrupt_flag(), {});
+    if (!outcome) return outcome.error();
+    if (outcome->exit_code != exit_holds && outcome->exit_code != exit_does_not_hold)
+        return error_at({"--beside", 0, 0}, "'" + command.text + "' ended with " + std::to_string(outcome->exit_code) +
+                                                ": " + outcome->last_words);
+    return read_results_json((place / "results.json").string());
+}
+
+Status write_results(const StabilityOptions& options, const std::vector<CaseFamily>& families,
+                     const SuiteResults& results) {
+    const fs::path folder = options.output;
+    SuiteResults other;
+    SuitePage page{&families, &results, nullptr, {}, options.suite.pictures};
+    if (!options.beside.empty() && !results.interrupted) {
+        auto beside = run_beside(options, folder);
+        if (!beside) return beside.error();
+        other = std::move(*beside);
+        page.beside = &other;
+        page.name_beside = fs::path(options.beside).parent_path().filename().string();
+    }
+    for (const auto& [name, text] :
+         {std::pair("results.json", results_json(results)), std::pair("results.csv", results_csv(results)),
+          std::pair("page.html", suite_page(page))})
+        if (Status written = display::write_text_file((folder / name).string(), text); !written) return written;
+    return success();
+}
+
+int run_stability(StabilityOptions& options) {
+    install_interrupt_handler();
+    if (Status loaded = load_plugins(options.plugins); !loaded) return report_error(loaded.error());
+    if (options.probes) return print_probes();
+    if (options.files.empty()) options.files.push_back(shipped_stability_suite());
+    auto families = read_case_files(options.files);
+    if (!families) return report_error(families.error());
+    if (options.list) {
+        print_cases(*families, options.suite);
+        return exit_holds;
+    }
+    if (!options.beside.empty() && options.output.empty())
+        return report_error("--beside needs -o: the page shows both side by side");
+    if (!options.output.empty()) {
+        std::error_code failed;
+        fs::create_directories(options.output, failed);
+        if (failed) return report_error("cannot make the folder '" + options.output + "': " + failed.message());
+        options.suite.pictures = options.output;
+    }
+    const InterruptsWait wait;
+    auto results = run_suite(*families, options.suite, &interrupt_flag(), print_lines);
+    if (!results) return report_error(results.error());
+    if (!options.output.empty())
+        if (Status written = write_results(options, *families, *results); !written)
+            return report_error(written.error());
+    if (results->lines.empty() && !results->interrupted)
+        return report_error("no case is left to run; 'raylex stability --list' names them");
+    const std::size_t good = results->count(LineVerdict::holds), absent = results->count(LineVerdict::not_applicable),
+                      bad = results->lines.size() - good - absent;
+    print_verdict(counted(good, "line holds", "lines hold") + ", " + std::to_string(bad) + " not" +
+                      (absent > 0 ? ", " + counted(absent, "case", "cases") + " not applicable" : "") + "; " +
+                      duration_text(results->seconds),
+                  bad == 0);
+    if (results->interrupted) return exit_interrupted;
+    return bad == 0 ? exit_holds : exit_does_not_hold;
+}
+
+}  // namespace
+
+void add_stability_command(CLI::App& app, CommandContext& context) {
+    CLI::App* command = app.add_subcommand(
+        "stability",
+        "Hard numerical cases: what must hold of each, what was measured, how near the tolerance it came.");
+    auto options = std::make_shared<StabilityOptions>();
+    command->add_option("SUITE", options->files, "files of cases, or folders of them; default: the shipped suite")
+        ->option_text("...");
+    command
+        ->add_option("-o,--output", options->output,
+                     "folder for results.json, results.csv, pictures and page.html, which has it all")
+        ->option_text("FOLDER");
+    command->add_flag("--fast", options->suite.fast, "leaves out the cases that say they are slow");
+    command->add_option("--case", options->suite.names, "only the cases of this name; * and ? match; may be repeated")
+        ->option_text("NAME")
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    command->add_option("--row", options->suite.rows, "only cases of this row of the hard cases; may be repeated")
+        ->option_text("N")
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    command->add_option("--threads", options->suite.threads, "lines side by side; default: all the machine offers")
+        ->option_text("N")
+        ->check(CLI::Range(1, 1024));
+    command
+        ->add_option("--beside", options->beside,
+                     "another raylex, such as one built with -DRAYLEX_TRANSPORT_DOUBLE=ON: runs the same cases, whose "
+                     "errors and times stand beside these on the page")
+        ->option_text("PROGRAM");
+    command->add_flag("--list", options->list, "only names the cases");
+    command->add_flag("--probes", options->probes, "only names the probes that cases can use, with their parameters");
+    add_plugin_option(*command, options->plugins);
+    command->footer("experiments/docs/stability.md says how to add a case. Exit code 1: a line does not hold.");
+    command->callback([options, &context] { context.exit_code = run_stability(*options); });
+}
+
+}  // namespace raylex::experiments

@@ -1,0 +1,60 @@
+// Probes: what a case of the stability suite measures where no image shows it.
+//
+// A probe measures one number for the parameters that it is given, so that anyone can try other ones from the suite's
+// files. It runs on one thread, with denormals flushed as in a render; several may run at once. To add one, write a
+// function and list it in a table of its file in probes/, which probes/probes.cpp names.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+
+#include "display/services/registry.h"
+#include "experiments/stability/suite/formula.h"
+#include "lpe/result.h"
+
+namespace raylex::experiments {
+
+/// The parameters of a probe: the numbers and words of a case's line.
+class ProbeInput {
+  public:
+    ProbeInput(const Setting& setting, SourceLocation where) : setting_(setting), where_(std::move(where)) {}
+
+    /// Of a number that must be there; an Error names it. Numbers that are absent are 0 until status() is asked.
+    [[nodiscard]] double number(const std::string& name) const;
+    [[nodiscard]] double number(const std::string& name, double fallback) const;
+    [[nodiscard]] std::string word(const std::string& name) const;
+    [[nodiscard]] std::string word(const std::string& name, const std::string& fallback) const;
+    /// The first parameter that was asked for and was not there.
+    [[nodiscard]] Status status() const;
+    /// For errors about a parameter's value.
+    [[nodiscard]] const SourceLocation& where() const { return where_; }
+
+  private:
+    const Setting& setting_;
+    SourceLocation where_;
+    mutable std::string missing_;
+};
+
+struct ProbeResult {
+    double measured = 0;
+    std::optional<double> expected{};  ///< by the probe's own reference: double precision, or a closed form
+    double standard_error = 0;         ///< 0: no sampling noise
+    double degrees = 0;                ///< of freedom of the standard error; 0: many
+    double ulp = 0;                    ///< the unit of tolerances in ulp; 0: float's at |expected|
+    std::string note{};                ///< what is worth saying beside the number
+};
+
+using Probe = Result<ProbeResult> (*)(const ProbeInput&);
+
+/// One row of a file's table.
+struct NamedProbe {
+    const char* name;
+    const char* help;  ///< one line: what it measures, its parameters with units
+    Probe probe;
+};
+
+/// All probes by name.
+Registry<Probe>& probe_registry();
+
+}  // namespace raylex::experiments

@@ -1,0 +1,194 @@
+// `raylex stability`: the shipped suite's fast half holds; what a file of cases may say, and what becomes of cases that
+// do not hold, do not evaluate or end their process.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include "experiments/stability/suite/case_file.h"
+#include "experiments/stability/suite/formula.h"
+#include "experiments/stability/suite/judge_line.h"
+#include "support.h"
+#include "tests/support/paths.h"
+
+using namespace raylex;
+using namespace raylex::experiments;
+using namespace raylex::test;
+
+namespace {
+
+const std::string head = "title = \"Tried\"\n";
+
+/// A case of a constant environment, which every camera ray meets.
+std::string environment_case(const std::string& keys) {
+    return R"([[case]]
+name = "environment"
+symptom = "none"
+reason = "a constant"
+scene = '''
+Camera "perspective"
+Film "rgb" "integer xresolution" 4 "integer yresolution" 2
+WorldBegin
+LightSource "infinite" "rgb L" [ ${L} ${2*L} ${L/2} ]
+'''
+spp = 4
+seeds = 2
+)" + keys + "\n";
+}
+
+StabilityCase case_with(const std::string& tolerance, Comparison comparison = Comparison::equal) {
+    StabilityCase each;
+    each.tolerance.text = tolerance;
+    each.comparison = comparison;
+    return each;
+}
+
+LineResult judged(const StabilityCase& what, const ProbeResult& result, const Setting& setting = {}) {
+    LineResult line;
+    REQUIRE(judge(what, setting, result, line).ok());
+    return line;
+}
+
+}  // namespace
+
+TEST_CASE("the fast half of the shipped suite holds", "[stability][release-only]") {
+    const Folder folder;
+    const Outcome outcome = run_raylex(folder, "stability --fast -o out");
+    INFO(outcome.out << outcome.err);
+    CHECK(outcome.code == 0);
+    CHECK(contains(outcome.out, " 0 not"));
+    const Outcome page = run_shell(folder, "grep -c 'Every line holds' out/page.html");
+    CHECK(page.out == "1\n");
+}
+
+TEST_CASE("every case of the shipped suite says why", "[stability]") {
+    auto families = read_case_files({source_dir() + "/experiments/stability"});
+    INFO((families ? std::string() : families.error().to_string()));
+    REQUIRE(families.ok());
+    for (const CaseFamily& family : *families) {
+        CAPTURE(family.file);
+        CHECK(!family.about.empty());
+        if (!family.picture.empty())
+            CHECK(std::any_of(family.cases.begin(), family.cases.end(),
+                              [&](const StabilityCase& each) { return each.name == family.picture && each.scene; }));
+        for (const StabilityCase& each : family.cases) {
+            CAPTURE(each.name);
+            CHECK(each.settings().ok());
+            CHECK((each.reason.size() > 20 || !each.not_applicable.empty()));
+        }
+    }
+}
+
+TEST_CASE("formulas of cases evaluate in double and name what they do not know", "[stability]") {
+    CHECK(*evaluate("2*_pi*(1 - sqrt(1 - s^2))", {{"s", 0.5}}, {}) == Approx(0.841787));
+    CHECK(*evaluate("1 - 2^-24", {}, {}) == 1 - 0x1p-24);
+    CHECK(*evaluate("1e-38", {}, {}) == 1e-38);
+    const auto wrong = evaluate("2*q", {{"s", 1}}, {"a.toml", 3, 4});
+    REQUIRE(!wrong.ok());
+    CHECK(contains(wrong.error().to_string(), "a.toml:3:4"));
+    CHECK(contains(wrong.error().hint, "numbers of the case: s"));
+    Setting setting;
+    setting.numbers["x"] = 0.1;
+    setting.words["kind"] = "sphere";
+    CHECK(*fill_in("${kind} ${x} ${10*x}.", setting, {}) == "sphere 0.10000000000000001 1.");
+    CHECK(!fill_in("${x", setting, {}).ok());
+    CHECK(terms_of("max(1, 2 + 3) se + 4 ulp") == std::vector<std::string>{"max(1, 2 + 3) se", "4 ulp"});
+}
+
+TEST_CASE("tolerances are sums of standard errors, ulps, shares and numbers", "[stability]") {
+    ProbeResult result;
+    result.measured = 10;
+    result.expected = 10.5;
+    result.standard_error = 0.1;
+    // ulp(10.5) in float is 2^-20.
+    CHECK(judged(case_with("4 se + 2 ulp + 0.01 rel + 0.001"), result).allowed ==
+          Approx(0.4 + 2 * 0x1p-20 + 0.105 + 0.001).epsilon(1e-12));
+    CHECK(judged(case_with("5 se"), result).verdict == LineVerdict::holds);
+    CHECK(judged(case_with("4.9 se"), result).verdict == LineVerdict::fails);
+    CHECK(judged(case_with("exact"), result).verdict == LineVerdict::fails);
+    CHECK(judged(case_with("exact", Comparison::at_most), result).verdict == LineVerdict::holds);
+    CHECK(judged(case_with("exact", Comparison::at_least), result).verdict == LineVerdict::fails);
+    // Two seeds tell little of their scatter: 4 standard errors are as rare as 1e4 of one degree of freedom.
+    result.degrees = 1;
+    CHECK(judged(case_with("4 se"), result).allowed ==
+          Approx(0.1 / std::tan(0.5 * 3.14159265 * 6.334248e-5)).epsilon(1e-4));
+    result.measured = NAN;
+    for (const Comparison each : {Comparison::equal, Comparison::at_most, Comparison::at_least})
+        CHECK(judged(case_with("1e30", each), result).verdict == LineVerdict::fails);
+    LineResult line;
+    CHECK(!judge(case_with("exact"), {}, ProbeResult(), line).ok());  // nothing says what is expected
+}
+
+TEST_CASE("a case of a scene is rendered for every combination and judged", "[stability][cli]") {
+    const Folder folder;
+    folder.write("held.toml", head + environment_case("vary.L = [1, \"1/4\"]\nintegrators = [\"path\", \"bdpt\"]\n"
+                                                      "expected = \"3.5*L/3\"\ntolerance = \"2 ulp\""));
+    const Outcome held = run_raylex(folder, "stability held.toml");
+    INFO(held.out << held.err);
+    CHECK(held.code == 0);
+    CHECK(contains(held.out, "L = 1/4, bdpt"));
+    CHECK(contains(held.out, "4 lines hold, 0 not"));
+    folder.write("red.toml",
+                 head + environment_case("with.L = 3\ncomponent = 0\nexpected = 3.1\ntolerance = \"0.05\""));
+    const Outcome red = run_raylex(folder, "stability red.toml -o out");
+    CHECK(red.code == 1);
+    CHECK(contains(red.out, "fails"));
+    CHECK(run_shell(folder, "grep -c '1 line does not hold' out/page.html").out == "1\n");
+    CHECK(contains(run_shell(folder, "cat out/results.csv").out, ",fails,"));
+    folder.write("same.toml", head + environment_case("with.L = 3\nmeasure = \"same_bits\"\nagainst.L = \"L + 1\"\n"
+                                                      "expected = 24\ntolerance = \"exact\""));
+    CHECK(run_raylex(folder, "stability same.toml").code == 0);
+}
+
+TEST_CASE("an outcome is an image or a message, never a signal", "[stability][cli]") {
+    const Folder folder;
+    folder.write("message.toml", head + environment_case("vary.L = [1, \"word\"]\nmeasure = \"outcome\"\n"
+                                                         "expected = 0\ntolerance = \"exact\""));
+    const Outcome message = run_raylex(folder, "stability message.toml");
+    INFO(message.out << message.err);
+    CHECK(message.code == 0);
+    CHECK(contains(message.out, "an image"));
+    CHECK(contains(message.out, "message: "));
+    folder.write("signal.toml", "plugins = [\"" + binary_dir() + "/tests/libdeadly.so\"]\n" + head +
+                                    environment_case("vary.L = [1, 2]\nmeasure = \"outcome\"\nintegrator = { type = "
+                                                     "\"deadly\", way = \"segmentation\" }\nexpected = 0\n"
+                                                     "tolerance = \"exact\"") +
+                                    R"([[case]]
+name = "next"
+symptom = "none"
+reason = "one"
+probe = "phase_mean_cosine"
+with.g = 0
+tolerance = "1e-6"
+)");
+    const Outcome died = run_raylex(folder, "stability signal.toml");
+    INFO(died.out << died.err);
+    CHECK(died.code == 1);
+    CHECK(count_matches(died.out, "died") == 2);
+    CHECK(contains(died.out, "1 line holds, 2 not"));
+}
+
+TEST_CASE("files of cases are refused with line, column and the near miss", "[stability][cli]") {
+    const Folder folder;
+    const auto refused = [&](const std::string& text, const std::vector<std::string>& words) {
+        folder.write("a.toml", text);
+        check_refused(folder, "stability a.toml", words);
+    };
+    refused(head +
+                "[[case]]\nname = \"a\"\nsymptom = \"s\"\nreason = \"r\"\nprobe = \"phase_mean_cosin\"\n"
+                "tolerance = \"exact\"\n",
+            {"a.toml:6", "phase_mean_cosine"});
+    refused(head + "[[case]]\nname = \"a\"\nsymptom = \"s\"\nprobe = \"phase_mean_cosine\"\nreason = \"r\"\n",
+            {"a.toml:2", "tolerance"});
+    refused(head + environment_case("tolerance = \"exact\"\nholds = \"nearly\""), {"at most", "nearly"});
+    refused(head + environment_case("tolerance = \"exact\"\nmeasure = \"same_bits\""), {"against"});
+    refused(head + environment_case("tolerance = \"exact\"\nintegrators = [\"pth\"]"), {"did you mean 'path'"});
+    refused(head + environment_case("tolerance = \"exact\"\nwith.L = [1, 2]"), {"with.L", "several"});
+    refused(head + environment_case("tolerance = \"exact\"\nexpcted = 1"), {"expcted", "expected"});
+    refused(head + environment_case("tolerance = \"exact\"") + environment_case("tolerance = \"exact\""),
+            {"second case 'environment'"});
+    folder.write("a.toml", head + environment_case("tolerance = \"exact\"\nwith.L = 1\nexpected = \"M\""));
+    const Outcome unknown = run_raylex(folder, "stability a.toml");
+    CHECK(unknown.code == 1);  // found only when the line is judged; other lines are not lost
+    CHECK(contains(unknown.out, "numbers of the case: L"));
+}
