@@ -4,6 +4,7 @@
 
 #include "experiments/cli/commands.h"
 #include "experiments/cli/option_group.h"
+#include "experiments/cli/plugin_options.h"
 #include "experiments/invariants/search.h"
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
@@ -26,9 +27,11 @@ void print_warnings(const transport::SceneDescription& scene) {
 
 struct WriteOptions {
     std::string input, output;
+    std::vector<std::string> plugins;
 };
 
 int write_scene(const WriteOptions& options) {
+    if (Status loaded = load_plugins(options.plugins); !loaded) return report_error(loaded.error());
     const auto scene = transport::import_pbrt(options.input);
     if (!scene) return report_error(scene.error());
     print_warnings(*scene);
@@ -45,6 +48,7 @@ void add_write_command(CLI::App& scene, CommandContext& context) {
     command->add_option("-o,--output", options->output, "the file; meshes that came from files go to FILE.meshes/")
         ->option_text("OUT.pbrt")
         ->required();
+    add_plugin_option(*command, options->plugins);
     command->footer(
         "Includes, imports, attributes, names and transforms are resolved; numbers have the digits that read back as "
         "themselves,\nso the file renders the same bits. Images are named by their absolute path.\n"
@@ -58,37 +62,40 @@ struct SceneCheckOptions {
     std::string input;
     bool invariants = false;
     double timeout = 600;
+    std::vector<std::string> plugins;
     InvariantOptions check;
 };
 
-const char* outcome_text(Outcome outcome) {
+const char* outcome_text(InvariantState outcome) {
     switch (outcome) {
-        case Outcome::holds:
+        case InvariantState::holds:
             return "holds";
-        case Outcome::violated:
+        case InvariantState::violated:
             return "VIOLATED";
-        case Outcome::skipped:
+        case InvariantState::skipped:
             break;
     }
     return "skipped";
 }
 
-std::string column(std::string text, std::size_t width) {
+std::string table_cell(std::string text, std::size_t width) {
     text.resize(std::max(text.size() + 1, width), ' ');
     return text;
 }
 
 void print_verdicts(const std::vector<Verdict>& verdicts) {
-    print_line(column("invariant", 18) + column("measured", 12) + column("bound", 12) + column("verdict", 10));
+    print_line(table_cell("invariant", 18) + table_cell("measured", 12) + table_cell("bound", 12) +
+               table_cell("verdict", 10));
     for (const Verdict& verdict : verdicts) {
-        const bool skipped = verdict.outcome == Outcome::skipped;
-        print_line(column(verdict.invariant, 18) + column(skipped ? "-" : number_text(verdict.measured), 12) +
-                   column(skipped ? "-" : number_text(verdict.bound), 12) + column(outcome_text(verdict.outcome), 10) +
-                   verdict.note);
+        const bool skipped = verdict.outcome == InvariantState::skipped;
+        print_line(table_cell(verdict.invariant, 18) + table_cell(skipped ? "-" : number_text(verdict.measured), 12) +
+                   table_cell(skipped ? "-" : number_text(verdict.bound), 12) +
+                   table_cell(outcome_text(verdict.outcome), 10) + verdict.note);
     }
 }
 
 int check_scene(const SceneCheckOptions& options) {
+    if (Status loaded = load_plugins(options.plugins); !loaded) return report_error(loaded.error());
     if (!options.invariants) {
         const auto scene = transport::import_pbrt(options.input);
         if (!scene) return report_error(scene.error());
@@ -113,7 +120,7 @@ int check_scene(const SceneCheckOptions& options) {
 std::string invariant_list() {
     std::string list;
     for (const InvariantInfo& info : invariants())
-        list += "  " + column(std::string(info.name), 18) + std::string(info.help) + "\n";
+        list += "  " + table_cell(std::string(info.name), 18) + std::string(info.help) + "\n";
     return list;
 }
 
@@ -130,6 +137,7 @@ void add_check_command(CLI::App& scene, CommandContext& context) {
     group.add("--mean-samples", options->check.samples_of_means, "N", "a pixel where means are compared; default 64");
     group.add("--replicates", options->check.replicates, "N", "renders a mean; default 8, four times as many confirm");
     group.add("--timeout", options->timeout, "S", "seconds after which the scene hangs; default 600");
+    add_plugin_option(*command, options->plugins);
     command->footer("Invariants:\n" + invariant_list() +
                     "Means are compared by Student's t at a level of 1e-9 each, a thousandth for a million of them.\n"
                     "Exit codes: 0 all hold, 1 one does not, 2 bad usage or input.");
@@ -146,7 +154,8 @@ void print_finding(const Finding& finding) {
                " in " + counted(finding.trials, "trial") + ": " + finding.file);
 }
 
-int search(const SearchOptions& options) {
+int search(const SearchOptions& options, const std::vector<std::string>& plugins) {
+    if (Status loaded = load_plugins(plugins); !loaded) return report_error(loaded.error());
     const InterruptsWait wait;
     const auto report = search_scenes(
         options,
@@ -164,7 +173,7 @@ int search(const SearchOptions& options) {
             const auto found = counts.find(name);
             return found == counts.end() ? std::uint64_t{0} : found->second;
         };
-        print_line("  " + column(name, 18) + column(std::to_string(count(report->checked)) + " checked,", 17) +
+        print_line("  " + table_cell(name, 18) + table_cell(std::to_string(count(report->checked)) + " checked,", 17) +
                    std::to_string(count(report->skipped)) + " did not apply");
     }
     print_line(report->findings.empty() ? "no violation" : counted(report->findings.size(), "violation"));
@@ -175,6 +184,7 @@ void add_search_command(CLI::App& scene, CommandContext& context) {
     CLI::App* command =
         scene.add_subcommand("search", "Draws random scenes until an invariant fails; shrinks and saves what does.");
     auto options = std::make_shared<SearchOptions>();
+    auto plugins = std::make_shared<std::vector<std::string>>();
     options->seconds = 60;
     const OptionGroup group(*command, "Options");
     group.add("--seconds", options->seconds, "S", "for how long; default 60, 0: until --scenes are through");
@@ -186,12 +196,13 @@ void add_search_command(CLI::App& scene, CommandContext& context) {
     group.add("--timeout", options->seconds_a_scene, "S", "seconds after which a scene hangs; default 30");
     group.add("--findings", options->most_findings, "N", "after which it ends; default 20");
     group.add("-o,--output", options->folder, "FOLDER", "for scenes that fail; default raylex-search");
+    add_plugin_option(*command, *plugins);
     command->footer(
         "A scene that is refused with an error has an answer. A process that dies or hangs, and a violated invariant, "
         "is a\nfinding: its scene is made as small as it fails, and saved with the command that repeats it.\n"
         "Example: raylex scene search --seconds 3600 -o found\n"
         "Exit codes: 0 nothing found, 1 something found, 2 bad usage or input, 130 after Ctrl-C.");
-    command->callback([options, &context] { context.exit_code = search(*options); });
+    command->callback([options, plugins, &context] { context.exit_code = search(*options, *plugins); });
 }
 
 }  // namespace

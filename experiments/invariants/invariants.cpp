@@ -25,7 +25,7 @@ std::vector<InvariantInfo> invariants() {
 
 bool SceneReport::holds() const {
     return std::none_of(verdicts.begin(), verdicts.end(),
-                        [](const Verdict& verdict) { return verdict.outcome == Outcome::violated; });
+                        [](const Verdict& verdict) { return verdict.outcome == InvariantState::violated; });
 }
 
 Result<SceneReport> check_invariants(const std::string& text, const std::string& path,
@@ -45,7 +45,7 @@ Result<SceneReport> check_invariants(const std::string& text, const std::string&
     if (!test) {
         report.refused = test.error().to_string();
         if (test.error().message.empty())
-            report.verdicts.push_back({"error", Outcome::violated, 1, 0, "refused without a word"});
+            report.verdicts.push_back({"error", InvariantState::violated, 1, 0, "refused without a word"});
         return report;
     }
     for (const Invariant* each : all_invariants()) {
@@ -53,9 +53,11 @@ Result<SceneReport> check_invariants(const std::string& text, const std::string&
         if (options.only.empty() ? each->info.of_means && !options.means : !named) continue;
         if (each->info.of_ordinary && !options.ordinary) continue;
         const Measured measured = each->check(*test);
-        Verdict verdict{std::string(each->info.name), Outcome::skipped, measured.value, measured.bound, measured.note};
+        Verdict verdict{std::string(each->info.name), InvariantState::skipped, measured.value, measured.bound,
+                        measured.note};
         // Not a number violates every bound.
-        if (measured.applies) verdict.outcome = measured.value <= measured.bound ? Outcome::holds : Outcome::violated;
+        if (measured.applies)
+            verdict.outcome = measured.value <= measured.bound ? InvariantState::holds : InvariantState::violated;
         report.verdicts.push_back(std::move(verdict));
     }
     return report;

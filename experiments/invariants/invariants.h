@@ -14,11 +14,11 @@
 
 namespace raylex::experiments {
 
-enum class Outcome : std::uint8_t { holds, violated, skipped };
+enum class InvariantState : std::uint8_t { holds, violated, skipped };
 
 struct Verdict {
     std::string invariant;
-    Outcome outcome = Outcome::skipped;
+    InvariantState outcome = InvariantState::skipped;
     double measured = 0, bound = 0;
     std::string note;  ///< what was measured; of skipped ones why
 };

@@ -37,7 +37,7 @@ Measured same_image(const SceneUnderTest& test, const SceneDescription& scene, d
         0)
         return Measured::skip("numbers leave the range of float");
     Measured result{true, 0, bound, "largest difference over the image's largest value"};
-    for (std::size_t id = 0; id < test.output->frame_buffer.channels().size(); ++id) {
+    for (std::size_t id = 0; id < test.light_channels(); ++id) {
         const auto a = test.output->frame_buffer.resolve(static_cast<display::ChannelId>(id));
         const auto b = other->frame_buffer.resolve(static_cast<display::ChannelId>(id));
         double largest = 0, apart = 0;
@@ -52,11 +52,11 @@ Measured same_image(const SceneUnderTest& test, const SceneDescription& scene, d
 }
 
 Measured finite(const SceneUnderTest& test) {
-    Measured result{true, 0, 0, "values of light that are no finite numbers"};
+    Measured result{true, 0, 0, "values of light that are no finite numbers, and AOVs that are none"};
     const display::FrameBuffer& buffer = test.output->frame_buffer;
     for (std::size_t id = 0; id < buffer.channels().size(); ++id)
         for (const double value : buffer.resolve(static_cast<display::ChannelId>(id)))
-            result.value += std::isfinite(value) ? 0 : 1;
+            result.value += (id < test.light_channels() ? std::isfinite(value) : !std::isnan(value)) ? 0 : 1;
     return result;
 }
 
@@ -70,7 +70,7 @@ Measured non_negative(const SceneUnderTest& test) {
     if (test.filter_has_negative_lobes()) return Measured::skip("the pixel filter has negative lobes");
     Measured result{true, 0, 0, "the most negative value of light"};
     const display::FrameBuffer& buffer = test.output->frame_buffer;
-    for (std::size_t id = 0; id < buffer.channels().size(); ++id)
+    for (std::size_t id = 0; id < test.light_channels(); ++id)
         for (const double value : buffer.resolve(static_cast<display::ChannelId>(id)))
             result.value = std::max(result.value, -value);
     return result;

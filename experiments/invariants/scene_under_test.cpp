@@ -53,7 +53,7 @@ Result<SceneUnderTest> SceneUnderTest::make(const std::string& text, const std::
     auto scene = transport::import_pbrt_text(text, path);
     if (!scene) return scene.error();
     test.scene = std::move(*scene);
-    auto built = transport::BuiltScene::build(test.scene, {.threads = 1});
+    auto built = transport::BuiltScene::build(test.scene, {.isa = {}, .threads = 1});
     if (!built) return built.error();
     test.built = std::move(*built);
     const auto samples = test.scene.sampler.parameters.integer_or("pixelsamples", 16);
@@ -65,6 +65,16 @@ Result<SceneUnderTest> SceneUnderTest::make(const std::string& text, const std::
     for (const std::string& expression : partition(options.seed))
         test.settings.channels.push_back(layer("layer" + std::to_string(test.settings.channels.size()), expression));
     test.layers = test.settings.channels.size();
+    // Now and then what else a render can be asked for.
+    test.settings.splat = options.seed % 7 == 3;
+    test.settings.picked_lobes = options.seed % 11 == 5;
+    static constexpr std::array<const char*, 6> aovs{"Nn", "z", "Pw", "curvature", "albedo", "sampleCount"};
+    if (options.seed % 5 == 2) {
+        display::ChannelDefinition channel;
+        channel.name = aovs[options.seed / 5 % aovs.size()];
+        channel.style = display::ChannelStyle::name;
+        test.settings.channels.push_back(channel);
+    }
     auto output = transport::render(*test.built, test.settings);
     if (!output) return output.error();
     test.output = std::make_shared<const transport::RenderOutput>(std::move(*output));

@@ -63,7 +63,7 @@ SceneReport report_of(Fields fields) {
     while (fields.more()) {
         Verdict& verdict = report.verdicts.emplace_back();
         verdict.invariant = fields.text();
-        verdict.outcome = static_cast<Outcome>(fields.number());
+        verdict.outcome = static_cast<InvariantState>(fields.number());
         verdict.measured = fields.number();
         verdict.bound = fields.number();
         verdict.note = fields.text();
@@ -98,7 +98,7 @@ class Worker {
         if (!answer) return answer.error();
         if (!answer->death.empty()) {
             SceneReport report;
-            report.verdicts.push_back({death, Outcome::violated, 1, 0, answer->death});
+            report.verdicts.push_back({death, InvariantState::violated, 1, 0, answer->death});
             return report;
         }
         Fields fields(answer->content);
@@ -108,6 +108,13 @@ class Worker {
     }
 
   private:
+    /// Images by names that hold wherever the folder goes.
+    [[nodiscard]] std::string with_relative_files(std::string text) const {
+        const std::string folder = fs::weakly_canonical(fs::path(path_).parent_path()).string() + "/";
+        for (std::size_t at = 0; (at = text.find("\"" + folder, at)) != std::string::npos;)
+            text.erase(at + 1, folder.size());
+        return text;
+    }
     std::string answer(const std::string& request) {
         const rlimit memory{memory_of_a_process, memory_of_a_process}, core{0, 0};
         setrlimit(RLIMIT_AS, &memory);
@@ -117,7 +124,7 @@ class Worker {
         if (fields.text() == "scene") {
             const auto made = random_scene(std::stoull(fields.text()), fs::path(path_).parent_path().string());
             put(bytes, made && made->tame ? "tame" : "wild");
-            put(bytes, made ? transport::pbrt_text(made->scene).text : std::string());
+            put(bytes, made ? with_relative_files(transport::pbrt_text(made->scene).text) : std::string());
             return bytes;
         }
         const std::string text = fields.text();
@@ -143,7 +150,7 @@ class Search {
         : options_(options),
           progress_(progress),
           stop_(stop),
-          path_((fs::path(options.folder) / "scene.pbrt").string()),
+          path_((fs::weakly_canonical(options.folder) / "scene.pbrt").string()),
           worker_(options_, path_) {}
 
     Result<SearchReport> run() {
@@ -170,7 +177,8 @@ class Search {
         if (stopped()) return success();
         ++report_.scenes;
         if (!made->death.empty()) {
-            Finding finding{seed, death, {death, Outcome::violated, 1, 0, "making the scene: " + made->death}, {}, {}};
+            Finding finding{
+                seed, death, {death, InvariantState::violated, 1, 0, "making the scene: " + made->death}, {}, {}};
             report_.findings.push_back(std::move(finding));
             return success();
         }
@@ -191,8 +199,8 @@ class Search {
         if (stopped()) return success();
         if (!report->refused.empty()) ++report_.refused;
         for (const Verdict& verdict : report->verdicts) {
-            ++(verdict.outcome == Outcome::skipped ? report_.skipped : report_.checked)[verdict.invariant];
-            if (verdict.outcome != Outcome::violated) continue;
+            ++(verdict.outcome == InvariantState::skipped ? report_.skipped : report_.checked)[verdict.invariant];
+            if (verdict.outcome != InvariantState::violated) continue;
             if (Status status = found(seed, text, verdict); !status) return status;
         }
         return success();
@@ -205,7 +213,7 @@ class Search {
         if (as.invariant != death && as.invariant != "error") check.only = {as.invariant};
         const auto report = worker_.check(text, check, stop_);
         return report && std::any_of(report->verdicts.begin(), report->verdicts.end(), [&](const Verdict& verdict) {
-                   return verdict.outcome == Outcome::violated && verdict.invariant == as.invariant;
+                   return verdict.outcome == InvariantState::violated && verdict.invariant == as.invariant;
                });
     }
 
@@ -225,7 +233,7 @@ class Search {
         const std::string name = verdict.invariant + "-" + std::to_string(seed) + ".pbrt";
         finding.file = (fs::path(options_.folder) / name).string();
         const std::string content = "# " + verdict.invariant + ": " + one_line(finding.verdict.note) + "\n# " +
-                                    command_of(finding, options_.check) + "\n" + finding.text;
+                                    command_of(finding) + "\n" + finding.text;
         auto file = display::AtomicFile::create(finding.file);
         if (!file) return file.error();
         if (!file->write(content.data(), content.size())) return file->failure();
@@ -251,7 +259,7 @@ class Search {
 
 }  // namespace
 
-std::string command_of(const Finding& finding, const InvariantOptions&) {
+std::string command_of(const Finding& finding) {
     std::string command = "raylex scene check --invariants --seed " + std::to_string(finding.scene);
     if (finding.invariant != death && finding.invariant != "error") command += " --only " + finding.invariant;
     return command + " " + fs::path(finding.file).filename().string();

@@ -55,6 +55,6 @@ Result<SceneReport> check_in_process(const std::string& text, const std::string&
                                      double timeout_seconds, const std::atomic<bool>* stop = nullptr);
 
 /// The command that repeats a finding.
-std::string command_of(const Finding& finding, const InvariantOptions& options);
+std::string command_of(const Finding& finding);
 
 }  // namespace raylex::experiments

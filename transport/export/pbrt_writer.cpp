@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <limits>
 #include <map>
-#include <span>
+#include <tuple>
 
 #include "display/output/atomic_file.h"
 #include "transport/export/pbrt_values.h"
@@ -23,7 +22,7 @@ class PbrtWriter {
   public:
     PbrtWriter(const SceneDescription& scene, std::string mesh_folder)
         : scene_(scene), mesh_folder_(std::move(mesh_folder)) {
-        find_last_uses();
+        find_uses();
     }
 
     PbrtText write() {
@@ -53,6 +52,7 @@ class PbrtWriter {
     }
 
   private:
+    enum class User : std::uint8_t { none, object, scene };
     /// What a block sets.
     struct Setting {
         int material = -1, area_light = -1;  // one of them
@@ -139,7 +139,12 @@ class PbrtWriter {
         if (!scene_.area_lights[index].group.empty()) leave_out("groups of lights");
     }
 
-    void find_last_uses() {
+    void find_uses() {
+        users_.resize(scene_.materials.size(), User::none);
+        for (const SceneObject& object : scene_.objects)
+            for (const SceneShape& shape : object.shapes)
+                users_[static_cast<std::size_t>(shape.material)] = User::object;
+        for (const SceneShape& shape : scene_.shapes) users_[static_cast<std::size_t>(shape.material)] = User::scene;
         for (std::size_t i = 0; i < scene_.shapes.size(); ++i) {
             last_material_[scene_.shapes[i].material] = i;
             last_light_[scene_.shapes[i].area_light] = i;
@@ -228,13 +233,16 @@ class PbrtWriter {
         return "\"plymesh\" \"string filename\" " + quoted(path) + alpha_text(shape);
     }
 
-    /// The lowest index of a nameless material that `shapes` bring and that is not written yet.
-    [[nodiscard]] int brings(std::span<const SceneShape> shapes) const {
-        int lowest = std::numeric_limits<int>::max();
-        for (const SceneShape& shape : shapes)
-            if (static_cast<std::size_t>(shape.material) >= written_materials_ && !is_named(shape.material))
-                lowest = std::min(lowest, shape.material);
-        return lowest;
+    /// Whether the next nameless material that is still to be written is an object's.
+    bool object_brings_next() {
+        std::size_t& next = next_material_;
+        next = std::max(next, written_materials_);
+        while (next < users_.size() && (users_[next] == User::none || is_named(static_cast<int>(next)))) ++next;
+        return next == users_.size() || users_[next] == User::object;
+    }
+    /// Nothing needs to be written for it but a name.
+    [[nodiscard]] bool is_ready(int material) const {
+        return is_named(material) || static_cast<std::size_t>(material) < written_materials_;
     }
     /// Objects and shapes, in an order that keeps that of materials where there is one.
     void content() {
@@ -242,9 +250,9 @@ class PbrtWriter {
         std::size_t next_object = 0, next_shape = 0;
         const auto& [objects, shapes] = std::tie(scene_.objects, scene_.shapes);
         while (next_object < objects.size() || next_shape < shapes.size()) {
-            const bool object = next_shape == shapes.size() ||
-                                (next_object < objects.size() &&
-                                 brings(objects[next_object].shapes) <= brings({&shapes[next_shape], 1}));
+            const bool object =
+                next_shape == shapes.size() ||
+                (next_object < objects.size() && !is_ready(shapes[next_shape].material) && object_brings_next());
             if (object) {
                 write_object(objects[next_object++]);
                 continue;
@@ -278,8 +286,9 @@ class PbrtWriter {
     std::string mesh_folder_;
     PbrtText result_;
     std::map<int, std::size_t> last_material_, last_light_;  ///< the last shape of the scene that has it
+    std::vector<User> users_;                                ///< [material] whose shapes it is of
     std::vector<Setting> blocks_;                            ///< open around the next shape
-    std::size_t written_materials_ = 0, written_lights_ = 0;
+    std::size_t written_materials_ = 0, written_lights_ = 0, next_material_ = 0;
 };
 
 Status write_file(const fs::path& path, const std::string& content) {

@@ -7,6 +7,7 @@
 
 namespace raylex::experiments {
 
+std::span<const NamedProbe> enclosure_probes();
 std::span<const NamedProbe> phase_probes();
 
 }  // namespace raylex::experiments
