@@ -193,7 +193,7 @@ void add_search_command(CLI::App& scene, CommandContext& context) {
     group.add_repeated("--only", options->check.only, "NAME", "one invariant, see raylex scene check --help");
     group.add("--means-every", options->means_every, "N",
               "scene of ordinary size is also checked for invariants of means; default 6, 0: none");
-    group.add("--timeout", options->seconds_a_scene, "S", "seconds after which a scene hangs; default 30");
+    group.add("--timeout", options->seconds_a_scene, "S", "seconds after which a scene hangs; default 120");
     group.add("--findings", options->most_findings, "N", "after which it ends; default 20");
     group.add("-o,--output", options->folder, "FOLDER", "for scenes that fail; default raylex-search");
     add_plugin_option(*command, *plugins);

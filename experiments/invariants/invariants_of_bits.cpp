@@ -170,6 +170,8 @@ Measured write_import(const SceneUnderTest& test) {
 }
 
 Measured unit_of_length(const SceneUnderTest& test) {
+    // How often a sky is chosen among lights goes by the size of what it lights.
+    if (test.scene.shapes.empty() && test.scene.instances.empty()) return Measured::skip("the scene has no size");
     return same_image(test, scaled(test.scene, 4), 0);
 }
 
