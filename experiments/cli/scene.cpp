@@ -1,4 +1,5 @@
 // raylex scene: scenes as files and as what invariants are checked on.
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 
@@ -152,6 +153,7 @@ void print_finding(const Finding& finding) {
                finding.verdict.note);
     print_line("  " + std::to_string(finding.lines_before) + " lines shrunk to " + std::to_string(finding.lines) +
                " in " + counted(finding.trials, "trial") + ": " + finding.file);
+    std::fflush(stdout);  // hours may pass before the next line
 }
 
 int search(const SearchOptions& options, const std::vector<std::string>& plugins) {
