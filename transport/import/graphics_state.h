@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "transport/scene/scene_description.h"
+#include "transport/scene/scene_builder.h"
 
 namespace raylex::transport {
 
@@ -22,9 +22,9 @@ struct GraphicsState {
     std::array<Transform, 2> ctm;            ///< at the shutter's opening and closing
     std::array<bool, 2> active{true, true};  ///< which of the two ActiveTransform writes to
     bool reverse_orientation = false;
-    std::size_t material = 0;  ///< index into the builder's material references
-    int area_light = -1;
-    int inside_medium = -1, outside_medium = -1;  ///< indices into the scene's media
+    MaterialHandle material;
+    AreaLightHandle area_light;
+    MediumHandle inside_medium, outside_medium;
     ColorSpace color_space = ColorSpace::srgb;
     /// By Attribute's target. Shared until written to: every block keeps the state around it, however much is in here.
     std::shared_ptr<const std::map<std::string, std::vector<DefaultParameter>>> defaults =

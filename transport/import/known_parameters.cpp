@@ -199,7 +199,7 @@ Error unknown_parameter(const std::string& kind, const std::string& type, const 
                     near.empty() ? std::string() : "did you mean '" + near + "'?");
 }
 
-Status ParameterChecker::check(EntityKind kind, const std::string& type, const ParameterSet& set, std::size_t own,
+Status ParameterChecker::check(EntityKind kind, const std::string& type, ParameterSet& set, std::size_t own,
                                std::vector<Error>& warnings) {
     const Row* row = find_row(kind, type);
     const std::vector<ParameterDescription>* entry = declared(kind, type);
@@ -229,7 +229,7 @@ Status ParameterChecker::check(EntityKind kind, const std::string& type, const P
                 continue;
             }
             if (i < own) return unknown_parameter(kind_name(kind), type, parameter, known);
-            parameter.used = true;  // an Attribute speaks to all types at once
+            set.parameters.erase(set.parameters.begin() + static_cast<std::ptrdiff_t>(i--));
             continue;
         }
         if (row == nullptr) continue;

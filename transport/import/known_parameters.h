@@ -34,9 +34,9 @@ Error unknown_parameter(const std::string& kind, const std::string& type, const 
 class ParameterChecker {
   public:
     /// The first `own` parameters of `set` stand at the directive itself and must be known; the others come from
-    /// Attribute and, as in pbrt, may mean nothing to this type. A parameter that pbrt-v4 reads and raylex does not
-    /// adds a warning, the first time for its kind and type, and counts as used.
-    Status check(EntityKind kind, const std::string& type, const ParameterSet& set, std::size_t own,
+    /// Attribute and, as in pbrt, may mean nothing to this type: those are taken out. A parameter that pbrt-v4 reads
+    /// and raylex does not adds a warning, the first time for its kind and type, and counts as used.
+    Status check(EntityKind kind, const std::string& type, ParameterSet& set, std::size_t own,
                  std::vector<Error>& warnings);
 
   private:

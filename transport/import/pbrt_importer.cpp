@@ -9,7 +9,7 @@
 
 #include "transport/import/input_file.h"
 #include "transport/import/parser.h"
-#include "transport/import/scene_builder.h"
+#include "transport/import/scene_reader.h"
 
 namespace raylex::transport {
 
@@ -38,7 +38,7 @@ std::string identity_of(const std::string& path) {
 
 class Importer {
   public:
-    Importer(const std::string& path, std::string text) : builder_(path), folder_(fs::path(path).parent_path()) {
+    Importer(const std::string& path, std::string text) : reader_(path), folder_(fs::path(path).parent_path()) {
         push(path, identity_of(path), std::make_shared<const std::string>(std::move(text)), false);
     }
 
@@ -56,11 +56,11 @@ class Importer {
             } else if ((*directive)->id == DirectiveId::include || (*directive)->id == DirectiveId::import) {
                 status = open(**directive);
             } else {
-                status = builder_.apply(**directive, search());
+                status = reader_.apply(**directive, search());
             }
             if (!status) return with_excerpt(status.error());
         }
-        Result<SceneDescription> scene = builder_.finish(end);
+        Result<SceneDescription> scene = reader_.finish(end);
         if (!scene) return with_excerpt(scene.error());
         return scene;
     }
@@ -77,7 +77,7 @@ class Importer {
     Status open(const Directive& directive) {
         const bool imported = directive.id == DirectiveId::import;
         if (imported)
-            if (Status status = builder_.begin_import(directive); !status) return status;
+            if (Status status = reader_.begin_import(directive); !status) return status;
         const SourceLocation& where = directive.string_locations[0];
         const Result<std::string> path = search().find(directive.strings[0], where);
         if (!path) return path.error();
@@ -123,7 +123,7 @@ class Importer {
 
     Status pop() {
         const bool imported = sources_.back()->imported;
-        Status status = imported ? builder_.end_import() : success();
+        Status status = imported ? reader_.end_import() : success();
         if (!status) return status;
         closed_.try_emplace(sources_.back()->path, sources_.back()->text);  // for excerpts of errors found at the end
         sources_.pop_back();
@@ -146,7 +146,7 @@ class Importer {
         return error;
     }
 
-    SceneBuilder builder_;
+    SceneReader reader_;
     fs::path folder_;
     std::vector<std::unique_ptr<Source>> sources_;                              ///< open, the innermost last
     std::map<std::string, std::shared_ptr<const std::string>> closed_, texts_;  ///< by path, by identity

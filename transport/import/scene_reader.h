@@ -1,8 +1,7 @@
-// Directives into a SceneDescription: the state machine behind pbrt's scene files.
+// Directives into calls of a SceneBuilder: the graphics state of pbrt's scene files.
 #pragma once
 
 #include <map>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -10,13 +9,13 @@
 #include "transport/import/input_file.h"
 #include "transport/import/known_parameters.h"
 #include "transport/import/parser.h"
-#include "transport/scene/scene_description.h"
+#include "transport/scene/scene_builder.h"
 
 namespace raylex::transport {
 
-class SceneBuilder {
+class SceneReader {
   public:
-    explicit SceneBuilder(std::string file);
+    explicit SceneReader(std::string file) : scene_(std::move(file)) {}
 
     /// Carries out one directive other than Include and Import.
     Status apply(Directive& directive, const SearchPath& search);
@@ -36,17 +35,8 @@ class SceneBuilder {
         SourceLocation opened;
         std::map<std::string, std::array<Transform, 2>> coordinate_systems;  // import only
     };
-    struct MaterialReference {
-        int index = -1;  // into materials; -1: by name
-        std::string name;
-        SourceLocation location;
-    };
-    struct InstanceReference {
-        std::string name;
-        SourceLocation location;
-    };
 
-    // scene_builder.cpp
+    // scene_reader.cpp
     Status require_block(const Directive& directive) const;
     Status begin_block(Block block, const SourceLocation& where);
     Status end_block(Block block, const Directive& directive);
@@ -55,48 +45,34 @@ class SceneBuilder {
     Status medium_interface(const Directive& directive);
     Status option(const Directive& directive);
     Status attribute(Directive& directive);
-    Status accelerator(const Directive& directive);
+    Status accelerator(Directive& directive);
     Status settings(Directive& directive);
     Status camera(Directive& directive);
-    // scene_builder_transforms.cpp
+    // scene_reader_transforms.cpp
     Status transform(const Directive& directive);
     Status active_transform(const Directive& directive);
     Status concatenate(const Transform& transform, const SourceLocation& where);
     Status check_invertible(const SourceLocation& where) const;
     Result<Transform> still_transform(const SourceLocation& where) const;
-    // scene_builder_world.cpp
-    Status world_entity(Directive& directive, const SearchPath& search);
-    Status material(Directive& directive, const SearchPath& search);
-    Status named_material(Directive& directive, const SearchPath& search);
-    Status named_medium(Directive& directive, const SearchPath& search);
-    Status texture(Directive& directive, const SearchPath& search);
-    Status light(Directive& directive, const SearchPath& search);
-    Status area_light(Directive& directive, const SearchPath& search);
-    Status shape(Directive& directive, const SearchPath& search);
+    // scene_reader_world.cpp
+    Status world_entity(Directive& directive);
+    Status material(Directive& directive);
+    Status named_material(Directive& directive);
+    Status named_medium(Directive& directive);
+    Status texture(Directive& directive);
+    Status light(Directive& directive);
+    Status area_light(Directive& directive);
+    Status shape(Directive& directive);
     Status object_begin(const Directive& directive);
     Status instance(const Directive& directive);
-    Result<SceneEntity> make_entity(Directive& directive, std::string type, EntityKind kind, const SearchPath& search);
-    Status resolve_files(ParameterSet& set, const SearchPath& search) const;
-    // scene_builder_names.cpp
-    Status resolve_materials();
-    Status resolve_instances();
-    Status check_textures() const;
-    Status check_shape(const SceneShape& shape) const;
-    [[nodiscard]] bool has_texture(const std::string& name, bool spectrum, bool any_kind, std::size_t before) const;
-    Error no_such_texture(const std::string& name, const SourceLocation& where, const char* kind) const;
+    [[nodiscard]] SceneParameters with_defaults(Directive& directive, const char* target, bool light) const;
 
-    SceneDescription scene_;
-    ParameterChecker parameters_;
+    SceneBuilder scene_;
+    ParameterChecker accelerators_;
     GraphicsState state_;
     std::vector<Saved> stack_;
     std::map<std::string, std::array<Transform, 2>> coordinate_systems_;
-    std::vector<MaterialReference> material_references_;
-    std::vector<InstanceReference> instance_references_;  // parallel to scene_.instances
-    std::map<std::string, int> named_materials_;
-    std::map<std::string, std::size_t> named_textures_[2];  // float, spectrum
-    std::set<std::string> object_names_;
-    std::map<std::string, int> named_media_;
-    int active_object_ = -1;
+    ObjectHandle active_object_;
     bool in_world_ = false;
 };
 

@@ -1,14 +1,14 @@
-// Random small scenes of extreme sizes, places, materials, lights, media and cameras: what the soak renders.
+// Numbers for random scenes: the same on every machine.
 #pragma once
 
+#include <array>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
-#include <string>
 
-#include "transport/render/render.h"
+namespace raylex::experiments {
 
-namespace soak_test {
-
-/// Numbers by SplitMix64 (Steele et al. 2014, "Fast Splittable Pseudorandom Number Generators"): the same everywhere.
+/// SplitMix64 (Steele et al. 2014, "Fast Splittable Pseudorandom Number Generators").
 class Random {
   public:
     explicit Random(std::uint64_t seed) : state_(seed) {}
@@ -22,14 +22,13 @@ class Random {
     double between(double a, double b) { return a + (b - a) * unit(); }
     std::size_t below(std::size_t n) { return static_cast<std::size_t>(bits() % n); }
     bool chance(double p) { return unit() < p; }
+    template <typename Item, std::size_t n>
+    const Item& one_of(const std::array<Item, n>& items) {
+        return items[below(n)];
+    }
 
   private:
     std::uint64_t state_;
 };
 
-/// Scene number `index` as a pbrt file.
-std::string random_scene(std::uint64_t index);
-/// How it is rendered: channels that partition the beauty among them, which are the first `partition` of its channels.
-raylex::transport::RenderSettings random_settings(std::uint64_t index, std::size_t& partition);
-
-}  // namespace soak_test
+}  // namespace raylex::experiments

@@ -1,4 +1,4 @@
-#include "transport/import/scene_builder.h"
+#include "transport/import/scene_reader.h"
 
 #include <algorithm>
 #include <cctype>
@@ -54,29 +54,12 @@ constexpr struct {
                    {"rec2020", ColorSpace::rec2020},
                    {"aces2065-1", ColorSpace::aces2065_1}};
 
-Parameter grey(std::string name, double value) {
-    Parameter parameter;
-    parameter.name = std::move(name);
-    parameter.type = ParameterType::rgb;
-    parameter.numbers = {value, value, value};
-    return parameter;
-}
-
 }  // namespace
 
-SceneBuilder::SceneBuilder(std::string file) {
-    scene_.file = std::move(file);
-    SceneEntity fallback;
-    fallback.type = "diffuse";
-    fallback.parameters.parameters.push_back(grey("reflectance", 0.5));
-    fallback.location = fallback.parameters.location = {scene_.file, 0, 0};
-    scene_.materials.push_back(std::move(fallback));
-    material_references_.push_back({0, {}, {}});
-}
-
-Status SceneBuilder::apply(Directive& directive, const SearchPath& search) {
+Status SceneReader::apply(Directive& directive, const SearchPath& search) {
     if (Status status = require_block(directive); !status) return status;
-    scene_.warnings.insert(scene_.warnings.end(), directive.warnings.begin(), directive.warnings.end());
+    for (Error& warning : directive.warnings) scene_.warn(std::move(warning));
+    scene_.set_search(search);
     switch (directive.id) {
         case DirectiveId::transform_times:  // without moving transforms its times mean nothing
         case DirectiveId::include:
@@ -104,7 +87,7 @@ Status SceneBuilder::apply(Directive& directive, const SearchPath& search) {
         case DirectiveId::medium_interface:
             return medium_interface(directive);
         case DirectiveId::make_named_medium:
-            return named_medium(directive, search);
+            return named_medium(directive);
         case DirectiveId::camera:
             return camera(directive);
         case DirectiveId::film:
@@ -127,11 +110,11 @@ Status SceneBuilder::apply(Directive& directive, const SearchPath& search) {
         case DirectiveId::coord_sys_transform:
             return transform(directive);
         default:
-            return world_entity(directive, search);
+            return world_entity(directive);
     }
 }
 
-Status SceneBuilder::require_block(const Directive& directive) const {
+Status SceneReader::require_block(const Directive& directive) const {
     const Where where = allowed_where(directive.id);
     const std::string name(directive.name);
     if (where == Where::before_world && in_world_)
@@ -141,7 +124,7 @@ Status SceneBuilder::require_block(const Directive& directive) const {
     return success();
 }
 
-Status SceneBuilder::begin_block(Block block, const SourceLocation& where) {
+Status SceneReader::begin_block(Block block, const SourceLocation& where) {
     if (stack_.size() >= budget(Budget::block_depth))
         return over_budget(Budget::block_depth, "blocks inside one another too deep", where.file, where.line,
                            where.column);
@@ -149,7 +132,7 @@ Status SceneBuilder::begin_block(Block block, const SourceLocation& where) {
     return success();
 }
 
-Status SceneBuilder::end_block(Block block, const Directive& directive) {
+Status SceneReader::end_block(Block block, const Directive& directive) {
     const bool matches = !stack_.empty() && stack_.back().block == block;
     if (!matches) {
         const std::string opener = block == Block::object ? "ObjectBegin" : "AttributeBegin";
@@ -160,19 +143,19 @@ Status SceneBuilder::end_block(Block block, const Directive& directive) {
                    std::to_string(stack_.back().opened.line);
         return error_at(directive.location, std::string(directive.name) + " without its " + opener, hint);
     }
-    if (block == Block::object) active_object_ = -1;
+    if (block == Block::object) active_object_ = {};
     state_ = std::move(stack_.back().state);
     stack_.pop_back();
     return success();
 }
 
-Status SceneBuilder::begin_import(const Directive& directive) {
+Status SceneReader::begin_import(const Directive& directive) {
     if (Status status = require_block(directive); !status) return status;
     stack_.push_back({Block::import, state_, directive.location, coordinate_systems_});
     return success();
 }
 
-Status SceneBuilder::end_import() {
+Status SceneReader::end_import() {
     if (stack_.back().block != Block::import)
         return error_at(stack_.back().opened, "block is never closed; expected its end before the imported file's end");
     state_ = std::move(stack_.back().state);
@@ -181,7 +164,7 @@ Status SceneBuilder::end_import() {
     return success();
 }
 
-Status SceneBuilder::world_begin(const Directive&) {
+Status SceneReader::world_begin(const Directive&) {
     in_world_ = true;
     state_.ctm = {Transform(), Transform()};
     state_.active = {true, true};
@@ -189,7 +172,7 @@ Status SceneBuilder::world_begin(const Directive&) {
     return success();
 }
 
-Status SceneBuilder::color_space(const Directive& directive) {
+Status SceneReader::color_space(const Directive& directive) {
     std::string name = directive.strings[0];
     std::transform(name.begin(), name.end(), name.begin(),
                    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -208,27 +191,20 @@ Status SceneBuilder::color_space(const Directive& directive) {
 }
 
 /// The empty name is pbrt's vacuum.
-Status SceneBuilder::medium_interface(const Directive& directive) {
-    std::array<int, 2> sides{-1, -1};
+Status SceneReader::medium_interface(const Directive& directive) {
+    std::array<MediumHandle, 2> sides;
     for (std::size_t i = 0; i < 2; ++i) {
-        const std::string& name = directive.strings[i];
-        if (name.empty()) continue;
-        const auto found = named_media_.find(name);
-        if (found == named_media_.end()) {
-            std::vector<std::string> known;
-            for (const auto& [medium, index] : named_media_) known.push_back(medium);
-            const std::string near = nearest_name(name, known);
-            return error_at(directive.string_locations[i], "no medium is called '" + name + "'",
-                            near.empty() ? "" : "did you mean '" + near + "'?");
-        }
-        sides[i] = found->second;
+        if (directive.strings[i].empty()) continue;
+        const Result<MediumHandle> found = scene_.medium_named(directive.strings[i], directive.string_locations[i]);
+        if (!found) return found.error();
+        sides[i] = *found;
     }
     state_.inside_medium = sides[0];
     state_.outside_medium = sides[1];
     return success();
 }
 
-Status SceneBuilder::option(const Directive& directive) {
+Status SceneReader::option(const Directive& directive) {
     static const std::vector<std::string> known{"disablepixeljitter",
                                                 "disabletexturefiltering",
                                                 "disablewavelengthjitter",
@@ -246,11 +222,11 @@ Status SceneBuilder::option(const Directive& directive) {
         return error_at(parameter.location, "unknown option '" + parameter.name + "'",
                         near.empty() ? "" : "did you mean '" + near + "'?");
     }
-    scene_.warnings.push_back(error_at(parameter.location, "option '" + parameter.name + "' has no effect here"));
+    scene_.warn(error_at(parameter.location, "option '" + parameter.name + "' has no effect here"));
     return success();
 }
 
-Status SceneBuilder::attribute(Directive& directive) {
+Status SceneReader::attribute(Directive& directive) {
     static const std::vector<std::string> targets{"shape", "light", "material", "medium", "texture"};
     const std::string& target = directive.strings[0];
     if (std::find(targets.begin(), targets.end(), target) == targets.end())
@@ -268,54 +244,41 @@ Status SceneBuilder::attribute(Directive& directive) {
 }
 
 /// How intersections are found is Embree's business, and no image depends on it.
-Status SceneBuilder::accelerator(const Directive& directive) {
-    const ParameterSet& set = directive.parameters;
+Status SceneReader::accelerator(Directive& directive) {
+    ParameterSet& set = directive.parameters;
     const std::string& type = directive.strings[0];
     if (type != "bvh" && type != "kdtree")
-        scene_.warnings.push_back(error_at(directive.location, "accelerator '" + type +
-                                                                   "' is none of pbrt's, bvh and kdtree; intersections "
-                                                                   "are Embree's whatever is named here"));
-    return parameters_.check(EntityKind::accelerator, directive.strings[0], set, set.parameters.size(),
-                             scene_.warnings);
+        scene_.warn(error_at(directive.location, "accelerator '" + type +
+                                                     "' is none of pbrt's, bvh and kdtree; intersections "
+                                                     "are Embree's whatever is named here"));
+    std::vector<Error> warnings;
+    Status checked =
+        accelerators_.check(EntityKind::accelerator, directive.strings[0], set, set.parameters.size(), warnings);
+    for (Error& warning : warnings) scene_.warn(std::move(warning));
+    return checked;
 }
 
-Status SceneBuilder::settings(Directive& directive) {
-    SceneEntity entity;
-    entity.type = directive.strings[0];
-    entity.parameters = std::move(directive.parameters);
-    entity.location = directive.location;
-    EntityKind kind = EntityKind::sampler;
-    SceneEntity* target = &scene_.sampler;
-    if (directive.id == DirectiveId::film) {
-        kind = EntityKind::film;
-        target = &scene_.film;
-        scene_.color.scene_space = state_.color_space;
-    } else if (directive.id == DirectiveId::integrator) {
-        kind = EntityKind::integrator;
-        target = &scene_.integrator;
-    } else if (directive.id == DirectiveId::pixel_filter) {
-        kind = EntityKind::pixel_filter;
-        target = &scene_.filter;
+Status SceneReader::settings(Directive& directive) {
+    const std::string& type = directive.strings[0];
+    switch (directive.id) {
+        case DirectiveId::film:
+            scene_.set_color_space(state_.color_space);
+            return scene_.set_film(type, std::move(directive.parameters), directive.location);
+        case DirectiveId::integrator:
+            return scene_.set_integrator(type, std::move(directive.parameters), directive.location);
+        case DirectiveId::pixel_filter:
+            return scene_.set_filter(type, std::move(directive.parameters), directive.location);
+        default:
+            return scene_.set_sampler(type, std::move(directive.parameters), directive.location);
     }
-    const std::size_t own = entity.parameters.parameters.size();
-    if (Status s = parameters_.check(kind, entity.type, entity.parameters, own, scene_.warnings); !s) return s;
-    *target = std::move(entity);
-    return success();
 }
 
-Status SceneBuilder::camera(Directive& directive) {
+Status SceneReader::camera(Directive& directive) {
     const Result<Transform> world_to_camera = still_transform(directive.location);
     if (!world_to_camera) return world_to_camera.error();
-    scene_.camera_to_world = world_to_camera->inverse();
-    coordinate_systems_["camera"] = {scene_.camera_to_world, scene_.camera_to_world};
-    const ParameterSet& set = directive.parameters;
-    const std::size_t own = set.parameters.size();
-    if (Status s = parameters_.check(EntityKind::camera, directive.strings[0], set, own, scene_.warnings); !s) return s;
-    scene_.camera.type = directive.strings[0];
-    scene_.camera.parameters = std::move(directive.parameters);
-    scene_.camera.location = directive.location;
-    scene_.camera_medium = state_.outside_medium;
-    return success();
+    coordinate_systems_["camera"] = {world_to_camera->inverse(), world_to_camera->inverse()};
+    return scene_.set_camera(directive.strings[0], std::move(directive.parameters), *world_to_camera,
+                             state_.outside_medium, directive.location);
 }
 
 void convert_colors(ParameterSet& set, ColorSpace to, ColorSpace from, bool light) {

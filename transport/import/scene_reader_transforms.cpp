@@ -1,5 +1,5 @@
 // The current transformation: composed on the right, so that the last one written acts first, as in pbrt.
-#include "transport/import/scene_builder.h"
+#include "transport/import/scene_reader.h"
 
 namespace raylex::transport {
 
@@ -14,7 +14,7 @@ Transform from_columns(const std::array<double, 16>& numbers) {
 
 }  // namespace
 
-Status SceneBuilder::transform(const Directive& directive) {
+Status SceneReader::transform(const Directive& directive) {
     const std::array<double, 16>& n = directive.numbers;
     switch (directive.id) {
         case DirectiveId::translate:
@@ -64,7 +64,7 @@ Status SceneBuilder::transform(const Directive& directive) {
     return check_invertible(directive.location);
 }
 
-Status SceneBuilder::active_transform(const Directive& directive) {
+Status SceneReader::active_transform(const Directive& directive) {
     const std::string& which = directive.strings[0];
     if (which != "StartTime" && which != "EndTime" && which != "All")
         return error_at(directive.string_locations[0],
@@ -73,19 +73,19 @@ Status SceneBuilder::active_transform(const Directive& directive) {
     return success();
 }
 
-Status SceneBuilder::concatenate(const Transform& transform, const SourceLocation& where) {
+Status SceneReader::concatenate(const Transform& transform, const SourceLocation& where) {
     for (std::size_t i = 0; i < 2; ++i)
         if (state_.active[i]) state_.ctm[i] = state_.ctm[i] * transform;
     return check_invertible(where);
 }
 
-Status SceneBuilder::check_invertible(const SourceLocation& where) const {
+Status SceneReader::check_invertible(const SourceLocation& where) const {
     for (const Transform& transform : state_.ctm)
         if (!transform.invertible()) return error_at(where, "leaves a transformation that cannot be inverted");
     return success();
 }
 
-Result<Transform> SceneBuilder::still_transform(const SourceLocation& where) const {
+Result<Transform> SceneReader::still_transform(const SourceLocation& where) const {
     if (state_.ctm[0].matrix() != state_.ctm[1].matrix())
         return error_at(where, "motion blur is not supported yet: the transformations at the start and the end differ");
     return state_.ctm[0];

@@ -1,5 +1,5 @@
 // At the end of a scene: every name that was used must have been defined somewhere.
-#include "transport/import/scene_builder.h"
+#include "transport/scene/scene_builder.h"
 
 namespace raylex::transport {
 
@@ -13,17 +13,9 @@ std::string did_you_mean(const std::string& name, const std::vector<std::string>
 
 }  // namespace
 
-Result<SceneDescription> SceneBuilder::finish(const SourceLocation& file_end) {
-    if (!stack_.empty()) {
-        const bool object = stack_.back().block == Block::object;
-        return error_at(stack_.back().opened,
-                        std::string(object ? "ObjectBegin" : "AttributeBegin") + " is never closed; expected " +
-                            (object ? "ObjectEnd" : "AttributeEnd") + " before the end of the scene");
-    }
-    if (!in_world_)
-        return error_at(file_end, "the scene ends before WorldBegin; expected WorldBegin and the scene's content");
+Result<SceneDescription> SceneBuilder::finish() {
     if (Status status = resolve_materials(); !status) return status.error();
-    if (Status status = resolve_instances(); !status) return status.error();
+    if (Status status = resolve_objects(); !status) return status.error();
     if (Status status = check_textures(); !status) return status.error();
     return std::move(scene_);
 }
@@ -34,7 +26,7 @@ Status SceneBuilder::resolve_materials() {
     const auto missing = [&](const std::string& name, const SourceLocation& where) {
         return error_at(where, "no material is called '" + name + "'", did_you_mean(name, known));
     };
-    for (MaterialReference& reference : material_references_) {
+    for (Reference& reference : material_references_) {
         if (reference.index >= 0) continue;
         const auto found = named_materials_.find(reference.name);
         if (found == named_materials_.end()) return missing(reference.name, reference.location);
@@ -51,7 +43,7 @@ Status SceneBuilder::resolve_materials() {
     }
     const auto settle = [this](SceneShape& shape) {
         shape.material = material_references_[static_cast<std::size_t>(shape.material)].index;
-        shape.label = scene_.materials[static_cast<std::size_t>(shape.material)].name;
+        if (shape.label.empty()) shape.label = scene_.materials[static_cast<std::size_t>(shape.material)].name;
     };
     for (SceneShape& shape : scene_.shapes) settle(shape);
     for (SceneObject& object : scene_.objects)
@@ -59,20 +51,16 @@ Status SceneBuilder::resolve_materials() {
     return success();
 }
 
-Status SceneBuilder::resolve_instances() {
-    std::map<std::string, int> objects;
+Status SceneBuilder::resolve_objects() {
     std::vector<std::string> known;
-    for (const SceneObject& object : scene_.objects) {
-        objects.emplace(object.name, static_cast<int>(known.size()));
-        known.push_back(object.name);
-    }
-    for (std::size_t i = 0; i < instance_references_.size(); ++i) {
-        const InstanceReference& reference = instance_references_[i];
-        const auto found = objects.find(reference.name);
-        if (found == objects.end())
+    for (const SceneObject& object : scene_.objects) known.push_back(object.name);
+    for (SceneInstance& instance : scene_.instances) {
+        const Reference& reference = object_references_[static_cast<std::size_t>(instance.object)];
+        const auto found = named_objects_.find(reference.name);
+        if (found == named_objects_.end())
             return error_at(reference.location, "no object is called '" + reference.name + "'",
                             did_you_mean(reference.name, known));
-        scene_.instances[i].object = found->second;
+        instance.object = found->second;
     }
     return success();
 }

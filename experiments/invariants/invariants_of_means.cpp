@@ -1,0 +1,311 @@
+// Invariants of what an image is in the mean: renders by independent seeds, compared by Student's t.
+#include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+#include <numeric>
+
+#include "experiments/invariants/random.h"
+#include "experiments/invariants/scene_under_test.h"
+#include "transport/scene/typed_parameters.h"
+
+namespace raylex::experiments {
+namespace {
+
+using transport::RenderSettings;
+using transport::SceneDescription;
+
+/// Of one comparison: Sidak's for a million at one in a thousand. A suspicion, which is looked at again, is far more.
+constexpr double level = 1e-9, suspicion = 1e-3;
+
+/// Means over the image of every channel, of each seed.
+using Means = std::vector<std::vector<double>>;
+
+struct Render {
+    SceneDescription scene;
+    std::string integrator;  ///< empty: the scene's
+    std::vector<Parameter> parameters;
+};
+
+/// `channels` alone when given, else those of the test.
+Result<Means> means_of(const SceneUnderTest& test, const Render& render, const std::vector<std::string>& expressions,
+                       int replicates, std::uint64_t first_seed) {
+    auto built = transport::BuiltScene::build(render.scene, {.isa = {}, .threads = 1});
+    if (!built) return built.error();
+    RenderSettings settings = test.settings;
+    settings.samples_per_pixel = static_cast<std::uint64_t>(test.options.samples_of_means);
+    if (!expressions.empty()) {
+        const display::ChannelDefinition like = settings.channels.front();
+        settings.channels.clear();
+        for (const std::string& expression : expressions) {
+            settings.channels.push_back(like);
+            settings.channels.back().name = "c" + std::to_string(settings.channels.size());
+            settings.channels.back().expression = expression;
+        }
+        settings.beauty = false;
+    }
+    if (!render.integrator.empty()) {
+        transport::SceneEntity integrator;
+        integrator.type = render.integrator;
+        integrator.parameters.parameters = render.parameters;
+        const auto depth = test.scene.integrator.parameters.integer_or("maxdepth", 5);
+        settings.max_depth = depth ? *depth : 5;
+        settings.integrator = integrator;
+    }
+    Means means;
+    for (int i = 0; i < replicates; ++i) {
+        settings.seed = first_seed + static_cast<std::uint64_t>(i);
+        const auto output = transport::render(**built, settings);
+        if (!output) return output.error();
+        std::vector<double>& of_seed = means.emplace_back();
+        for (std::size_t id = 0; id < output->frame_buffer.channels().size(); ++id) {
+            if (output->frame_buffer.channels()[id].style != display::ChannelStyle::expression) continue;
+            const auto values = output->frame_buffer.resolve(static_cast<display::ChannelId>(id));
+            of_seed.push_back(std::accumulate(values.begin(), values.end(), 0.0) / double(values.size()));
+        }
+    }
+    return means;
+}
+
+struct Comparison {
+    double mean_a = 0, mean_b = 0, error = 0;  ///< of the difference
+    double t = 0, freedom = 1;
+    [[nodiscard]] double threshold(double at) const {
+        return boost::math::quantile(boost::math::complement(boost::math::students_t(freedom), at / 2));
+    }
+};
+
+double mean_of(const std::vector<double>& values) {
+    return std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
+}
+double variance_of_mean(const std::vector<double>& values) {
+    const double mean = mean_of(values);
+    double squares = 0;
+    for (const double v : values) squares += (v - mean) * (v - mean);
+    return squares / (double(values.size()) * double(values.size() - 1));
+}
+std::vector<double> column(const Means& means, std::size_t channel) {
+    std::vector<double> values;
+    for (const auto& each : means) values.push_back(each[channel]);
+    return values;
+}
+
+/// Welch's, of independent seeds.
+Comparison compare(const std::vector<double>& a, const std::vector<double>& b) {
+    Comparison result{mean_of(a), mean_of(b)};
+    const double va = variance_of_mean(a), vb = variance_of_mean(b), n = double(a.size());
+    result.error = std::sqrt(va + vb);
+    if (va + vb > 0) result.freedom = (va + vb) * (va + vb) * (n - 1) / (va * va + vb * vb);
+    const double apart = std::abs(result.mean_a - result.mean_b);
+    result.t = result.error > 0 ? apart / result.error : apart > 0 ? 1e9 : 0;
+    return result;
+}
+
+/// Of the same seeds on both sides: by the differences of pairs, which is sharper where paths are alike.
+Comparison compare_pairs(const std::vector<double>& a, const std::vector<double>& b) {
+    std::vector<double> apart;
+    for (std::size_t i = 0; i < a.size(); ++i) apart.push_back(a[i] - b[i]);
+    Comparison result{mean_of(a), mean_of(b), std::sqrt(variance_of_mean(apart)), 0, double(a.size() - 1)};
+    const double distance = std::abs(result.mean_a - result.mean_b);
+    result.t = result.error > 0 ? distance / result.error : distance > 0 ? 1e9 : 0;
+    return result;
+}
+
+std::string text_of(const Comparison& worst) {
+    const auto number = [](double v) {
+        std::array<char, 32> text{};
+        std::snprintf(text.data(), text.size(), "%.5g", v);
+        return std::string(text.data());
+    };
+    return number(worst.mean_a) + " and " + number(worst.mean_b) + ", difference +- " + number(worst.error);
+}
+
+/// Most of the light is in a few samples, perhaps in ones that have not come: errors say nothing then.
+bool is_rare(const std::vector<double>& values) {
+    const double mean = mean_of(values);
+    return mean != 0 && std::sqrt(variance_of_mean(values)) > 0.05 * std::abs(mean);
+}
+
+bool has_borders(const SceneDescription& scene) {
+    return std::any_of(scene.shapes.begin(), scene.shapes.end(),
+                       [](const auto& shape) { return shape.inside_medium != shape.outside_medium; });
+}
+
+/// t of the channel that is most apart, over the t that is allowed. `rounding`: relative difference that is no noise.
+Measured agreement(const SceneUnderTest& test, const Render& a, const Render& b, bool paired, double rounding,
+                   const std::vector<std::string>& expressions = {}) {
+    if (test.output->statistics.invalid_samples > 0) return Measured::skip("numbers leave the range of float");
+    if (a.integrator != b.integrator && has_borders(test.scene))
+        return Measured::skip("media meet at surfaces: what a camera and a light stand in agrees for closed ones only");
+    // A surface seen edge-on, or one that the camera stands on, gives a light path what rounding makes of a cosine of
+    // 0.
+    const std::vector<double> beauty = test.output->frame_buffer.resolve(test.output->beauty);
+    const double edge_on = 1e-3 * std::abs(mean_of(beauty));
+    Measured result{true, 0, 1, {}};
+    for (const bool again : {false, true}) {
+        const int replicates = test.options.replicates * (again ? 4 : 1);
+        const std::uint64_t seed = 1000 * (test.options.seed % 100000) + (again ? 500 : 0);
+        const auto x = means_of(test, a, expressions, replicates, seed);
+        const auto y = means_of(test, b, expressions, replicates, paired ? seed : seed + 100);
+        if (!x || !y) return Measured::skip("refused: " + (x ? y : x).error().message);
+        result.value = 0;
+        result.note.clear();
+        for (std::size_t channel = 0; channel < x->front().size(); ++channel) {
+            const auto u = column(*x, channel), v = column(*y, channel);
+            const Comparison found = paired ? compare_pairs(u, v) : compare(u, v);
+            // Light paths may all pass by what little of a surface a camera close to it sees.
+            const bool passed_by = b.integrator == "lighttracer" && found.mean_b == 0;
+            if (again && !paired && (passed_by || is_rare(u) || is_rare(v))) {
+                result.note += result.note.empty() ? "too rare to tell" : "";
+                continue;
+            }
+            const double allowed = found.threshold(again ? level : suspicion) * found.error +
+                                   rounding * std::max(std::abs(found.mean_a), std::abs(found.mean_b)) + edge_on;
+            const double ratio = std::abs(found.mean_a - found.mean_b) / std::max(allowed, 1e-300);
+            if (ratio <= result.value && !result.note.empty()) continue;
+            result.value = ratio;
+            result.note = text_of(found) + "; 1 is the most that chance makes of it";
+        }
+        if (result.value <= 1) break;
+    }
+    return result;
+}
+
+/// What rounding may move an image by in the mean: points move by 2^-24 of the scene's size, and with them edges and
+/// what is seen through thousands of paths. Measured on scenes of ordinary size it stays below a tenth of this.
+constexpr double rounding_of_points = 1e-3;
+
+Measured translated(const SceneUnderTest& test) {
+    Random random(test.options.seed);
+    const double reach = std::pow(10.0, random.between(0, 6));
+    const auto far = transport::Transform::translate(reach * random.between(-1, 1), reach * random.between(-1, 1),
+                                                     reach * random.between(-1, 1));
+    return agreement(test, {test.scene, {}, {}}, {moved(test.scene, far), {}, {}}, true, rounding_of_points);
+}
+
+Measured rotated(const SceneUnderTest& test) {
+    Random random(test.options.seed + 1);
+    const auto turn = transport::Transform::rotate(random.between(0, 360), random.between(-1, 1), random.between(-1, 1),
+                                                   random.between(0.1, 1));
+    return agreement(test, {test.scene, {}, {}}, {moved(test.scene, turn), {}, {}}, false, rounding_of_points);
+}
+
+Measured resized(const SceneUnderTest& test) {
+    Random random(test.options.seed + 2);
+    return agreement(test, {test.scene, {}, {}}, {scaled(test.scene, std::pow(10.0, random.between(-5, 5))), {}, {}},
+                     true, rounding_of_points);
+}
+
+Measured reordered(const SceneUnderTest& test) {
+    if (test.scene.shapes.size() < 2) return Measured::skip("there is one shape");
+    SceneDescription other = test.scene;
+    std::reverse(other.shapes.begin(), other.shapes.end());
+    std::reverse(other.lights.begin(), other.lights.end());
+    return agreement(test, {test.scene, {}, {}}, {other, {}, {}}, false, rounding_of_points);
+}
+
+/// What every estimator finds without rare events: diffuse words. Sharp ones are for scenes made for them.
+Measured estimators(const SceneUnderTest& test, const std::string& other, std::vector<Parameter> parameters) {
+    return agreement(test, {test.scene, "path", {}}, {test.scene, other, std::move(parameters)}, false,
+                     rounding_of_points, {"C<RD>{1,3}[LO]"});
+}
+Measured own_integrator(const SceneUnderTest& test) {
+    // The pair below that names it knows what it cannot find.
+    if (test.integrator() == "lighttracer" || test.integrator() == "pssmlt")
+        return Measured::skip("see that one's line");
+    if (test.integrator() == "path") return Measured::skip("its integrator is path");
+    return agreement(test, {test.scene, "path", {}}, {test.scene, {}, {}}, false, rounding_of_points,
+                     {"C<RD>{1,3}[LO]"});
+}
+Measured bidirectional(const SceneUnderTest& test) {
+    return estimators(test, "bdpt", {});
+}
+Measured light_tracer(const SceneUnderTest& test) {
+    for (const auto& medium : test.scene.media)
+        if (medium.parameters.find("Le") != nullptr) return Measured::skip("it does not find light that media emit");
+    return estimators(test, "lighttracer", {});
+}
+Measured metropolis(const SceneUnderTest& test) {
+    return estimators(test, "pssmlt",
+                      {transport::typed::integer("chains", 16), transport::typed::integer("bootstrapsamples", 4096)});
+}
+Measured light_samples(const SceneUnderTest& test) {
+    return estimators(test, "path", {transport::typed::text("strategy", "light")});
+}
+
+/// Of emission in the scene: the brightest value of lights that have a radiance; empty where some have none.
+std::optional<double> brightest(const SceneDescription& scene) {
+    double most = 0;
+    const auto take = [&](const ParameterSet& set) {
+        double color = 1, factor = 1;
+        for (const Parameter& p : set.parameters) {
+            if (p.name == "L" && p.type == ParameterType::rgb)
+                color = *std::max_element(p.numbers.begin(), p.numbers.end());
+            else if (p.name == "scale" && p.numbers.size() == 1) factor = p.numbers.front();
+            else if (p.name != "twosided") return false;
+        }
+        most = std::max(most, color * factor);
+        return true;
+    };
+    for (const auto& light : scene.lights)
+        if (light.type != "infinite" || !take(light.parameters)) return std::nullopt;
+    for (const auto& light : scene.area_lights)
+        if (!take(light.parameters)) return std::nullopt;
+    return most;
+}
+
+/// Whether no surface can send out more than it gets: no shading normals, no scaling of radiance at interfaces, albedos
+/// of at most 1.
+bool conserves(const SceneDescription& scene) {
+    for (const auto& material : scene.materials) {
+        if (material.type == "dielectric" || material.type == "raylex:additive" ||
+            material.type == "raylex:diffuse-mirror" || material.type == "mix")
+            return false;
+        for (const Parameter& p : material.parameters.parameters)
+            if (p.name == "normalmap" || p.type == ParameterType::texture ||
+                (p.type == ParameterType::rgb && *std::max_element(p.numbers.begin(), p.numbers.end()) > 1))
+                return false;
+    }
+    const auto smooth = [](const transport::SceneShape& shape) { return !shape.normals.empty(); };
+    if (std::any_of(scene.shapes.begin(), scene.shapes.end(), smooth)) return false;
+    for (const auto& object : scene.objects)
+        if (std::any_of(object.shapes.begin(), object.shapes.end(), smooth)) return false;
+    return true;
+}
+
+/// Radiance after k events is at most the brightest emission E, so that with n events at most the image's mean is at
+/// most (n + 1) E: it holds of the mean, which has an error.
+Measured energy(const SceneUnderTest& test) {
+    const std::optional<double> most = brightest(test.scene);
+    if (!most || !test.scene.media.empty()) return Measured::skip("light without a largest radiance");
+    if (!conserves(test.scene)) return Measured::skip("a surface may send out more than it gets");
+    const auto depth = test.scene.integrator.parameters.integer_or("maxdepth", 5);
+    const double bound = *most * double((depth ? *depth : 5) + 1);
+    const auto means = means_of(test, {test.scene, {}, {}}, {}, test.options.replicates, 77);
+    if (!means) return Measured::skip("refused: " + means.error().message);
+    const auto beauty = column(*means, static_cast<std::size_t>(test.output->beauty));
+    const double error = std::sqrt(variance_of_mean(beauty));
+    const Comparison quantile{0, 0, 0, 0, double(beauty.size() - 1)};
+    return {true, mean_of(beauty) - quantile.threshold(level) * error, bound * (1 + 1e-5),
+            "mean of the image less its error; the brightest emission times events + 1"};
+}
+
+}  // namespace
+
+const std::vector<Invariant>& invariants_of_means() {
+    static const std::vector<Invariant> all{
+        {{"energy", "no more light than the brightest emission times events + 1", true, true}, energy},
+        {{"translation", "far away by a transform it is the same image in the mean", true, true}, translated},
+        {{"rotation", "turned with its camera it is the same image in the mean", true, true}, rotated},
+        {{"scale", "in any unit of length it is the same image in the mean", true, true}, resized},
+        {{"order", "shapes and lights in another order: the same image in the mean", true, true}, reordered},
+        {{"integrator", "the scene's own integrator and path agree on diffuse paths", true, true}, own_integrator},
+        {{"bdpt", "path and bdpt agree on diffuse paths", true, true}, bidirectional},
+        {{"lighttracer", "path and lighttracer agree on diffuse paths", true, true}, light_tracer},
+        {{"pssmlt", "path and pssmlt agree on diffuse paths", true, true}, metropolis},
+        {{"strategies", "path by multiple importance sampling and by light samples agree on diffuse paths", true, true},
+         light_samples},
+    };
+    return all;
+}
+
+}  // namespace raylex::experiments

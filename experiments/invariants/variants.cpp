@@ -1,0 +1,72 @@
+// Scenes made from a scene, whose images follow from its image.
+#include <algorithm>
+
+#include "experiments/invariants/scene_under_test.h"
+#include "transport/scene/typed_parameters.h"
+
+namespace raylex::experiments {
+
+using transport::SceneDescription;
+using transport::SceneShape;
+using transport::Transform;
+
+namespace {
+
+/// Multiplies a number of the set, which is 1 when absent.
+void multiply(ParameterSet& set, const std::string& name, double factor) {
+    for (Parameter& parameter : set.parameters) {
+        if (parameter.name != name || parameter.numbers.size() != 1) continue;
+        parameter.numbers.front() *= factor;
+        return;
+    }
+    set.parameters.push_back(transport::typed::real(name, factor));
+}
+
+}  // namespace
+
+SceneDescription moved(SceneDescription scene, const Transform& change) {
+    scene.camera_to_world = change * scene.camera_to_world;
+    for (SceneShape& shape : scene.shapes) shape.object_to_world = change * shape.object_to_world;
+    for (transport::SceneInstance& instance : scene.instances) instance.to_world = change * instance.to_world;
+    for (transport::SceneLight& light : scene.lights) light.to_world = change * light.to_world;
+    for (transport::SceneTexture& texture : scene.textures) texture.to_world = change * texture.to_world;
+    return scene;
+}
+
+SceneDescription scaled(SceneDescription scene, double factor) {
+    scene = moved(std::move(scene), Transform::scale(factor, factor, factor));
+    for (transport::SceneLight& light : scene.lights)
+        if (light.type == "point" || light.type == "spot") multiply(light.parameters, "scale", factor * factor);
+    for (transport::SceneEntity& medium : scene.media) multiply(medium.parameters, "scale", 1 / factor);
+    return scene;
+}
+
+SceneDescription brightened(SceneDescription scene, double factor) {
+    for (transport::SceneLight& light : scene.lights) multiply(light.parameters, "scale", factor);
+    for (transport::SceneAreaLight& light : scene.area_lights) multiply(light.parameters, "scale", factor);
+    for (transport::SceneEntity& medium : scene.media)
+        if (medium.parameters.find("Le") != nullptr) multiply(medium.parameters, "Lescale", factor);
+    return scene;
+}
+
+SceneDescription textured(SceneDescription scene) {
+    for (std::size_t i = 0; i < scene.materials.size(); ++i)
+        for (Parameter& parameter : scene.materials[i].parameters.parameters) {
+            const bool color = parameter.type == ParameterType::rgb && parameter.name == "reflectance";
+            const bool number = parameter.type == ParameterType::real && parameter.name == "roughness";
+            if (!color && !number) continue;
+            transport::SceneTexture texture;
+            texture.type = "constant";
+            texture.name = "raylex constant " + std::to_string(i) + parameter.name;
+            texture.spectrum = color;
+            texture.location = parameter.location;
+            Parameter value = parameter;
+            value.name = "value";
+            texture.parameters.parameters.push_back(std::move(value));
+            parameter = transport::typed::texture(parameter.name, texture.name);
+            scene.textures.push_back(std::move(texture));
+        }
+    return scene;
+}
+
+}  // namespace raylex::experiments

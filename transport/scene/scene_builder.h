@@ -1,0 +1,185 @@
+// Makes a SceneDescription in code: one call for every camera, film, material, texture, light, medium, shape, object
+// and instance. The importer of pbrt files makes its scenes by these calls too, so that there is one place that knows
+// names, checks parameters and refuses what does not fit.
+//
+//     using namespace raylex::transport::typed;  // real(), rgb() ...
+//     SceneBuilder scene("my scene");
+//     scene.set_camera("perspective", {real("fov", 40)}, Transform::look_at({0, 0, 4}, {0, 0, 0}, {0, 1, 0}));
+//     const auto grey = scene.add_material("diffuse", {rgb("reflectance", {0.5, 0.5, 0.5})});
+//     if (!grey) return grey.error();
+//     if (Status s = scene.add_shape("sphere", {real("radius", 1)}, {.material = *grey}); !s) return s.error();
+//     Result<SceneDescription> description = scene.finish();
+//
+// Types, parameters and defaults are those of pbrt-v4's file format and of plugins (`raylex plugins`). Points and
+// directions stand in the space of the transform given with them; rgb in the colour space of the scene. Errors name the
+// source file and line of the call.
+#pragma once
+
+#include <initializer_list>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "transport/import/input_file.h"
+#include "transport/import/known_parameters.h"
+#include "transport/scene/scene_description.h"
+#include "transport/scene/typed_parameters.h"
+
+namespace raylex::transport {
+
+/// A name, and where it was written when that is not where the call is.
+struct SceneName {
+    SceneName(const char* name) : text(name) {}             // NOLINT(google-explicit-constructor)
+    SceneName(std::string name) : text(std::move(name)) {}  // NOLINT(google-explicit-constructor)
+    SceneName(std::string name, SourceLocation at) : text(std::move(name)), where(std::move(at)) {}
+    std::string text;
+    SourceLocation where;
+};
+
+/// What a call gives to a type.
+struct SceneParameters {
+    SceneParameters() = default;
+    SceneParameters(std::initializer_list<Parameter> list) { own.parameters = list; }
+    SceneParameters(ParameterSet set) : own(std::move(set)) {}  // NOLINT(google-explicit-constructor)
+    ParameterSet own;                                           ///< the type must know them all
+    std::vector<Parameter> fallbacks;  ///< fill gaps; what means nothing to the type is left out (pbrt's Attribute)
+};
+
+/// What calls hand out, for other calls of the same builder. The values are its own business.
+struct MaterialHandle {
+    int reference = 0;  ///< by default the first material: diffuse, reflectance 0.5
+};
+struct MediumHandle {
+    int index = -1;  ///< vacuum
+};
+struct AreaLightHandle {
+    int index = -1;  ///< dark
+};
+struct ObjectHandle {
+    int reference = -1;  ///< none: shapes stand in the scene itself
+};
+
+enum class TextureValue : std::uint8_t { real, spectrum };
+
+/// Where a shape stands, and what it is made of.
+struct ShapePlacement {
+    Transform to_world{};  ///< in an object: to the object's space
+    MaterialHandle material{};
+    AreaLightHandle area_light{};  ///< not in an object: instances do not emit (pbrt's rule)
+    MediumHandle inside{}, outside{};
+    bool reverse_orientation = false;
+    ObjectHandle object{};  ///< the object that it is part of
+    std::string label{};    ///< LPE object label; empty: the name of its material
+};
+
+/// A mesh without a file. Normals and texture coordinates: one a vertex, or none.
+struct MeshData {
+    std::vector<StoredVec3> positions;
+    std::vector<std::uint32_t> indices;  ///< three a triangle; four a bilinear patch, p00 p10 p01 p11
+    std::vector<StoredVec3> normals{};
+    std::vector<StoredVec2> uvs{};
+    bool patches = false;
+};
+
+class SceneBuilder {
+  public:
+    /// `file` is what the scene goes by in messages. Relative names of files are looked for in `search`: by default in
+    /// the current folder.
+    explicit SceneBuilder(std::string file, SearchPath search = {});
+    void set_search(SearchPath search) { search_ = std::move(search); }
+
+    // The last argument of calls is where they stand, by default in the source that calls.
+
+    /// Of all colours in parameters and textures; before any of them.
+    void set_color_space(ColorSpace space) { scene_.color.scene_space = space; }
+    [[nodiscard]] ColorSpace color_space() const { return scene_.color.scene_space; }
+    Status set_film(const std::string& type, SceneParameters parameters,
+                    const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
+    Status set_filter(const std::string& type, SceneParameters parameters,
+                      const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
+    Status set_sampler(const std::string& type, SceneParameters parameters,
+                       const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
+    Status set_integrator(const std::string& type, SceneParameters parameters,
+                          const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
+    /// `world_to_camera` as Transform::look_at gives it.
+    Status set_camera(const std::string& type, SceneParameters parameters, const Transform& world_to_camera,
+                      MediumHandle medium = {}, const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
+
+    Result<MaterialHandle> add_material(const std::string& type, SceneParameters parameters,
+                                        const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
+    Result<MaterialHandle> add_named_material(const SceneName& name, const std::string& type,
+                                              SceneParameters parameters,
+                                              const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
+    /// A material that is defined somewhere, perhaps later.
+    MaterialHandle material_named(const SceneName& name,
+                                  const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
+    Result<MediumHandle> add_medium(const SceneName& name, const std::string& type, SceneParameters parameters,
+                                    const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
+    /// A medium that has been added.
+    [[nodiscard]] Result<MediumHandle> medium_named(const SceneName& name,
+                                                    const SourceLocation& where = {__builtin_FILE(),
+                                                                                   __builtin_LINE()}) const;
+    /// `to_world` is what mappings other than uv stand in. Textures may use those before them; materials use any.
+    Status add_texture(const SceneName& name, TextureValue value, const std::string& type, SceneParameters parameters,
+                       const Transform& to_world = {},
+                       const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
+    Status add_light(const std::string& type, SceneParameters parameters, const Transform& to_world = {},
+                     const std::string& group = {}, const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
+    /// Makes all shapes that are placed with it emit.
+    Result<AreaLightHandle> add_area_light(const std::string& type, SceneParameters parameters,
+                                           const std::string& group = {},
+                                           const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
+    Status add_shape(const std::string& type, SceneParameters parameters, const ShapePlacement& placement = {},
+                     const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
+    Status add_mesh(const MeshData& mesh, const ShapePlacement& placement = {},
+                    const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
+
+    Result<ObjectHandle> add_object(const SceneName& name,
+                                    const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
+    /// An object that is defined somewhere, perhaps later.
+    ObjectHandle object_named(const SceneName& name,
+                              const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
+    Status add_instance(ObjectHandle object, const Transform& to_world = {},
+                        const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
+
+    /// What the scene's reader should hear of: SceneDescription::warnings.
+    void warn(Error warning) { scene_.warnings.push_back(std::move(warning)); }
+
+    /// Resolves names and hands over the scene; the builder is spent. Errors: a name that nothing has.
+    Result<SceneDescription> finish();
+
+  private:
+    struct Reference {
+        int index = -1;  ///< -1: by name
+        std::string name;
+        SourceLocation location;
+    };
+
+    // scene_builder.cpp
+    Status settings(SceneEntity& target, EntityKind kind, const std::string& type, SceneParameters parameters,
+                    const SourceLocation& where);
+    Result<SceneEntity> make_entity(const std::string& type, EntityKind kind, SceneParameters parameters,
+                                    const SourceLocation& where);
+    Result<ParameterSet> checked(const std::string& type, EntityKind kind, SceneParameters parameters,
+                                 const SourceLocation& where);
+    Status resolve_files(ParameterSet& set) const;
+    Status place(std::vector<SceneShape> shapes, const ShapePlacement& placement, const SourceLocation& where);
+    // scene_builder_names.cpp
+    Status resolve_materials();
+    Status resolve_objects();
+    Status check_textures() const;
+    Status check_shape(const SceneShape& shape) const;
+    [[nodiscard]] bool has_texture(const std::string& name, bool spectrum, bool any_kind, std::size_t before) const;
+    Error no_such_texture(const std::string& name, const SourceLocation& where, const char* kind) const;
+
+    SceneDescription scene_;
+    SearchPath search_;
+    ParameterChecker parameters_;
+    std::vector<Reference> material_references_, object_references_;
+    std::map<std::string, int> named_materials_, named_media_, named_objects_;
+    std::map<std::string, std::size_t> named_textures_[2];  // float, spectrum
+};
+
+}  // namespace raylex::transport
