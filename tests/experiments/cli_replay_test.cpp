@@ -11,8 +11,9 @@ namespace {
 
 std::string broken_scene() {
     std::string text = small_scene();
-    const std::string light = "\"rgb L\" [4 4 4]";
-    return text.replace(text.find(light), light.size(), "\"rgb L\" [1e30 1e30 1e30]");
+    // So near to the floor that its radiance there is beyond float.
+    const std::string light = "\"rgb I\" [3 3 3] \"point3 from\" [0 2 1]";
+    return text.replace(text.find(light), light.size(), "\"rgb I\" [3e38 3e38 3e38] \"point3 from\" [0 .4 1]");
 }
 
 }  // namespace
@@ -21,7 +22,7 @@ TEST_CASE("refused samples come with the command that replays them", "[law6]") {
     const Folder folder;
     folder.write("it's.pbrt", broken_scene());
     const Outcome outcome =
-        run_raylex(folder, "render \"it's.pbrt\" -o a.exr --seed 7 --lpe seen=CL --aov invalidSamples --stats s.json");
+        run_raylex(folder, "render \"it's.pbrt\" -o a.exr --seed 7 --lpe lit=CDL --aov invalidSamples --stats s.json");
     CAPTURE(outcome.err);
     REQUIRE(outcome.code == 0);
     CHECK(outcome.err.find("The first: pixel (") != std::string::npos);

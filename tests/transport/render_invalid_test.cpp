@@ -11,16 +11,17 @@ display::ChannelDefinition invalid_aov(const std::string& name) {
     return channel;
 }
 
-/// A quad of 1e30 before a black nothing: whatever a camera ray hits is refused.
+/// A nearly black quad under a light whose radiance there is beyond float: whatever a camera ray hits is refused. The
+/// frame buffer's sums take any float, so that no emission alone is refused.
 transport::SceneDescription broken_scene() {
     return scene_of(film + R"(
-Integrator "path" "integer maxdepth" 2
+Integrator "path" "integer maxdepth" 1
 LookAt 0 0 4  0 0 0  0 1 0
 Camera "perspective" "float fov" 39
 WorldBegin
-LightSource "infinite" "rgb L" [0.25 0.25 0.25]
-AreaLightSource "diffuse" "rgb L" [1e30 1e30 1e30]
-Material "diffuse" "rgb reflectance" [0 0 0]
+LightSource "infinite" "rgb L" [1e20 1e20 1e20]
+LightSource "point" "rgb I" [3e38 3e38 3e38] "point3 from" [-0.08 0.13 0.05]
+Material "diffuse" "rgb reflectance" [1e-7 1e-7 1e-7]
 Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-0.53 -0.31 0 0.37 -0.31 0 0.37 0.57 0 -0.53 0.57 0]
 )");
 }
@@ -39,7 +40,7 @@ TEST_CASE("refused contributions are counted at the very pixels that have them, 
     const auto scene = broken_scene();
     transport::RenderSettings settings;
     settings.samples_per_pixel = 20;  // a whole block and a part of one
-    settings.channels = {lpe_channel("seen", "CL"), lpe_channel("sky", "CB"), invalid_aov("invalidSamples"),
+    settings.channels = {lpe_channel("lit", "C<RD>L"), lpe_channel("sky", "CB"), invalid_aov("invalidSamples"),
                          invalid_aov("a")};
     settings.threads = 1;
     const auto one = render_broken(scene, settings);
@@ -53,7 +54,7 @@ TEST_CASE("refused contributions are counted at the very pixels that have them, 
     for (std::size_t i = 0; i < counts.size(); ++i) {
         // Box filter: alpha is the share of the 20 samples that hit the quad, and each of these is refused once.
         CHECK(counts[i] == Approx(20 * alpha[i]).margin(1e-9));
-        CHECK(light[3 * i] == Approx(0.25 * (1 - alpha[i])).margin(1e-6));
+        CHECK(light[3 * i] == Approx(1e20 * (1 - alpha[i])).margin(1e14));  // the quad scatters 1e-7 of the sky
         partial += counts[i] > 0 && counts[i] < 20 ? 1 : 0;
         total += counts[i];
     }

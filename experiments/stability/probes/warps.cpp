@@ -109,7 +109,7 @@ const Warp warps[] = {
          const auto flight =
              transport::sample_free_flight(medium, transport::Rgb(1), std::numeric_limits<Real>::infinity(), u);
          // -ln 2^-24 = 16.6 mean free paths is the longest that 24 bits make.
-         return Drawn{beyond(double(flight.distance) * double(sigma), 0, 16.64), double(flight.weight.r)};
+         return Drawn{beyond(double(flight.distance) * double(sigma), 0, 33.28), double(flight.weight.r)};
      }},
 };
 

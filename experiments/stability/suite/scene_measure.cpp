@@ -55,7 +55,7 @@ class SceneRenders {
     /// Of the channel that is asked for: [pixel][component].
     Result<std::vector<double>> render(std::uint64_t seed, CaseImage* image = nullptr) {
         settings_.seed = seed;
-        settings_.beauty = beauty_ || image != nullptr;
+        settings_.beauty = beauty_ || aov_ || image != nullptr;
         auto output = transport::render(*scene_, settings_, {}, &interrupt_flag());
         if (!output) return output.error();
         if (!output->complete) return error_at({}, "interrupted");
@@ -111,7 +111,8 @@ class SceneRenders {
         beauty_ = subject.channel == "beauty";
         if (beauty_) return success();
         auto aov = transport::named_channel(subject.channel, scene_->pattern_channels());
-        settings_.channels.push_back(aov ? *aov : expression_channel("asked", subject.channel));
+        aov_ = aov.ok();
+        settings_.channels.push_back(aov_ ? *aov : expression_channel("asked", subject.channel));
         return success();
     }
     static display::ChannelDefinition expression_channel(const std::string& name, const std::string& expression) {
@@ -127,6 +128,7 @@ class SceneRenders {
     std::uint64_t seeds_ = 1;
     int width_ = 0, height_ = 0, component_ = -1;
     bool beauty_ = true;
+    bool aov_ = false;  ///< rendered beside the beauty: some count what happens to it
 };
 
 /// Means of what independent seeds gave.
