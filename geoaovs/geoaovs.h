@@ -19,7 +19,8 @@ namespace raylex::geoaovs {
 /// and the near miss. Names are case-sensitive. Ci comes as the expression channel of all light.
 Result<display::ChannelDefinition> channel_definition(std::string_view name);
 
-/// The power of the scene's unit of length in a standard AOV's values: 1 of positions and depths, -1 of curvature, else 0.
+/// The power of the scene's unit of length in a standard AOV's values: 1 of positions and depths, -1 of curvature, else
+/// 0.
 int length_power(const display::ChannelDefinition& channel);
 std::vector<std::string> channel_names();
 

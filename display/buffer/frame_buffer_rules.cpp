@@ -104,11 +104,10 @@ void FrameBuffer::Storage::add_filtered(Channel& channel, std::size_t index, con
     if (run.splat != nullptr) return splat_values(channel, index, run, values);
     if (!channel.even_sum.empty()) add_halves(channel, index, table, run, values);
     const auto add = [&]<std::size_t count>() {
-        add_blocks<count>(
-            &channel.sum[run.pixel * count], run, exponents[index], index, [&](int first, int last) {
-                return weighted_sum<count>(values + static_cast<std::size_t>(first - run.begin) * count,
-                                           run.sum_weights(first), static_cast<std::size_t>(last - first));
-            });
+        add_blocks<count>(&channel.sum[run.pixel * count], run, exponents[index], index, [&](int first, int last) {
+            return weighted_sum<count>(values + static_cast<std::size_t>(first - run.begin) * count,
+                                       run.sum_weights(first), static_cast<std::size_t>(last - first));
+        });
         if (!channel.square_sum.empty()) add_moments<count>(channel, index, run, values);
     };
     if (components == 3) add.template operator()<3>();
@@ -141,16 +140,15 @@ void FrameBuffer::Storage::add_moments(Channel& channel, std::size_t index, cons
 void FrameBuffer::Storage::add_plain(Channel& channel, std::size_t index, const SampleTable& table, const Run& run) {
     const auto id = static_cast<ChannelId>(index);
     const auto add = [&]<std::size_t count>() {
-        add_blocks<count>(&channel.sum[run.pixel * count], run, exponents[index], index,
-                          [&](int first, int last) {
-                              std::array<double, count> sum{};
-                              run.for_each_row(first, last, [&](int row) {
-                                  if (!counts(table, id, row)) return;
-                                  for (std::size_t c = 0; c < count; ++c)
-                                      sum[c] += table.values(id)[static_cast<std::size_t>(row) * count + c];
-                              });
-                              return sum;
-                          });
+        add_blocks<count>(&channel.sum[run.pixel * count], run, exponents[index], index, [&](int first, int last) {
+            std::array<double, count> sum{};
+            run.for_each_row(first, last, [&](int row) {
+                if (!counts(table, id, row)) return;
+                for (std::size_t c = 0; c < count; ++c)
+                    sum[c] += table.values(id)[static_cast<std::size_t>(row) * count + c];
+            });
+            return sum;
+        });
     };
     if (channel.components == 3) add.template operator()<3>();
     else add.template operator()<1>();

@@ -59,8 +59,8 @@ void FrameBuffer::Storage::splat_values(Channel& channel, std::size_t index, con
         for (std::size_t i = 0; i < run.splat->count; ++i)
             for (std::size_t c = 0; c < components; ++c) sum[c] += w[i] * values[i * components + c];
         if (sum != std::array<double, 3>{})
-            add(channel.sum, run.splat->pixels[target] * components, sum.data(), channel.components,
-                exponents[index], index);
+            add(channel.sum, run.splat->pixels[target] * components, sum.data(), channel.components, exponents[index],
+                index);
     }
 }
 

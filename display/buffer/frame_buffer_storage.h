@@ -218,13 +218,13 @@ struct FrameBuffer::Storage {
         };
         std::array<Place, 3> places;
     };
-    std::vector<Accumulator> accumulators;           // those of channels that sets stand for come last
-    std::size_t own_accumulators = 0;                // the others
-    std::vector<Int128*> sum_of;                     // [channel] null where its rule keeps none
-    std::vector<int> exponents;                      // [channel] of its sums' quantum; the last entry for weight and alpha
-    Plane<std::uint64_t> samples;                    // [pixel]
-    Plane<Int128> weight, alpha;                     // [pixel] sums of weight, weight x alpha
-    Plane<Int128> weight_square;                     // [pixel] only when a channel keeps statistics
+    std::vector<Accumulator> accumulators;  // those of channels that sets stand for come last
+    std::size_t own_accumulators = 0;       // the others
+    std::vector<Int128*> sum_of;            // [channel] null where its rule keeps none
+    std::vector<int> exponents;             // [channel] of its sums' quantum; the last entry for weight and alpha
+    Plane<std::uint64_t> samples;           // [pixel]
+    Plane<Int128> weight, alpha;            // [pixel] sums of weight, weight x alpha
+    Plane<Int128> weight_square;            // [pixel] only when a channel keeps statistics
     Plane<std::uint64_t> even_samples, odd_samples;  // [pixel] only when a channel keeps half buffers
     Plane<Int128> even_weight, odd_weight;
     Plane<std::uint64_t> light_paths;                        // one number: how many the raster splats are of

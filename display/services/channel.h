@@ -69,7 +69,7 @@ struct ChannelDefinition {
     /// layer's own rule.
     ChannelId source = invalid_channel;
     Statistic statistic = Statistic::none;
-    float miss_value = 0.0f;                 ///< value of a sample to which nothing was written
+    float miss_value = 0.0f;  ///< value of a sample to which nothing was written
     /// Values are of the order of 2^scale_exponent: where the frame buffer's exact sums begin and end (frame_buffer.h).
     /// From -largest_scale_exponent to that; the same for all channels of style expression, and for a layer as for its
     /// source.

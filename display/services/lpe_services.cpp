@@ -60,8 +60,8 @@ Result<LpeSetup> LpeSetup::build(std::span<const ChannelDefinition> channels, Ch
     setup.beauty_ = beauty;
     for (const ChannelDefinition& channel : channels)
         if (channel.style == ChannelStyle::expression)
-            setup.largest_contribution_ = static_cast<float>(std::min(
-                std::ldexp(0x1p38, channel.scale_exponent), double(std::numeric_limits<float>::max())));
+            setup.largest_contribution_ = static_cast<float>(
+                std::min(std::ldexp(0x1p38, channel.scale_exponent), double(std::numeric_limits<float>::max())));
     const Result<std::vector<lpe::ChannelSource>> sources = collect_sources(channels, beauty, setup.channel_of_accept_);
     if (!sources) return sources.error();
     if (sources->empty()) return setup;

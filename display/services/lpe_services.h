@@ -138,9 +138,9 @@ class LpeSetup {
     std::vector<ChannelPrefixes> prefixes_;  // [program channel]
     std::vector<std::uint8_t> reach_;        // [table state] which channels can still accept; empty without holdouts
     float largest_contribution_ = 0x1p38f;
-    bool has_user_events_ = false;           // some expression may name one
-    bool prefixed_ = false;                  // some prefix changes what is splatted
-    bool wants_emitter_samples_ = false;     // some prefix changes nothing but by what an EmitterSample says
+    bool has_user_events_ = false;        // some expression may name one
+    bool prefixed_ = false;               // some prefix changes what is splatted
+    bool wants_emitter_samples_ = false;  // some prefix changes nothing but by what an EmitterSample says
     ChannelId needs_emitter_samples_ = invalid_channel, needs_light_samples_ = invalid_channel;
 };
 
@@ -178,7 +178,8 @@ class LpeServices {
 
     /// Adds `value` (radiance times throughput, filter weight not applied) to beauty and to every channel whose
     /// expression accepts the path; the terminal event must have been moved along. Non-finite values, and those beyond
-    /// LpeSetup::largest_contribution(), are rejected for beauty and splits alike, counted and logged in the table (Law 6).
+    /// LpeSetup::largest_contribution(), are rejected for beauty and splits alike, counted and logged in the table (Law
+    /// 6).
     void contribute(const Rgb& value, Technique technique, const Tracker& tracker);
     /// The same with what channels with prefixes take. A light sample that is blocked has a black value and is reported
     /// all the same. A channel that takes another value than beauty is checked for that value too, and with

@@ -177,10 +177,10 @@ class RenderRun {
     }
 
     void warn_of_invalid(const transport::RenderStatistics& statistics) {
-        std::string text =
-            std::to_string(statistics.invalid_samples) +
-            " contributions or values were not finite, or too large to be summed, and were left out of beauty and layers alike; the AOV "
-            "invalidSamples shows where, --stats lists the first ones";
+        std::string text = std::to_string(statistics.invalid_samples) +
+                           " contributions or values were not finite, or too large to be summed, and were left out of "
+                           "beauty and layers alike; the AOV "
+                           "invalidSamples shows where, --stats lists the first ones";
         if (!statistics.invalid_log.empty()) {
             const display::InvalidSample& first = statistics.invalid_log.front();
             text += ".\n  The first: pixel (" + std::to_string(first.pixel_x) + ", " + std::to_string(first.pixel_y) +

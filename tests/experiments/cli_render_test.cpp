@@ -39,8 +39,8 @@ TEST_CASE("a render writes a verified file, a preview and statistics") {
     CHECK(image->attributes["raylex/seed"] == "3");
     CHECK(image->attributes["raylex/samples_per_pixel"] == "4");
     for (const char* name : {"raylex/version", "raylex/revision", "raylex/command", "raylex/scene", "raylex/threads",
-                             "raylex/isa", "raylex/arithmetic", "raylex/integrator", "raylex/sampler", "raylex/filter", "raylex/compiler",
-                             "raylex/host", "raylex/time", "raylex/color_config"}) {
+                             "raylex/isa", "raylex/arithmetic", "raylex/integrator", "raylex/sampler", "raylex/filter",
+                             "raylex/compiler", "raylex/host", "raylex/time", "raylex/color_config"}) {
         CAPTURE(name);
         CHECK_FALSE(image->attributes[name].empty());
     }

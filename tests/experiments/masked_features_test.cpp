@@ -28,7 +28,8 @@ std::string libm_bits(const Folder& folder, const std::string& environment) {
 /// Glass, rough metal, three coats, an image in sRGB bytes and one of half floats, a sky that is an image, a spot, a
 /// sphere and a triangle light, rotations, a lens, and fog that throws light forward.
 const std::string world = R"(
-MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_a" [0.02 0.03 0.05] "rgb sigma_s" [0.05 0.04 0.03] "float g" 0.6
+MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_a" [0.02 0.03 0.05]
+    "rgb sigma_s" [0.05 0.04 0.03] "float g" 0.6
     "rgb Le" [0.01 0.02 0.03]
 LookAt 0.3 1.2 -4.1  0 0.4 0  0 1 0
 MediumInterface "" "fog"
@@ -57,7 +58,8 @@ AttributeBegin
   Shape "bilinearmesh" "point3 P" [-3 0 -3  3 0 -3  -3 0 3  3 0 3]
 AttributeEnd
 AttributeBegin
-  Material "conductor" "spectrum eta" "metal-Cu-eta" "spectrum k" "metal-Cu-k" "float uroughness" 0.05 "float vroughness" 0.3
+  Material "conductor" "spectrum eta" "metal-Cu-eta" "spectrum k" "metal-Cu-k" "float uroughness" 0.05
+    "float vroughness" 0.3
   Translate -0.8 0.45 0
   Rotate 71 0.3 1 0.2
   Shape "sphere" "float radius" 0.45 "float phimax" 300
@@ -86,7 +88,8 @@ AttributeBegin
 AttributeEnd
 AttributeBegin
   Material "diffuse" "texture reflectance" "halves"
-  Shape "trianglemesh" "point3 P" [-3 0 2  3 0 2  3 3 2  -3 3 2] "integer indices" [0 1 2 0 2 3] "point2 uv" [0 0 1 0 1 1 0 1]
+  Shape "trianglemesh" "point3 P" [-3 0 2  3 0 2  3 3 2  -3 3 2] "integer indices" [0 1 2 0 2 3]
+    "point2 uv" [0 0 1 0 1 1 0 1]
 AttributeEnd
 )";
 

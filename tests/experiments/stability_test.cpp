@@ -170,7 +170,8 @@ tolerance = "1e-6"
 
 TEST_CASE("another program's results stand beside these", "[stability][cli]") {
     const SceneFolder folder;
-    folder.write("held.toml", head + environment_case("vary.L = [1, 2]\nexpected = \"3.5*L/3\"\ntolerance = \"2 ulp\""));
+    folder.write("held.toml",
+                 head + environment_case("vary.L = [1, 2]\nexpected = \"3.5*L/3\"\ntolerance = \"2 ulp\""));
     // The program beside itself: the same bits, so that every difference would be a fault of the comparison.
     const Outcome both = run_shell(
         folder, "\"$RAYLEX\" stability held.toml -o out --beside \"$RAYLEX\" --scene room.pbrt --scene-spp 4");

@@ -219,8 +219,7 @@ TEST_CASE("what a light subpath begins with is its light over the density of bid
             const EmissionDensity density = scene.lights.emission_density(scene.geometry, s.from, s.direction);
             double radiated = 1;
             if (light.is_area()) radiated = std::abs(static_cast<double>(dot(s.from.target_normal, s.direction)));
-            else if (light.kind == LightKind::spot)
-                radiated = static_cast<double>(spot_falloff(light, s.direction));
+            else if (light.kind == LightKind::spot) radiated = static_cast<double>(spot_falloff(light, s.direction));
             for (int c = 0; c < 3; ++c) {
                 // Some thirty float operations in either direction, of directions that rounding turns by 2^-23: near
                 // the horizon, and near the cone's edge, that is much of what is left.

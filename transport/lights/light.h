@@ -50,8 +50,8 @@ inline Real spot_versine(const Light& light, const Vec3& direction) {
     return 0.5f * length_squared(direction - light.direction);
 }
 
-/// What a spot light sends into a unit direction, as a share of its intensity: a smoothstep of the cosine between the two
-/// angles.
+/// What a spot light sends into a unit direction, as a share of its intensity: a smoothstep of the cosine between the
+/// two angles.
 inline Real spot_falloff(const Light& light, const Vec3& direction) {
     const Real x = (light.versine_zero - spot_versine(light, direction)) / (light.versine_zero - light.versine_full);
     if (!(x > 0)) return 0;

@@ -68,7 +68,8 @@ EmissionDensity LightTable::emission_density(const EmbreeScene& geometry, const 
     }
     if (light.kind == LightKind::point) return {chosen, uniform_sphere_pdf()};
     if (light.kind == LightKind::spot)
-        return {chosen, spot_versine(light, direction) < light.versine_zero ? uniform_cone_pdf(light.versine_zero) : 0.0f};
+        return {chosen,
+                spot_versine(light, direction) < light.versine_zero ? uniform_cone_pdf(light.versine_zero) : 0.0f};
     const Real radius = covering_radius(geometry), across = 1 / (pi * radius * radius);
     if (light.kind == LightKind::distant) return {chosen, across};
     return {environment_density(LightChoice::light_sampling, at.light, -direction), across};
