@@ -28,6 +28,11 @@ Measured same_bits(const SceneUnderTest& test, const Result<RenderOutput>& other
     return {true, std::max(difference(*test.output, *other), 1e-300), 0, "relative difference of the images"};
 }
 
+/// What sums of light in the frame buffer are multiples of: 2^-80, unless the scene's lights are beyond 2^20 either way.
+double quantum_of(const transport::RenderOutput& output) {
+    return std::ldexp(0x1p-80, output.frame_buffer.channels().front().scale_exponent);
+}
+
 /// The image of another scene, which must be the same.
 Measured same_image(const SceneUnderTest& test, const SceneDescription& scene, double bound, double factor = 1) {
     const auto other = transport::render(scene, test.settings);
@@ -45,8 +50,9 @@ Measured same_image(const SceneUnderTest& test, const SceneDescription& scene, d
             largest = std::max(largest, std::abs(b[i]));
             apart = std::max(apart, std::abs(a[i] * factor - b[i]));
         }
-        // The frame buffer's quantum of 2^-80, of each of a million splats at most and times the factor.
-        if (apart > 0x1p-60 * std::max(factor, 1.0)) result.value = std::max(result.value, apart / largest);
+        // The frame buffer's quantum, of each of a million splats at most.
+        const double rounding = 0x1p20 * std::max(quantum_of(*test.output) * factor, quantum_of(*other));
+        if (apart > rounding) result.value = std::max(result.value, apart / largest);
     }
     return result;
 }
@@ -98,7 +104,7 @@ Measured split_sum(const SceneUnderTest& test) {
     Measured result{true, 0, 1e-12, "|sum of layers - beauty| over their sizes (Law 1)"};
     for (std::size_t k = 0; k < sum.size(); ++k) {
         const double apart = std::abs(sum[k] - beauty[k]), whole = std::max(size[k] + std::abs(beauty[k]), least);
-        if (apart > 0x1p-70) result.value = std::max(result.value, apart / whole);
+        if (apart > 0x1p10 * quantum_of(*test.output)) result.value = std::max(result.value, apart / whole);
     }
     return result;
 }

@@ -12,7 +12,6 @@
 
 #include "transport/geometry/placed_mesh.h"
 #include "transport/geometry/scene_limits.h"
-#include "transport/geometry/triangle_hit.h"
 
 namespace raylex::transport {
 namespace {
@@ -66,21 +65,9 @@ void bound_user_shape(const RTCBoundsFunctionArguments* args) {
     *args->bounds_o = outward(lower, upper);
 }
 
-struct Interval {
-    double lower, upper;
-};
-
-/// A patch or quadric: what is not Embree's own.
-bool intersect_shape(const ShapeGeometry& shape, unsigned primitive, const DVec3& origin, const DVec3& direction,
-                     const Interval& range, double& t, double& u, double& v) {
-    if (shape.kind == ShapeKind::bilinear_mesh)
-        return shape.patch(primitive).intersect(origin, direction, range.lower, range.upper, t, u, v);
-    return shape.quadric.intersect(origin, direction, range.lower, range.upper, t, u, v);
-}
-
 bool intersect_user_shape(const ShapeGeometry& shape, unsigned primitive, const RTCRay& ray, double& t, double& u,
                           double& v) {
-    return intersect_shape(shape, primitive, {ray.org_x, ray.org_y, ray.org_z}, {ray.dir_x, ray.dir_y, ray.dir_z},
+    return shape.intersect(primitive, {ray.org_x, ray.org_y, ray.org_z}, {ray.dir_x, ray.dir_y, ray.dir_z},
                            {ray.tnear, ray.tfar}, t, u, v);
 }
 
@@ -443,60 +430,11 @@ void EmbreeScene::intersect(std::span<const Ray> rays, std::span<Hit> hits) cons
         rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
         rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
         rtcIntersect1(device_->scene, &context, &rayhit);
-        hit = {rayhit.ray.tfar,   rayhit.hit.u, rayhit.hit.v, rayhit.hit.geomID,  // Embree's invalid id is Hit::none
-               rayhit.hit.primID, Hit::none,    rays[i].time, rays[i].cone};
-        finish_hit(rays[i], rayhit.hit.instID[0], hit);
+        hit = {rayhit.ray.tfar,   rayhit.hit.u,         rayhit.hit.v, rayhit.hit.geomID,  // no hit: Hit::none
+               rayhit.hit.primID, rayhit.hit.instID[0], rays[i].time, rays[i].cone};
     }
-}
-
-/// How far from where it should be a point may come to lie by rounding, in the space of its shape's vertices: 4 units
-/// in the last place, where the shape stands and, of an instance, in the world.
-double EmbreeScene::rounding_at(const Hit& hit, const DVec3& point) const {
-    double reach = std::max({std::abs(point.x), std::abs(point.y), std::abs(point.z)});
-    if (hit.instance != Hit::none) {
-        const Placement& placement = instances_[hit.instance].placement;
-        const DVec3 world = placement.to_world.point(point);
-        for (const auto& row : placement.to_object.m)
-            reach += std::abs(row[0] * world.x) + std::abs(row[1] * world.y) + std::abs(row[2] * world.z);
-    }
-    return 0x1p-21 * reach;
-}
-
-/// What Embree calls by its own numbers is called by ours, and where the ray meets it is computed anew, from the ray
-/// and the primitive alone. What is left of Embree in an image is which primitive was hit.
-void EmbreeScene::finish_hit(const Ray& ray, std::uint32_t instance, Hit& hit) const {
-    if (!hit.valid()) return;
-    DVec3 origin(ray.origin), direction(ray.direction);
-    if (instance != RTC_INVALID_GEOMETRY_ID) {
-        hit.instance = instance - static_cast<std::uint32_t>(top_level_shapes_);
-        const ShapeInstance& placed = instances_[hit.instance];
-        hit.shape += placed.first_shape;
-        origin = placed.placement.to_object.point(origin);
-        direction = placed.placement.to_object.vector(direction);
-    }
-    const ShapeGeometry& shape = shapes_[hit.shape];
-    if (shape.kind == ShapeKind::triangle_mesh) {
-        const std::uint32_t* index = shape.indices + 3 * static_cast<std::size_t>(hit.primitive);
-        const DVec3 p0(shape.positions[index[0]]), p1(shape.positions[index[1]]), p2(shape.positions[index[2]]);
-        TriangleHit found = meet_triangle(origin, direction, p0, p1, p2);
-        keep_off_edges(found, p0, p1, p2, [&, at = found] {
-            // What single precision does to the point, and to its weights.
-            return rounding_at(hit, p0 + (p1 - p0) * at.u + (p2 - p0) * at.v) +
-                   0x1p-23 * (length(p1 - p0) + length(p2 - p0));
-        });
-        hit.t = std::clamp(static_cast<Real>(found.t), Real(std::numeric_limits<float>::min()), ray.t_max);
-        hit.u = static_cast<Real>(found.u);
-        hit.v = static_cast<Real>(found.v);
-    } else if (hit.instance != Hit::none || real_is_double) {
-        // At the top level in float this is what Embree's callback did, of the same numbers.
-        double t, u, v;
-        if (intersect_shape(shape, hit.primitive, origin, direction, {0, ray.t_max}, t, u, v)) {
-            hit.t = static_cast<Real>(t);
-            hit.u = static_cast<Real>(u);
-            hit.v = static_cast<Real>(v);
-        }
-    }
-    hit.cone = ray.cone.after(hit.t);
+    // A loop of its own, so that the processor has several hits in hand at a time.
+    for (std::size_t i = 0; i < rays.size(); ++i) finish_hit(rays[i], hits[i]);
 }
 
 void EmbreeScene::intersect_alpha(const Ray& ray, Hit& hit) const {
@@ -511,9 +449,9 @@ void EmbreeScene::intersect_alpha(const Ray& ray, Hit& hit) const {
     rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(device_->scene, &context, &rayhit);
-    hit = {rayhit.ray.tfar,   rayhit.hit.u, rayhit.hit.v, rayhit.hit.geomID,
-           rayhit.hit.primID, Hit::none,    ray.time,     ray.cone};
-    finish_hit(ray, rayhit.hit.instID[0], hit);
+    hit = {rayhit.ray.tfar,   rayhit.hit.u,         rayhit.hit.v, rayhit.hit.geomID,
+           rayhit.hit.primID, rayhit.hit.instID[0], ray.time,     ray.cone};
+    finish_hit(ray, hit);
 }
 
 void EmbreeScene::occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked) const {

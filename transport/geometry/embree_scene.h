@@ -51,6 +51,12 @@ struct ShapeGeometry {
     std::uint32_t first_light = Hit::none;        ///< set by the light table: the light of primitive 0
 
     [[nodiscard]] BilinearPatch patch(std::uint32_t primitive) const;
+    struct Interval {
+        double lower, upper;
+    };
+    /// Of a patch or quadric, which are not Embree's own: the nearest hit within `range` of distances.
+    bool intersect(unsigned primitive, const DVec3& origin, const DVec3& direction, const Interval& range, double& t,
+                   double& u, double& v) const;
     /// The largest coordinate.
     [[nodiscard]] double extent() const;
     /// How far from the origin rays to this shape may begin. For a triangle Embree multiplies the distance of the ray
@@ -173,7 +179,8 @@ class EmbreeScene {
     Status check_placements(const SceneDescription& scene, std::span<const Transform> instances, double extent);
     [[nodiscard]] bool traceable(const Ray& ray) const;
     [[nodiscard]] double rounding_at(const Hit& hit, const DVec3& point) const;
-    void finish_hit(const Ray& ray, std::uint32_t instance, Hit& hit) const;
+    /// `hit` has its numbers from Embree.
+    void finish_hit(const Ray& ray, Hit& hit) const;
     int label_index(const std::string& label);
     std::unique_ptr<Device> device_;
     std::vector<ShapeGeometry> shapes_;  // top level, then those of every object in turn

@@ -10,6 +10,7 @@ namespace raylex::experiments {
 std::span<const NamedProbe> elementary_probes();
 std::span<const NamedProbe> enclosure_probes();
 std::span<const NamedProbe> facet_probes();
+std::span<const NamedProbe> file_probes();
 std::span<const NamedProbe> geometry_probes();
 std::span<const NamedProbe> light_probes();
 std::span<const NamedProbe> media_probes();
