@@ -28,7 +28,8 @@ Measured same_bits(const SceneUnderTest& test, const Result<RenderOutput>& other
     return {true, std::max(difference(*test.output, *other), 1e-300), 0, "relative difference of the images"};
 }
 
-/// What sums of light in the frame buffer are multiples of: 2^-80, unless the scene's lights are beyond 2^20 either way.
+/// What sums of light in the frame buffer are multiples of: 2^-80, unless the scene's lights are beyond 2^20 either
+/// way.
 double quantum_of(const transport::RenderOutput& output) {
     return std::ldexp(0x1p-80, output.frame_buffer.channels().front().scale_exponent);
 }

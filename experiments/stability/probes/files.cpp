@@ -34,7 +34,9 @@ class Ramp final : public display::PixelImage {
     using display::PixelImage::resolve;
     using display::PixelImage::resolve_alpha;
     /// Steps that are no multiples of a half's last place.
-    [[nodiscard]] double value(int x) const { return static_cast<float>(from_ * (1 + (double(x) + 1.0 / 3) / ramp_pixels)); }
+    [[nodiscard]] double value(int x) const {
+        return static_cast<float>(from_ * (1 + (double(x) + 1.0 / 3) / ramp_pixels));
+    }
 
   private:
     double from_;
