@@ -116,9 +116,12 @@ class Worker {
         return text;
     }
     std::string answer(const std::string& request) {
-        const rlimit memory{memory_of_a_process, memory_of_a_process}, core{0, 0};
-        setrlimit(RLIMIT_AS, &memory);
+        const rlimit core{0, 0};
         setrlimit(RLIMIT_CORE, &core);
+#ifndef __SANITIZE_ADDRESS__  // which reserves terabytes of address space
+        const rlimit memory{memory_of_a_process, memory_of_a_process};
+        setrlimit(RLIMIT_AS, &memory);
+#endif
         Fields fields(request);
         std::string bytes;
         if (fields.text() == "scene") {
