@@ -1,80 +1,18 @@
-// Rays and surfaces: leaving without coming back, closed meshes without holes, hits where the closed form has them.
+// Rays and surfaces: leaving without coming back, hits where the closed form has them.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <utility>
 
+#include "experiments/stability/probes/geometry_support.h"
 #include "experiments/stability/probes/probes.h"
-#include "transport/geometry/embree_scene.h"
 #include "transport/lights/light.h"
-#include "transport/math/sampling.h"
 #include "transport/render/tiles.h"
-#include "transport/samplers/pixel_sampler.h"
 
 namespace raylex::experiments {
 namespace {
 
-using namespace transport;
-
-/// Reproducible uniform numbers.
-class Random {
-  public:
-    explicit Random(std::uint64_t seed) : state_(seed) {}
-    Real operator()() { return unit_float(mix_bits(state_ += 0x9e3779b97f4a7c15ull)); }
-    Real signed_unit() { return 2 * (*this)() - 1; }
-    Vec3 direction() { return sample_uniform_sphere({(*this)(), (*this)()}); }
-    Vec3 point(Real extent) { return {extent * signed_unit(), extent * signed_unit(), extent * signed_unit()}; }
-    std::size_t below(std::size_t n) { return std::min(n - 1, static_cast<std::size_t>((*this)() * Real(n))); }
-
-  private:
-    std::uint64_t state_;
-};
-
-Result<EmbreeScene> geometry_of(std::vector<SceneShape> shapes, const std::optional<Transform>& instance = {}) {
-    SceneDescription scene;
-    SceneEntity material;
-    material.type = "diffuse";
-    scene.materials.push_back(material);
-    for (SceneShape& shape : shapes) shape.material = 0;
-    if (instance) {
-        scene.objects.push_back({"object", std::move(shapes)});
-        SceneInstance placed;
-        placed.object = 0;
-        placed.to_world = *instance;
-        scene.instances.push_back(placed);
-    } else {
-        scene.shapes = std::move(shapes);
-    }
-    TextureTable textures;
-    return EmbreeScene::build(scene, textures, {});
-}
-
-struct Found {
-    Hit hit;
-    SurfacePoint point;
-    SurfaceSource source;
-};
-Found find(const EmbreeScene& scene, const Ray& ray) {
-    Found f;
-    scene.intersect({&ray, 1}, {&f.hit, 1});
-    if (f.hit.valid()) scene.surfaces({&ray, 1}, {&f.hit, 1}, {&f.point, 1}, {&f.source, 1});
-    return f;
-}
-Ray ray_from(const Vec3& origin, const Vec3& direction) {
-    Ray ray;
-    ray.origin = origin;
-    ray.direction = direction;
-    return ray;
-}
-Ray leaving(const Found& from, const Vec3& direction) {
-    return ray_from(offset_ray_origin(from.point.position, from.point.geometric_normal, from.source.offset, direction),
-                    direction);
-}
-
-StoredVec3 stored(const DVec3& p) {
-    return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
-}
+using namespace geometry_probe;
 
 /// 200 triangles of size `scale` around a point `away` times as far, two of whose edges are as 1 to `aspect`.
 SceneShape random_triangles(Random& random, Real scale, Real away, double aspect) {
@@ -137,208 +75,6 @@ Result<ProbeResult> rehits(const ProbeInput& input) {
     return result;
 }
 
-struct Mesh {
-    std::vector<DVec3> positions;
-    std::vector<std::array<std::uint32_t, 3>> faces;
-};
-
-Mesh icosphere(int levels) {
-    const double g = (1 + std::sqrt(5.0)) / 2;
-    Mesh m;
-    for (const auto& [a, b] : {std::pair{1.0, g}, std::pair{-1.0, g}, std::pair{1.0, -g}, std::pair{-1.0, -g}}) {
-        m.positions.push_back(normalize(DVec3(0, a, b)));
-        m.positions.push_back(normalize(DVec3(a, b, 0)));
-        m.positions.push_back(normalize(DVec3(b, 0, a)));
-    }
-    // Faces: all triples at the icosahedron's edge length, turned outwards.
-    const double edge = 4 / (1 + g * g) * 1.0001;
-    const auto close = [&](std::size_t i, std::size_t j) {
-        const DVec3 d = m.positions[i] - m.positions[j];
-        return dot(d, d) < edge;
-    };
-    for (std::uint32_t i = 0; i < 12; ++i)
-        for (std::uint32_t j = i + 1; j < 12; ++j)
-            for (std::uint32_t k = j + 1; k < 12; ++k) {
-                if (!close(i, j) || !close(j, k) || !close(i, k)) continue;
-                const DVec3 n = cross(m.positions[j] - m.positions[i], m.positions[k] - m.positions[i]);
-                if (dot(n, m.positions[i]) > 0) m.faces.push_back({i, j, k});
-                else m.faces.push_back({i, k, j});
-            }
-    for (int level = 0; level < levels; ++level) {
-        std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
-        std::vector<std::array<std::uint32_t, 3>> finer;
-        const auto middle = [&](std::uint32_t a, std::uint32_t b) {
-            const auto [found, is_new] =
-                middles.try_emplace({std::min(a, b), std::max(a, b)}, static_cast<std::uint32_t>(m.positions.size()));
-            if (is_new) m.positions.push_back(normalize(m.positions[a] + m.positions[b]));
-            return found->second;
-        };
-        for (const auto& [a, b, c] : m.faces) {
-            const std::uint32_t ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
-            for (const std::array<std::uint32_t, 3>& face :
-                 {std::array{a, ab, ca}, std::array{b, bc, ab}, std::array{c, ca, bc}, std::array{ab, bc, ca}})
-                finer.push_back(face);
-        }
-        m.faces = std::move(finer);
-    }
-    return m;
-}
-
-/// [-1, 1]^3. `fan`: the sides are cut into triangles around points `aspect` off a corner's edge: slivers.
-Mesh box(double aspect) {
-    Mesh m;
-    for (int i = 0; i < 8; ++i) m.positions.push_back({i & 1 ? 1.0 : -1.0, i & 2 ? 1.0 : -1.0, i & 4 ? 1.0 : -1.0});
-    const std::array<std::array<std::uint32_t, 4>, 6> sides{
-        {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}};
-    for (const auto& side : sides) {
-        if (aspect >= 1) {
-            m.faces.push_back({side[0], side[1], side[2]});
-            m.faces.push_back({side[0], side[2], side[3]});
-            continue;
-        }
-        const DVec3 &a = m.positions[side[0]], &b = m.positions[side[1]], &c = m.positions[side[2]];
-        const auto inner = static_cast<std::uint32_t>(m.positions.size());
-        m.positions.push_back((a + b) * 0.5 + (c - b) * aspect);
-        for (std::size_t k = 0; k < 4; ++k) m.faces.push_back({side[k], side[(k + 1) % 4], inner});
-    }
-    return m;
-}
-
-Result<Mesh> mesh_named(const ProbeInput& input) {
-    const std::string name = input.word("mesh");
-    if (name == "icosphere") return icosphere(static_cast<int>(input.number("levels", 3)));
-    if (name == "box") return box(1);
-    if (name == "slivers") return box(input.number("aspect", 1e-6));
-    return error_at(input.where(), "unknown mesh '" + name + "'; expected icosphere, box or slivers");
-}
-
-/// Turned, so that no edge is along an axis, and rounded.
-SceneShape shape_of(const Mesh& mesh, double scale, const DVec3& center) {
-    const Transform turn = Transform::rotate(17, 1, 2, 3);
-    SceneShape shape;
-    for (const DVec3& p : mesh.positions)
-        shape.positions.push_back(stored(center + DVec3(turn.point_in_double({p.x, p.y, p.z})) * scale));
-    for (const auto& face : mesh.faces) shape.indices.insert(shape.indices.end(), face.begin(), face.end());
-    return shape;
-}
-
-/// A point of an edge, a corner in one case of four, as exactly as a float holds it.
-DVec3 edge_point(Random& random, const SceneShape& shape) {
-    const std::size_t face = 3 * random.below(shape.indices.size() / 3), k = random.below(3);
-    const DVec3 a(Vec3(shape.positions[shape.indices[face + k]])),
-        b(Vec3(shape.positions[shape.indices[face + (k + 1) % 3]]));
-    const Real s = random() < 0.25f ? Real(0) : random();
-    return a * (1 - s) + b * s;
-}
-
-/// Row 4. Rays at the edges and corners of a closed convex mesh that do not meet it.
-Result<ProbeResult> escapes(const ProbeInput& input) {
-    const double scale = input.number("scale", 1);
-    const auto rays = static_cast<std::uint64_t>(input.number("rays", 1e5));
-    const bool inside = input.number("inside", 1) != 0, aimed = input.number("aimed", 1) != 0;
-    const auto mesh = mesh_named(input);
-    if (!mesh) return mesh.error();
-    Random random(static_cast<std::uint64_t>(input.number("seed", 6)));
-    const DVec3 center = DVec3(random.point(1)) * (scale * input.number("away", 0));
-    const SceneShape shape = shape_of(*mesh, scale, center);
-    const auto built = geometry_of({shape});
-    if (!built) return built.error();
-    constexpr std::size_t batch = 256;
-    std::vector<Ray> all(batch);
-    std::vector<Hit> hits(batch);
-    std::uint64_t missed = 0;
-    for (std::uint64_t done = 0; done < rays; done += batch) {
-        for (Ray& ray : all) {
-            const DVec3 within = center + DVec3(random.point(Real(0.4))) * scale,
-                        target = aimed ? edge_point(random, shape) : within + DVec3(random.direction()) * scale;
-            const DVec3 line = normalize(target - within);
-            // From outside: through the target into the mesh, from as far behind it again.
-            ray = ray_from((inside ? within : target + line * scale).to_real(), (inside ? line : line * -1).to_real());
-        }
-        built->intersect(all, hits);
-        const std::size_t count = std::min<std::uint64_t>(batch, rays - done);
-        for (std::size_t i = 0; i < count; ++i) missed += !hits[i].valid();
-    }
-    ProbeResult result;
-    result.measured = static_cast<double>(missed);
-    result.expected = 0;
-    result.note = std::to_string(rays) + " rays";
-    return result;
-}
-
-/// Rows 1, 4. Diffuse bounces in a closed mesh after which the ray is outside, or meets nothing.
-Result<ProbeResult> bounce_leaks(const ProbeInput& input) {
-    const double scale = input.number("scale", 1);
-    const auto bounces = static_cast<std::uint64_t>(input.number("bounces", 1e5));
-    const auto mesh = mesh_named(input);
-    if (!mesh) return mesh.error();
-    Random random(static_cast<std::uint64_t>(input.number("seed", 7)));
-    const DVec3 center = DVec3(random.point(1)) * (scale * input.number("away", 0));
-    const SceneShape shape = shape_of(*mesh, scale, center);
-    std::optional<Transform> place;
-    if (input.number("instanced", 0) != 0) place = Transform::rotate(50, 3, 1, 2);
-    const auto built = geometry_of({shape}, place);
-    if (!built) return built.error();
-    const DVec3 middle = place ? DVec3(place->point_in_double({center.x, center.y, center.z})) : center;
-    const auto start = [&] { return ray_from(middle.to_real(), random.direction()); };
-    Ray ray = start();
-    std::uint64_t leaks = 0;
-    for (std::uint64_t i = 0; i < bounces; ++i) {
-        const Found f = find(*built, ray);
-        // The meshes' faces are turned outwards: a hit against their normal is one from outside.
-        if (!f.hit.valid() || dot(f.point.geometric_normal, ray.direction) < 0) {
-            ++leaks;
-            ray = start();
-            continue;
-        }
-        const Frame frame = Frame::from_normal(-f.point.geometric_normal);
-        ray = leaving(f, normalize(frame.to_world(sample_cosine_hemisphere({random(), random()}))));
-    }
-    ProbeResult result;
-    result.measured = static_cast<double>(leaks);
-    result.expected = 0;
-    result.note = std::to_string(bounces) + " bounces";
-    return result;
-}
-
-/// Row 5. Lines through closed meshes inside one another that do not go in and out by turns.
-Result<ProbeResult> parity(const ProbeInput& input) {
-    const auto lines = static_cast<std::uint64_t>(input.number("lines", 2e4));
-    const bool at_edges = input.number("edges", 0) != 0;
-    const auto mesh = mesh_named(input);
-    if (!mesh) return mesh.error();
-    Random random(5);
-    const DVec3 center = DVec3(random.point(1)) * input.number("away", 0);
-    std::vector<SceneShape> shells;
-    for (const double size : {1.0, 0.7, 0.49}) shells.push_back(shape_of(*mesh, size, center));
-    const auto built = geometry_of(shells);
-    if (!built) return built.error();
-    std::uint64_t broken = 0;
-    for (std::uint64_t i = 0; i < lines; ++i) {
-        const DVec3 target =
-            at_edges ? edge_point(random, shells[random.below(3)]) : center + DVec3(random.point(Real(0.9)));
-        const Vec3 direction = random.direction();
-        Ray ray = ray_from((target - DVec3(direction) * 4).to_real(), direction);
-        std::array<int, 3> depth{};
-        bool wrong = false;
-        for (int k = 0; k < 16 && !wrong; ++k) {
-            const Found f = find(*built, ray);
-            if (!f.hit.valid()) break;
-            int& in = depth[f.hit.shape];
-            in += dot(f.point.geometric_normal, direction) < 0 ? 1 : -1;
-            wrong = in < 0 || in > 1;
-            ray = leaving(f, direction);
-        }
-        wrong = wrong || depth != std::array<int, 3>{};
-        broken += wrong;
-    }
-    ProbeResult result;
-    result.measured = static_cast<double>(broken);
-    result.expected = 0;
-    result.note = std::to_string(lines) + " lines";
-    return result;
-}
-
 /// Row 2. Of rays that leave the lower of two planes, those that the upper does not catch.
 Result<ProbeResult> gap_leaks(const ProbeInput& input) {
     const double gap = input.number("gap");  // of the planes' distance from the origin
@@ -373,10 +109,7 @@ Result<ProbeResult> gap_leaks(const ProbeInput& input) {
         const Found g = find(*built, leaving(f, d.to_real()));
         leaks += !g.hit.valid() || g.hit.shape != 1;
     }
-    ProbeResult result;
-    result.measured = static_cast<double>(leaks);
-    result.expected = 0;
-    return result;
+    return never(leaks);
 }
 
 /// Row 3. Shadow rays between two facing emitters that are taken for blocked.
@@ -420,10 +153,7 @@ Result<ProbeResult> emitters_blocked(const ProbeInput& input) {
         built->occluded({&ray, 1}, {&blocked, 1});
         blocked_count += blocked;
     }
-    ProbeResult result;
-    result.measured = static_cast<double>(blocked_count);
-    result.expected = 0;
-    return result;
+    return never(blocked_count);
 }
 
 SceneShape unit_sphere() {
@@ -464,11 +194,7 @@ Result<ProbeResult> sphere_hits(const ProbeInput& input) {
         const Long error = std::abs(Long(f.hit.t) - t);
         wrong += f.hit.valid() != (t > 0) || (t > 0 && !(error <= Long(0x1p-23) * t));
     }
-    ProbeResult result;
-    result.measured = static_cast<double>(wrong);
-    result.expected = 0;
-    result.note = std::to_string(met) + " of " + std::to_string(rays) + " met it";
-    return result;
+    return never(wrong, std::to_string(met) + " of " + std::to_string(rays) + " met it");
 }
 
 /// Row 53. How far the points and normals that a camera at a distance sees of a unit sphere lie from its surface, in
@@ -515,10 +241,7 @@ Result<ProbeResult> film_indices(const ProbeInput& input) {
         const auto [known, is_new] = seen.try_emplace(tile, held.x0, held.y0);
         wrong += known->second != std::pair(held.x0, held.y0);
     }
-    ProbeResult result;
-    result.measured = static_cast<double>(wrong);
-    result.expected = 0;
-    return result;
+    return never(wrong);
 }
 
 /// Row 8. Rays through a quadrilateral that is tiled by a fan of slivers, and do not meet it.
@@ -553,12 +276,8 @@ Result<ProbeResult> sliver_holes(const ProbeInput& input) {
         holes += !f.hit.valid();
         if (f.hit.valid()) broken += !is_finite(f.point.geometric_normal) || !(f.source.offset < Real(0.1));
     }
-    ProbeResult result;
-    result.measured = static_cast<double>(holes + broken);
-    result.expected = 0;
-    result.note =
-        std::to_string(holes) + " holes, " + std::to_string(broken) + " without a normal or with a far offset";
-    return result;
+    return never(holes + broken, std::to_string(holes) + " holes, " + std::to_string(broken) +
+                                     " without a normal or with a far offset");
 }
 
 }  // namespace
@@ -569,18 +288,6 @@ std::span<const NamedProbe> geometry_probes() {
          "rays that leave a triangle and find it again; scale, away (scales), aspect, sine (to the plane, 0 any), "
          "instanced, rays",
          rehits},
-        {"escapes",
-         "rays at edges and corners of a closed mesh (aimed = 0: in any direction) that miss it; mesh (icosphere, box, "
-         "slivers), levels, aspect, scale, away (scales), inside, aimed, seed, rays",
-         escapes},
-        {"bounce_leaks",
-         "diffuse bounces in a closed mesh that end outside; mesh, levels, aspect, scale, away (scales), instanced, "
-         "seed, bounces",
-         bounce_leaks},
-        {"parity",
-         "lines through three closed meshes inside one another that do not go in and out by turns; mesh, levels, "
-         "aspect, away, edges, lines",
-         parity},
         {"gap_leaks",
          "rays between two planes that the other does not catch; gap (of their distance to the origin), degrees, rays",
          gap_leaks},

@@ -7,6 +7,7 @@
 
 namespace raylex::experiments {
 
+std::span<const NamedProbe> closed_mesh_probes();
 std::span<const NamedProbe> elementary_probes();
 std::span<const NamedProbe> enclosure_probes();
 std::span<const NamedProbe> facet_probes();
