@@ -293,105 +293,124 @@ Status EmbreeScene::check_placements(const SceneDescription& scene, std::span<co
     return success();
 }
 
-Result<EmbreeScene> EmbreeScene::build(const SceneDescription& scene, TextureTable& textures, const Options& options) {
+/// The widest instruction set that is there and Embree starts with, or the one that is asked for.
+Status EmbreeScene::start_device(const Options& options) {
     static const std::vector<std::string> known = {"sse2", "sse4.2", "avx", "avx2", "avx512"};
     if (!options.isa.empty() && std::find(known.begin(), known.end(), options.isa) == known.end())
         return error_at({"--isa", 0, 0},
                         "unknown instruction set '" + options.isa + "'; expected sse2, sse4.2, avx, avx2 or avx512",
                         nearest_name(options.isa, known));
-    EmbreeScene result;
-    result.space_ = options.space;
-    result.device_ = std::make_unique<Device>();
-    Device& device = *result.device_;
+    device_ = std::make_unique<Device>();
     // What Embree would choose by itself is asked for by name, so that the name on record gives the same bits later.
     for (const std::string& isa : options.isa.empty() ? supported_instruction_sets() : std::vector{options.isa}) {
         std::string config = "set_affinity=0,isa=" + isa;
         if (options.threads > 0) config += ",threads=" + std::to_string(options.threads);
-        result.isa_ = isa;
-        device.device = rtcNewDevice(config.c_str());
-        if (device.device) break;
+        isa_ = isa;
+        device_->device = rtcNewDevice(config.c_str());
+        if (device_->device) break;
     }
-    if (!device.device)
+    if (!device_->device)
         return error_at({}, "Embree could not be started (error " + std::to_string(rtcGetDeviceError(nullptr)) +
-                                "); does this machine offer the instruction set '" + result.isa_ + "'?");
-    rtcSetDeviceErrorFunction(device.device, report_error, &device.log);
+                                "); does this machine offer the instruction set '" + isa_ + "'?");
+    rtcSetDeviceErrorFunction(device_->device, report_error, &device_->log);
+    return success();
+}
 
+/// All shapes, top level first; what objects are made of gets `objects`.
+Status EmbreeScene::add_shapes(const SceneDescription& scene, TextureTable& textures,
+                               std::vector<PlacedObject>& objects) {
     std::size_t total = scene.shapes.size();
     for (const SceneObject& object : scene.objects) total += object.shapes.size();
-    result.shapes_.reserve(total);  // addresses are handed to Embree below
-    result.top_level_shapes_ = scene.shapes.size();
+    shapes_.reserve(total);  // addresses are handed to Embree by attach()
+    top_level_shapes_ = scene.shapes.size();
     for (const SceneShape& shape : scene.shapes)
-        if (Status s = result.add_shape(shape, options.space.placed(shape.object_to_world), scene, textures, false); !s)
-            return s.error();
-    std::vector<std::uint32_t> first_shape;
-    std::vector<DVec3> pivots;
+        if (Status s = add_shape(shape, space_.placed(shape.object_to_world), scene, textures, false); !s) return s;
     for (const SceneObject& object : scene.objects) {
-        first_shape.push_back(static_cast<std::uint32_t>(result.shapes_.size()));
-        const RenderSpace around{pivots.emplace_back(pivot_of(object))};
+        const RenderSpace around{pivot_of(object)};
+        objects.push_back({static_cast<std::uint32_t>(shapes_.size()), around.origin});
         for (const SceneShape& shape : object.shapes)
-            if (Status s = result.add_shape(shape, around.placed(shape.object_to_world), scene, textures, true); !s)
-                return s.error();
+            if (Status s = add_shape(shape, around.placed(shape.object_to_world), scene, textures, true); !s) return s;
     }
+    return success();
+}
 
-    const auto attach = [&](RTCScene target, std::size_t first, std::size_t count) {
-        for (std::size_t i = 0; i < count; ++i) {
-            RTCGeometry geometry = device.geometries[first + i];
-            if (!geometry) continue;
-            const ShapeGeometry& shape = result.shapes_[first + i];
-            if (shape.kind != ShapeKind::triangle_mesh) {
-                device.users.push_back(
-                    std::make_unique<UserShape>(UserShape{&shape, shape.alpha >= 0 ? alpha_mask : opaque_mask}));
-                rtcSetGeometryUserData(geometry, device.users.back().get());
-            }
-            rtcCommitGeometry(geometry);
-            rtcAttachGeometryByID(target, geometry, static_cast<unsigned>(i));
+/// Shapes [first, first + count), numbered from 0 in `target`.
+void EmbreeScene::attach(RTCSceneTy* target, std::size_t first, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+        RTCGeometry geometry = device_->geometries[first + i];
+        if (!geometry) continue;
+        const ShapeGeometry& shape = shapes_[first + i];
+        if (shape.kind != ShapeKind::triangle_mesh) {
+            device_->users.push_back(
+                std::make_unique<UserShape>(UserShape{&shape, shape.alpha >= 0 ? alpha_mask : opaque_mask}));
+            rtcSetGeometryUserData(geometry, device_->users.back().get());
         }
-    };
-    device.scene = device.new_scene();
-    attach(device.scene, 0, result.top_level_shapes_);
-    for (std::size_t k = 0; k < scene.objects.size(); ++k) {
-        device.objects.push_back(device.new_scene());
-        attach(device.objects.back(), first_shape[k], scene.objects[k].shapes.size());
-        rtcCommitScene(device.objects.back());
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometryByID(target, geometry, static_cast<unsigned>(i));
     }
-    double extent = extent_without_shapes(scene, options.space);
-    for (std::size_t i = 0; i < result.top_level_shapes_; ++i) extent = std::max(extent, result.shapes_[i].extent());
+}
+
+/// After those before it; `surfaces` counts the shapes of all.
+Status EmbreeScene::add_instance(const SceneDescription& scene, std::span<const PlacedObject> objects,
+                                 const SceneInstance& instance, const Transform& placement, std::uint64_t& surfaces) {
+    if (instance.object < 0 || static_cast<std::size_t>(instance.object) >= objects.size())
+        return error_at(instance.location, "instance of an object that is not defined");
+    if (!instance.to_world.invertible()) return error_at(instance.location, "the instance's transform has no inverse");
+    const auto object = static_cast<std::size_t>(instance.object);
+    ShapeInstance placed{Placement(placement), objects[object].first_shape,
+                         instance.label.empty() ? -1 : label_index(instance.label), instance.holdout,
+                         static_cast<std::uint32_t>(surfaces)};
+    surfaces += scene.objects[object].shapes.size();
+    if (surfaces > most_surfaces)
+        return error_at(instance.location, "the instances hold more than " + std::to_string(most_surfaces) +
+                                               " shapes; expected no more in a scene");
+    has_holdouts_ = has_holdouts_ || instance.holdout.value_or(false);
+    RTCGeometry geometry = rtcNewGeometry(device_->device, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(geometry, device_->objects[object]);
+    float columns[12];
+    for (std::size_t c = 0; c < 4; ++c)
+        for (std::size_t r = 0; r < 3; ++r) columns[3 * c + r] = static_cast<float>(placed.placement.to_world.m[r][c]);
+    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
+    rtcSetGeometryMask(geometry, any_mask);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(device_->scene, geometry, static_cast<unsigned>(top_level_shapes_ + instances_.size()));
+    rtcReleaseGeometry(geometry);
+    instances_.push_back(placed);
+    return success();
+}
+
+/// Where they stand is checked before any is made.
+Status EmbreeScene::add_instances(const SceneDescription& scene, std::span<const PlacedObject> objects) {
+    double extent = extent_without_shapes(scene, space_);
+    for (std::size_t i = 0; i < top_level_shapes_; ++i) extent = std::max(extent, shapes_[i].extent());
     std::vector<Transform> placements;
     for (const SceneInstance& instance : scene.instances) {
         const auto object = static_cast<std::size_t>(instance.object);
-        const bool defined = instance.object >= 0 && object < pivots.size();
-        placements.push_back(options.space.placed(instance.to_world, defined ? pivots[object] : DVec3()));
+        const bool defined = instance.object >= 0 && object < objects.size();
+        placements.push_back(space_.placed(instance.to_world, defined ? objects[object].pivot : DVec3()));
     }
-    if (Status s = result.check_placements(scene, placements, extent); !s) return s.error();
-    std::uint64_t surfaces = result.top_level_shapes_;
-    for (const SceneInstance& instance : scene.instances) {
-        if (instance.object < 0 || static_cast<std::size_t>(instance.object) >= scene.objects.size())
-            return error_at(instance.location, "instance of an object that is not defined");
-        if (!instance.to_world.invertible())
-            return error_at(instance.location, "the instance's transform has no inverse");
-        const auto object = static_cast<std::size_t>(instance.object);
-        ShapeInstance placed{Placement(placements[result.instances_.size()]), first_shape[object],
-                             instance.label.empty() ? -1 : result.label_index(instance.label), instance.holdout,
-                             static_cast<std::uint32_t>(surfaces)};
-        surfaces += scene.objects[object].shapes.size();
-        if (surfaces > most_surfaces)
-            return error_at(instance.location, "the instances hold more than " + std::to_string(most_surfaces) +
-                                                   " shapes; expected no more in a scene");
-        result.has_holdouts_ = result.has_holdouts_ || instance.holdout.value_or(false);
-        RTCGeometry geometry = rtcNewGeometry(device.device, RTC_GEOMETRY_TYPE_INSTANCE);
-        rtcSetGeometryInstancedScene(geometry, device.objects[object]);
-        float columns[12];
-        for (std::size_t c = 0; c < 4; ++c)
-            for (std::size_t r = 0; r < 3; ++r)
-                columns[3 * c + r] = static_cast<float>(placed.placement.to_world.m[r][c]);
-        rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
-        rtcSetGeometryMask(geometry, any_mask);
-        rtcCommitGeometry(geometry);
-        rtcAttachGeometryByID(device.scene, geometry,
-                              static_cast<unsigned>(result.top_level_shapes_ + result.instances_.size()));
-        rtcReleaseGeometry(geometry);
-        result.instances_.push_back(placed);
+    if (Status s = check_placements(scene, placements, extent); !s) return s;
+    std::uint64_t surfaces = top_level_shapes_;
+    for (std::size_t i = 0; i < placements.size(); ++i)
+        if (Status s = add_instance(scene, objects, scene.instances[i], placements[i], surfaces); !s) return s;
+    return success();
+}
+
+Result<EmbreeScene> EmbreeScene::build(const SceneDescription& scene, TextureTable& textures, const Options& options) {
+    EmbreeScene result;
+    result.space_ = options.space;
+    if (Status s = result.start_device(options); !s) return s.error();
+    std::vector<PlacedObject> objects;
+    if (Status s = result.add_shapes(scene, textures, objects); !s) return s.error();
+    Device& device = *result.device_;
+    device.scene = device.new_scene();
+    result.attach(device.scene, 0, result.top_level_shapes_);
+    for (std::size_t k = 0; k < objects.size(); ++k) {
+        device.objects.push_back(device.new_scene());
+        result.attach(device.objects.back(), objects[k].first_shape, scene.objects[k].shapes.size());
+        rtcCommitScene(device.objects.back());
     }
+    if (Status s = result.add_instances(scene, objects); !s) return s.error();
     rtcCommitScene(device.scene);
     RTCBounds b{};
     rtcGetSceneBounds(device.scene, &b);

@@ -24,6 +24,7 @@
 #include "transport/scene/scene_description.h"
 
 struct RTCGeometryTy;  // Embree's
+struct RTCSceneTy;
 
 namespace raylex::transport {
 
@@ -176,6 +177,17 @@ class EmbreeScene {
     Status add_surface(const SceneShape& shape, const SceneDescription& scene, TextureTable& textures,
                        ShapeGeometry& geometry);
     Status add_mesh(const SceneShape& shape, const Transform& placement, ShapeGeometry& geometry, RTCGeometryTy*& made);
+    /// An object of instances: its first shape, and the point around which its shapes are kept.
+    struct PlacedObject {
+        std::uint32_t first_shape = 0;
+        DVec3 pivot;
+    };
+    Status start_device(const Options& options);
+    Status add_shapes(const SceneDescription& scene, TextureTable& textures, std::vector<PlacedObject>& objects);
+    void attach(RTCSceneTy* target, std::size_t first, std::size_t count);
+    Status add_instance(const SceneDescription& scene, std::span<const PlacedObject> objects,
+                        const SceneInstance& instance, const Transform& placement, std::uint64_t& surfaces);
+    Status add_instances(const SceneDescription& scene, std::span<const PlacedObject> objects);
     Status check_placements(const SceneDescription& scene, std::span<const Transform> instances, double extent);
     [[nodiscard]] bool traceable(const Ray& ray) const;
     [[nodiscard]] double rounding_at(const Hit& hit, const DVec3& point) const;
