@@ -197,6 +197,27 @@ Result<FrameBuffer> FrameBuffer::create(const FrameBufferLayout& layout, std::sp
     }
 }
 
+namespace {
+
+/// Behind the camera rows from `begin` on that are of one pixel and at most `most_blocks` blocks of samples, and where
+/// each of these blocks ends.
+int end_of_run(const SampleTable& table, int begin, int block_bits, std::size_t most_blocks, std::vector<int>& ends) {
+    const CameraRow& first = table.camera_row(begin);
+    ends.clear();
+    int end = begin + 1;
+    for (; end < table.camera_row_count(); ++end) {
+        const CameraRow& row = table.camera_row(end);
+        if (row.pixel_x != first.pixel_x || row.pixel_y != first.pixel_y) break;
+        if (row.sample >> block_bits == table.camera_row(end - 1).sample >> block_bits) continue;
+        if (ends.size() + 1 == most_blocks) break;
+        ends.push_back(end);
+    }
+    ends.push_back(end);
+    return end;
+}
+
+}  // namespace
+
 void FrameBuffer::accumulate(const SampleTable& table) {
     if (table.discarded()) return;
     if (table.sets() != nullptr &&
@@ -226,15 +247,7 @@ void FrameBuffer::accumulate(const SampleTable& table) {
     const int block = std::countr_zero(static_cast<unsigned>(layout.block_size));  // a power of two: see check_layout()
     for (int begin = 0, end = 0; begin < cameras; begin = end) {
         const CameraRow& first = table.camera_row(begin);
-        extra.block_ends.clear();
-        for (end = begin + 1; end < cameras; ++end) {
-            const CameraRow& row = table.camera_row(end);
-            if (row.pixel_x != first.pixel_x || row.pixel_y != first.pixel_y) break;
-            if (row.sample >> block == table.camera_row(end - 1).sample >> block) continue;
-            if (storage_->kernel || extra.block_ends.size() + 1 == Run::most_blocks) break;
-            extra.block_ends.push_back(end);
-        }
-        extra.block_ends.push_back(end);
+        end = end_of_run(table, begin, block, storage_->kernel ? 1 : Run::most_blocks, extra.block_ends);
         Run run;
         const auto within = [&](const CameraRow& row) {
             return row.pixel_x >= 0 && row.pixel_y >= 0 && row.pixel_x < layout.width && row.pixel_y < layout.height;

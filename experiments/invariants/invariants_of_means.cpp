@@ -130,16 +130,44 @@ bool has_borders(const SceneDescription& scene) {
                        [](const auto& shape) { return shape.inside_medium != shape.outside_medium; });
 }
 
+/// Of emission in the scene: the brightest value of lights that have a radiance; empty where some have none.
+std::optional<double> brightest(const SceneDescription& scene) {
+    double most = 0;
+    const auto take = [&](const ParameterSet& set) {
+        double color = 1, factor = 1;
+        for (const Parameter& p : set.parameters) {
+            if (p.name == "L" && p.type == ParameterType::rgb)
+                color = *std::max_element(p.numbers.begin(), p.numbers.end());
+            else if (p.name == "scale" && p.numbers.size() == 1) factor = p.numbers.front();
+            else if (p.name != "twosided") return false;
+        }
+        most = std::max(most, color * factor);
+        return true;
+    };
+    for (const auto& light : scene.lights)
+        if (light.type != "infinite" || !take(light.parameters)) return std::nullopt;
+    for (const auto& light : scene.area_lights)
+        if (!take(light.parameters)) return std::nullopt;
+    return most;
+}
+
+/// One side has found nothing at all in `draws` samples, and may not have had the chance: a mean takes at least
+/// mean / brightest of all samples, and that many all miss with a probability of e^-20, twice `level`.
+bool is_unseen(const Comparison& found, const SceneDescription& scene, double draws) {
+    if (found.mean_a != 0 && found.mean_b != 0) return false;
+    const double mean = std::max(std::abs(found.mean_a), std::abs(found.mean_b));
+    const std::optional<double> most = brightest(scene);
+    return most && *most > 0 && draws * mean / *most < 20;
+}
+
 /// t of the channel that is most apart, over the t that is allowed. `rounding`: relative difference that is no noise.
 Measured agreement(const SceneUnderTest& test, const Render& a, const Render& b, bool paired, double rounding,
                    const std::vector<std::string>& expressions = {}) {
     if (test.output->statistics.invalid_samples > 0) return Measured::skip("numbers leave the range of float");
     if (a.integrator != b.integrator && has_borders(test.scene))
         return Measured::skip("media meet at surfaces: what a camera and a light stand in agrees for closed ones only");
-    // A surface seen edge-on, or one that the camera stands on, gives a light path what rounding makes of a cosine of
-    // 0.
-    const std::vector<double> beauty = test.output->frame_buffer.resolve(test.output->beauty);
-    const double edge_on = 1e-3 * std::abs(mean_of(beauty));
+    const display::FrameBufferLayout& layout = test.output->frame_buffer.layout();
+    const double pixels = static_cast<double>(layout.width) * layout.height;
     Measured result{true, 0, 1, {}};
     for (const bool again : {false, true}) {
         const int replicates = test.options.replicates * (again ? 4 : 1);
@@ -154,12 +182,13 @@ Measured agreement(const SceneUnderTest& test, const Render& a, const Render& b,
             const Comparison found = paired ? compare_pairs(u, v) : compare(u, v);
             // Light paths may all pass by what little of a surface a camera close to it sees.
             const bool passed_by = b.integrator == "lighttracer" && found.mean_b == 0;
-            if (again && !paired && (passed_by || is_rare(u) || is_rare(v))) {
+            const double draws = static_cast<double>(replicates) * test.options.samples_of_means * pixels;
+            if (again && !paired && (passed_by || is_rare(u) || is_rare(v) || is_unseen(found, test.scene, draws))) {
                 result.note += result.note.empty() ? "too rare to tell" : "";
                 continue;
             }
             const double allowed = found.threshold(again ? level : suspicion) * found.error +
-                                   rounding * std::max(std::abs(found.mean_a), std::abs(found.mean_b)) + edge_on;
+                                   rounding * std::max(std::abs(found.mean_a), std::abs(found.mean_b));
             const double ratio = std::abs(found.mean_a - found.mean_b) / std::max(allowed, 1e-300);
             if (ratio <= result.value && !result.note.empty()) continue;
             result.value = ratio;
@@ -230,27 +259,6 @@ Measured metropolis(const SceneUnderTest& test) {
 }
 Measured light_samples(const SceneUnderTest& test) {
     return estimators(test, "path", {transport::typed::text("strategy", "light")});
-}
-
-/// Of emission in the scene: the brightest value of lights that have a radiance; empty where some have none.
-std::optional<double> brightest(const SceneDescription& scene) {
-    double most = 0;
-    const auto take = [&](const ParameterSet& set) {
-        double color = 1, factor = 1;
-        for (const Parameter& p : set.parameters) {
-            if (p.name == "L" && p.type == ParameterType::rgb)
-                color = *std::max_element(p.numbers.begin(), p.numbers.end());
-            else if (p.name == "scale" && p.numbers.size() == 1) factor = p.numbers.front();
-            else if (p.name != "twosided") return false;
-        }
-        most = std::max(most, color * factor);
-        return true;
-    };
-    for (const auto& light : scene.lights)
-        if (light.type != "infinite" || !take(light.parameters)) return std::nullopt;
-    for (const auto& light : scene.area_lights)
-        if (!take(light.parameters)) return std::nullopt;
-    return most;
 }
 
 /// Whether no surface can send out more than it gets: no shading normals, no scaling of radiance at interfaces, albedos

@@ -453,7 +453,7 @@ void EmbreeScene::intersect(std::span<const Ray> rays, std::span<Hit> hits) cons
                rayhit.hit.primID, rayhit.hit.instID[0], rays[i].time, rays[i].cone};
     }
     // A loop of its own, so that the processor has several hits in hand at a time.
-    for (std::size_t i = 0; i < rays.size(); ++i) finish_hit(rays[i], hits[i]);
+    finish_hits(rays, hits);
 }
 
 void EmbreeScene::intersect_alpha(const Ray& ray, Hit& hit) const {
@@ -470,7 +470,7 @@ void EmbreeScene::intersect_alpha(const Ray& ray, Hit& hit) const {
     rtcIntersect1(device_->scene, &context, &rayhit);
     hit = {rayhit.ray.tfar,   rayhit.hit.u,         rayhit.hit.v, rayhit.hit.geomID,
            rayhit.hit.primID, rayhit.hit.instID[0], ray.time,     ray.cone};
-    finish_hit(ray, hit);
+    finish_hits({&ray, 1}, {&hit, 1});
 }
 
 void EmbreeScene::occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked) const {

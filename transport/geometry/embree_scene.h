@@ -191,8 +191,9 @@ class EmbreeScene {
     Status check_placements(const SceneDescription& scene, std::span<const Transform> instances, double extent);
     [[nodiscard]] bool traceable(const Ray& ray) const;
     [[nodiscard]] double rounding_at(const Hit& hit, const DVec3& point) const;
-    /// `hit` has its numbers from Embree.
+    void finish_hits(std::span<const Ray> rays, std::span<Hit> hits) const;
     void finish_hit(const Ray& ray, Hit& hit) const;
+    void finish_triangles(const std::array<const Ray*, 2>& rays, const std::array<Hit*, 2>& hits) const;
     int label_index(const std::string& label);
     std::unique_ptr<Device> device_;
     std::vector<ShapeGeometry> shapes_;  // top level, then those of every object in turn

@@ -2,6 +2,7 @@
 #include "transport/geometry/embree_scene.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -16,6 +17,17 @@ bool ShapeGeometry::intersect(unsigned primitive, const DVec3& origin, const DVe
     return quadric.intersect(origin, direction, range.lower, range.upper, t, u, v);
 }
 
+namespace {
+
+void set_place(const Ray& ray, Hit& hit, double t, double u, double v) {
+    hit.t = std::clamp(static_cast<Real>(t), Real(std::numeric_limits<float>::min()), ray.t_max);
+    hit.u = static_cast<Real>(u);
+    hit.v = static_cast<Real>(v);
+    hit.cone = ray.cone.after(hit.t);
+}
+
+}  // namespace
+
 /// How far from where it should be a point may come to lie by rounding, in the space of its shape's vertices: 4 units
 /// in the last place, where the shape stands and, of an instance, in the world.
 double EmbreeScene::rounding_at(const Hit& hit, const DVec3& point) const {
@@ -29,41 +41,79 @@ double EmbreeScene::rounding_at(const Hit& hit, const DVec3& point) const {
     return 0x1p-21 * reach;
 }
 
-/// What Embree calls by its own numbers is called by ours, and where the ray meets it is computed anew, from the ray
-/// and the primitive alone. What is left of Embree in an image is which primitive was hit.
+/// A hit called by our own numbers.
 void EmbreeScene::finish_hit(const Ray& ray, Hit& hit) const {
-    if (!hit.valid()) return;
     DVec3 origin(ray.origin), direction(ray.direction);
     if (hit.instance != Hit::none) {
-        hit.instance -= static_cast<std::uint32_t>(top_level_shapes_);
-        const ShapeInstance& placed = instances_[hit.instance];
-        hit.shape += placed.first_shape;
-        origin = placed.placement.to_object.point(origin);
-        direction = placed.placement.to_object.vector(direction);
+        const Matrix34& to_object = instances_[hit.instance].placement.to_object;
+        origin = to_object.point(origin);
+        direction = to_object.vector(direction);
     }
     const ShapeGeometry& shape = shapes_[hit.shape];
     if (shape.kind == ShapeKind::triangle_mesh) {
         const std::uint32_t* index = shape.indices + 3 * static_cast<std::size_t>(hit.primitive);
         const DVec3 p0(shape.positions[index[0]]), p1(shape.positions[index[1]]), p2(shape.positions[index[2]]);
+        const DVec3 e1 = p1 - p0, e2 = p2 - p0;
         TriangleHit found = meet_triangle(origin, direction, p0, p1, p2);
-        keep_off_edges(found, p0, p1, p2, [&, at = found] {
-            // What single precision does to the point, and to its weights.
-            return rounding_at(hit, p0 + (p1 - p0) * at.u + (p2 - p0) * at.v) +
-                   0x1p-23 * (length(p1 - p0) + length(p2 - p0));
-        });
-        hit.t = std::clamp(static_cast<Real>(found.t), Real(std::numeric_limits<float>::min()), ray.t_max);
-        hit.u = static_cast<Real>(found.u);
-        hit.v = static_cast<Real>(found.v);
-    } else if (hit.instance != Hit::none || real_is_double) {
-        // At the top level in float this is what Embree's callback did, of the same numbers.
-        double t, u, v;
-        if (shape.intersect(hit.primitive, origin, direction, {0, ray.t_max}, t, u, v)) {
-            hit.t = static_cast<Real>(t);
-            hit.u = static_cast<Real>(u);
-            hit.v = static_cast<Real>(v);
-        }
+        // What single precision does to the point, and to its weights.
+        keep_off_edges(found, p0, p1, p2,
+                       rounding_at(hit, p0 + e1 * found.u + e2 * found.v) + 0x1p-23 * (length(e1) + length(e2)));
+        set_place(ray, hit, found.t, found.u, found.v);
+        return;
+    }
+    // At the top level in float this is what Embree's callback did, of the same numbers.
+    if (double t, u, v; (hit.instance != Hit::none || real_is_double) &&
+                        shape.intersect(hit.primitive, origin, direction, {0, ray.t_max}, t, u, v)) {
+        hit.t = static_cast<Real>(t);
+        hit.u = static_cast<Real>(u);
+        hit.v = static_cast<Real>(v);
     }
     hit.cone = ray.cone.after(hit.t);
+}
+
+/// Two hits on triangles that no instance places, for what is most of a render's hits: the same bits.
+void EmbreeScene::finish_triangles(const std::array<const Ray*, 2>& rays, const std::array<Hit*, 2>& hits) const {
+    const auto corners = [&](int number) {
+        const auto one = [&](const Hit& hit) -> const StoredVec3& {
+            const ShapeGeometry& shape = shapes_[hit.shape];
+            return shape.positions[shape.indices[3 * static_cast<std::size_t>(hit.primitive) + number]];
+        };
+        return DVec3Pair::of(one(*hits[0]), one(*hits[1]));
+    };
+    const auto found =
+        meet_plane(DVec3Pair::of(rays[0]->origin, rays[1]->origin),
+                   DVec3Pair::of(rays[0]->direction, rays[1]->direction), corners(0), corners(1), corners(2));
+    for (int k = 0; k < 2; ++k) {
+        const Ray& ray = *rays[static_cast<std::size_t>(k)];
+        Hit& hit = *hits[static_cast<std::size_t>(k)];
+        const double u = found.u[k], v = found.v[k], b0 = 1 - u - v;
+        if (std::min({b0, u, v}) > near_edge) [[likely]]
+            set_place(ray, hit, found.t[k], u, v);
+        else finish_hit(ray, hit);  // one in 40
+    }
+}
+
+/// What Embree calls by its own numbers is called by ours, and where the ray meets it is computed anew, from the ray
+/// and the primitive alone. What is left of Embree in an image is which primitive was hit.
+void EmbreeScene::finish_hits(std::span<const Ray> rays, std::span<Hit> hits) const {
+    std::size_t waiting = hits.size();  // a triangle's, for the next
+    for (std::size_t i = 0; i < hits.size(); ++i) {
+        Hit& hit = hits[i];
+        if (!hit.valid()) continue;
+        if (hit.instance != Hit::none) {
+            hit.instance -= static_cast<std::uint32_t>(top_level_shapes_);
+            hit.shape += instances_[hit.instance].first_shape;
+        }
+        if (hit.instance != Hit::none || shapes_[hit.shape].kind != ShapeKind::triangle_mesh) {
+            finish_hit(rays[i], hit);
+        } else if (waiting == hits.size()) {
+            waiting = i;
+        } else {
+            finish_triangles({&rays[waiting], &rays[i]}, {&hits[waiting], &hit});
+            waiting = hits.size();
+        }
+    }
+    if (waiting < hits.size()) finish_hit(rays[waiting], hits[waiting]);
 }
 
 }  // namespace raylex::transport

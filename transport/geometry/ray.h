@@ -7,7 +7,9 @@
 // because Embree's Pluecker test rounds elsewhere.
 #pragma once
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 
@@ -73,7 +75,7 @@ inline float next_down(float v) {
 /// Origin of a ray that leaves `p` in `direction`: `offset` along the unit normal `n`, on the direction's side. Each
 /// coordinate that moves goes on by 2^-23 of itself, at least an ulp, so that rounding cannot take the step back. Which
 /// way it moves is as good as random from ray to ray: hence no branches.
-inline Vec3 offset_ray_origin(const Vec3& p, const Vec3& n, Real offset, const Vec3& direction) {
+[[gnu::always_inline]] inline Vec3 offset_ray_origin(const Vec3& p, const Vec3& n, Real offset, const Vec3& direction) {
     const Vec3 shift = n * std::copysign(offset, dot(n, direction));
     const auto step = [](Real coordinate, Real by) {
         const Real moved = coordinate + by;
@@ -81,6 +83,18 @@ inline Vec3 offset_ray_origin(const Vec3& p, const Vec3& n, Real offset, const V
         return moved + (by != 0 ? further : 0.0f);
     };
     return {step(p.x, shift.x), step(p.y, shift.y), step(p.z, shift.z)};
+}
+
+/// Origin of a ray that goes straight on through the surface it hit at `p`. A hit that rounding puts behind where the
+/// ray began (the nearest point of a triangle that it grazes) would send it back, perhaps for ever: it goes on from its
+/// own origin then, by the bound and two ulps of the largest coordinate, so that each pass gets it further.
+inline Vec3 straight_ray_origin(const Ray& ray, const Vec3& p, const Vec3& n, Real offset) {
+    const Vec3 beyond = offset_ray_origin(p, n, offset, ray.direction);
+    if (dot(beyond - ray.origin, ray.direction) > 0) [[likely]]
+        return beyond;
+    const Vec3& from = ray.origin;
+    const Real step = offset + 0x1p-22f * std::max({std::abs(from.x), std::abs(from.y), std::abs(from.z)});
+    return from + normalize(ray.direction) * step;
 }
 
 }  // namespace raylex::transport

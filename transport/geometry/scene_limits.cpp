@@ -137,6 +137,32 @@ double extent_without_shapes(const SceneDescription& scene, const RenderSpace& s
     return extent;
 }
 
+namespace {
+
+/// How far from the world's origin rays may begin, of which those of the instance's object may as far as `in_object`
+/// from its own. The scene's begin as far as `rays`.
+Result<Real> limit_in_world(const SceneInstance& instance, const Transform& to_world, double rays, double in_object) {
+    const Placement placement(to_world);
+    if (!invertible_as_float(placement.to_world))
+        return error_at(instance.location,
+                        "the instance's transform is beyond what single precision inverts: its determinant is " +
+                            short_number(placement.to_world.determinant()) + "; expected 1e-30 to 1e30",
+                        "a shape's own transform has no such bound: place the shapes without an instance");
+    double stretch = 0, shift = 0;
+    for (const auto& row : placement.to_object.m) {
+        stretch = std::max(stretch, std::abs(row[0]) + std::abs(row[1]) + std::abs(row[2]));
+        shift = std::max(shift, std::abs(row[3]));
+    }
+    if (const double reach = rays * stretch + shift; !(reach <= in_object))
+        return error_at(instance.location,
+                        "in the space of the instance's object the scene reaches to " + short_number(reach) +
+                            "; expected at most " + short_number(in_object),
+                        "a less extreme transform brings it into range");
+    return static_cast<Real>((in_object - shift) / stretch);
+}
+
+}  // namespace
+
 Result<Real> limit_of_rays(const SceneDescription& scene, const PlacedShapes& placed, double extent) {
     const double most = double{largest_coordinate};
     Real limit = largest_coordinate;
@@ -178,24 +204,10 @@ Result<Real> limit_of_rays(const SceneDescription& scene, const PlacedShapes& pl
     for (std::size_t i = 0; i < scene.instances.size(); ++i) {
         const SceneInstance& instance = scene.instances[i];
         if (!usable(instance)) continue;
-        const Placement placement(placed.instances[i]);
-        if (!invertible_as_float(placement.to_world))
-            return error_at(instance.location,
-                            "the instance's transform is beyond what single precision inverts: its determinant is " +
-                                short_number(placement.to_world.determinant()) + "; expected 1e-30 to 1e30",
-                            "a shape's own transform has no such bound: place the shapes without an instance");
-        double stretch = 0, shift = 0;
-        for (const auto& row : placement.to_object.m) {
-            stretch = std::max(stretch, std::abs(row[0]) + std::abs(row[1]) + std::abs(row[2]));
-            shift = std::max(shift, std::abs(row[3]));
-        }
-        const double in_object = reaches[static_cast<std::size_t>(instance.object)];
-        if (const double reach = rays * stretch + shift; !(reach <= in_object))
-            return error_at(instance.location,
-                            "in the space of the instance's object the scene reaches to " + short_number(reach) +
-                                "; expected at most " + short_number(in_object),
-                            "a less extreme transform brings it into range");
-        limit = std::min(limit, static_cast<Real>((in_object - shift) / stretch));
+        auto reach =
+            limit_in_world(instance, placed.instances[i], rays, reaches[static_cast<std::size_t>(instance.object)]);
+        if (!reach) return reach.error();
+        limit = std::min(limit, *reach);
     }
     return limit;
 }

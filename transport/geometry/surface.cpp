@@ -15,8 +15,10 @@
 // extent is added: it changes nothing elsewhere.
 #include "display/services/elementary.h"
 #include "transport/geometry/embree_scene.h"
+#include "transport/geometry/vec3_pair.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace raylex::transport {
@@ -51,19 +53,45 @@ Vec3 products_of_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
             chosen(a.y * b.x, a.x * b.y, b.y * c.x, b.x * c.y)};
 }
 
-void triangle_surface(const ShapeGeometry& shape, const Hit& hit, SurfacePoint& point, Real& offset) {
+/// What is asked in double of a hit on a triangle.
+struct TrianglePoint {
+    Vec3 position, normal;  ///< the unit normal that the vertices' order gives
+    Real inverse_length;    ///< of the cross product of its edges
+};
+
+/// Of two hits. In double: differences of floats and products of those are next to exact there, so slivers keep their
+/// normal, and the length of the cross product of edges of 1e-10 does not drown (its square is below the smallest
+/// float).
+std::array<TrianglePoint, 2> triangle_points(const std::array<const ShapeGeometry*, 2>& shapes,
+                                             const std::array<const Hit*, 2>& hits) {
+    const auto both = [&](int number) {
+        const auto corner = [&](std::size_t k) -> const StoredVec3& {
+            return shapes[k]->positions[shapes[k]->indices[3 * static_cast<std::size_t>(hits[k]->primitive) + number]];
+        };
+        return DVec3Pair::of(corner(0), corner(1));
+    };
+    const DVec3Pair from = both(0), along1 = both(1) - from, along2 = both(2) - from;
+    const DVec3Pair position =
+        from + along1 * DoublePair{hits[0]->u, hits[1]->u} + along2 * DoublePair{hits[0]->v, hits[1]->v};
+    const DVec3Pair n = cross(along1, along2);
+    const DoublePair squared = dot(n, n);
+    const DoublePair inverse = 1 / DoublePair{std::sqrt(squared[0]), std::sqrt(squared[1])};
+    const DVec3Pair unit = n * inverse;
+    const auto point = [&](int k) {
+        return TrianglePoint{position[k].to_real(), unit[k].to_real(), static_cast<Real>(inverse[k])};
+    };
+    return {point(0), point(1)};
+}
+
+void triangle_surface(const ShapeGeometry& shape, const Hit& hit, const TrianglePoint& found, SurfacePoint& point,
+                      Real& offset) {
     const std::uint32_t* index = shape.indices + 3 * static_cast<std::size_t>(hit.primitive);
     const Vec3 p0 = shape.positions[index[0]], p1 = shape.positions[index[1]], p2 = shape.positions[index[2]];
     const Real b1 = hit.u, b2 = hit.v, b0 = 1 - b1 - b2;
-    // In double: differences of floats and products of those are next to exact there, so slivers keep their normal, and
-    // the length of the cross product of edges of 1e-10 does not drown (its square is below the smallest float).
-    const DVec3 from(p0), along1 = DVec3(p1) - from, along2 = DVec3(p2) - from;
-    point.position = (from + along1 * b1 + along2 * b2).to_real();
-    const DVec3 n = cross(along1, along2);
-    const Vec3 e1 = along1.to_real(), e2 = along2.to_real();
-    const double inverse = 1 / length(n);
-    const auto inverse_length = static_cast<Real>(inverse);
-    const Vec3 unflipped = (n * inverse).to_real();
+    const Vec3 e1 = p1 - p0, e2 = p2 - p0;
+    const Vec3& unflipped = found.normal;
+    const Real inverse_length = found.inverse_length;
+    point.position = found.position;
     point.geometric_normal = shape.flip_normal ? -unflipped : unflipped;
 
     const Vec3 top = largest(p0, largest(p1, p2)), bottom = smallest(p0, smallest(p1, p2));
@@ -193,6 +221,9 @@ void place(const Placement& placement, SurfacePoint& point, Real& offset) {
 
 void EmbreeScene::surfaces(std::span<const Ray> rays, std::span<const Hit> hits, std::span<SurfacePoint> points,
                            std::span<SurfaceSource> sources) const {
+    const auto is_triangle = [&](std::size_t i) { return shapes_[hits[i].shape].kind == ShapeKind::triangle_mesh; };
+    std::array<TrianglePoint, 2> triangles{};
+    bool next_is_known = false;  // triangles[1] is the next hit's
     for (std::size_t i = 0; i < hits.size(); ++i) {
         const Hit& hit = hits[i];
         const ShapeGeometry& shape = shapes_[hit.shape];
@@ -200,7 +231,15 @@ void EmbreeScene::surfaces(std::span<const Ray> rays, std::span<const Hit> hits,
         SurfaceSource& source = sources[i];
         const bool instanced = hit.instance != Hit::none;
         if (shape.kind == ShapeKind::triangle_mesh) {
-            triangle_surface(shape, hit, point, source.offset);
+            if (next_is_known) {
+                next_is_known = false;
+                triangles[0] = triangles[1];
+            } else {
+                next_is_known = i + 1 < hits.size() && is_triangle(i + 1);
+                const Hit& other = hits[next_is_known ? i + 1 : i];
+                triangles = triangle_points({&shape, &shapes_[other.shape]}, {&hit, &other});
+            }
+            triangle_surface(shape, hit, triangles[0], point, source.offset);
         } else if (shape.kind == ShapeKind::bilinear_mesh) {
             patch_surface(shape, hit, point, source.offset);
         } else {

@@ -47,8 +47,9 @@ inline Real fresnel_conductor(Real cos_theta, Real eta, Real k) {
 }
 
 inline Rgb fresnel_conductor(Real cos_theta, const Rgb& eta, const Rgb& k) {
-    return {fresnel_conductor(cos_theta, eta.r, k.r), fresnel_conductor(cos_theta, eta.g, k.g),
-            fresnel_conductor(cos_theta, eta.b, k.b)};
+    const Real red = fresnel_conductor(cos_theta, eta.r, k.r);
+    if (eta == Rgb(eta.r) && k == Rgb(k.r)) return Rgb(red);
+    return {red, fresnel_conductor(cos_theta, eta.g, k.g), fresnel_conductor(cos_theta, eta.b, k.b)};
 }
 
 /// The k that with eta = 1 gives the normal-incidence reflectance `r` (as pbrt-v4's "reflectance" of a conductor; r is

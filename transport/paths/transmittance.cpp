@@ -47,7 +47,7 @@ Real straight_transmittance(const StraightWalk& walk, Ray ray, Real visible, std
         if (visible > 0) walk.record.pass_straight(tracker, source[0].label);
         else if (!walk.to_the_end) return 0;
         if (shape.interface) medium = shape.medium_towards(point[0].geometric_normal, ray.direction, medium);
-        ray.origin = offset_ray_origin(point[0].position, point[0].geometric_normal, source[0].offset, ray.direction);
+        ray.origin = straight_ray_origin(ray, point[0].position, point[0].geometric_normal, source[0].offset);
         if (finite_end) {
             const Vec3 rest = end - ray.origin;
             if (!(dot(rest, ray.direction) > 0)) return visible;
@@ -70,7 +70,7 @@ std::int32_t follow_media(const SceneView& scene, Ray ray, const Vec3* end) {
         SurfaceSource source[1];
         geometry.surfaces(rays, hits, point, source);
         medium = geometry.shapes()[hits[0].shape].medium_towards(point[0].geometric_normal, ray.direction, medium);
-        ray.origin = offset_ray_origin(point[0].position, point[0].geometric_normal, source[0].offset, ray.direction);
+        ray.origin = straight_ray_origin(ray, point[0].position, point[0].geometric_normal, source[0].offset);
         if (end == nullptr) continue;
         const Vec3 rest = *end - ray.origin;
         if (!(dot(rest, ray.direction) > 0)) return medium;

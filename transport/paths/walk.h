@@ -273,7 +273,10 @@ void Walk<mode>::advance(display::DisplayServices& display, Visitor& visitor) {
                 if (in_media_ && shape.interface)
                     path.medium = shape.medium_towards(point.geometric_normal, direction, path.medium);
                 ++path.segment;
-                push(row, ray_from(v, j, direction));
+                Ray onward = ray_from(v, j, direction);
+                onward.origin =
+                    straight_ray_origin(v.rays[j], point.position, point.geometric_normal, v.sources[j].offset);
+                push(row, onward);
                 continue;
             }
         }

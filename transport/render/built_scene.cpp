@@ -58,6 +58,46 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
     return std::shared_ptr<const BuiltScene>(std::move(scene));
 }
 
+namespace {
+
+/// What a scene's surfaces add to its words.
+struct SurfaceWords {
+    std::set<std::string> labels;
+    std::set<std::pair<std::string, LobeId>> scattering;  ///< of a label
+    std::set<std::string> straight;                       ///< labels that can be passed straight through
+    std::vector<std::uint8_t> used_area_lights;           ///< [area light]; instances' do not shine
+
+    SurfaceWords(const SceneDescription& scene, const MaterialTable& materials)
+        : used_area_lights(scene.area_lights.size(), 0) {
+        for (const SceneShape& shape : scene.shapes) {
+            add(scene, materials, shape, shape.label);
+            if (shape.area_light >= 0 && static_cast<std::size_t>(shape.area_light) < used_area_lights.size())
+                used_area_lights[static_cast<std::size_t>(shape.area_light)] = 1;
+        }
+        for (const SceneInstance& instance : scene.instances) {
+            if (instance.object < 0 || static_cast<std::size_t>(instance.object) >= scene.objects.size()) continue;
+            for (const SceneShape& shape : scene.objects[static_cast<std::size_t>(instance.object)].shapes)
+                add(scene, materials, shape, instance.label.empty() ? shape.label : instance.label);
+        }
+    }
+
+  private:
+    void add(const SceneDescription& scene, const MaterialTable& materials, const SceneShape& shape,
+             const std::string& label) {
+        labels.insert(label);
+        const auto material = static_cast<std::size_t>(std::max(shape.material, 0));
+        const bool interface = material < scene.materials.size() && (scene.materials[material].type == "interface" ||
+                                                                     scene.materials[material].type.empty());
+        if (interface || shape.alpha < 1 || !shape.alpha_texture.empty()) straight.insert(label);
+        if (interface || material >= materials.size()) return;
+        std::vector<LobeId> lobes;
+        materials.material(material)->append_lobes(lobes);
+        for (const LobeId lobe : lobes) scattering.insert({label, lobe});
+    }
+};
+
+}  // namespace
+
 Result<SceneAlphabet> scene_alphabet(const SceneDescription& scene, const lpe::LobeSlots& slots) {
     auto textures = TextureTable::build(scene);
     if (!textures) return textures.error();
@@ -68,31 +108,8 @@ Result<SceneAlphabet> scene_alphabet(const SceneDescription& scene, const lpe::L
     auto media = MediumTable::build(scene, unused);
     if (!media) return media.error();
 
-    std::set<std::string> labels, groups;
-    std::set<std::pair<std::string, LobeId>> scattering;
-    std::set<std::string> straight;
-    std::vector<std::uint8_t> used_area_lights(scene.area_lights.size(), 0);
-    const auto add_shape = [&](const SceneShape& shape, const std::string& label) {
-        labels.insert(label);
-        const auto material = static_cast<std::size_t>(std::max(shape.material, 0));
-        const bool interface = material < scene.materials.size() && (scene.materials[material].type == "interface" ||
-                                                                     scene.materials[material].type.empty());
-        if (interface || shape.alpha < 1 || !shape.alpha_texture.empty()) straight.insert(label);
-        if (interface || material >= materials->size()) return;
-        std::vector<LobeId> lobes;
-        materials->material(material)->append_lobes(lobes);
-        for (const LobeId lobe : lobes) scattering.insert({label, lobe});
-    };
-    for (const SceneShape& shape : scene.shapes) {
-        add_shape(shape, shape.label);
-        if (shape.area_light >= 0 && static_cast<std::size_t>(shape.area_light) < used_area_lights.size())
-            used_area_lights[static_cast<std::size_t>(shape.area_light)] = 1;
-    }
-    for (const SceneInstance& instance : scene.instances) {
-        if (instance.object < 0 || static_cast<std::size_t>(instance.object) >= scene.objects.size()) continue;
-        for (const SceneShape& shape : scene.objects[static_cast<std::size_t>(instance.object)].shapes)
-            add_shape(shape, instance.label.empty() ? shape.label : instance.label);
-    }
+    const SurfaceWords surfaces(scene, *materials);
+    std::set<std::string> groups;
 
     SceneAlphabet alphabet;
     auto patterns = tee_channels(scene);
@@ -100,7 +117,7 @@ Result<SceneAlphabet> scene_alphabet(const SceneDescription& scene, const lpe::L
     alphabet.pattern_channels = *std::move(patterns);
     std::set<std::pair<bool, std::string>> terminals;
     for (std::size_t i = 0; i < scene.area_lights.size(); ++i)
-        if (used_area_lights[i]) terminals.insert({false, scene.area_lights[i].group});
+        if (surfaces.used_area_lights[i]) terminals.insert({false, scene.area_lights[i].group});
     for (const SceneLight& light : scene.lights) terminals.insert({light.type == "infinite", light.group});
     for (const auto& [infinite, group] : terminals) {
         (infinite ? alphabet.has_background : alphabet.has_lights) = true;
@@ -114,11 +131,11 @@ Result<SceneAlphabet> scene_alphabet(const SceneDescription& scene, const lpe::L
         medium_emits = medium_emits || medium.emits;
     }
     if (medium_emits) alphabet.terminals.push_back(emission_event());
-    for (const auto& [label, lobe] : scattering)
+    for (const auto& [label, lobe] : surfaces.scattering)
         alphabet.scattering.push_back(scattering_event(label, lobe_kinds()[lobe], slots));
-    for (const std::string& label : straight) alphabet.scattering.push_back(straight_event(label));
-    alphabet.has_straight = !straight.empty();
-    alphabet.object_labels.assign(labels.begin(), labels.end());
+    for (const std::string& label : surfaces.straight) alphabet.scattering.push_back(straight_event(label));
+    alphabet.has_straight = !surfaces.straight.empty();
+    alphabet.object_labels.assign(surfaces.labels.begin(), surfaces.labels.end());
     alphabet.light_groups.assign(groups.begin(), groups.end());
     return alphabet;
 }

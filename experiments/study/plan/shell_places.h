@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "display/services/parameters.h"
 #include "experiments/study/results.h"
 #include "lpe/result.h"
 
