@@ -83,7 +83,7 @@ class PlantedError final : public Integrator {
             move(path, *source, s.lobes, services);
             if (!services.lpe.live(path)) return;
             ray = Ray();
-            ray.origin = offset_ray_origin(point->position, point->geometric_normal, source->offset, s.wi);
+            ray.origin = offset_ray_origin(point->position, point->geometric_normal, source->offset.here, s.wi);
             ray.direction = s.wi;
             ++counters.scattering_rays;
         }
@@ -100,7 +100,7 @@ class PlantedError final : public Integrator {
             return;
         const BsdfEvaluation f = bsdf.evaluate(point.wo, sample.wi);
         if (f.value.is_black()) return;
-        const Ray shadow = shadow_ray(point.position, point.geometric_normal, source.offset, sample);
+        const Ray shadow = shadow_ray(point.position, point.geometric_normal, source.offset.here, sample);
         std::uint8_t blocked[1];
         scene.geometry->occluded({&shadow, 1}, blocked);
         ++counters.shadow_rays;

@@ -87,10 +87,28 @@ TEST_CASE("rays that leave axis-aligned planes through zero do not find them aga
         Ray leaving;
         leaving.direction = random.direction();
         leaving.origin =
-            offset_ray_origin(f.point.position, f.point.geometric_normal, f.source.offset, leaving.direction);
+            offset_ray_origin(f.point.position, f.point.geometric_normal, f.source.offset.here, leaving.direction);
         again += find(built, leaving).hit.valid();
     }
     CHECK(again == 0);
+}
+
+TEST_CASE("a ray that goes straight on gets further, wherever rounding puts its hit", "[geometry]") {
+    RandomPoints random(5);
+    int stuck = 0;
+    for (int i = 0; i < 100000; ++i) {
+        const float scale = std::pow(10.0f, 6 * random.signed_unit());
+        Ray ray;
+        ray.origin = random.point(scale);
+        ray.direction = random.direction();
+        // Before and behind the origin, by as much as rounding and by more; a normal that is nearly across.
+        const Vec3 hit = ray.origin + ray.direction * (scale * random.signed_unit() * (i % 2 == 0 ? 1e-7f : 1e-2f));
+        const Vec3 n =
+            normalize(cross(ray.direction, random.direction()) + ray.direction * (1e-7f * static_cast<float>(i % 3)));
+        const Vec3 next = straight_ray_origin(ray, hit, n, 3e-7f * scale);
+        stuck += !(dot(DVec3(next) - DVec3(ray.origin), DVec3(ray.direction)) > 0);
+    }
+    CHECK(stuck == 0);
 }
 
 TEST_CASE("rays that leave a quadric or patch outwards do not find it again, instanced or not", "[geometry]") {
@@ -131,7 +149,7 @@ TEST_CASE("rays that leave a quadric or patch outwards do not find it again, ins
                     if (kind == ShapeKind::cylinder || kind == ShapeKind::sphere)  // from outside: it curves away
                         leaving.direction = face_forward(leaving.direction, f.point.geometric_normal);
                     if (abs_dot(leaving.direction, f.point.geometric_normal) < 1e-6f) continue;
-                    leaving.origin = offset_ray_origin(f.point.position, f.point.geometric_normal, f.source.offset,
+                    leaving.origin = offset_ray_origin(f.point.position, f.point.geometric_normal, f.source.offset.here,
                                                        leaving.direction);
                     ++tested;
                     again += find(built, leaving).hit.valid();

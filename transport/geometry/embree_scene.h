@@ -81,7 +81,7 @@ struct ShapeInstance {
 
 /// Where a surface point came from: what integrators need beside the SurfacePoint.
 struct SurfaceSource {
-    Real offset = 0;             ///< how far a leaving ray starts off the surface; see ray.h
+    OffsetBound offset{};        ///< how far a leaving ray starts off the surface; see ray.h
     std::int32_t label = 0;      ///< index into object_labels()
     std::int32_t object_id = 0;  ///< 1-based: top-level shapes first, then instances
 };

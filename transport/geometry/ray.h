@@ -28,9 +28,21 @@ constexpr Real gamma_bound(int n) {
 /// takes no number above 1.8e18.
 inline constexpr Real largest_coordinate = Real(1e18);
 
-/// Shadow rays end this much short of the light, relative to their length: the direction's own rounding moves the far
-/// end by a few ulps of the distance, which a grazing view of the light multiplies (pbrt-v4's ShadowEpsilon).
-inline constexpr Real shadow_t_max = 1 - Real(1e-4);
+/// How far off a surface rays begin, and those end that come from elsewhere.
+struct OffsetBound {
+    Real here = 0;
+    Real per_distance = 0;  ///< beside, for each unit that a ray comes from afar
+};
+
+/// OffsetBound::per_distance of a triangle, where `spread` is |a_i b_j| + |a_j b_i| of its edges, summed over the three
+/// components of their cross product N, over |N|: at least 1. Embree moves the vertices to the ray's far origin: with
+/// u = 2^-24 and d the distance, each coordinate is off by u d, the plane by 1.8 u d at the point, and by the tilt of
+/// its normal, edges being off by 2 u d, by 7 u d spread; the test itself adds gamma(4) d, and the direction's rounding
+/// moves the end by u d. Less than 16 u d spread together. Slivers seen from afar would need more than can be given:
+/// they get 2^-13, about what pbrt-v4 leaves out of every shadow ray (its ShadowEpsilon is 1e-4).
+constexpr Real offset_per_distance(Real spread) {
+    return std::clamp(Real(0x1p-20) * spread, Real(0x1p-20), Real(0x1p-13));
+}
 
 /// How wide the beam is that a ray stands for (Amanatides 1984, "Ray Tracing with Cones"; for what filters look-ups
 /// where rays meet surfaces). Scattering leaves it as it is: neither curvature nor roughness widens it yet.
@@ -95,6 +107,18 @@ inline Vec3 straight_ray_origin(const Ray& ray, const Vec3& p, const Vec3& n, Re
     const Vec3& from = ray.origin;
     const Real step = offset + 0x1p-22f * std::max({std::abs(from.x), std::abs(from.y), std::abs(from.z)});
     return from + normalize(ray.direction) * step;
+}
+
+/// From `from`, where a ray may begin, to the point `to` of a surface with unit normal `n` (0: there is none), but for
+/// what its offset takes off: no share of the way, which a wall right before the point would be lost in.
+inline Ray segment_to(const Vec3& from, const Vec3& to, const Vec3& n, const OffsetBound& offset) {
+    const Vec3 way = to - from;
+    const Real reach = std::abs(way.x) + std::abs(way.y) + std::abs(way.z);
+    Ray ray;
+    ray.origin = from;
+    ray.direction = offset_ray_origin(to, n, offset.here + offset.per_distance * reach, -way) - from;
+    ray.t_max = 1 - unit_roundoff;
+    return ray;
 }
 
 }  // namespace raylex::transport

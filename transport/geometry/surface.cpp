@@ -84,7 +84,7 @@ std::array<TrianglePoint, 2> triangle_points(const std::array<const ShapeGeometr
 }
 
 void triangle_surface(const ShapeGeometry& shape, const Hit& hit, const TrianglePoint& found, SurfacePoint& point,
-                      Real& offset) {
+                      OffsetBound& offset) {
     const std::uint32_t* index = shape.indices + 3 * static_cast<std::size_t>(hit.primitive);
     const Vec3 p0 = shape.positions[index[0]], p1 = shape.positions[index[1]], p2 = shape.positions[index[2]];
     const Real b1 = hit.u, b2 = hit.v, b0 = 1 - b1 - b2;
@@ -100,10 +100,12 @@ void triangle_surface(const ShapeGeometry& shape, const Hit& hit, const Triangle
     // The sums of one pair bound those of the other that Embree may prefer by three times: |b_i c_j| of what it
     // compares is the smaller, and the other product differs from it by N. 3 x 3 + 3 + 1 roundings then, for 8.
     Vec3 products = Vec3{a1.y * a2.z + a1.z * a2.y, a1.z * a2.x + a1.x * a2.z, a1.x * a2.y + a1.y * a2.x} * 1.625f;
-    if ((products.x + products.y + products.z) * inverse_length > 16) [[unlikely]]  // a sliver
+    const Real spread = (products.x + products.y + products.z) * inverse_length;
+    if (spread > 16) [[unlikely]]  // a sliver
         products = products_of_normal(a2, a1, absolute(p1 - p2) + moved);
-    offset = gamma_bound(2) * dot(absolute(point.geometric_normal), absolute(point.position)) +
-             gamma_bound(8) * dot(products * inverse_length, extent) + 0x1p-32f * (extent.x + extent.y + extent.z);
+    offset.per_distance = offset_per_distance(spread);
+    offset.here = gamma_bound(2) * dot(absolute(point.geometric_normal), absolute(point.position)) +
+                  gamma_bound(8) * dot(products * inverse_length, extent) + 0x1p-32f * (extent.x + extent.y + extent.z);
 
     point.shading_normal = point.geometric_normal;
     if (!shape.normals.empty()) {
@@ -132,7 +134,7 @@ struct LocalRay {
     DVec3 origin, direction;
 };
 
-void quadric_surface(const Quadric& q, const LocalRay& ray, const Hit& hit, SurfacePoint& point, Real& offset) {
+void quadric_surface(const Quadric& q, const LocalRay& ray, const Hit& hit, SurfacePoint& point, OffsetBound& offset) {
     // t is a float, so the point is put back on the surface, in double; what moves is only along the ray.
     DVec3 p = q.placement.to_object.point(ray.origin + ray.direction * hit.t);
     if (q.kind == ShapeKind::sphere) {
@@ -150,11 +152,12 @@ void quadric_surface(const Quadric& q, const LocalRay& ray, const Hit& hit, Surf
     point.u = hit.u;
     point.v = hit.v;
     // One rounding to float each for the point and for the origin made from it; the intersection itself is in double.
-    offset = gamma_bound(3) * dot(absolute(point.geometric_normal), absolute(point.position)) +
-             static_cast<Real>(1e-13 * q.extent());
+    offset = {gamma_bound(3) * dot(absolute(point.geometric_normal), absolute(point.position)) +
+                  static_cast<Real>(1e-13 * q.extent()),
+              offset_per_distance(1)};
 }
 
-void patch_surface(const ShapeGeometry& shape, const Hit& hit, SurfacePoint& point, Real& offset) {
+void patch_surface(const ShapeGeometry& shape, const Hit& hit, SurfacePoint& point, OffsetBound& offset) {
     const BilinearPatch patch = shape.patch(hit.primitive);
     const double u = hit.u, v = hit.v;
     const DVec3 dpdu = patch.dpdu(v), dpdv = patch.dpdv(u);
@@ -190,31 +193,35 @@ void patch_surface(const ShapeGeometry& shape, const Hit& hit, SurfacePoint& poi
     }
     Vec3 reach;
     for (int i = 0; i < 4; ++i) reach = largest(reach, absolute(shape.patch_positions[index[i]]));
-    offset = gamma_bound(3) * dot(absolute(n), absolute(point.position)) + Real(1e-13) * (reach.x + reach.y + reach.z);
+    offset = {gamma_bound(3) * dot(absolute(n), absolute(point.position)) + Real(1e-13) * (reach.x + reach.y + reach.z),
+              offset_per_distance(1)};
 }
 
 /// Takes a point from its object's space to the world. Embree brings rays there in float: that rounding, seen along the
 /// normal, joins the bound, and both scale with the transform.
-void place(const Placement& placement, SurfacePoint& point, Real& offset) {
+void place(const Placement& placement, SurfacePoint& point, OffsetBound& offset) {
     const DVec3 local_normal(point.geometric_normal);
     const DVec3 world = placement.to_world.point(DVec3(point.position));
     const DVec3 normal = placement.to_object.normal_of_inverse(local_normal);
     const double stretch = length(normal);  // of distances along the normal, inverted
-    double rounding = 0;
+    double rounding = 0, turned = 0;
     const double axis[3] = {std::abs(local_normal.x), std::abs(local_normal.y), std::abs(local_normal.z)};
     for (int r = 0; r < 3; ++r) {
         const double* row = placement.to_object.m[r];
         rounding += axis[r] * (std::abs(row[0] * world.x) + std::abs(row[1] * world.y) + std::abs(row[2] * world.z) +
                                std::abs(row[3]));
+        turned += axis[r] * (std::abs(row[0]) + std::abs(row[1]) + std::abs(row[2]));
     }
     const DVec3 shading = normalize(placement.to_object.normal_of_inverse(DVec3(point.shading_normal)));
     point.position = world.to_real();
     point.geometric_normal = (normal * (1 / stretch)).to_real();
     point.shading_normal = shading.to_real();
     point.dpdu = placement.to_world.vector(DVec3(point.dpdu)).to_real();
-    // 6: the inverse's own rounding to float, the product's three terms and the sum.
-    offset = static_cast<Real>((offset + gamma_bound(6) * rounding) / stretch) +
-             gamma_bound(3) * dot(absolute(point.geometric_normal), absolute(point.position));
+    // 6: the inverse's own rounding to float, the product's three terms and the sum. A ray from afar has coordinates
+    // that are larger by the distance: 6 u `turned` a unit of it, of 16 u.
+    offset.here = static_cast<Real>((offset.here + gamma_bound(6) * rounding) / stretch) +
+                  gamma_bound(3) * dot(absolute(point.geometric_normal), absolute(point.position));
+    offset.per_distance = offset_per_distance(offset.per_distance * 0x1p20f + static_cast<Real>(turned / stretch));
 }
 
 }  // namespace

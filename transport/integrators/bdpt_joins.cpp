@@ -125,12 +125,9 @@ void Bdpt::join_vertices(BdptThread& thread, std::size_t j) const {
         join.end = y.end;
         join.end.lobes = z.f.lobes;
         join.light_vertices = y.depth + 2;
-        join.shadow_ray.origin =
-            offset_ray_origin(point.position, point.geometric_normal, v.sources[j].offset, direction);
-        join.shadow_ray.direction =
-            offset_ray_origin(y.point.position, y.point.geometric_normal, y.offset, -direction) -
-            join.shadow_ray.origin;
-        join.shadow_ray.t_max = shadow_t_max;
+        join.shadow_ray =
+            segment_to(offset_ray_origin(point.position, point.geometric_normal, v.sources[j].offset.here, direction),
+                       y.point.position, y.point.geometric_normal, y.offset);
         thread.joins.add_join(thread.camera, join);
     }
 }

@@ -16,7 +16,7 @@ struct LightVertex {
     static constexpr std::uint32_t none = 0xffffffffu;
     SurfacePoint point;
     Bsdf bsdf;
-    Real offset = 0;  ///< SurfaceSource::offset
+    OffsetBound offset{};  ///< SurfaceSource::offset
     std::uint32_t row = 0, depth = 0;
     LightEnd end;
     std::uint32_t previous = none;  ///< of the same subpath

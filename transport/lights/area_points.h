@@ -25,7 +25,8 @@ inline Real sample_triangle_point(const Light& light, const Vec2& u, LightSample
     s.uv = {b.y, 1 - b.x - b.y};
     s.target = light.position + light.edge1 * b.y + light.edge2 * (1 - b.x - b.y);
     s.target_normal = light.direction;
-    s.target_offset = point_offset(light.direction, light.position, magnitudes(light.edge1, light.edge2));
+    s.target_offset = {point_offset(light.direction, light.position, magnitudes(light.edge1, light.edge2)),
+                       light.per_distance};
     return 1 / light.area;
 }
 
@@ -41,7 +42,7 @@ inline Real sample_patch_point(const Light& light, const ShapeGeometry& shape, c
     if (!shape.normals.empty())
         s.target_normal = face_forward(
             s.target_normal, shape.normals[shape.patch_indices[4 * static_cast<std::size_t>(light.primitive)]]);
-    s.target_offset = point_offset(s.target_normal, s.target, {});
+    s.target_offset = {point_offset(s.target_normal, s.target, {}), offset_per_distance(1)};
     return static_cast<Real>(1 / area);
 }
 
@@ -52,7 +53,7 @@ inline Real sample_quadric_point(const Quadric& quadric, const Vec2& u, LightSam
     s.uv = {static_cast<Real>(a), static_cast<Real>(b)};
     s.target = point.position.to_real();
     s.target_normal = point.normal.to_real();
-    s.target_offset = point_offset(s.target_normal, s.target, {});
+    s.target_offset = {point_offset(s.target_normal, s.target, {}), offset_per_distance(1)};
     return static_cast<Real>(1 / (quadric.object_area() * point.area_scale));
 }
 

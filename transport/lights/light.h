@@ -30,10 +30,11 @@ struct Light {
     /// Radiance (area, environments; a factor on the image), radiant intensity (point, spot), or irradiance on a
     /// surface facing it (distant).
     Rgb emission;
-    Vec3 position;      ///< point, spot; triangle: vertex 0
-    Vec3 direction;     ///< spot: its axis; distant: towards the light; triangle: unit normal, emitting side
-    Vec3 edge1, edge2;  ///< triangle
-    Real area = 0;      ///< triangle, patch: world; quadric: object space; sphere: world
+    Vec3 position;          ///< point, spot; triangle: vertex 0
+    Vec3 direction;         ///< spot: its axis; distant: towards the light; triangle: unit normal, emitting side
+    Vec3 edge1, edge2;      ///< triangle
+    Real per_distance = 0;  ///< triangle: OffsetBound's
+    Real area = 0;          ///< triangle, patch: world; quadric: object space; sphere: world
     /// Spot: 1 - cos of the angles where the falloff begins and ends. The cosines of narrow cones are 1 in float.
     Real versine_full = 0, versine_zero = 1;
     std::uint32_t shape = 0, primitive = 0;  ///< area lights
@@ -61,13 +62,13 @@ inline Real spot_falloff(const Light& light, const Vec3& direction) {
 
 /// A direction towards a light, and what would arrive from there if nothing is in between.
 struct LightSample {
-    Rgb radiance;            ///< delta lights: intensity / d^2 or irradiance, to be divided by `pdf` like the others
-    Vec3 wi;                 ///< unit, from the lit point
-    Real pdf = 0;            ///< per steradian times the chance of the choice; delta lights: that chance
-    Vec3 target;             ///< the point on the light; unused when `infinite`
-    Vec3 target_normal;      ///< zero for points
-    Real target_offset = 0;  ///< rounding bound of `target`
-    Vec2 uv;                 ///< area lights: where on the primitive, as Hit has it
+    Rgb radiance;        ///< delta lights: intensity / d^2 or irradiance, to be divided by `pdf` like the others
+    Vec3 wi;             ///< unit, from the lit point
+    Real pdf = 0;        ///< per steradian times the chance of the choice; delta lights: that chance
+    Vec3 target;         ///< the point on the light; unused when `infinite`
+    Vec3 target_normal;  ///< zero for points
+    OffsetBound target_offset{};  ///< of `target`
+    Vec2 uv;                      ///< area lights: where on the primitive, as Hit has it
     std::uint32_t light = 0;
     bool delta = false, infinite = false;
 };
@@ -97,10 +98,7 @@ inline Ray shadow_ray(const Vec3& position, const Vec3& geometric_normal, Real o
         ray.direction = sample.wi;
         return ray;
     }
-    ray.direction =
-        offset_ray_origin(sample.target, sample.target_normal, sample.target_offset, -sample.wi) - ray.origin;
-    ray.t_max = shadow_t_max;
-    return ray;
+    return segment_to(ray.origin, sample.target, sample.target_normal, sample.target_offset);
 }
 
 }  // namespace raylex::transport

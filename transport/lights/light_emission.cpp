@@ -25,7 +25,7 @@ bool emit_from_area(const Light& light, Real area_density, Vec2 u, EmissionSampl
     const Vec3 local = sample_cosine_hemisphere(u);
     if (!(local.z > 0)) return false;
     s.direction = normalize(Frame::from_normal(n).to_world(local));
-    s.origin = offset_ray_origin(s.from.target, s.from.target_normal, s.from.target_offset, s.direction);
+    s.origin = offset_ray_origin(s.from.target, s.from.target_normal, s.from.target_offset.here, s.direction);
     s.power = light.emission * (pi / (s.from.pdf * area_density));
     return true;
 }

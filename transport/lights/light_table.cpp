@@ -26,6 +26,10 @@ Light make_triangle(const ShapeGeometry& shape, std::uint32_t primitive) {
     const DVec3 n = cross(DVec3(light.edge1), DVec3(light.edge2));
     const double twice_area = length(n);
     light.area = static_cast<Real>(0.5 * twice_area);
+    const DVec3 a(light.edge1), b(light.edge2);
+    const double products = std::abs(a.y * b.z) + std::abs(a.z * b.y) + std::abs(a.z * b.x) + std::abs(a.x * b.z) +
+                            std::abs(a.x * b.y) + std::abs(a.y * b.x);
+    light.per_distance = offset_per_distance(static_cast<Real>(twice_area > 0 ? products / twice_area : 1));
     Vec3 normal = twice_area > 0 ? (n * (1 / twice_area)).to_real() : Vec3{0, 0, 1};
     if (!shape.normals.empty()) {
         const Vec3 shading = shape.normals[i[0]] + shape.normals[i[1]] + shape.normals[i[2]];

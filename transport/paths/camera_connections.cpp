@@ -18,7 +18,7 @@ void CameraConnections::add(const CameraView& view, const LightSubpathEnd& end, 
     const Vec3 way = seen.position - point.position;
     // A camera no farther from the surface's plane than rounding may have moved that sees it edge-on: nothing. What the
     // rounded cosine would give instead no other strategy finds, and near the camera it adds up.
-    if (abs_dot(way, point.geometric_normal) < end.offset) return;
+    if (abs_dot(way, point.geometric_normal) < end.offset.here) return;
     const Vec3 to_camera = normalize(way);
     const JoinedScattering scattering =
         evaluate_scattering<TransportMode::importance, false>(*end.bsdf, point, to_camera);
@@ -33,13 +33,14 @@ void CameraConnections::add(const CameraView& view, const LightSubpathEnd& end, 
             end.sums->others(view.density(seen.importance, cosine), static_cast<double>(scattering.pdf_reverse)));
     }
     if (value.is_black()) return;
-    pending_.push_back({end.row, seen.x, seen.y, end.depth + 2, end.holdout, value, unweighted, end.end});
+    pending_.push_back({end.row, seen.x, seen.y, end.depth + 2, end.holdout, value, unweighted, end.end,
+                        segment_to(seen.position, point.position, point.geometric_normal, end.offset)});
     pending_.back().end.lobes = f.lobes;
     // From the surface: what bounds the intersector's rounding there would not do for a ray that comes from afar.
     Ray ray;
-    ray.origin = offset_ray_origin(point.position, point.geometric_normal, end.offset, to_camera);
+    ray.origin = offset_ray_origin(point.position, point.geometric_normal, end.offset.here, to_camera);
     ray.direction = seen.position - ray.origin;
-    ray.t_max = one_minus_epsilon;  // nothing is at the camera that it could meet by rounding
+    ray.t_max = 1 - unit_roundoff;  // nothing is at the camera that it could meet by rounding
     shadow_rays_.push_back(ray);
 }
 
@@ -74,14 +75,9 @@ void CameraConnections::splat(const SceneView& scene, const EventTable& events,
         arrival.unweighted = p.unweighted;
         arrival.found_by_sampling = true;
         if (geometry.has_alpha() || scene.media->any()) {
-            // From the camera, so that cutouts come in the order in which its word reads them.
-            Ray back = shadow_rays_[i];
-            back.origin = back.origin + back.direction;
-            back.direction = shadow_rays_[i].origin - back.origin;
-            back.t_max = shadow_t_max;
             Rgb transmittance(1);
-            arrival.visibility = straight_transmittance({scene, record, counters}, back, 1, scene.media->camera(),
-                                                        tracker, transmittance);
+            arrival.visibility = straight_transmittance({scene, record, counters}, p.from_camera, 1,
+                                                        scene.media->camera(), tracker, transmittance);
             arrival.value *= transmittance * arrival.visibility;
             arrival.unweighted *= transmittance;
         }

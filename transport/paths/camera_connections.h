@@ -32,7 +32,7 @@ struct LightSubpathEnd {
     std::uint32_t depth = 0;  ///< scattering events before it
     const SurfacePoint* point = nullptr;
     const Bsdf* bsdf = nullptr;
-    Real offset = 0;       ///< SurfaceSource::offset
+    OffsetBound offset{};  ///< SurfaceSource::offset
     bool holdout = false;  ///< what the camera sees there is one
     Rgb power;
     LightEnd end;                        ///< its lobes are filled in here
@@ -59,6 +59,7 @@ class CameraConnections {
         bool holdout = false;
         Rgb value, unweighted;
         LightEnd end;
+        Ray from_camera;  ///< for cutouts, which come in the order in which its word reads them
     };
     std::vector<Pending> pending_;
     std::vector<Ray> shadow_rays_;

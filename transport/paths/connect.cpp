@@ -28,7 +28,8 @@ void Connections::add_light_sample(const CameraSubpaths& subpaths, std::size_t j
     pending_.push_back({row, sample.light, v.sources[j].label, in_media_ ? subpaths.medium_towards(j, sample.wi) : -1,
                         no_end, display::Technique{1, path.depth + 2}, value, f.lobes});
     if (!record.takes_all(row) && !is_worth_a_ray(record)) return;
-    shadow_rays_.push_back(shadow_ray(v.points[j].position, v.points[j].geometric_normal, v.sources[j].offset, sample));
+    shadow_rays_.push_back(
+        shadow_ray(v.points[j].position, v.points[j].geometric_normal, v.sources[j].offset.here, sample));
     shadow_rays_.back().time = v.hits[j].time;
 }
 

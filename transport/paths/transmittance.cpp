@@ -47,7 +47,7 @@ Real straight_transmittance(const StraightWalk& walk, Ray ray, Real visible, std
         if (visible > 0) walk.record.pass_straight(tracker, source[0].label);
         else if (!walk.to_the_end) return 0;
         if (shape.interface) medium = shape.medium_towards(point[0].geometric_normal, ray.direction, medium);
-        ray.origin = straight_ray_origin(ray, point[0].position, point[0].geometric_normal, source[0].offset);
+        ray.origin = straight_ray_origin(ray, point[0].position, point[0].geometric_normal, source[0].offset.here);
         if (finite_end) {
             const Vec3 rest = end - ray.origin;
             if (!(dot(rest, ray.direction) > 0)) return visible;
@@ -70,7 +70,7 @@ std::int32_t follow_media(const SceneView& scene, Ray ray, const Vec3* end) {
         SurfaceSource source[1];
         geometry.surfaces(rays, hits, point, source);
         medium = geometry.shapes()[hits[0].shape].medium_towards(point[0].geometric_normal, ray.direction, medium);
-        ray.origin = straight_ray_origin(ray, point[0].position, point[0].geometric_normal, source[0].offset);
+        ray.origin = straight_ray_origin(ray, point[0].position, point[0].geometric_normal, source[0].offset.here);
         if (end == nullptr) continue;
         const Vec3 rest = *end - ray.origin;
         if (!(dot(rest, ray.direction) > 0)) return medium;
@@ -84,7 +84,7 @@ std::int32_t medium_at(const SceneView& scene, const Vec3& camera, const Vec3& p
     Ray ray;
     ray.origin = camera;
     ray.direction = point - camera;
-    ray.t_max = shadow_t_max;
+    ray.t_max = 1 - 0x1p-20f;  // of a light that stands on no border: its own surface changes nothing
     if (!(length_squared(ray.direction) > 0)) return scene.media->camera();
     return follow_media(scene, ray, &point);
 }

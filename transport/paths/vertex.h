@@ -63,9 +63,10 @@ inline Ray ray_from(const VertexBatch& vertices, std::size_t j, const Vec3& dire
     ray.direction = direction;
     ray.time = vertices.hits[j].time;
     ray.cone = vertices.hits[j].cone;
-    ray.origin = point.material == SurfacePoint::no_material
-                     ? point.position
-                     : offset_ray_origin(point.position, point.geometric_normal, vertices.sources[j].offset, direction);
+    ray.origin =
+        point.material == SurfacePoint::no_material
+            ? point.position
+            : offset_ray_origin(point.position, point.geometric_normal, vertices.sources[j].offset.here, direction);
     return ray;
 }
 

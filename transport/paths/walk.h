@@ -231,7 +231,7 @@ void Walk<mode>::append_collisions(Visitor& visitor) {
         point.position = collision.position;
         point.wo = -collision.forward;
         point.material = SurfacePoint::no_material;
-        v.sources[j] = {0, events_.medium_label(medium), 0};
+        v.sources[j] = {{}, events_.medium_label(medium), 0};
         v.hits[j].time = collision.time;
         v.hits[j].cone = collision.cone;
         v.bsdfs[j].set_phase((*scene_.media)[medium].g);
@@ -275,7 +275,7 @@ void Walk<mode>::advance(display::DisplayServices& display, Visitor& visitor) {
                 ++path.segment;
                 Ray onward = ray_from(v, j, direction);
                 onward.origin =
-                    straight_ray_origin(v.rays[j], point.position, point.geometric_normal, v.sources[j].offset);
+                    straight_ray_origin(v.rays[j], point.position, point.geometric_normal, v.sources[j].offset.here);
                 push(row, onward);
                 continue;
             }

@@ -148,7 +148,7 @@ Result<ProbeResult> emitters_blocked(const ProbeInput& input) {
         sample.target_normal = b.point.geometric_normal;
         sample.target_offset = b.source.offset;
         sample.wi = normalize(b.point.position - a.point.position);
-        const Ray ray = shadow_ray(a.point.position, a.point.geometric_normal, a.source.offset, sample);
+        const Ray ray = shadow_ray(a.point.position, a.point.geometric_normal, a.source.offset.here, sample);
         std::uint8_t blocked = 0;
         built->occluded({&ray, 1}, {&blocked, 1});
         blocked_count += blocked;
@@ -274,7 +274,7 @@ Result<ProbeResult> sliver_holes(const ProbeInput& input) {
         if (std::abs(dot(d, DVec3(turn.point_in_double({0, 0, 1})))) < 0.05) continue;
         const Found f = find(*built, ray_from((target - d).to_real(), d.to_real()));
         holes += !f.hit.valid();
-        if (f.hit.valid()) broken += !is_finite(f.point.geometric_normal) || !(f.source.offset < Real(0.1));
+        if (f.hit.valid()) broken += !is_finite(f.point.geometric_normal) || !(f.source.offset.here < Real(0.1));
     }
     return never(holes + broken, std::to_string(holes) + " holes, " + std::to_string(broken) +
                                      " without a normal or with a far offset");

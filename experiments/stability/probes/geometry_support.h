@@ -68,8 +68,9 @@ inline Ray ray_from(const Vec3& origin, const Vec3& direction) {
     return ray;
 }
 inline Ray leaving(const Found& from, const Vec3& direction) {
-    return ray_from(offset_ray_origin(from.point.position, from.point.geometric_normal, from.source.offset, direction),
-                    direction);
+    return ray_from(
+        offset_ray_origin(from.point.position, from.point.geometric_normal, from.source.offset.here, direction),
+        direction);
 }
 
 inline StoredVec3 stored(const DVec3& p) {

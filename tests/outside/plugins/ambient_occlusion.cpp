@@ -23,8 +23,8 @@ struct AmbientOcclusion : Integrator {
                 services.display.write_opacity(here, 1.0f);
                 const Frame frame = Frame::from_normal(face_forward(point->shading_normal, point->wo));
                 const Vec3 up = frame.to_world(sample_cosine_hemisphere(sampler.get_2d(first_free_dimension)));
-                const Ray out{offset_ray_origin(point->position, point->geometric_normal, source->offset, up), distance,
-                              up};
+                const Ray out{offset_ray_origin(point->position, point->geometric_normal, source->offset.here, up),
+                              distance, up};
                 geometry.occluded({&out, 1}, blocked);
                 services.lpe.move(path, scene.events->scatter(source->label, lobes::diffuse));
                 services.lpe.move(path, scene.events->user_terminal());
