@@ -183,6 +183,11 @@ Measured unit_of_length(const SceneUnderTest& test) {
 }
 
 Measured unit_of_light(const SceneUnderTest& test) {
+    double largest = 0;
+    for (const double value : test.output->frame_buffer.resolve(test.output->beauty))
+        largest = std::max(largest, std::abs(value));
+    // Products on the way to a value, an eighth of what they were, are lost below 2^-126.
+    if (largest < 0x1p-76) return Measured::skip("the image is within 50 bits of the smallest float");
     return same_image(test, brightened(test.scene, 8), 0, 8);
 }
 

@@ -105,8 +105,10 @@ TEST_CASE("a ray that goes straight on gets further, wherever rounding puts its 
         const Vec3 hit = ray.origin + ray.direction * (scale * random.signed_unit() * (i % 2 == 0 ? 1e-7f : 1e-2f));
         const Vec3 n =
             normalize(cross(ray.direction, random.direction()) + ray.direction * (1e-7f * static_cast<float>(i % 3)));
-        const Vec3 next = straight_ray_origin(ray, hit, n, 3e-7f * scale);
-        stuck += !(dot(DVec3(next) - DVec3(ray.origin), DVec3(ray.direction)) > 0);
+        const float t = scale * 1e-3f * (random.signed_unit() + 1);
+        const Vec3 next = straight_ray_origin(ray, t, hit, n, 3e-7f * scale);
+        const double progress = dot(DVec3(next) - DVec3(ray.origin), DVec3(ray.direction));
+        stuck += !(progress > 0 && progress >= 0.499 * t);
     }
     CHECK(stuck == 0);
 }

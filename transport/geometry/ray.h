@@ -97,16 +97,18 @@ inline float next_down(float v) {
     return {step(p.x, shift.x), step(p.y, shift.y), step(p.z, shift.z)};
 }
 
-/// Origin of a ray that goes straight on through the surface it hit at `p`. A hit that rounding puts behind where the
-/// ray began (the nearest point of a triangle that it grazes) would send it back, perhaps for ever: it goes on from its
-/// own origin then, by the bound and two ulps of the largest coordinate, so that each pass gets it further.
-inline Vec3 straight_ray_origin(const Ray& ray, const Vec3& p, const Vec3& n, Real offset) {
+/// Origin of a ray that goes straight on through the surface it hit at a distance of `t`, at `p`. Where rounding puts
+/// that point well before the hit or even behind the ray's origin (the nearest point of a triangle that it grazes, a
+/// point put back on a flattened quadric), it would be sent back, perhaps for ever: it goes on from the hit along
+/// itself then, by the bound and two ulps of the largest coordinate, so that each pass gets it further.
+inline Vec3 straight_ray_origin(const Ray& ray, Real t, const Vec3& p, const Vec3& n, Real offset) {
     const Vec3 beyond = offset_ray_origin(p, n, offset, ray.direction);
-    if (dot(beyond - ray.origin, ray.direction) > 0) [[likely]]
+    const Real progress = dot(beyond - ray.origin, ray.direction), due = t * length_squared(ray.direction);
+    if (progress > 0 && progress >= Real(0.5) * due) [[likely]]
         return beyond;
-    const Vec3& from = ray.origin;
-    const Real step = offset + 0x1p-22f * std::max({std::abs(from.x), std::abs(from.y), std::abs(from.z)});
-    return from + normalize(ray.direction) * step;
+    const Vec3 hit = ray.origin + ray.direction * t;
+    const Real step = offset + 0x1p-22f * std::max({std::abs(hit.x), std::abs(hit.y), std::abs(hit.z)});
+    return hit + normalize(ray.direction) * step;
 }
 
 /// From `from`, where a ray may begin, to the point `to` of a surface with unit normal `n` (0: there is none), but for

@@ -39,7 +39,7 @@ struct Light {
     Real versine_full = 0, versine_zero = 1;
     std::uint32_t shape = 0, primitive = 0;  ///< area lights
     std::int32_t environment = -1;           ///< index of the image
-    Real power = 0;                          ///< watts-like estimate, the weight of its selection
+    double power = 0;                        ///< watts-like estimate, the weight of its selection
 
     [[nodiscard]] bool is_delta() const { return hidden || (kind >= LightKind::point && kind <= LightKind::distant); }
     [[nodiscard]] bool is_environment() const { return kind >= LightKind::uniform_environment; }

@@ -117,8 +117,7 @@ Status LightTable::add_area_lights(const SceneDescription& scene, EmbreeScene& g
             light.group = group;
             light.shape = s;
             light.primitive = i;
-            light.power = luminance(light.emission) * pi * static_cast<Real>(world_area(shape, light)) *
-                          (light.two_sided ? 2.0f : 1.0f);
+            light.power = double{luminance(light.emission)} * pi * world_area(shape, light) * (light.two_sided ? 2 : 1);
             lights_.push_back(light);
         }
     }
@@ -126,27 +125,22 @@ Status LightTable::add_area_lights(const SceneDescription& scene, EmbreeScene& g
 }
 
 void LightTable::finish(const EmbreeScene& geometry) {
-    const Real radius = std::max(geometry.bounds().radius(), Real(1e-30));
+    const double radius = std::max(geometry.bounds().radius(), Real(1e-30));
     double total = 0;
     std::size_t lit = 0;
     for (std::uint32_t i = 0; i < lights_.size(); ++i) {
         Light& light = lights_[i];
-        if (light.kind == LightKind::distant) light.power = luminance(light.emission) * pi * radius * radius;
+        if (light.kind == LightKind::distant) light.power = double{luminance(light.emission)} * pi * radius * radius;
         if (light.is_environment()) {
             environment_lights_.push_back(i);
-            const Real mean =
-                light.environment >= 0
-                    ? static_cast<Real>(images_[static_cast<std::size_t>(light.environment)].mean_luminance())
-                    : 1.0f;
-            light.power = luminance(light.emission) * mean * 4 * pi * pi * radius * radius;
+            const double mean =
+                light.environment >= 0 ? images_[static_cast<std::size_t>(light.environment)].mean_luminance() : 1;
+            light.power = double{luminance(light.emission)} * mean * 4 * pi * pi * radius * radius;
         }
-        // Powers only weigh the choice of a light: one beyond float is as good as the largest.
-        if (light.power > std::numeric_limits<Real>::max()) light.power = std::numeric_limits<Real>::max();
         if (!(light.power > 0) && !light.emission.is_black())
             light.power = light.emission.max();  // colours of negative luminance
         if (light.is_area() && !(light.area > 0)) light.power = 0;
-        light.power =
-            std::min(light.power, std::numeric_limits<Real>::max());  // what there is to choose by must be a number
+        light.power = std::min(light.power, 1e300);  // what there is to choose by must be a number, and so their sum
         if (light.power > 0) ++lit;
         any_to_hit_ = any_to_hit_ || (light.power > 0 && !light.is_delta());
         total += light.power;

@@ -47,7 +47,8 @@ Real straight_transmittance(const StraightWalk& walk, Ray ray, Real visible, std
         if (visible > 0) walk.record.pass_straight(tracker, source[0].label);
         else if (!walk.to_the_end) return 0;
         if (shape.interface) medium = shape.medium_towards(point[0].geometric_normal, ray.direction, medium);
-        ray.origin = straight_ray_origin(ray, point[0].position, point[0].geometric_normal, source[0].offset.here);
+        ray.origin =
+            straight_ray_origin(ray, hit.t, point[0].position, point[0].geometric_normal, source[0].offset.here);
         if (finite_end) {
             const Vec3 rest = end - ray.origin;
             if (!(dot(rest, ray.direction) > 0)) return visible;
@@ -70,7 +71,8 @@ std::int32_t follow_media(const SceneView& scene, Ray ray, const Vec3* end) {
         SurfaceSource source[1];
         geometry.surfaces(rays, hits, point, source);
         medium = geometry.shapes()[hits[0].shape].medium_towards(point[0].geometric_normal, ray.direction, medium);
-        ray.origin = straight_ray_origin(ray, point[0].position, point[0].geometric_normal, source[0].offset.here);
+        ray.origin =
+            straight_ray_origin(ray, hits[0].t, point[0].position, point[0].geometric_normal, source[0].offset.here);
         if (end == nullptr) continue;
         const Vec3 rest = *end - ray.origin;
         if (!(dot(rest, ray.direction) > 0)) return medium;

@@ -274,8 +274,8 @@ void Walk<mode>::advance(display::DisplayServices& display, Visitor& visitor) {
                     path.medium = shape.medium_towards(point.geometric_normal, direction, path.medium);
                 ++path.segment;
                 Ray onward = ray_from(v, j, direction);
-                onward.origin =
-                    straight_ray_origin(v.rays[j], point.position, point.geometric_normal, v.sources[j].offset.here);
+                onward.origin = straight_ray_origin(v.rays[j], v.hits[j].t, point.position, point.geometric_normal,
+                                                    v.sources[j].offset.here);
                 push(row, onward);
                 continue;
             }
