@@ -168,12 +168,12 @@ bool is_near_surface(const transport::EmbreeScene& geometry, const transport::Ve
     Random random(1);
     for (int i = 0; i < 256; ++i) {
         transport::Ray ray;
-        ray.origin = point;
         ray.direction = transport::sample_uniform_sphere(
             {static_cast<transport::Real>(random.unit()), static_cast<transport::Real>(random.unit())});
+        ray.origin = point - ray.direction * near;  // through the point: a hit at 0 would be none
         transport::Hit hit;
         geometry.intersect({&ray, 1}, {&hit, 1});
-        if (hit.valid() && hit.t < near) return true;
+        if (hit.valid() && hit.t < 2 * near) return true;
     }
     return false;
 }
@@ -186,10 +186,13 @@ std::string what_stands_on_a_surface(const SceneUnderTest& test) {
     const transport::EmbreeScene& geometry = *view.geometry;
     const transport::Vec3 eye = geometry.space().placed(test.built->camera_to_world).point({0, 0, 0});
     const transport::Real near = 1e-5f * (geometry.bounds().radius() + length(eye));
-    for (const transport::ShapeGeometry& shape : geometry.shapes().first(geometry.top_level_shapes()))
+    const auto is_here = [&](const transport::Vec3& vertex) { return length(vertex - eye) < near; };
+    for (const transport::ShapeGeometry& shape : geometry.shapes().first(geometry.top_level_shapes())) {
+        if (std::any_of(shape.patch_positions.begin(), shape.patch_positions.end(), is_here)) return "the camera";
         for (std::uint32_t i = 0; shape.kind == transport::ShapeKind::triangle_mesh && i < 3 * shape.primitive_count;
              ++i)
-            if (length(transport::Vec3(shape.positions[shape.indices[i]]) - eye) < near) return "the camera";
+            if (is_here(shape.positions[shape.indices[i]])) return "the camera";
+    }
     if (is_near_surface(geometry, eye, near)) return "the camera";
     for (const transport::Light& light : view.lights->lights())
         if (light.kind == transport::LightKind::point || light.kind == transport::LightKind::spot)

@@ -111,6 +111,10 @@ inline Vec3 straight_ray_origin(const Ray& ray, Real t, const Vec3& p, const Vec
     return hit + normalize(ray.direction) * step;
 }
 
+/// Segments end this much short of where they lead, relative to their length: a surface that a light without area or
+/// the camera stands on, or whose plane holds it, would be met there by rounding alone.
+inline constexpr Real end_of_segment = 1 - Real(0x1p-20);
+
 /// From `from`, where a ray may begin, to the point `to` of a surface with unit normal `n` (0: there is none), but for
 /// what its offset takes off: no share of the way, which a wall right before the point would be lost in.
 inline Ray segment_to(const Vec3& from, const Vec3& to, const Vec3& n, const OffsetBound& offset) {
@@ -119,7 +123,7 @@ inline Ray segment_to(const Vec3& from, const Vec3& to, const Vec3& n, const Off
     Ray ray;
     ray.origin = from;
     ray.direction = offset_ray_origin(to, n, offset.here + offset.per_distance * reach, -way) - from;
-    ray.t_max = 1 - unit_roundoff;
+    ray.t_max = end_of_segment;
     return ray;
 }
 

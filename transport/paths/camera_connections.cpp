@@ -40,7 +40,7 @@ void CameraConnections::add(const CameraView& view, const LightSubpathEnd& end, 
     Ray ray;
     ray.origin = offset_ray_origin(point.position, point.geometric_normal, end.offset.here, to_camera);
     ray.direction = seen.position - ray.origin;
-    ray.t_max = 1 - unit_roundoff;  // nothing is at the camera that it could meet by rounding
+    ray.t_max = end_of_segment;
     shadow_rays_.push_back(ray);
 }
 

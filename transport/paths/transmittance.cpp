@@ -86,7 +86,7 @@ std::int32_t medium_at(const SceneView& scene, const Vec3& camera, const Vec3& p
     Ray ray;
     ray.origin = camera;
     ray.direction = point - camera;
-    ray.t_max = 1 - 0x1p-20f;  // of a light that stands on no border: its own surface changes nothing
+    ray.t_max = end_of_segment;  // of a light that stands on no border: its own surface changes nothing
     if (!(length_squared(ray.direction) > 0)) return scene.media->camera();
     return follow_media(scene, ray, &point);
 }
