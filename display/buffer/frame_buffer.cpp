@@ -5,6 +5,7 @@
 
 #include <bit>
 #include <cmath>
+#include <optional>
 #include <string>
 
 namespace raylex::display {
@@ -216,6 +217,13 @@ int end_of_run(const SampleTable& table, int begin, int block_bits, std::size_t 
     return end;
 }
 
+/// None outside the image.
+std::optional<std::size_t> pixel_of(const FrameBufferLayout& layout, const CameraRow& row) {
+    if (row.pixel_x < 0 || row.pixel_y < 0 || row.pixel_x >= layout.width || row.pixel_y >= layout.height) return {};
+    return static_cast<std::size_t>(row.pixel_y) * static_cast<std::size_t>(layout.width) +
+           static_cast<std::size_t>(row.pixel_x);
+}
+
 }  // namespace
 
 void FrameBuffer::accumulate(const SampleTable& table) {
@@ -249,20 +257,14 @@ void FrameBuffer::accumulate(const SampleTable& table) {
         const CameraRow& first = table.camera_row(begin);
         end = end_of_run(table, begin, block, storage_->kernel ? 1 : Run::most_blocks, extra.block_ends);
         Run run;
-        const auto within = [&](const CameraRow& row) {
-            return row.pixel_x >= 0 && row.pixel_y >= 0 && row.pixel_x < layout.width && row.pixel_y < layout.height;
-        };
-        run.inside = within(first);
-        if (!run.inside && !storage_->kernel) {
+        const std::optional<std::size_t> pixel = pixel_of(layout, first);
+        if (!pixel && !storage_->kernel) {
             storage_->reject(storage_->channels.size());
             continue;
         }
-        const auto pixel_of = [&](const CameraRow& row) {
-            return static_cast<std::size_t>(row.pixel_y) * static_cast<std::size_t>(layout.width) +
-                   static_cast<std::size_t>(row.pixel_x);
-        };
-        if (run.inside) run.pixel = pixel_of(first);
-        if (end < cameras && within(table.camera_row(end))) run.next_pixel = pixel_of(table.camera_row(end));
+        run.inside = pixel.has_value();
+        if (pixel) run.pixel = *pixel;
+        if (end < cameras) run.next_pixel = pixel_of(layout, table.camera_row(end)).value_or(Run::no_pixel);
         if (storage_->kernel) {
             splat.gather(table, *storage_->kernel, layout, begin, end);
             run.splat = &splat;

@@ -154,13 +154,15 @@ std::optional<double> brightest(const SceneDescription& scene) {
 }
 
 /// One side has found nothing at all in `draws` samples, and may not have had the chance. A mean takes at least
-/// mean / brightest of all samples, and that many all miss with a probability of e^-20, twice `level`. Lights without
-/// area are of no largest radiance: one right before a surface lights a spot that few camera rays meet.
+/// mean / brightest of all samples, and that many all miss with a probability of e^-20, twice `level`; where lights are
+/// of no largest radiance, what no sample of the test's own image covers may be as rare.
 bool is_unseen(const Comparison& found, const SceneUnderTest& test, double draws) {
     if (found.mean_a != 0 && found.mean_b != 0) return false;
     const double mean = std::max(std::abs(found.mean_a), std::abs(found.mean_b));
     const std::optional<double> most = brightest(test.scene);
-    return !most || (*most > 0 && draws * mean / *most < 20);
+    if (most) return *most > 0 && draws * mean / *most < 20;
+    const std::vector<double> covered = test.output->frame_buffer.resolve_alpha();
+    return std::all_of(covered.begin(), covered.end(), [](double alpha) { return alpha == 0; });
 }
 
 /// Whether anything is nearer to the point than `near`, as far as rays in all directions tell.

@@ -93,6 +93,61 @@ TEST_CASE("rays that leave axis-aligned planes through zero do not find them aga
     CHECK(again == 0);
 }
 
+TEST_CASE("what a ray hits, to the bit, is its own affair: batches of any size and order", "[geometry][law3][law4]") {
+    RandomPoints random(7);
+    SceneDescription scene = empty_scene();
+    for (int i = 0; i < 12; ++i)
+        scene.shapes.push_back(quad(random.point(2), random.point(2), random.point(2), random.point(2)));
+    scene.shapes.push_back(quadric(ShapeKind::sphere, Transform::scale(0.5f, 0.3f, 0.4f)));
+    scene.objects.push_back({"object", {quad({-1, 0, 1}, {1, 0.2f, 1}, {1, 0, -1}, {-1, 0.1f, -1})}});
+    SceneInstance instance;
+    instance.object = 0;
+    instance.to_world = Transform::translate(0.3f, 1, -0.2f) * Transform::rotate(31, 1, 2, 3);
+    scene.instances.push_back(instance);
+    const EmbreeScene built = build_geometry(scene);
+
+    std::vector<Ray> rays(5001);  // odd: the last triangle has no partner
+    for (Ray& ray : rays) {
+        ray.origin = random.point(3);
+        ray.direction = random.direction();
+    }
+    // Straight at an edge, where hits are moved inwards.
+    for (std::size_t i = 0; i < rays.size(); i += 7)
+        rays[i].direction = normalize(Vec3(scene.shapes[i % 12].positions[0]) - rays[i].origin);
+    for (std::size_t i = 0; i < rays.size(); i += 5) rays[i].direction = normalize(random.point(0.5f) - rays[i].origin);
+    std::vector<Hit> hits(rays.size());
+    built.intersect(rays, hits);
+    std::vector<Ray> hitting;
+    std::vector<Hit> found;
+    std::size_t different = 0, instanced = 0, quadrics = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const Hit alone = find(built, rays[i]).hit;
+        different += alone.valid() != hits[i].valid();
+        if (!hits[i].valid()) continue;
+        different += alone.shape != hits[i].shape || alone.primitive != hits[i].primitive ||
+                     alone.instance != hits[i].instance || alone.t != hits[i].t || alone.u != hits[i].u ||
+                     alone.v != hits[i].v;
+        hitting.push_back(rays[i]);
+        found.push_back(hits[i]);
+        instanced += hits[i].instance != Hit::none;
+        quadrics += built.shapes()[hits[i].shape].kind == ShapeKind::sphere;
+    }
+    CHECK(different == 0);
+    CHECK(found.size() > 1000);
+    CHECK(instanced > 50);
+    CHECK(quadrics > 20);
+    std::vector<SurfacePoint> points(found.size());
+    std::vector<SurfaceSource> sources(found.size());
+    built.surfaces(hitting, found, points, sources);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        const Found alone = find(built, hitting[i]);
+        different += alone.point.position != points[i].position ||
+                     alone.point.geometric_normal != points[i].geometric_normal ||
+                     alone.source.offset.here != sources[i].offset.here;
+    }
+    CHECK(different == 0);
+}
+
 TEST_CASE("a ray that goes straight on gets further, wherever rounding puts its hit", "[geometry]") {
     RandomPoints random(5);
     int stuck = 0;

@@ -116,7 +116,8 @@ inline Vec3 straight_ray_origin(const Ray& ray, Real t, const Vec3& p, const Vec
 inline constexpr Real end_of_segment = 1 - Real(0x1p-20);
 
 /// From `from`, where a ray may begin, to the point `to` of a surface with unit normal `n` (0: there is none), but for
-/// what its offset takes off: no share of the way, which a wall right before the point would be lost in.
+/// what its offset and end_of_segment take off: 1e-4 of the way, as is common, would lose a wall right before the
+/// point.
 inline Ray segment_to(const Vec3& from, const Vec3& to, const Vec3& n, const OffsetBound& offset) {
     const Vec3 way = to - from;
     const Real reach = std::abs(way.x) + std::abs(way.y) + std::abs(way.z);

@@ -50,7 +50,7 @@ class Beside {
     Result<double> run_command(const std::vector<std::string>& words) {
         ShellCommand command;
         command.text = shell_command(words);
-        auto outcome = run_process(command, place_.string(), "log.txt", 0, stop_, {});
+        auto outcome = run_process(command, place_.string(), (place_ / "log.txt").string(), 0, stop_, {});
         if (!outcome) return outcome.error();
         if (outcome->exit_code != exit_holds && outcome->exit_code != exit_does_not_hold)
             return error_at({}, "'" + command.text + "' ended with " + std::to_string(outcome->exit_code) + ": " +
