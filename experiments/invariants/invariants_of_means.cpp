@@ -191,9 +191,9 @@ std::string what_stands_on_a_surface(const SceneUnderTest& test) {
     const auto is_here = [&](const transport::Vec3& vertex) { return length(vertex - eye) < near; };
     for (const transport::ShapeGeometry& shape : geometry.shapes().first(geometry.top_level_shapes())) {
         if (std::any_of(shape.patch_positions.begin(), shape.patch_positions.end(), is_here)) return "the camera";
-        for (std::uint32_t i = 0; shape.kind == transport::ShapeKind::triangle_mesh && i < 3 * shape.primitive_count;
-             ++i)
-            if (is_here(shape.positions[shape.indices[i]])) return "the camera";
+        for (const transport::Triangle& triangle : shape.triangles)
+            for (const std::uint32_t corner : triangle.corners)
+                if (is_here(shape.positions[corner])) return "the camera";
     }
     if (is_near_surface(geometry, eye, near)) return "the camera";
     for (const transport::Light& light : view.lights->lights())

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <mutex>
 
@@ -225,16 +226,17 @@ Status EmbreeScene::add_mesh(const SceneShape& shape, const Transform& placement
     RTCGeometry geometry = rtcNewGeometry(device_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
     void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(StoredVec3),
                                              mesh->positions.size());
-    void* indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                            3 * sizeof(std::uint32_t), g.primitive_count);
-    if (!vertices || !indices) {
+    if (!vertices) {
         rtcReleaseGeometry(geometry);
         return error_at(shape.location, "not enough memory for the mesh");
     }
     std::memcpy(vertices, mesh->positions.data(), mesh->positions.size() * sizeof(StoredVec3));
-    std::memcpy(indices, mesh->indices.data(), mesh->indices.size() * sizeof(std::uint32_t));
     g.positions = static_cast<const StoredVec3*>(vertices);
-    g.indices = static_cast<const std::uint32_t*>(indices);
+    g.triangles.reserve(g.primitive_count);
+    for (const std::uint32_t* i = mesh->indices.data(); g.triangles.size() < g.primitive_count; i += 3)
+        g.triangles.push_back(make_triangle({i[0], i[1], i[2]}, g.positions));
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, g.triangles.data(),
+                               offsetof(Triangle, corners), sizeof(Triangle), g.primitive_count);
     made = geometry;
     return success();
 }

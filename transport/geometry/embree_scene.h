@@ -20,6 +20,7 @@
 #include "transport/geometry/ray.h"
 #include "transport/geometry/render_space.h"
 #include "transport/geometry/surface_point.h"
+#include "transport/geometry/triangle.h"
 #include "transport/materials/texture.h"
 #include "transport/scene/scene_description.h"
 
@@ -28,11 +29,11 @@ struct RTCSceneTy;
 
 namespace raylex::transport {
 
-/// One Shape directive as rendering sees it. Meshes point into vertex and index buffers that Embree owns.
+/// One Shape directive as rendering sees it. Meshes point into vertex buffers that Embree owns.
 struct ShapeGeometry {
     ShapeKind kind = ShapeKind::triangle_mesh;
     const StoredVec3* positions = nullptr;
-    const std::uint32_t* indices = nullptr;  ///< 3 per triangle, 4 per patch
+    std::vector<Triangle> triangles;
     std::uint32_t primitive_count = 0;
     std::vector<StoredVec3> normals;
     std::vector<StoredVec2> uvs;

@@ -51,7 +51,7 @@ void EmbreeScene::finish_hit(const Ray& ray, Hit& hit) const {
     }
     const ShapeGeometry& shape = shapes_[hit.shape];
     if (shape.kind == ShapeKind::triangle_mesh) {
-        const std::uint32_t* index = shape.indices + 3 * static_cast<std::size_t>(hit.primitive);
+        const auto& index = shape.triangles[hit.primitive].corners;
         const DVec3 p0(shape.positions[index[0]]), p1(shape.positions[index[1]]), p2(shape.positions[index[2]]);
         const DVec3 e1 = p1 - p0, e2 = p2 - p0;
         TriangleHit found = meet_triangle(origin, direction, p0, p1, p2);
@@ -73,10 +73,10 @@ void EmbreeScene::finish_hit(const Ray& ray, Hit& hit) const {
 
 /// Two hits on triangles that no instance places, for what is most of a render's hits: the same bits.
 void EmbreeScene::finish_triangles(const std::array<const Ray*, 2>& rays, const std::array<Hit*, 2>& hits) const {
-    const auto corners = [&](int number) {
+    const auto corners = [&](std::size_t number) {
         const auto one = [&](const Hit& hit) -> const StoredVec3& {
             const ShapeGeometry& shape = shapes_[hit.shape];
-            return shape.positions[shape.indices[3 * static_cast<std::size_t>(hit.primitive) + number]];
+            return shape.positions[shape.triangles[hit.primitive].corners[number]];
         };
         return DVec3Pair::of(one(*hits[0]), one(*hits[1]));
     };

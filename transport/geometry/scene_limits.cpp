@@ -60,16 +60,18 @@ double ShapeGeometry::extent() const {
     if (kind != ShapeKind::triangle_mesh && kind != ShapeKind::bilinear_mesh) return quadric.extent();
     double extent = 0;
     for (const StoredVec3& position : patch_positions) extent = std::max(extent, largest_of(position));
-    for (std::size_t i = 0; positions != nullptr && i < 3 * static_cast<std::size_t>(primitive_count); ++i)
-        extent = std::max(extent, largest_of(positions[indices[i]]));
+    for (const Triangle& triangle : triangles)
+        for (const std::uint32_t corner : triangle.corners) extent = std::max(extent, largest_of(positions[corner]));
     return extent;
 }
 
 double ShapeGeometry::reach_of_rays() const {
     double edge = 0;
-    for (std::size_t i = 0; positions != nullptr && i < 3 * static_cast<std::size_t>(primitive_count); i += 3)
-        for (const auto& [a, b] : {std::pair{i, i + 1}, std::pair{i + 1, i + 2}, std::pair{i + 2, i}})
-            edge = std::max(edge, largest_of(positions[indices[a]] - positions[indices[b]]));
+    for (const Triangle& triangle : triangles) {
+        const auto& [a, b, c] = triangle.corners;
+        for (const auto& [from, to] : {std::pair{a, b}, std::pair{b, c}, std::pair{c, a}})
+            edge = std::max(edge, largest_of(positions[from] - positions[to]));
+    }
     // The sums of 12 products of the edges and of 3 with the distance, which is of two points, stay below 3.4e38.
     constexpr double most_product = 4e36;
     return std::min(double{largest_coordinate}, most_product / (edge * edge));

@@ -1,21 +1,8 @@
 // From hits to surface points: positions, normals and parameterisation by pbrt-v4's conventions ("Physically Based
-// Rendering", 4th edition, chapter 6), and the bound on where the intersector may think the surface is.
-//
-// The bound for a triangle. The point is v0 + b1 e1 + b2 e2 in double, rounded once: each coordinate is off by u |p|,
-// u = 2^-24, and so is the origin made from it, which offset_ray_origin() makes up for. Embree's robust test (Pluecker
-// coordinates) moves the vertices to the ray's origin o: each coordinate is off by u |v - o| <= u extent. The plane
-// through vertices moved so passes o at most n . u extent aside, o being a mean of them, and its edges a_i are off by
-// 2 u extent. It takes N as the cross product of two edges (2 roundings a product, 1 for the difference:
-// gamma(3) (|a_i b_j| + |a_j b_i|)) and evaluates (v0 - o) . N (gamma(3)). The distance it sees is thus off by at most
-//   gamma(2) |n| . |p| + gamma(8) ((a x+ b) . extent) / |N|,  x+ the cross product with plus signs,
-// with 2 u extent added to each edge: it is that term which keeps slivers behind the ray that leaves them. Which two of
-// the edges, it chooses for each component by the smaller of two products (products_of_normal() does the same), so that
-// a sliver's short edge is one of them: two long ones would make the bound a multiple of the sliver itself.
-// Componentwise bounds keep axis-aligned planes nearly exact. A plane through 0 would get 0, so 2^-32 of the triangle's
-// extent is added: it changes nothing elsewhere.
+// Rendering", 4th edition, chapter 6), and the bound on where the intersector may think the surface is
+// (derived in triangle.cpp).
 #include "display/services/elementary.h"
 #include "transport/geometry/embree_scene.h"
-#include "transport/geometry/vec3_pair.h"
 
 #include <algorithm>
 #include <array>
@@ -23,16 +10,6 @@
 
 namespace raylex::transport {
 namespace {
-
-constexpr Vec3 absolute(const Vec3& v) {
-    return {v.x < 0 ? -v.x : v.x, v.y < 0 ? -v.y : v.y, v.z < 0 ? -v.z : v.z};
-}
-constexpr Vec3 largest(const Vec3& a, const Vec3& b) {
-    return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
-}
-constexpr Vec3 smallest(const Vec3& a, const Vec3& b) {
-    return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
-}
 
 /// Shading normal from vertex normals, and the geometric normal turned to its side, as pbrt does.
 void apply_vertex_normal(const Vec3& interpolated, SurfacePoint& point) {
@@ -42,74 +19,21 @@ void apply_vertex_normal(const Vec3& interpolated, SurfacePoint& point) {
     point.geometric_normal = face_forward(point.geometric_normal, point.shading_normal);
 }
 
-/// Sums of the magnitudes of the products that Embree's stable_triangle_normal(a, b, c) makes a normal of; where its
-/// choice is closer than rounding decides, the larger.
-Vec3 products_of_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
-    const auto chosen = [](Real ab, Real ab_other, Real bc, Real bc_other) {
-        const Real of_ab = ab + ab_other, of_bc = bc + bc_other;
-        return 2 * ab < bc ? of_ab : 2 * bc < ab ? of_bc : std::max(of_ab, of_bc);
-    };
-    return {chosen(a.z * b.y, a.y * b.z, b.z * c.y, b.y * c.z), chosen(a.x * b.z, a.z * b.x, b.x * c.z, b.z * c.x),
-            chosen(a.y * b.x, a.x * b.y, b.y * c.x, b.x * c.y)};
-}
-
-/// What is asked in double of a hit on a triangle.
-struct TrianglePoint {
-    Vec3 position, normal;  ///< the unit normal that the vertices' order gives
-    Real inverse_length;    ///< of the cross product of its edges
-};
-
-/// Of two hits. In double: differences of floats and products of those are next to exact there, so slivers keep their
-/// normal, and the length of the cross product of edges of 1e-10 does not drown (its square is below the smallest
-/// float).
-std::array<TrianglePoint, 2> triangle_points(const std::array<const ShapeGeometry*, 2>& shapes,
-                                             const std::array<const Hit*, 2>& hits) {
-    const auto both = [&](int number) {
-        const auto corner = [&](std::size_t k) -> const StoredVec3& {
-            return shapes[k]->positions[shapes[k]->indices[3 * static_cast<std::size_t>(hits[k]->primitive) + number]];
-        };
-        return DVec3Pair::of(corner(0), corner(1));
-    };
-    const DVec3Pair from = both(0), along1 = both(1) - from, along2 = both(2) - from;
-    const DVec3Pair position =
-        from + along1 * DoublePair{hits[0]->u, hits[1]->u} + along2 * DoublePair{hits[0]->v, hits[1]->v};
-    const DVec3Pair n = cross(along1, along2);
-    const DoublePair squared = dot(n, n);
-    const DoublePair inverse = 1 / DoublePair{std::sqrt(squared[0]), std::sqrt(squared[1])};
-    const DVec3Pair unit = n * inverse;
-    const auto point = [&](int k) {
-        return TrianglePoint{position[k].to_real(), unit[k].to_real(), static_cast<Real>(inverse[k])};
-    };
-    return {point(0), point(1)};
-}
-
-void triangle_surface(const ShapeGeometry& shape, const Hit& hit, const TrianglePoint& found, SurfacePoint& point,
-                      OffsetBound& offset) {
-    const std::uint32_t* index = shape.indices + 3 * static_cast<std::size_t>(hit.primitive);
-    const Vec3 p0 = shape.positions[index[0]], p1 = shape.positions[index[1]], p2 = shape.positions[index[2]];
+void triangle_surface(const ShapeGeometry& shape, const Hit& hit, SurfacePoint& point, OffsetBound& offset) {
+    const Triangle& triangle = shape.triangles[hit.primitive];
+    const auto& index = triangle.corners;
     const Real b1 = hit.u, b2 = hit.v, b0 = 1 - b1 - b2;
-    const Vec3 e1 = p1 - p0, e2 = p2 - p0;
-    const Vec3& unflipped = found.normal;
-    const Real inverse_length = found.inverse_length;
-    point.position = found.position;
-    point.geometric_normal = shape.flip_normal ? -unflipped : unflipped;
-
-    const Vec3 top = largest(p0, largest(p1, p2)), bottom = smallest(p0, smallest(p1, p2));
-    const Vec3 extent = top - bottom, moved = extent * (2 * unit_roundoff);
-    const Vec3 a1 = absolute(e1) + moved, a2 = absolute(e2) + moved;
-    // The sums of one pair bound those of the other that Embree may prefer by three times: |b_i c_j| of what it
-    // compares is the smaller, and the other product differs from it by N. 3 x 3 + 3 + 1 roundings then, for 8.
-    Vec3 products = Vec3{a1.y * a2.z + a1.z * a2.y, a1.z * a2.x + a1.x * a2.z, a1.x * a2.y + a1.y * a2.x} * 1.625f;
-    const Real spread = (products.x + products.y + products.z) * inverse_length;
-    if (spread > 16) [[unlikely]]  // a sliver
-        products = products_of_normal(a2, a1, absolute(p1 - p2) + moved);
-    offset.per_distance = offset_per_distance(spread);
-    offset.here = gamma_bound(2) * dot(absolute(point.geometric_normal), absolute(point.position)) +
-                  gamma_bound(8) * dot(products * inverse_length, extent) + 0x1p-32f * (extent.x + extent.y + extent.z);
+    const DVec3 p0(shape.positions[index[0]]);
+    const DVec3 e1 = DVec3(shape.positions[index[1]]) - p0, e2 = DVec3(shape.positions[index[2]]) - p0;
+    point.position = (p0 + e1 * b1 + e2 * b2).to_real();
+    point.geometric_normal = shape.flip_normal ? -triangle.normal : triangle.normal;
+    offset = triangle.offset;
+    offset.here += gamma_bound(2) * dot(absolute(point.geometric_normal), absolute(point.position));
 
     point.shading_normal = point.geometric_normal;
     if (!shape.normals.empty()) {
-        point.geometric_normal = point.shading_normal = unflipped;  // pbrt ignores the flip where vertex normals decide
+        point.geometric_normal = point.shading_normal =
+            triangle.normal;  // pbrt ignores the flip where vertex normals decide
         apply_vertex_normal(Vec3(shape.normals[index[0]]) * b0 + Vec3(shape.normals[index[1]]) * b1 +
                                 Vec3(shape.normals[index[2]]) * b2,
                             point);
@@ -117,7 +41,7 @@ void triangle_surface(const ShapeGeometry& shape, const Hit& hit, const Triangle
     if (shape.uvs.empty()) {
         point.u = b1 + b2;  // default uvs (0,0), (1,0), (1,1)
         point.v = b2;
-        point.dpdu = e1;
+        point.dpdu = e1.to_real();
         return;
     }
     const Vec2 t0 = shape.uvs[index[0]], t1 = shape.uvs[index[1]], t2 = shape.uvs[index[2]];
@@ -126,7 +50,7 @@ void triangle_surface(const ShapeGeometry& shape, const Hit& hit, const Triangle
     const Vec2 d1{t1.x - t0.x, t1.y - t0.y}, d2{t2.x - t0.x, t2.y - t0.y};
     const Real determinant = d1.x * d2.y - d1.y * d2.x;
     point.dpdu = std::abs(determinant) < Real(1e-9) ? Frame::from_normal(point.geometric_normal).s
-                                                    : (e1 * d2.y - e2 * d1.y) / determinant;
+                                                    : (e1.to_real() * d2.y - e2.to_real() * d1.y) / determinant;
 }
 
 /// A ray in the space of the shape's definition, in double.
@@ -228,9 +152,6 @@ void place(const Placement& placement, SurfacePoint& point, OffsetBound& offset)
 
 void EmbreeScene::surfaces(std::span<const Ray> rays, std::span<const Hit> hits, std::span<SurfacePoint> points,
                            std::span<SurfaceSource> sources) const {
-    const auto is_triangle = [&](std::size_t i) { return shapes_[hits[i].shape].kind == ShapeKind::triangle_mesh; };
-    std::array<TrianglePoint, 2> triangles{};
-    bool next_is_known = false;  // triangles[1] is the next hit's
     for (std::size_t i = 0; i < hits.size(); ++i) {
         const Hit& hit = hits[i];
         const ShapeGeometry& shape = shapes_[hit.shape];
@@ -238,15 +159,7 @@ void EmbreeScene::surfaces(std::span<const Ray> rays, std::span<const Hit> hits,
         SurfaceSource& source = sources[i];
         const bool instanced = hit.instance != Hit::none;
         if (shape.kind == ShapeKind::triangle_mesh) {
-            if (next_is_known) {
-                next_is_known = false;
-                triangles[0] = triangles[1];
-            } else {
-                next_is_known = i + 1 < hits.size() && is_triangle(i + 1);
-                const Hit& other = hits[next_is_known ? i + 1 : i];
-                triangles = triangle_points({&shape, &shapes_[other.shape]}, {&hit, &other});
-            }
-            triangle_surface(shape, hit, triangles[0], point, source.offset);
+            triangle_surface(shape, hit, point, source.offset);
         } else if (shape.kind == ShapeKind::bilinear_mesh) {
             patch_surface(shape, hit, point, source.offset);
         } else {

@@ -70,7 +70,7 @@ struct DetailBuilder {
     }
 
     void triangle() const {
-        const std::uint32_t* index = shape.indices + 3 * static_cast<std::size_t>(hit.primitive);
+        const auto& index = shape.triangles[hit.primitive].corners;
         const DVec3 p[3] = {DVec3(shape.positions[index[0]]), DVec3(shape.positions[index[1]]),
                             DVec3(shape.positions[index[2]])};
         for (int i = 0; i < 3; ++i) add_edge(p[i], p[(i + 1) % 3]);
@@ -89,7 +89,8 @@ struct DetailBuilder {
     }
 
     /// From how the interpolated normal turns: half the trace of the shape operator.
-    [[nodiscard]] double normals_curvature(const std::uint32_t* index, const DVec3& e1, const DVec3& e2) const {
+    [[nodiscard]] double normals_curvature(const std::array<std::uint32_t, 3>& index, const DVec3& e1,
+                                           const DVec3& e2) const {
         const DVec3 n0 = world_normal(DVec3(shape.normals[index[0]])),
                     n1 = world_normal(DVec3(shape.normals[index[1]])),
                     n2 = world_normal(DVec3(shape.normals[index[2]]));

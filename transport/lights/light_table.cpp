@@ -18,19 +18,15 @@ namespace {
 Light make_triangle(const ShapeGeometry& shape, std::uint32_t primitive) {
     Light light;
     light.kind = LightKind::triangle;
-    const std::uint32_t* i = shape.indices + 3 * static_cast<std::size_t>(primitive);
+    const Triangle& triangle = shape.triangles[primitive];
+    const auto& i = triangle.corners;
     const Vec3 p0 = shape.positions[i[0]], p1 = shape.positions[i[1]], p2 = shape.positions[i[2]];
     light.position = p0;
     light.edge1 = p1 - p0;
     light.edge2 = p2 - p0;
-    const DVec3 n = cross(DVec3(light.edge1), DVec3(light.edge2));
-    const double twice_area = length(n);
-    light.area = static_cast<Real>(0.5 * twice_area);
-    const DVec3 a(light.edge1), b(light.edge2);
-    const double products = std::abs(a.y * b.z) + std::abs(a.z * b.y) + std::abs(a.z * b.x) + std::abs(a.x * b.z) +
-                            std::abs(a.x * b.y) + std::abs(a.y * b.x);
-    light.per_distance = offset_per_distance(static_cast<Real>(twice_area > 0 ? products / twice_area : 1));
-    Vec3 normal = twice_area > 0 ? (n * (1 / twice_area)).to_real() : Vec3{0, 0, 1};
+    light.area = static_cast<Real>(0.5 * length(cross(DVec3(light.edge1), DVec3(light.edge2))));
+    light.per_distance = triangle.offset.per_distance;
+    Vec3 normal = triangle.normal;
     if (!shape.normals.empty()) {
         const Vec3 shading = shape.normals[i[0]] + shape.normals[i[1]] + shape.normals[i[2]];
         normal = face_forward(normal, shading);

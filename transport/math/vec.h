@@ -1,6 +1,7 @@
 // Three-component vectors. One type serves points, vectors and normals; which one a value is, its name says.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "transport/math/real.h"
@@ -83,6 +84,16 @@ inline Real abs_dot(const Vec3& a, const Vec3& b) {
 }
 constexpr Vec3 face_forward(const Vec3& n, const Vec3& v) {
     return dot(n, v) < 0 ? -n : n;
+}
+/// Of each coordinate.
+constexpr Vec3 absolute(const Vec3& v) {
+    return {v.x < 0 ? -v.x : v.x, v.y < 0 ? -v.y : v.y, v.z < 0 ? -v.z : v.z};
+}
+constexpr Vec3 largest(const Vec3& a, const Vec3& b) {
+    return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
+}
+constexpr Vec3 smallest(const Vec3& a, const Vec3& b) {
+    return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
 }
 template <class T>
 bool is_finite(const BasicVec3<T>& v) {
