@@ -1,7 +1,9 @@
 #include "lpe/truth.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <unordered_map>
 
@@ -17,43 +19,113 @@ struct Chain {
         std::size_t to;
         double weight;
     };
-    std::vector<std::vector<Step>> steps;  // [state]
-    std::vector<double> ending;            // [state] what paths that end here give
+    std::vector<std::vector<Step>> steps;  // [node]
+    std::vector<double> ending;            // [node] what paths that end here give
 };
 
-Chain chain_of(const Program& program, const Enclosure& enclosure) {
-    std::vector<std::pair<EventClass, double>> scattering, terminals;
-    for (const WeightedEvent& each : enclosure.scattering) {
-        scattering.emplace_back(program.classify(each.event), each.weight);
+/// Where a path is: the automaton's state; how many sheets the flight that it is on crosses in all, the widest first;
+/// and how many crossings are still ahead of the wall.
+struct Node {
+    State state;
+    std::size_t sheets, ahead;
+    bool operator==(const Node&) const = default;
+};
+struct NodeHash {
+    std::size_t operator()(const Node& node) const {
+        return (node.state * std::size_t{0x9e3779b97f4a7c15} + node.sheets) * std::size_t{0x9e3779b97f4a7c15} +
+               node.ahead;
     }
-    for (const WeightedEvent& each : enclosure.terminals) {
-        terminals.emplace_back(program.classify(each.event), each.weight);
+};
+
+/// The share of a Lambert lobe's flights that cross just 0, 1, 2 ... sheets.
+std::vector<double> shares_of_sheets(std::vector<double> radii) {
+    std::sort(radii.begin(), radii.end(), std::greater<>());
+    std::vector<double> shares;
+    double wider = 1;
+    for (const double radius : radii) {
+        shares.push_back(wider - radius * radius);
+        wider = radius * radius;
     }
-    Chain chain;
-    std::unordered_map<State, std::size_t> number;
-    std::vector<State> states;
-    const auto number_of = [&](State state) {
-        const auto [place, fresh] = number.emplace(state, states.size());
-        if (fresh) { states.push_back(state); }
+    shares.push_back(wider);
+    return shares;
+}
+
+class ChainMaker {
+  public:
+    ChainMaker(const Program& program, const Enclosure& enclosure)
+        : program_(program),
+          enclosure_(enclosure),
+          shares_(shares_of_sheets(enclosure.sheets.radii)),
+          crossing_(program.classify(enclosure.sheets.crossing.event)) {}
+
+    Chain make() {
+        const State start = program_.next(program_.starts()[0], program_.classify(Event{}));
+        if (start == Program::dead) { return {}; }
+        const std::size_t sheets = shares_.size() - 1;
+        number_of({start, sheets, sheets});
+        for (std::size_t i = 0; i < nodes_.size(); ++i) {
+            const Node node = nodes_[i];
+            steps_ = &chain_.steps.emplace_back();
+            chain_.ending.push_back(0);
+            if (node.ahead > 0) {
+                add(enclosure_.sheets.crossing.weight, program_.next(node.state, crossing_), node.sheets,
+                    node.ahead - 1);
+            } else {
+                leave_wall(node);
+            }
+            steps_ = nullptr;
+        }
+        return std::move(chain_);
+    }
+
+  private:
+    std::size_t number_of(const Node& node) {
+        const auto [place, fresh] = number_.emplace(node, nodes_.size());
+        if (fresh) { nodes_.push_back(node); }
         return place->second;
-    };
-    const State start = program.next(program.starts()[0], program.classify(Event{}));
-    if (start == Program::dead) { return chain; }
-    number_of(start);
-    for (std::size_t i = 0; i < states.size(); ++i) {
-        const State state = states[i];
-        std::vector<Chain::Step>& steps = chain.steps.emplace_back();
-        for (const auto& [event, weight] : scattering) {
-            if (const State to = program.next(state, event); to != Program::dead && weight > 0) {
-                steps.push_back({number_of(to), weight});
+    }
+    void add(double weight, State to, std::size_t sheets, std::size_t ahead) {
+        if (to != Program::dead && weight > 0) { steps_->push_back({number_of({to, sheets, ahead}), weight}); }
+    }
+    void leave_wall(const Node& node) {
+        for (const WeightedEvent& each : enclosure_.scattering) {
+            const State to = program_.next(node.state, program_.classify(each.event));
+            if (each.event.scatter == Scatter::singular) {
+                add(each.weight, to, node.sheets, 2 * node.sheets);
+                continue;
+            }
+            for (std::size_t sheets = 0; sheets < shares_.size(); ++sheets) {
+                add(each.weight * shares_[sheets], to, sheets, 2 * sheets);
             }
         }
-        double& ending = chain.ending.emplace_back(0);
-        for (const auto& [event, weight] : terminals) {
-            if (program.accepts_any(program.next(state, event))) { ending += weight; }
+        for (const WeightedEvent& each : enclosure_.terminals) {
+            if (program_.accepts_any(program_.next(node.state, program_.classify(each.event)))) {
+                chain_.ending.back() += each.weight;
+            }
         }
     }
-    return chain;
+
+    const Program& program_;
+    const Enclosure& enclosure_;
+    std::vector<double> shares_;
+    EventClass crossing_;
+    Chain chain_;
+    std::unordered_map<Node, std::size_t, NodeHash> number_;
+    std::vector<Node> nodes_;
+    std::vector<Chain::Step>* steps_ = nullptr;  // of the node that is made
+};
+
+void check_sheets(const Enclosure& enclosure) {
+    for (const double radius : enclosure.sheets.radii) {
+        if (!(radius > 0 && radius < 1)) {
+            fail("a sheet's radius is " + std::to_string(radius) + " of the room's; expected more than 0, less than 1");
+        }
+    }
+    for (const WeightedEvent& each : enclosure.scattering) {
+        if (!enclosure.sheets.radii.empty() && each.event.type != EventType::reflection && each.weight > 0) {
+            fail("walls let light through, and there are sheets within; expected walls that only reflect");
+        }
+    }
 }
 
 /// x = ending + M x by Gaussian elimination. Rows of I - M are diagonally dominant where albedos sum to less than 1, so
@@ -107,6 +179,7 @@ Result<EnclosureTruth> enclosure_truth(const ChannelSource& expression, const En
     const Result<Program> program = Program::compile({&expression, 1});
     if (!program) { return program.error(); }
     return guarded([&] {
+        check_sheets(enclosure);
         double albedo = 0;
         for (const WeightedEvent& each : enclosure.scattering) { albedo += each.weight; }
         if (!enclosure.max_depth && !(albedo < 1)) {
@@ -116,7 +189,7 @@ Result<EnclosureTruth> enclosure_truth(const ChannelSource& expression, const En
         }
         EnclosureTruth truth;
         truth.by_depth.assign(depths_shown, 0);
-        const Chain chain = chain_of(*program, enclosure);
+        const Chain chain = ChainMaker(*program, enclosure).make();
         if (chain.steps.empty()) { return truth; }
         if (!enclosure.max_depth && chain.steps.size() > most_states) {
             fail("the expression has " + std::to_string(chain.steps.size()) +

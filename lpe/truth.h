@@ -7,8 +7,9 @@
 //
 //     x(q) = sum over terminals t of e(t) [d(q, t) accepts] + sum over scatterings s of a(s) x(d(q, s)),
 //
-// one linear system over the automaton's states. No image is needed, only the expression: a renderer whose layer
-// differs by more than its noise is wrong.
+// one linear system over the automaton's states. Sheets in a spherical room, around its centre, are crossed by some
+// flights between walls and not by others: which, is remembered beside the state (struct Sheets). No image is needed,
+// only the expression: a renderer whose layer differs by more than its noise is wrong.
 #pragma once
 
 #include <cstdint>
@@ -27,9 +28,20 @@ struct WeightedEvent {
     double weight = 0;
 };
 
+/// Spheres about the centre of a spherical room that let `crossing.weight` of the light straight through and do nothing
+/// else; the camera stands in the innermost. A flight from the wall crosses those that are wider than the sine of its
+/// angle to the normal, each twice. The squared sine of what a Lambert lobe sends out is uniform (Malley's method:
+/// Pharr, Jakob and Humphreys, Physically Based Rendering, 4th ed., A.5.3), so it crosses a sheet of radius r with a
+/// probability of r^2; a mirror keeps the angle, and with it the sheets.
+struct Sheets {
+    WeightedEvent crossing;
+    std::vector<double> radii;  ///< as shares of the room's: from 0 to 1
+};
+
 struct Enclosure {
     std::vector<WeightedEvent> scattering;   ///< R, T and V events, each once; weights from 0 up
     std::vector<WeightedEvent> terminals;    ///< L, O and B events
+    Sheets sheets{};                         ///< none
     std::optional<std::uint64_t> max_depth;  ///< scattering events of a path at most; none: any number
 };
 
@@ -39,8 +51,9 @@ struct EnclosureTruth {
     std::vector<double> by_depth;
 };
 
-/// Errors: the expression's own; albedos that sum to 1 or more without max_depth, so that light has no bound; an
-/// expression of more than 3,000 states that paths of the enclosure reach (then max_depth helps).
+/// Errors: the expression's own; sheets with radii outside of 0 to 1 or with transmission at walls; albedos that sum to
+/// 1 or more without max_depth, so that light has no bound; an expression of more than 3,000 states that paths of the
+/// enclosure reach (then max_depth helps).
 Result<EnclosureTruth> enclosure_truth(const ChannelSource& expression, const Enclosure& enclosure,
                                        std::size_t depths_shown = 9);
 

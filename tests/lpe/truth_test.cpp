@@ -67,6 +67,36 @@ TEST_CASE("a white enclosure has a truth for paths of limited depth only", "[tru
     CHECK_FALSE(enclosure_truth({.name = {}, .expression = "C(L"}, white));
 }
 
+TEST_CASE("sheets within a spherical enclosure are crossed as flights between its walls cross them", "[truth][law7]") {
+    Enclosure walls = enclosure(0.5, 0.3);
+    walls.sheets = {{{EventType::transmission, Scatter::singular, 0, {"", "sheet"}}, 0.8}, {0.5}};
+    const auto value = [&](const char* text) { return truth_of(text, walls, Dialect::osl).value; };
+    const auto near = [](double expected) { return Approx(expected).margin(1e-14).epsilon(0); };
+    // A quarter of the Lambert flights crosses it; a mirror's does if the one before did.
+    CHECK(value("CL") == 0);
+    CHECK(value("C<TS>L") == near(0.8));
+    CHECK(value("C<TS>DL") == near(0.8 * 0.5 * 0.75));
+    CHECK(value("C<TS>D<TS>L") == 0);
+    CHECK(value("C<TS>D<TS><TS>L") == near(0.8 * 0.5 * 0.25 * 0.64));
+    CHECK(value("C<TS><RS>L") == 0);
+    CHECK(value("C<TS><RS><TS><TS>L") == near(0.8 * 0.3 * 0.64));
+    CHECK(value("C<TS>D<RS>L") == near(0.8 * 0.5 * 0.75 * 0.3));
+    const double g = 0.75 / 0.7 + 0.25 * 0.64 / (1 - 0.3 * 0.64), lambert = g / (1 - 0.5 * g);
+    CHECK(value("C.*L") == near(0.8 * (1 + 0.5 * lambert) / (1 - 0.3 * 0.64)));
+    walls.max_depth = 3;
+    CHECK(value("C.*L") == near(0.8 * (1 + 0.5 * 0.75 * (1 + 0.5 * 0.75 + 0.3))));  // crossings are events
+    walls.sheets.radii = {0.5, 0.25};
+    CHECK(value("C<TS><TS>DL") == near(0.64 * 0.5 * 0.75));
+    walls.max_depth = {};
+    CHECK(value("C<TS><TS>D<TS>{4}L") == near(0.64 * 0.5 * 0.0625 * std::pow(0.8, 4)));
+    walls.sheets.radii = {1};
+    const ChannelSource all{.name = {}, .expression = "C.*L"};
+    CHECK(enclosure_truth(all, walls).error().message.find("less than 1") != std::string::npos);
+    walls = enclosure(0.5, 0.3, 0.1);
+    walls.sheets.radii = {0.5};
+    CHECK(enclosure_truth(all, walls).error().message.find("only reflect") != std::string::npos);
+}
+
 TEST_CASE("random expressions have the sum of their words", "[truth]") {
     for (const Dialect dialect : {Dialect::renderman, Dialect::osl}) {
         CAPTURE(dialect == Dialect::osl);

@@ -14,6 +14,7 @@ struct TruthOptions {
     DialectOption dialect;
     std::vector<std::string> expressions;
     double diffuse = 0.5, mirror = 0, sheet = 0, emitted = 1;
+    std::vector<double> sheets;
     std::optional<std::uint64_t> max_depth;
     std::string object, group;
     bool by_depth = false;
@@ -29,8 +30,10 @@ lpe::Enclosure enclosure_of(const TruthOptions& options) {
     enclosure.scattering = {
         lobe(lpe::EventType::reflection, lpe::Scatter::diffuse, "diffuse", options.diffuse),
         lobe(lpe::EventType::reflection, lpe::Scatter::singular, "mirror", options.mirror),
-        lobe(lpe::EventType::transmission, lpe::Scatter::singular, "sheet", options.sheet),
     };
+    const auto sheet = lobe(lpe::EventType::transmission, lpe::Scatter::singular, "sheet", options.sheet);
+    if (options.sheets.empty()) enclosure.scattering.push_back(sheet);
+    else enclosure.sheets = {sheet, options.sheets};
     enclosure.terminals = {{{lpe::EventType::light, lpe::Scatter::none, 0, {options.group}}, options.emitted}};
     enclosure.max_depth = options.max_depth;
     return enclosure;
@@ -66,7 +69,13 @@ void add_lpe_truth_command(CLI::App& lpe, CommandContext& context) {
     };
     albedo("--kd", options->diffuse, "albedo of the walls' Lambert lobe");
     albedo("--ks", options->mirror, "albedo of their ideal mirror");
-    albedo("--kt", options->sheet, "share that every surface lets straight through as a sheet does (T S)");
+    albedo("--kt", options->sheet, "share that every surface, or every --sheet alone, lets straight through (T S)");
+    truth
+        ->add_option("--sheet", options->sheets,
+                     "a sphere within a spherical room, around its centre, that does nothing else; its radius as a "
+                     "share of the room's; the camera is in the innermost; may be repeated")
+        ->option_text("R")
+        ->allow_extra_args(false);
     truth->add_option("--le", options->emitted, "radiance that every wall emits")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();

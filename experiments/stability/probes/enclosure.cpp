@@ -83,6 +83,13 @@ MeshData icosphere() {
 struct Room {
     std::string shape;
     double kd, ks, scale, offset;
+    double sheets, kt;  ///< how many, at even distances from wall to centre, and what each lets through
+
+    [[nodiscard]] std::vector<double> radii() const {
+        std::vector<double> radii;
+        for (double i = 1; i <= sheets; ++i) radii.push_back(i / (sheets + 1));
+        return radii;
+    }
 };
 
 Result<transport::SceneDescription> scene_of(const Room& room, const SourceLocation& where) {
@@ -113,18 +120,24 @@ Result<transport::SceneDescription> scene_of(const Room& room, const SourceLocat
         return error_at(where, "no enclosure has the shape '" + room.shape +
                                    "'; expected box, sphere, icosphere, tetrahedron or corner");
     if (!added) return added.error();
+    const auto sheet = scene.add_material("raylex:sheet", {rgb("transmittance", {room.kt, room.kt, room.kt})});
+    if (!sheet) return sheet.error();
+    for (const double radius : room.radii())
+        if (Status s = scene.add_shape("sphere", {real("radius", radius)}, {.to_world = place, .material = *sheet});
+            fails(s))
+            return s.error();
     return scene.finish();
 }
 
 lpe::Enclosure enclosure_of(const Room& room, std::uint64_t max_depth) {
     const lpe::LobeSlots slots;
     lpe::Enclosure enclosure;
-    const auto add = [&](lpe::Scatter scatter, const char* lobe, double albedo) {
-        enclosure.scattering.push_back(
-            {{lpe::EventType::reflection, scatter, slots.number(scatter, lobe), {"", lobe}}, albedo});
+    const auto event = [&](lpe::EventType type, lpe::Scatter scatter, const char* lobe, double albedo) {
+        return lpe::WeightedEvent{{type, scatter, slots.number(scatter, lobe), {"", lobe}}, albedo};
     };
-    add(lpe::Scatter::diffuse, "diffuse", room.kd);
-    add(lpe::Scatter::singular, "mirror", room.ks);
+    enclosure.scattering = {event(lpe::EventType::reflection, lpe::Scatter::diffuse, "diffuse", room.kd),
+                            event(lpe::EventType::reflection, lpe::Scatter::singular, "mirror", room.ks)};
+    enclosure.sheets = {event(lpe::EventType::transmission, lpe::Scatter::singular, "sheet", room.kt), room.radii()};
     enclosure.terminals = {{{lpe::EventType::light, lpe::Scatter::none, 0, {""}}, 1}};
     enclosure.max_depth = max_depth;
     return enclosure;
@@ -149,8 +162,11 @@ Result<std::string> random_one(double index, const std::string& integrator, cons
 }
 
 Result<ProbeResult> enclosure(const ProbeInput& input) {
-    const Room room{input.word("shape", "box"), input.number("kd", 0.4), input.number("ks", 0.2),
-                    input.number("scale", 1), input.number("offset", 0)};
+    const Room room{input.word("shape", "box"), input.number("kd", 0.4),   input.number("ks", 0.2),
+                    input.number("scale", 1),   input.number("offset", 0), input.number("sheets", 0),
+                    input.number("kt", 0.8)};
+    if (room.sheets > 0 && room.shape != "sphere")
+        return error_at(input.where(), "sheets are known to stand in a 'sphere' alone, not in a '" + room.shape + "'");
     const std::string integrator = input.word("integrator", "path");
     const auto depth = static_cast<std::int64_t>(input.number("depth", 6));
     const lpe::Enclosure truth_of = enclosure_of(room, static_cast<std::uint64_t>(depth));
@@ -206,7 +222,8 @@ std::span<const NamedProbe> enclosure_probes() {
     static constexpr NamedProbe table[] = {
         {"enclosure",
          "what an expression gives in a closed room that emits 1 everywhere; shape (box, sphere, icosphere, "
-         "tetrahedron, corner), kd, ks, scale, offset in sizes of the room, integrator, expression or random (its "
+         "tetrahedron, corner), kd, ks, scale, offset in sizes of the room, sheets (how many spheres in the sphere), "
+         "kt (what each lets through), integrator, expression or random (its "
          "number), depth, spp, seeds",
          enclosure}};
     return table;
