@@ -77,6 +77,7 @@ class Tracker {
 
   private:
     friend class LpeServices;
+    friend class Foresight;
     void copy(const Tracker& other) noexcept;
     std::int32_t row_ = 0;
     std::uint16_t moves_ = 0;                   // with the pixel and sample of row_: the source of the overflow choice

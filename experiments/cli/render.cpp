@@ -178,6 +178,7 @@ Result<Job> assemble(const CLI::App& command, const RenderOptions& options) {
     if (options.threads) job.settings.threads = *options.threads;
     if (options.max_depth) job.settings.max_depth = *options.max_depth;
     if (options.no_beauty) job.settings.beauty = false;
+    if (!options.prune.empty()) job.settings.prune = options.prune == "on";
     if (!options.filter_mode.empty()) job.settings.splat = options.filter_mode == "splat";
     if (!options.resolution.empty()) {
         auto size = parse_resolution(options.resolution, flag("--resolution"));

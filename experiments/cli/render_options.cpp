@@ -104,6 +104,11 @@ void add_light_layer_options(const OptionGroup& group, RenderOptions& options) {
               "the camera (beauty_s1t3), with its MIS weight and without (beauty_s1t3_unweighted); "
               "'pyramid:CHANNEL,...' of these channels");
     group.add_flag("--no-beauty", options.no_beauty, "renders only what the layers need");
+    group
+        .add("--prune", options.prune, "WHEN",
+             "on (default): without beauty, light paths that no layer takes are not simulated; off: they are, to see "
+             "what that saves")
+        ->check(CLI::IsMember({"on", "off"}));
 }
 
 void add_sample_layer_options(const OptionGroup& group, RenderOptions& options) {

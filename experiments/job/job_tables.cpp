@@ -112,6 +112,7 @@ void read_resolution(TomlTable& render, Job& job) {
 
 void read_method_settings(TomlTable& table, transport::RenderSettings& settings) {
     std::int64_t number = 0;
+    table.read("prune", settings.prune);
     if (table.read("max_depth", number, 0, std::numeric_limits<std::int32_t>::max())) settings.max_depth = number;
     std::string mode;
     if (table.read("filter_mode", mode)) {

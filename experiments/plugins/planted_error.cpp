@@ -94,8 +94,8 @@ class PlantedError final : public Integrator {
                       IntegratorCounters& counters, ThreadServices& services) const {
         const SceneView& scene = context_.scene;
         LightSample sample;
-        if (!bsdf.has_density() || !scene.lights->can_sample(LightChoice::light_sampling) ||
-            !scene.lights->sample(LightChoice::light_sampling, *scene.geometry, point.position,
+        if (!bsdf.has_density() || scene.lights->chooser(LightChoice::light_sampling).empty() ||
+            !scene.lights->sample(scene.lights->chooser(LightChoice::light_sampling), *scene.geometry, point.position,
                                   sampler.get_1d(first + 5), sampler.get_2d(first + 6), sample))
             return;
         const BsdfEvaluation f = bsdf.evaluate(point.wo, sample.wi);

@@ -26,8 +26,8 @@ Status Bdpt::prepare(const IntegratorContext& context) {
     context_ = context;
     view_ = {context.camera, context.width, context.height, context.filter_radius};
     const LightTable& lights = *context.scene.lights;
-    can_sample_lights_ = lights.can_sample(LightChoice::mis);
-    can_emit_ = parameters_.max_depth > 0 && lights.can_sample(LightChoice::light_sampling) &&
+    can_sample_lights_ = !lights.chooser(LightChoice::mis).empty();
+    can_emit_ = parameters_.max_depth > 0 && !lights.chooser(LightChoice::light_sampling).empty() &&
                 (context.beauty || context.events->any());
     if (!can_emit_) return success();
     media_of_lights_ = media_of_lights(context.scene, camera_position(context));

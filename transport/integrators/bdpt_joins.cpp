@@ -37,7 +37,7 @@ void Bdpt::Ends::emits(std::size_t j) {
     if (emitted.is_black()) return;
     const Subpath& path = camera.path(v.rows[j]);
     const Real sampled =
-        path.depth > 0 ? scene.lights->density(LightChoice::mis, *scene.geometry, path.from, at) : 0.0f;
+        path.depth > 0 ? scene.lights->density(self.samples_lights_by(), *scene.geometry, path.from, at) : 0.0f;
     add(v.rows[j], emitted, at, sampled, point.wo);
 }
 
@@ -52,7 +52,7 @@ void Bdpt::Ends::escapes(std::uint32_t row, const Ray& ray) {
         at.infinite = true;
         at.wi = ray.direction;
         add(row, lights.environment_radiance(light, ray.direction), at,
-            lights.environment_density(LightChoice::mis, light, ray.direction), -ray.direction);
+            lights.environment_density(self.samples_lights_by(), light, ray.direction), -ray.direction);
     }
 }
 
@@ -87,7 +87,7 @@ StrategySums::Wide Bdpt::others_beside_light_sample(const BdptThread& thread, st
 void Bdpt::sample_light(BdptThread& thread, std::size_t j) const {
     const CameraSubpaths& camera = thread.camera;
     LightSample sample;
-    if (!draw_light_sample(context_.scene, LightChoice::mis, camera, j, sample)) return;
+    if (!draw_light_sample(context_.scene, samples_lights_by(), camera, j, sample)) return;
     const JoinedScattering scattering = evaluate_scattering<TransportMode::radiance>(
         camera.vertices().bsdfs[j], camera.vertices().points[j], sample.wi);
     if (scattering.f.value.is_black()) return;

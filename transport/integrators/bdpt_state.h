@@ -68,6 +68,9 @@ class Bdpt final : public Integrator {
                                                                 const LightSample& sample,
                                                                 const JoinedScattering& f) const;
 
+    [[nodiscard]] const LightChooser& samples_lights_by() const {
+        return context_.scene.lights->chooser(LightChoice::mis);
+    }
     DepthParameters parameters_;
     std::uint32_t first_depth_ = 0;
     IntegratorContext context_;
@@ -84,7 +87,7 @@ struct Bdpt::Ends : CameraEnds {
 
     void emits(std::size_t j);
     void arrives(std::size_t j) {
-        if (camera.record().wants_blocked_light()) camera.report_hidden_environments(LightChoice::mis, j);
+        if (camera.record().wants_blocked_light()) camera.report_hidden_environments(self.samples_lights_by(), j);
     }
     void escapes(std::uint32_t row, const Ray& ray);
     void volume_emits(std::uint32_t row, const Rgb& emitted);

@@ -41,7 +41,7 @@ class LightTracer final : public Integrator {
     Status prepare(const IntegratorContext& context) override {
         context_ = context;
         view_ = {context.camera, context.width, context.height, context.filter_radius};
-        can_emit_ = parameters_.max_depth > 0 && context.scene.lights->can_sample(LightChoice::light_sampling) &&
+        can_emit_ = parameters_.max_depth > 0 && !context.scene.lights->chooser(LightChoice::light_sampling).empty() &&
                     (context.beauty || context.events->any());
         if (can_emit_) {
             media_of_lights_ = media_of_lights(context.scene, camera_position(context));

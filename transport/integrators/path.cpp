@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "transport/integrators/first_hits.h"
+#include "transport/integrators/last_vertex.h"
 #include "transport/math/sampling.h"
 #include "transport/paths/connect.h"
 #include "transport/paths/transmittance.h"
@@ -36,7 +37,10 @@ class PathIntegrator final : public Integrator {
     }
     Status prepare(const IntegratorContext& context) override {
         context_ = context;
-        can_sample_lights_ = context.scene.lights->can_sample(choice());
+        lights_ = LiveLights(*context.scene.lights, *context.events, choice());
+        can_sample_lights_ = !lights_[LiveLights::all].empty();
+        if (can_sample_lights_ && parameters_.strategy == PathStrategy::mis && parameters_.roulette)
+            at_last_ = choose_techniques(context, lights_);
         return success();
     }
     [[nodiscard]] std::unique_ptr<IntegratorThread> make_thread_state() const override;
@@ -58,6 +62,8 @@ class PathIntegrator final : public Integrator {
 
     PathParameters parameters_;
     IntegratorContext context_;
+    LiveLights lights_;
+    TechniqueShares at_last_;  // where only light can follow a vertex
     bool can_sample_lights_ = false;
 };
 
@@ -81,15 +87,18 @@ struct PathIntegrator::Ends : CameraEnds {
         if (emitted.is_black()) return;
         const Subpath& path = camera.path(v.rows[j]);
         add(v.rows[j], light, emitted,
-            path.specular
-                ? 0.0f
-                : scene.lights->density(self.choice(), *scene.geometry, light, path.from, v.points[j], v.hits[j]));
+            path.specular ? 0.0f
+                          : path.light_share * scene.lights->density(self.lights_[path.lights], *scene.geometry, light,
+                                                                     path.from, v.points[j], v.hits[j]));
     }
     void escapes(std::uint32_t row, const Ray& ray) {
         const LightTable& lights = *self.context_.scene.lights;
+        const Subpath& path = camera.path(row);
         for (const std::uint32_t light : lights.environments())
             add(row, light, lights.environment_radiance(light, ray.direction),
-                camera.path(row).specular ? 0.0f : lights.environment_density(self.choice(), light, ray.direction));
+                path.specular
+                    ? 0.0f
+                    : path.light_share * lights.environment_density(self.lights_[path.lights], light, ray.direction));
     }
     void volume_emits(std::uint32_t row, const Rgb& emitted) {
         const Subpath& path = camera.path(row);
@@ -109,7 +118,7 @@ struct PathIntegrator::Ends : CameraEnds {
                                {path.beta * emitted * weight, emitted, path.beta * emitted, 1, sampled_too});
     }
     void arrives(std::size_t j) {
-        if (camera.record().wants_blocked_light()) camera.report_hidden_environments(self.choice(), j);
+        if (camera.record().wants_blocked_light()) camera.report_hidden_environments(self.lights_[LiveLights::all], j);
     }
 };
 
@@ -129,16 +138,28 @@ void PathIntegrator::integrate(const CameraBatch& batch, IntegratorThread& state
 }
 
 void PathIntegrator::sample_light(PathThread& thread, std::size_t j) const {
-    const CameraSubpaths& camera = thread.camera;
+    CameraSubpaths& camera = thread.camera;
     if (!camera.can_connect(j)) return;
     const SurfacePoint& point = camera.vertices().points[j];
+    const std::uint32_t row = camera.vertices().rows[j];
+    const display::Foresight::Ahead ahead =
+        camera.record().ahead(row, camera.vertices().sources[j].label, point.material);
+    const std::uint8_t lights = lights_.of(ahead);
+    const TechniqueShares shares = ahead.scatters || lights == LiveLights::none ? TechniqueShares() : at_last_;
+    camera.choose_techniques(row, lights, shares.light, shares.ray);
+    if (lights == LiveLights::none) return;
+    if (shares.light < 1 &&
+        !(camera.sampler(row).get_random(light_technique_dimensions + camera.path(row).depth) < shares.light))
+        return;
     LightSample sample;
-    if (!draw_light_sample(context_.scene, choice(), camera, j, sample)) return;
+    if (!draw_light_sample(context_.scene, lights_[lights], camera, j, sample)) return;
+    sample.pdf *= shares.light;
     if (parameters_.strategy == PathStrategy::scattering && !sample.delta) return;
     const BsdfEvaluation f = camera.vertices().bsdfs[j].evaluate(point.wo, sample.wi);
     if (f.value.is_black()) return;
     Real weight = 1;
-    if (!sample.delta && parameters_.strategy == PathStrategy::mis) weight = power_heuristic(sample.pdf, f.pdf);
+    if (!sample.delta && parameters_.strategy == PathStrategy::mis)
+        weight = power_heuristic(sample.pdf, shares.ray * f.pdf);
     thread.connections.add_light_sample(camera, j, sample, f, weight);
 }
 

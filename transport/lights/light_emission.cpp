@@ -60,7 +60,7 @@ Real area_density(const Light& light, const ShapeGeometry& shape, const Vec2& uv
 EmissionDensity LightTable::emission_density(const EmbreeScene& geometry, const LightSample& at,
                                              const Vec3& direction) const {
     const Light& light = lights_[at.light];
-    const Real chosen = selection(LightChoice::light_sampling).probability(at.light);
+    const Real chosen = chooser(LightChoice::light_sampling).probability(at.light);
     if (light.is_area()) {
         const Real cosine = dot(at.target_normal, direction);
         const Real of_direction = light.two_sided ? 0.5f * std::abs(cosine) : std::max(cosine, Real(0));
@@ -72,7 +72,7 @@ EmissionDensity LightTable::emission_density(const EmbreeScene& geometry, const 
                 spot_versine(light, direction) < light.versine_zero ? uniform_cone_pdf(light.versine_zero) : 0.0f};
     const Real radius = covering_radius(geometry), across = 1 / (pi * radius * radius);
     if (light.kind == LightKind::distant) return {chosen, across};
-    return {environment_density(LightChoice::light_sampling, at.light, -direction), across};
+    return {environment_density(chooser(LightChoice::light_sampling), at.light, -direction), across};
 }
 
 Real LightTable::sample_area_point(const EmbreeScene& geometry, const Light& light, const Vec2& u,
@@ -91,12 +91,12 @@ Vec3 LightTable::some_point(const EmbreeScene& geometry, std::uint32_t light) co
 
 bool LightTable::sample_emission(const EmbreeScene& geometry, Real u_choice, Vec2 u_position, Vec2 u_direction,
                                  EmissionSample& s) const {
-    const AliasTable& table = selection(LightChoice::light_sampling);
-    if (table.empty()) return false;
+    const LightChooser& lights = chooser(LightChoice::light_sampling);
+    if (lights.empty()) return false;
     s = EmissionSample();
     LightSample& from = s.from;
-    from.light = table.size() > shared_choice_limit ? table.choose(u_choice) : table.choose_and_remap(u_position.x);
-    from.pdf = table.probability(from.light);
+    from.light = lights.choose(u_choice, u_position.x);
+    from.pdf = lights.probability(from.light);
     const Light& light = lights_[from.light];
     switch (light.kind) {
         case LightKind::triangle:

@@ -131,13 +131,12 @@ bool sample_infinite(const Light& light, const std::vector<EnvironmentImage>& im
 
 }  // namespace
 
-bool LightTable::sample(LightChoice choice, const EmbreeScene& geometry, const Vec3& from, Real u_choice, Vec2 u,
-                        LightSample& s) const {
-    const AliasTable& table = selection(choice);
-    if (table.empty()) return false;
+bool LightTable::sample(const LightChooser& chooser, const EmbreeScene& geometry, const Vec3& from, Real u_choice,
+                        Vec2 u, LightSample& s) const {
+    if (chooser.empty()) return false;
     s = LightSample();
-    s.light = table.size() > shared_choice_limit ? table.choose(u_choice) : table.choose_and_remap(u.x);
-    s.pdf = table.probability(s.light);
+    s.light = chooser.choose(u_choice, u.x);
+    s.pdf = chooser.probability(s.light);
     const Light& light = lights_[s.light];
     s.delta = light.hidden;
     switch (light.kind) {
@@ -158,10 +157,10 @@ bool LightTable::sample(LightChoice choice, const EmbreeScene& geometry, const V
     }
 }
 
-Real LightTable::density(LightChoice choice, const EmbreeScene& geometry, std::uint32_t index, const Vec3& from,
-                         const SurfacePoint& at, const Hit& hit) const {
+Real LightTable::density(const LightChooser& chooser, const EmbreeScene& geometry, std::uint32_t index,
+                         const Vec3& from, const SurfacePoint& at, const Hit& hit) const {
     const Light& light = lights_[index];
-    const Real chosen = selection(choice).probability(index);
+    const Real chosen = chooser.probability(index);
     if (!(chosen > 0)) return 0;
     const ShapeGeometry& shape = geometry.shapes()[light.shape];
     double area_density = 0;
@@ -186,7 +185,7 @@ Real LightTable::density(LightChoice choice, const EmbreeScene& geometry, std::u
     return cosine > 0 ? chosen * static_cast<Real>(area_density) * d2 / cosine : infinity;
 }
 
-Real LightTable::density(LightChoice choice, const EmbreeScene& geometry, const Vec3& from,
+Real LightTable::density(const LightChooser& chooser, const EmbreeScene& geometry, const Vec3& from,
                          const LightSample& at) const {
     const Light& light = lights_[at.light];
     if (light.is_area()) {
@@ -196,15 +195,15 @@ Real LightTable::density(LightChoice choice, const EmbreeScene& geometry, const 
         Hit hit;
         hit.u = at.uv.x;
         hit.v = at.uv.y;
-        return density(choice, geometry, at.light, from, point, hit);
+        return density(chooser, geometry, at.light, from, point, hit);
     }
-    if (light.is_environment()) return environment_density(choice, at.light, at.wi);
-    return selection(choice).probability(at.light);
+    if (light.is_environment()) return environment_density(chooser, at.light, at.wi);
+    return chooser.probability(at.light);
 }
 
-Real LightTable::environment_density(LightChoice choice, std::uint32_t index, const Vec3& direction) const {
+Real LightTable::environment_density(const LightChooser& chooser, std::uint32_t index, const Vec3& direction) const {
     const Light& light = lights_[index];
-    const Real chosen = selection(choice).probability(index);
+    const Real chosen = chooser.probability(index);
     if (!(chosen > 0)) return 0;
     return chosen * (light.kind == LightKind::uniform_environment
                          ? uniform_sphere_pdf()

@@ -122,8 +122,6 @@ Status LightTable::add_area_lights(const SceneDescription& scene, EmbreeScene& g
 
 void LightTable::finish(const EmbreeScene& geometry) {
     const double radius = std::max(geometry.bounds().radius(), Real(1e-30));
-    double total = 0;
-    std::size_t lit = 0;
     for (std::uint32_t i = 0; i < lights_.size(); ++i) {
         Light& light = lights_[i];
         if (light.kind == LightKind::distant) light.power = double{luminance(light.emission)} * pi * radius * radius;
@@ -137,26 +135,9 @@ void LightTable::finish(const EmbreeScene& geometry) {
             light.power = light.emission.max();  // colours of negative luminance
         if (light.is_area() && !(light.area > 0)) light.power = 0;
         light.power = std::min(light.power, 1e300);  // what there is to choose by must be a number, and so their sum
-        if (light.power > 0) ++lit;
         any_to_hit_ = any_to_hit_ || (light.power > 0 && !light.is_delta());
-        total += light.power;
     }
-    // A tenth of the choices ignores power: a weak light close by is never starved.
-    std::vector<double> by_power(lights_.size(), 0.0), even(lights_.size(), 0.0);
-    for (std::size_t i = 0; i < lights_.size(); ++i) {
-        if (!(lights_[i].power > 0)) continue;
-        by_power[i] = 0.9 * lights_[i].power / total + 0.1 / static_cast<double>(lit);
-        even[i] = 1;
-    }
-    const auto table = [this](LightChoice choice) -> AliasTable& {
-        return selections_[static_cast<std::size_t>(choice)];
-    };
-    table(LightChoice::light_sampling) = AliasTable(by_power);
-    table(LightChoice::light_sampling_uniform) = AliasTable(even);
-    for (std::size_t i = 0; i < lights_.size(); ++i)
-        if (lights_[i].kind == LightKind::uniform_environment) by_power[i] = even[i] = 0;
-    table(LightChoice::mis) = AliasTable(by_power);
-    table(LightChoice::mis_uniform) = AliasTable(even);
+    for (std::size_t i = 0; i < light_choices; ++i) choosers_[i] = LightChooser(lights_, static_cast<LightChoice>(i));
 }
 
 Result<LightTable> LightTable::build(const SceneDescription& scene, EmbreeScene& geometry,

@@ -13,17 +13,11 @@
 
 #include "display/services/registry.h"
 #include "transport/geometry/embree_scene.h"
-#include "transport/lights/alias_table.h"
 #include "transport/lights/environment.h"
 #include "transport/lights/light.h"
+#include "transport/lights/light_chooser.h"
 
 namespace raylex::transport {
-
-/// Which lights are chosen from. Uniform environments have nothing to aim at: a scattering ray finds them at least as
-/// well as a light sample would, so `mis` leaves them to scattering (pbrt-v4 does too); `light_sampling` cannot. Both
-/// go by power, the other two give every light that sends anything the same probability.
-enum class LightChoice : std::uint8_t { mis, light_sampling, mis_uniform, light_sampling_uniform };
-inline constexpr std::size_t light_choices = 4;
 
 /// What a light's factory may use and add to.
 struct LightContext {
@@ -50,19 +44,17 @@ class LightTable {
     /// Builds every light and writes the shapes' `first_light`.
     static Result<LightTable> build(const SceneDescription& scene, EmbreeScene& geometry, std::vector<Error>& warnings);
 
-    [[nodiscard]] bool can_sample(LightChoice choice) const { return !selection(choice).empty(); }
-    /// Above this many lights the choice takes a number of its own; below, it shares u.x and costs few of its bits.
-    static constexpr std::size_t shared_choice_limit = 64;
-    [[nodiscard]] bool needs_choice_number(LightChoice choice) const {
-        return selection(choice).size() > shared_choice_limit;
+    /// Among all lights.
+    [[nodiscard]] const LightChooser& chooser(LightChoice choice) const {
+        return choosers_[static_cast<std::size_t>(choice)];
     }
-    /// False when nothing can arrive at `from`. u in [0, 1)^2; u_choice in [0, 1), read only if needs_choice_number().
-    bool sample(LightChoice choice, const EmbreeScene& geometry, const Vec3& from, Real u_choice, Vec2 u,
+    /// False when nothing can arrive at `from`. u in [0, 1)^2; u_choice in [0, 1), read only if chooser.needs_number().
+    bool sample(const LightChooser& chooser, const EmbreeScene& geometry, const Vec3& from, Real u_choice, Vec2 u,
                 LightSample& sample) const;
     /// Draws where and in what direction light leaves: a light by its power, then a point and a cosine-weighted
     /// direction of an area light, a direction of a point or spot, a direction of an infinite light and a point of the
     /// disk that covers the scene across it. False when nothing leaves. All u in [0, 1); u_choice is read only if
-    /// needs_choice_number(LightChoice::light_sampling).
+    /// the chooser of LightChoice::light_sampling needs it.
     bool sample_emission(const EmbreeScene& geometry, Real u_choice, Vec2 u_position, Vec2 u_direction,
                          EmissionSample& sample) const;
     /// The density with which sample_emission() lets light leave a light in `direction` from `at`: target,
@@ -75,13 +67,14 @@ class LightTable {
     [[nodiscard]] bool any_to_hit() const { return any_to_hit_; }
 
     /// Density with which sample() would have found the point `at` (hit by `hit`) of an area light from `from`.
-    [[nodiscard]] Real density(LightChoice choice, const EmbreeScene& geometry, std::uint32_t light, const Vec3& from,
-                               const SurfacePoint& at, const Hit& hit) const;
+    [[nodiscard]] Real density(const LightChooser& chooser, const EmbreeScene& geometry, std::uint32_t light,
+                               const Vec3& from, const SurfacePoint& at, const Hit& hit) const;
     /// Density with which sample() would have found `at` (target, target_normal, uv; of infinite lights wi) from
     /// `from`, per steradian; of lights that no ray finds as LightSample::pdf has it.
-    [[nodiscard]] Real density(LightChoice choice, const EmbreeScene& geometry, const Vec3& from,
+    [[nodiscard]] Real density(const LightChooser& chooser, const EmbreeScene& geometry, const Vec3& from,
                                const LightSample& at) const;
-    [[nodiscard]] Real environment_density(LightChoice choice, std::uint32_t light, const Vec3& direction) const;
+    [[nodiscard]] Real environment_density(const LightChooser& chooser, std::uint32_t light,
+                                           const Vec3& direction) const;
 
     /// Radiance that an area light sends from a point with oriented normal `n` towards `wo`.
     [[nodiscard]] Rgb emitted(std::uint32_t light, const Vec3& n, const Vec3& wo) const {
@@ -102,9 +95,6 @@ class LightTable {
     [[nodiscard]] const std::vector<std::string>& groups() const { return groups_; }
 
   private:
-    [[nodiscard]] const AliasTable& selection(LightChoice choice) const {
-        return selections_[static_cast<std::size_t>(choice)];
-    }
     /// What sample_*_point() of area_points.h does for this kind of area light.
     Real sample_area_point(const EmbreeScene& geometry, const Light& light, const Vec2& u, LightSample& s) const;
     Status add_area_lights(const SceneDescription& scene, EmbreeScene& geometry, LightContext& context,
@@ -115,7 +105,7 @@ class LightTable {
     std::vector<std::uint32_t> environment_lights_;
     std::vector<EnvironmentImage> images_;
     std::vector<std::string> groups_{std::string()};
-    std::array<AliasTable, light_choices> selections_;  ///< [LightChoice]
+    std::array<LightChooser, light_choices> choosers_;  ///< [LightChoice]
     bool any_to_hit_ = false;
 };
 

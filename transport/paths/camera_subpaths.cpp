@@ -60,7 +60,7 @@ void CameraSubpaths::report_surfaces() {
     }
 }
 
-void CameraSubpaths::report_hidden_environments(LightChoice sampled, std::size_t j) const {
+void CameraSubpaths::report_hidden_environments(const LightChooser& sampled, std::size_t j) const {
     const std::uint32_t row = vertices().rows[j];
     const Subpath& subpath = path(row);
     if (subpath.specular) return;

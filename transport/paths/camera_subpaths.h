@@ -59,6 +59,13 @@ class CameraSubpaths {
     [[nodiscard]] const VertexBatch& vertices() const { return walk_.vertices(); }
     [[nodiscard]] std::span<const std::uint32_t> first_entries() const { return walk_.first_entries(); }
     [[nodiscard]] const Subpath& path(std::uint32_t row) const { return walk_.path(row); }
+    /// How a row looks for light from its vertex; see Subpath.
+    void choose_techniques(std::uint32_t row, std::uint8_t lights, Real light_share, Real ray_share) {
+        Subpath& path = walk_.path(row);
+        path.lights = lights;
+        path.light_share = light_share;
+        path.ray_share = ray_share;
+    }
     [[nodiscard]] const StrategySums& sums(std::uint32_t row) const { return walk_.sums(row); }
     [[nodiscard]] StrategySums& sums(std::uint32_t row) { return walk_.sums(row); }
     [[nodiscard]] const PixelSampler& sampler(std::uint32_t row) const { return walk_.sampler(row); }
@@ -73,7 +80,7 @@ class CameraSubpaths {
     }
 
     /// Infinite lights that light sampling leaves to scattering, reported as blocked: vertex j hides them.
-    void report_hidden_environments(LightChoice sampled, std::size_t j) const;
+    void report_hidden_environments(const LightChooser& sampled, std::size_t j) const;
 
   private:
     template <class Ends>
@@ -83,11 +90,13 @@ class CameraSubpaths {
     void pass(display::DisplayServices& display, std::size_t j);
     /// Distance, opacity and surface of a camera ray.
     void record_first_hit(display::DisplayServices& display, std::size_t j);
-    [[nodiscard]] bool worth_shading(std::uint32_t row) const {
+    [[nodiscard]] bool worth_shading(std::size_t j) const {
+        const std::uint32_t row = vertices().rows[j];
         const Subpath& subpath = path(row);
         if (subpath.depth == 0 && options_.shade_first_hits) return true;
         if (record_.events().wants_user() && record_.channels_follow(row)) return true;
-        return subpath.depth < options_.walk.max_depth && record_.worth(row);
+        return subpath.depth < options_.walk.max_depth &&
+               record_.ahead(row, vertices().sources[j].label, vertices().points[j].material).anything;
     }
 
     const SceneView scene_;
@@ -111,7 +120,7 @@ struct CameraSubpaths::Visitor : WalkVisitor {
         if (self.path(row).depth == 0) self.record_first_hit(display, j);
         if (self.scene_.geometry->shapes()[v.hits[j].shape].first_light != Hit::none) ends.emits(j);
         ends.arrives(j);
-        return self.worth_shading(row);
+        return self.worth_shading(j);
     }
     void first_vertex(std::uint32_t row, const SurfacePoint& point, StrategySums& sums) {
         const CameraView& view = self.options_.view;

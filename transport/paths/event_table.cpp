@@ -49,7 +49,8 @@ lpe::Event user_event(const std::string& object_label, UserLobe lobe, const lpe:
     return event;
 }
 
-EventTable::EventTable(const display::LpeSetup& setup, const SceneView& scene, const lpe::LobeSlots& slots) {
+EventTable::EventTable(const display::LpeSetup& setup, const SceneView& scene, const lpe::LobeSlots& slots, bool prunes)
+    : prunes_(prunes) {
     any_ = setup.program().group_count() > 0;
     const std::span<const LobeKind> kinds = lobe_kinds();
     lobe_count_ = kinds.size();
@@ -69,6 +70,38 @@ EventTable::EventTable(const display::LpeSetup& setup, const SceneView& scene, c
     for (const Light& light : scene.lights->lights())
         terminal_.push_back(setup.classify(
             terminal_event(light.is_environment(), scene.lights->groups()[static_cast<std::size_t>(light.group)])));
+    if (!prunes_) return;
+    find_scatterings(*scene.materials, scene.media->names().size());
+    display::Foresight::Alphabet alphabet;
+    alphabet.scatterings = by_material_;
+    if (scene.geometry->has_alpha()) alphabet.straight = straight_;
+    alphabet.terminals = terminal_;
+    alphabet.terminals.push_back(emission_);
+    if (wants_user()) alphabet.user = user_;
+    alphabet.user_terminal = user_terminal_;
+    foresight_ = display::Foresight(setup, alphabet);
+}
+
+void EventTable::find_scatterings(const MaterialTable& materials, std::size_t media) {
+    materials_ = materials.size();
+    std::vector<std::vector<LobeId>> lobes(materials_);
+    for (std::size_t m = 0; m < materials_; ++m) {
+        materials.material(m)->append_lobes(lobes[m]);
+        std::sort(lobes[m].begin(), lobes[m].end());
+        lobes[m].erase(std::unique(lobes[m].begin(), lobes[m].end()), lobes[m].end());
+    }
+    const std::size_t labels = static_cast<std::size_t>(first_medium_label_) + media;
+    for (std::size_t label = 0; label < labels; ++label)
+        for (std::size_t material = 0; material <= materials_; ++material) {
+            begin_.push_back(static_cast<std::uint32_t>(by_material_.size()));
+            const bool in_medium = label >= static_cast<std::size_t>(first_medium_label_);
+            if (in_medium != (material == 0)) continue;
+            const auto at = static_cast<std::int32_t>(label);
+            if (in_medium) by_material_.push_back(scatter(at, 0));
+            else
+                for (const LobeId lobe : lobes[material - 1]) by_material_.push_back(scatter(at, lobe));
+        }
+    begin_.push_back(static_cast<std::uint32_t>(by_material_.size()));
 }
 
 }  // namespace raylex::transport

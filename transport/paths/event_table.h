@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "display/services/foresight.h"
 #include "display/services/lpe_services.h"
 #include "lpe/channels/lobe_slots.h"
 #include "transport/geometry/embree_scene.h"
@@ -35,7 +36,8 @@ inline constexpr std::array<const char*, 2> user_lobes{"albedo", "normal"};
 class EventTable {
   public:
     EventTable() = default;
-    EventTable(const display::LpeSetup& setup, const SceneView& scene, const lpe::LobeSlots& slots);
+    /// Without `prunes` everything a scene can bring is simulated, whoever asks (to see what pruning saves).
+    EventTable(const display::LpeSetup& setup, const SceneView& scene, const lpe::LobeSlots& slots, bool prunes = true);
 
     /// A scattering by `lobe` at an object of this label, or inside a medium by medium_label(); there whatever the
     /// lobe.
@@ -64,14 +66,28 @@ class EventTable {
     }
     /// False when there is nothing to match: then moves may be skipped.
     [[nodiscard]] bool any() const { return any_; }
+    [[nodiscard]] bool prunes() const { return prunes_; }
+    /// The events of scattering by a material at an object of this label, or inside a medium by medium_label() and
+    /// SurfacePoint::no_material.
+    [[nodiscard]] std::span<const lpe::EventClass> scatterings(std::int32_t label, std::int32_t material) const {
+        const std::size_t at =
+            static_cast<std::size_t>(label) * (materials_ + 1) + static_cast<std::size_t>(material + 1);
+        return {by_material_.data() + begin_[at], by_material_.data() + begin_[at + 1]};
+    }
+    [[nodiscard]] const display::Foresight& foresight() const { return foresight_; }
 
   private:
+    void find_scatterings(const MaterialTable& materials, std::size_t media);
     std::vector<lpe::EventClass> scatter_, straight_, terminal_, user_;
     lpe::EventClass emission_ = 0, user_terminal_ = 0;
     std::array<bool, user_lobes.size()> wants_user_{};
     std::size_t lobe_count_ = 0;
     std::int32_t first_medium_label_ = 0;
-    bool any_ = false;
+    bool any_ = false, prunes_ = true;
+    std::vector<std::uint32_t> begin_;  // [label][material + 1], into by_material_
+    std::vector<lpe::EventClass> by_material_;
+    std::size_t materials_ = 0;
+    display::Foresight foresight_;
 };
 
 /// The events behind EventTable, also what scene_alphabet() lists.

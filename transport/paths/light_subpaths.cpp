@@ -20,7 +20,7 @@ void LightSubpaths::begin(std::span<const PixelSampler> samplers, display::LpeSe
     walk_.begin(samplers, counters);
     record_.begin(lpe);
     const LightTable& lights = *scene_.lights;
-    const bool own_choice = lights.needs_choice_number(LightChoice::light_sampling);
+    const bool own_choice = lights.chooser(LightChoice::light_sampling).needs_number();
     for (std::size_t i = 0; i < samplers.size(); ++i) {
         const auto row = static_cast<std::uint32_t>(i);
         const PixelSampler& sampler = samplers[i];
@@ -81,8 +81,8 @@ struct LightSubpaths::Visitor : WalkVisitor {
     void first_vertex(std::uint32_t row, const SurfacePoint& point, StrategySums& sums) {
         const LightSample& origin = self.origins_[row];
         const LightTable& lights = *self.scene_.lights;
-        const auto sampled = static_cast<double>(
-            lights.density(self.options_.camera_samples_by, *self.scene_.geometry, point.position, origin));
+        const auto sampled = static_cast<double>(lights.density(lights.chooser(self.options_.camera_samples_by),
+                                                                *self.scene_.geometry, point.position, origin));
         const bool area = lights.lights()[origin.light].is_area();
         sums.join = StrategySums::squared(sampled * (area ? sums.to_previous : 1) / sums.previous);
     }

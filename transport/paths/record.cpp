@@ -11,7 +11,7 @@ LightLanguage::LightLanguage(const display::LpeSetup& setup) {
 
 bool Record::worth_colliding(std::uint32_t row, std::int32_t medium) const {
     const display::Tracker& tracker = trackers_[row];
-    return lpe_->takes_all(tracker) || lpe_->live_after(tracker, events_->scatter(events_->medium_label(medium), 0));
+    return takes_all(row) || lpe_->live_after(tracker, events_->scatter(events_->medium_label(medium), 0));
 }
 
 Record::Worth Record::worth_connecting(std::uint32_t row, std::int32_t label, const LobeList& lobes,
@@ -27,6 +27,7 @@ Record::Worth Record::worth_connecting(std::uint32_t row, std::int32_t label, co
 
 bool Record::worth_splatting(std::uint32_t row, const LightEnd& end) const {
     display::Tracker tracker = lpe_->begin(static_cast<int>(row));
+    if (!events_->prunes()) return true;
     reach(tracker, end);
     return lpe_->channels_follow(tracker);
 }

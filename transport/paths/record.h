@@ -82,11 +82,21 @@ class Record {
     void say(std::uint32_t row, std::int32_t label, UserLobe lobe, const Rgb& throughput, Value value) const;
 
     /// Whether anything that the subpath may still meet counts.
-    [[nodiscard]] bool worth(std::uint32_t row) const { return lpe_->live(trackers_[row]); }
+    [[nodiscard]] bool worth(std::uint32_t row) const {
+        return takes_all(row) || (lpe_->live(trackers_[row]) && events_->foresight().of(trackers_[row]).anything);
+    }
+    /// What of it may once it is scattered at its vertex, as the material there scatters.
+    [[nodiscard]] display::Foresight::Ahead ahead(std::uint32_t row, std::int32_t label, std::int32_t material) const {
+        if (takes_all(row)) return {};
+        if (!lpe_->live(trackers_[row])) return {0, false, false};
+        return events_->foresight().after(trackers_[row], events_->scatterings(label, material));
+    }
     /// The same, one collision with the medium's particles further.
     [[nodiscard]] bool worth_colliding(std::uint32_t row, std::int32_t medium) const;
-    /// Whether beauty takes all of it, so that no question about its worth saves anything.
-    [[nodiscard]] bool takes_all(std::uint32_t row) const { return lpe_->takes_all(trackers_[row]); }
+    /// Whether beauty takes all of it, so that no question about its worth saves anything, or nobody wants to save.
+    [[nodiscard]] bool takes_all(std::uint32_t row) const {
+        return lpe_->takes_all(trackers_[row]) || !events_->prunes();
+    }
     /// Whether it matters to anything but beauty.
     [[nodiscard]] bool channels_follow(std::uint32_t row) const { return lpe_->channels_follow(trackers_[row]); }
     /// Whether light that does not arrive is to be reported too.
@@ -177,7 +187,9 @@ class LightRecord {
         if (words_) word_[row] = lpe_->prepend(*words_, word_[row], events_->straight(label));
     }
     /// Whether any join with it counts (Law 4).
-    [[nodiscard]] bool worth(std::uint32_t row) const { return lpe_->wants_beauty() || (words_ && word_[row].live()); }
+    [[nodiscard]] bool worth(std::uint32_t row) const {
+        return lpe_->wants_beauty() || !events_->prunes() || (words_ && word_[row].live());
+    }
     /// The word before the current vertex, which itself scatters from `lobes` when it is joined.
     [[nodiscard]] LightEnd end(std::uint32_t row, std::int32_t label) const {
         LightEnd end;

@@ -26,6 +26,9 @@ struct Subpath {
     std::uint32_t segment = 0;  ///< rays so far, those beyond cutouts included: keys choices made once a ray
     std::uint32_t light = 0;    ///< a light subpath's
     std::int32_t medium = -1;   ///< what the next ray flies through; -1: nothing
+    std::uint8_t lights = 0;    ///< which of an integrator's choosers took the light sample where it was left,
+    Real light_share = 1;       ///< with which probability there was one at all,
+    Real ray_share = 1;         ///< and the next ray, where that is not specular
     bool specular = true;       ///< the last direction could not have been found in another way (camera, delta lobes)
     bool from_infinity = false;
 };
@@ -40,6 +43,8 @@ struct SubpathDimensions {
         return first + depth * stride + which;
     }
 };
+/// Of a camera subpath's vertex, plus scattering events so far: whether it takes a light sample at all.
+inline constexpr std::uint32_t light_technique_dimensions = 1u << 23;
 /// Beside those of SubpathDimensions: what a light sample from a vertex of a camera subpath takes, and the lens
 /// position to which a vertex of a light subpath is connected.
 inline constexpr std::uint32_t light_choice_dimension = 0, light_sample_dimension = 1, camera_lens_dimension = 0;

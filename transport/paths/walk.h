@@ -297,9 +297,14 @@ void Walk<mode>::advance(display::DisplayServices& display, Visitor& visitor) {
 template <TransportMode mode>
 bool Walk<mode>::survives_roulette(std::uint32_t row, std::uint32_t dimension) {
     Subpath& path = paths_[row];
-    if (!options_.roulette || path.depth < 2) return true;
-    const Real keep =
-        mode == TransportMode::radiance ? path.beta.max() * path.roulette_scale : path.beta.max() / path.roulette_scale;
+    Real keep = 1;
+    if (options_.roulette && path.depth >= 2)
+        keep = std::min(keep, mode == TransportMode::radiance ? path.beta.max() * path.roulette_scale
+                                                              : path.beta.max() / path.roulette_scale);
+    if (!path.specular) {  // a specular direction no other technique finds
+        keep *= path.ray_share;
+        path.pdf *= path.ray_share;
+    }
     if (!(keep < 1)) return true;
     if (samplers_[row].get_random(dimension) >= keep) return false;
     path.beta *= 1 / keep;

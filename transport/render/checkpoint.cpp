@@ -126,6 +126,7 @@ RecordIdentity render_identity(const ResolvedJob& job) {
         sampling.filter->name() + (settings.filter ? " " + entity_text(*settings.filter) : std::string()));
     add("filter mode", sampling.splat ? "splat" : "importance");
     if (settings.integrator) add("integrator", entity_text(*settings.integrator));
+    if (!settings.prune) add("prune", "off");
     if (settings.max_depth) add("max depth", std::to_string(*settings.max_depth));
     for (std::size_t i = 0; i < settings.sample_filters.size(); ++i)
         add("sample filter " + std::to_string(i + 1), entity_text(settings.sample_filters[i]));

@@ -45,7 +45,8 @@ IntegratorContext context_of(const PreparedJob& prepared) {
 Result<PreparedJob> PreparedJob::prepare(ResolvedJob resolved) {
     PreparedJob prepared(std::move(resolved));
     ResolvedJob& job = prepared.job;
-    prepared.events = std::make_unique<const EventTable>(*job.channels.lpe, job.scene.view(), job.settings.lobe_slots);
+    prepared.events = std::make_unique<const EventTable>(*job.channels.lpe, job.scene.view(), job.settings.lobe_slots,
+                                                         job.settings.prune);
     prepared.aovs = std::make_unique<const geoaovs::GeometricAovs>(job.channels.list);
     if (Status s = job.integrator().prepare(context_of(prepared)); !s) return s.error();
     for (std::string& omission : job.integrator().omissions())

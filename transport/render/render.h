@@ -83,6 +83,7 @@ struct RenderSettings {
     std::optional<display::PixelRegion> crop;
     std::optional<SampleChoice> only;  ///< renders this sample and no other, as the whole image would have it
     bool beauty = true;                ///< false: only what the channels below accept is simulated
+    bool prune = true;                 ///< false: without beauty all is simulated too, to see what that costs
     bool picked_lobes = false;         ///< label by one drawn lobe instead of exact shares
     lpe::LobeSlots lobe_slots;         ///< which numbers (D2, S4) lobes get by their names
     /// LPE channels, rest layers and geometric AOVs by name. `rest_of` counts in this list.

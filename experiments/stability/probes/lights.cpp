@@ -124,7 +124,8 @@ ProbeResult mean_of_light_samples(const LitScene& scene, const Vec3& from, int s
             LightSample s;
             const Vec2 u{std::min(static_cast<Real>(a), one_minus_epsilon),
                          std::min(static_cast<Real>(b), one_minus_epsilon)};
-            if (scene.lights.sample(LightChoice::light_sampling, scene.geometry, from, draws.one(), u, s))
+            if (scene.lights.sample(scene.lights.chooser(LightChoice::light_sampling), scene.geometry, from,
+                                    draws.one(), u, s))
                 sum += use(s);
             a += 0.7548776662466927;
             b += 0.5698402909980532;
@@ -197,9 +198,10 @@ Identity compare_densities(const LitScene& scene, const Vec3& from, int samples,
     for (int i = 0; i < samples; ++i) {
         LightSample s;
         const Real choice = draws.one();
-        if (!scene.lights.sample(LightChoice::mis, scene.geometry, from, choice, draws.two(), s)) continue;
+        if (!scene.lights.sample(scene.lights.chooser(LightChoice::mis), scene.geometry, from, choice, draws.two(), s))
+            continue;
         if (s.infinite || s.delta) {
-            const double again = scene.lights.density(LightChoice::mis, scene.geometry, from, s);
+            const double again = scene.lights.density(scene.lights.chooser(LightChoice::mis), scene.geometry, from, s);
             identity.largest = std::max(identity.largest, std::abs(again / double(s.pdf) - 1));
             ++identity.compared;
             continue;
@@ -222,7 +224,8 @@ Identity compare_densities(const LitScene& scene, const Vec3& from, int samples,
             ++identity.elsewhere;
             continue;
         }
-        const double again = scene.lights.density(LightChoice::mis, scene.geometry, s.light, from, point, hit);
+        const double again =
+            scene.lights.density(scene.lights.chooser(LightChoice::mis), scene.geometry, s.light, from, point, hit);
         identity.largest = std::max(identity.largest, std::abs(again / double(s.pdf) - 1));
         ++identity.compared;
     }
@@ -283,7 +286,8 @@ Result<ProbeResult> light_chi_squared(const ProbeInput& input) {
             scene->geometry.surfaces({&ray, 1}, {&hit, 1}, {&point, 1}, {&source, 1});
             const std::uint32_t light = scene->geometry.shapes()[hit.shape].first_light + hit.primitive;
             if (scene->lights.emitted(light, point.geometric_normal, -w).is_black()) return 0;
-            return scene->lights.density(LightChoice::mis, scene->geometry, light, from, point, hit);
+            return scene->lights.density(scene->lights.chooser(LightChoice::mis), scene->geometry, light, from, point,
+                                         hit);
         },
         static_cast<int>(input.number("grid", 60)));
     const auto samples = static_cast<int>(input.number("samples", 20000));
@@ -292,7 +296,8 @@ Result<ProbeResult> light_chi_squared(const ProbeInput& input) {
     for (int i = 0; i < samples; ++i) {
         LightSample s;
         const Real choice = draws.one();
-        const bool any = scene->lights.sample(LightChoice::mis, scene->geometry, from, choice, draws.two(), s);
+        const bool any = scene->lights.sample(scene->lights.chooser(LightChoice::mis), scene->geometry, from, choice,
+                                              draws.two(), s);
         observed[any ? cells.cell(s.wi) : observed.size() - 1] += 1;
     }
     const double integral = std::accumulate(expected.begin(), expected.end(), 0.0);

@@ -250,6 +250,7 @@ Job ExperimentConfig::job(std::size_t scene, const Variant& variant) const {
     job.settings.sampler = render.sampler;
     job.settings.filter = render.filter;
     job.settings.max_depth = render.max_depth;
+    job.settings.prune = render.prune;
     job.settings.splat = render.splat;
     job.settings.picked_lobes = render.picked_lobes;
     job.settings.sample_filters = render.sample_filters;

@@ -1,0 +1,190 @@
+#include "transport/integrators/last_vertex.h"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "transport/cameras/camera.h"
+#include "transport/math/sampling.h"
+#include "transport/paths/connect.h"
+
+namespace raylex::transport {
+namespace {
+
+constexpr std::uint32_t pilot_grid = 16, pilot_samples = 32;
+
+/// What one technique finds from a vertex.
+struct Found {
+    double value = 0;         ///< without the MIS weight
+    Real own = 0, other = 0;  ///< densities, of the technique and of the other one
+    [[nodiscard]] double weighted(Real own_share, Real other_share) const {
+        return value > 0 ? value * static_cast<double>(power_heuristic(own * own_share, other * other_share)) : 0;
+    }
+};
+
+struct PilotPath {
+    Found light, ray;
+};
+
+class Pilot {
+  public:
+    Pilot(const IntegratorContext& context, const LiveLights& lights)
+        : context_(context),
+          scene_(context.scene),
+          lights_(lights),
+          record_(*context.events, 1),
+          table_(context.channels, 1, 0),
+          lpe_(*context.lpe, table_, context.seed, context.attribution) {}
+
+    /// False where the shares of last vertices do not apply to what the camera sees first.
+    bool run() {
+        for (std::uint32_t y = 0; y < pilot_grid; ++y)
+            for (std::uint32_t x = 0; x < pilot_grid; ++x)
+                for (std::uint32_t s = 0; s < pilot_samples; ++s)
+                    if (!trace(x, y, s)) return false;
+        return true;
+    }
+
+    [[nodiscard]] double cost_times_variance(const TechniqueShares& shares) const {
+        double sum = 0, overall = 0;
+        for (std::size_t first = 0; first < paths_.size(); first += pilot_samples) overall += mean_of(first);
+        overall /= double(pilot_grid) * pilot_grid;
+        for (std::size_t first = 0; first < paths_.size(); first += pilot_samples) {
+            const double mean = mean_of(first);
+            double second = 0;
+            for (std::size_t i = first; i < first + pilot_samples; ++i) {
+                const double a = paths_[i].light.weighted(shares.light, shares.ray),
+                             b = paths_[i].ray.weighted(shares.ray, shares.light);
+                second += (a > 0 ? a * a / double(shares.light) : 0) + b * b / double(shares.ray) + 2 * a * b;
+            }
+            const double variance = std::max(0.0, second / pilot_samples - mean * mean);
+            sum += variance / (mean * mean + 0.01 * overall * overall + 1e-300);
+        }
+        // In camera rays, whose hits are shaded too.
+        return sum * (1.3 + 0.7 * double(shares.light) + double(shares.ray));
+    }
+    /// Whether light samples can be left out: a ray can find all of the lights.
+    [[nodiscard]] bool rays_find_all() const { return !delta_; }
+
+  private:
+    [[nodiscard]] double mean_of(std::size_t first) const {
+        double mean = 0;
+        for (std::size_t i = first; i < first + pilot_samples; ++i)
+            mean += paths_[i].light.weighted(1, 1) + paths_[i].ray.weighted(1, 1);
+        return mean / pilot_samples;
+    }
+    bool trace(std::uint32_t x, std::uint32_t y, std::uint32_t s);
+    [[nodiscard]] Found sample_light(const LightChooser& chooser, const PixelSampler& numbers);
+    [[nodiscard]] Found sample_ray(const LightChooser& chooser, const PixelSampler& numbers, std::uint64_t terminals);
+
+    const IntegratorContext& context_;
+    const SceneView scene_;
+    const LiveLights& lights_;
+    Record record_;
+    display::SampleTable table_;
+    display::LpeServices lpe_;
+    std::vector<PilotPath> paths_;
+    SurfacePoint point_;
+    SurfaceSource source_;
+    Bsdf bsdf_;
+    bool delta_ = false;
+};
+
+bool Pilot::trace(std::uint32_t x, std::uint32_t y, std::uint32_t s) {
+    const PixelSampler numbers(SamplerKind::sobol, context_.seed, static_cast<std::int32_t>(x),
+                               static_cast<std::int32_t>(y), s);
+    const Vec2 at = numbers.get_2d(filter_dimension);
+    const Ray ray =
+        context_.camera->generate((static_cast<Real>(x) + at.x) * static_cast<Real>(context_.width) / pilot_grid,
+                                  (static_cast<Real>(y) + at.y) * static_cast<Real>(context_.height) / pilot_grid,
+                                  numbers.get_2d(lens_dimension));
+    PilotPath& path = paths_.emplace_back();
+    Hit hit;
+    scene_.geometry->intersect({&ray, 1}, {&hit, 1});
+    if (!hit.valid()) return true;
+    scene_.geometry->surfaces({&ray, 1}, {&hit, 1}, {&point_, 1}, {&source_, 1});
+    record_.begin(lpe_, 1);
+    const display::Foresight::Ahead ahead = record_.ahead(0, source_.label, point_.material);
+    if (ahead.scatters) return false;
+    const LightChooser& chooser = lights_[lights_.of(ahead)];
+    if (!ahead.anything || chooser.empty()) return true;
+    point_.random_key = numbers.key(5);
+    scene_.materials->shade(*scene_.textures, {&point_, 1}, {&bsdf_, 1});
+    if (!bsdf_.has_density()) return true;
+    path.light = sample_light(chooser, numbers);
+    path.ray = sample_ray(chooser, numbers, ahead.terminals);
+    return true;
+}
+
+Found Pilot::sample_light(const LightChooser& chooser, const PixelSampler& numbers) {
+    LightSample sample;
+    if (!scene_.lights->sample(chooser, *scene_.geometry, point_.position, numbers.get_1d(8), numbers.get_2d(9),
+                               sample))
+        return {};
+    const BsdfEvaluation f = bsdf_.evaluate(point_.wo, sample.wi);
+    if (f.value.is_black()) return {};
+    delta_ = delta_ || sample.delta;
+    const Ray ray = shadow_ray(point_.position, point_.geometric_normal, source_.offset.here, sample);
+    std::uint8_t blocked = 0;
+    scene_.geometry->occluded({&ray, 1}, {&blocked, 1});
+    if (blocked) return {};
+    return {double{(f.value * sample.radiance).average()} / double{sample.pdf}, sample.pdf, sample.delta ? 0 : f.pdf};
+}
+
+Found Pilot::sample_ray(const LightChooser& chooser, const PixelSampler& numbers, std::uint64_t terminals) {
+    const BsdfSample s =
+        sample_scattering<TransportMode::radiance>(bsdf_, point_, numbers.get_1d(11), numbers.get_2d(10));
+    if (!(s.pdf > 0) || s.weight.is_black() || s.delta) return {};
+    Ray ray;
+    ray.origin = offset_ray_origin(point_.position, point_.geometric_normal, source_.offset.here, s.wi);
+    ray.direction = s.wi;
+    Hit hit;
+    scene_.geometry->intersect({&ray, 1}, {&hit, 1});
+    const auto counts = [&](std::uint32_t light) {
+        return (terminals & context_.events->foresight().bit_of(context_.events->terminal(light))) != 0;
+    };
+    const LightTable& lights = *scene_.lights;
+    if (!hit.valid()) {
+        Found found;
+        for (const std::uint32_t light : lights.environments()) {
+            if (!counts(light)) continue;
+            found.value += double{(s.weight * lights.environment_radiance(light, s.wi)).average()};
+            found.own = s.pdf;
+            found.other += lights.environment_density(chooser, light, s.wi);
+        }
+        return found;
+    }
+    const ShapeGeometry& shape = scene_.geometry->shapes()[hit.shape];
+    if (shape.first_light == Hit::none || !counts(shape.first_light + hit.primitive)) return {};
+    SurfacePoint there;
+    SurfaceSource source;
+    scene_.geometry->surfaces({&ray, 1}, {&hit, 1}, {&there, 1}, {&source, 1});
+    const std::uint32_t light = shape.first_light + hit.primitive;
+    const Rgb emitted = lights.emitted(light, there.geometric_normal, there.wo);
+    return {double{(s.weight * emitted).average()}, s.pdf,
+            lights.density(chooser, *scene_.geometry, light, point_.position, there, hit)};
+}
+
+}  // namespace
+
+TechniqueShares choose_techniques(const IntegratorContext& context, const LiveLights& lights) {
+    if (context.beauty || !context.events->prunes() || context.events->wants_user() || context.scene.media->any() ||
+        context.scene.geometry->has_alpha())
+        return {};
+    Pilot pilot(context, lights);
+    if (!pilot.run()) return {};
+    TechniqueShares best;
+    double least = 0.95 * pilot.cost_times_variance(best);
+    const auto consider = [&](const TechniqueShares& shares) {
+        const double product = pilot.cost_times_variance(shares);
+        if (!(product < least)) return;
+        least = product;
+        best = shares;
+    };
+    for (const Real ray : {Real(0.5), Real(0.25), Real(0.125), Real(0.0625)}) consider({1, ray});
+    for (const Real light : {Real(0.5), Real(0.25), Real(0.125)}) consider({light, 1});
+    if (pilot.rays_find_all()) consider({0, 1});
+    return best;
+}
+
+}  // namespace raylex::transport

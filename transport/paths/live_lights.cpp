@@ -1,0 +1,26 @@
+#include "transport/paths/live_lights.h"
+
+#include <algorithm>
+
+namespace raylex::transport {
+
+LiveLights::LiveLights(const LightTable& lights, const EventTable& events, LightChoice choice) {
+    choosers_[all] = lights.chooser(choice);
+    const std::size_t count = lights.lights().size();
+    std::vector<std::uint8_t> wanted(count);
+    for (const std::uint64_t terminals : events.foresight().sets_of_terminals()) {
+        for (std::uint32_t light = 0; light < count; ++light)
+            wanted[light] = (terminals & events.foresight().bit_of(events.terminal(light))) != 0;
+        const bool every = std::find(wanted.begin(), wanted.end(), 0) == wanted.end();
+        if (every || choosers_.size() == most_choosers) continue;  // `all` will do
+        LightChooser chooser(lights.lights(), choice, wanted);
+        if (chooser.empty()) {
+            sets_.push_back({terminals, none});
+            continue;
+        }
+        sets_.push_back({terminals, static_cast<std::uint8_t>(choosers_.size())});
+        choosers_.push_back(std::move(chooser));
+    }
+}
+
+}  // namespace raylex::transport

@@ -1,0 +1,38 @@
+// Which lights a vertex's light sample goes to: those that a channel can still take (Law 4).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "transport/paths/event_table.h"
+
+namespace raylex::transport {
+
+class LiveLights {
+  public:
+    /// Numbers of choosers: among all lights, among none.
+    static constexpr std::uint8_t all = 0, none = 1;
+
+    LiveLights() = default;
+    LiveLights(const LightTable& lights, const EventTable& events, LightChoice choice);
+
+    /// The number of the chooser for a vertex with this ahead of it.
+    [[nodiscard]] std::uint8_t of(const display::Foresight::Ahead& ahead) const {
+        if (ahead.terminals == ~std::uint64_t{0}) return all;
+        for (std::size_t i = 0; i < sets_.size(); ++i)
+            if (sets_[i].terminals == ahead.terminals) return sets_[i].chooser;
+        return all;
+    }
+    [[nodiscard]] const LightChooser& operator[](std::uint8_t number) const { return choosers_[number]; }
+
+  private:
+    static constexpr std::size_t most_choosers = 32;
+    struct Set {
+        std::uint64_t terminals;
+        std::uint8_t chooser;
+    };
+    std::vector<Set> sets_;
+    std::vector<LightChooser> choosers_{2};
+};
+
+}  // namespace raylex::transport
