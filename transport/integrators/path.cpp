@@ -142,11 +142,15 @@ void PathIntegrator::sample_light(PathThread& thread, std::size_t j) const {
     if (!camera.can_connect(j)) return;
     const SurfacePoint& point = camera.vertices().points[j];
     const std::uint32_t row = camera.vertices().rows[j];
-    const display::Foresight::Ahead ahead =
-        camera.record().ahead(row, camera.vertices().sources[j].label, point.material);
-    const std::uint8_t lights = lights_.of(ahead);
-    const TechniqueShares shares = ahead.scatters || lights == LiveLights::none ? TechniqueShares() : at_last_;
-    camera.choose_techniques(row, lights, shares.light, shares.ray);
+    std::uint8_t lights = LiveLights::all;
+    TechniqueShares shares;
+    if (!camera.record().takes_all(row)) {
+        const display::Foresight::Ahead ahead =
+            camera.record().ahead(row, camera.vertices().sources[j].label, point.material);
+        lights = lights_.of(ahead);
+        if (!ahead.scatters && lights != LiveLights::none) shares = at_last_;
+        camera.choose_techniques(row, lights, shares.light, shares.ray);
+    }
     if (lights == LiveLights::none) return;
     if (shares.light < 1 &&
         !(camera.sampler(row).get_random(light_technique_dimensions + camera.path(row).depth) < shares.light))

@@ -1,0 +1,138 @@
+// Nothing requested, nothing simulated (Law 4): what rays are saved, and that every channel keeps its mean.
+#include "transport/replicates.h"
+
+using namespace render_test;
+
+namespace {
+
+/// A floor in a corner, a ball of glass, a ball with a coat, lamps in two groups and a sky.
+std::string corner(const std::string& more = {}) {
+    return film + R"(
+Integrator "path" "integer maxdepth" 6
+LookAt 0 2 -6  0 0.7 0  0 1 0
+Camera "perspective" "float fov" 45
+WorldBegin
+LightSource "infinite" "rgb L" [0.2 0.2 0.2]
+Material "diffuse" "rgb reflectance" [0.6 0.6 0.6]
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-3 0 -3  -3 0 3  3 0 3  3 0 -3]
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-3 0 3  -3 4 3  3 4 3  3 0 3]
+AttributeBegin
+  Material "dielectric"
+  Translate -1 0.7 0
+  Shape "sphere" "float radius" 0.7
+AttributeEnd
+AttributeBegin
+  Material "coateddiffuse" "float roughness" 0.2 "bool raylex:unbiased" true
+  Translate 1 0.6 0
+  Shape "sphere" "float radius" 0.6
+AttributeEnd
+Material "diffuse" "rgb reflectance" [0 0 0]
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [8 8 8]
+  Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-2 3.5 -1  -1 3.5 -1  -1 3.5 0  -2 3.5 0]
+AttributeEnd
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [20 20 20]
+  Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [1 3.5 -1  1.5 3.5 -1  1.5 3.5 -0.5  1 3.5 -0.5]
+AttributeEnd
+)" + more;
+}
+
+transport::SceneDescription grouped(transport::SceneDescription scene) {
+    scene.area_lights.at(0).group = "key";
+    scene.area_lights.at(1).group = "rim";
+    return scene;
+}
+
+transport::RenderSettings asking_for(const std::string& expression) {
+    transport::RenderSettings settings;
+    settings.samples_per_pixel = 16;
+    settings.beauty = false;
+    settings.channels = {lpe_channel("asked", expression)};
+    return settings;
+}
+
+/// Means of blocks of the image with and without pruning, by independent seeds.
+void check_means(const std::string& scene, const std::string& expression) {
+    auto built = transport::BuiltScene::build(grouped(scene_of(scene)));
+    REQUIRE(built.ok());
+    transport::RenderSettings settings = asking_for(expression);
+    constexpr int seeds = 12;
+    const Replicates pruned = replicates(**built, settings, 1, seeds, 0);
+    settings.prune = false;
+    const Replicates whole = replicates(**built, settings, 1, seeds, 1000);
+    const Estimate a = pruned.channel(0), b = whole.channel(0);
+    CAPTURE(expression, a.mean, a.error, b.mean, b.error);
+    CHECK(b.mean > 0);
+    // Of Student's t with at least 11 degrees of freedom, 6 is exceeded once in 10,000.
+    CHECK(deviation(a, b) < 6);
+}
+
+}  // namespace
+
+TEST_CASE("pruned channels keep their means", "[render][pruning][law4]") {
+    for (const char* expression :
+         {"C<RD>L", "C<RD>[LB]", "C<RD>B", "C<RD>{2}L", "C<RD><.S>+L", "C<.S>+<RD>L", "C.*<L.'rim'>",
+          "C<RD>.*<L.'key'>", "C<RS>.*", "C(<RD>|<RS>)<L.'rim'>", "C<TS>+[LB]", "C<RD><RD>B"})
+        check_means(corner(), expression);
+    check_means(corner("LightSource \"point\" \"point3 from\" [0 3 -2] \"rgb I\" [4 4 4]\n"), "C<RD>L");
+    check_means(corner("Shape \"sphere\" \"float alpha\" 0.5 \"float radius\" 0.3\n"), "C<RD>L");
+}
+
+TEST_CASE("what no channel takes is not traced", "[render][pruning][law4]") {
+    const auto statistics = [](const std::string& expression, bool prune = true) {
+        transport::RenderSettings settings = asking_for(expression);
+        settings.prune = prune;
+        return render_of(grouped(scene_of(corner())), settings).statistics;
+    };
+    const auto whole = statistics("C<RD>L", false);
+    CHECK(whole.scattering_rays > whole.camera_rays);
+    // Nothing in the scene transmits diffusely: paths end where the camera's rays do.
+    const auto nothing = statistics("C<TD>L");
+    CHECK(nothing.scattering_rays == 0);
+    CHECK(nothing.shadow_rays == 0);
+    // One scattering, then a light: small lamps are left to light samples, most rays to find them are not traced.
+    const auto direct = statistics("C<RD><L.'rim'>");
+    CHECK(direct.scattering_rays * 4 < direct.shadow_rays);
+    CHECK(direct.shadow_rays < whole.shadow_rays);
+    // A light sample cannot pass glass: of this only words that end at the coat do with one.
+    const auto caustic = statistics("C<RD><.S>+L");
+    CHECK(caustic.shadow_rays * 20 < whole.shadow_rays);
+    CHECK(statistics("C<RD><TS>+L").shadow_rays == 0);
+    CHECK(caustic.scattering_rays < whole.scattering_rays);
+    // The sky has nothing to aim at: only rays find it.
+    CHECK(statistics("C<RD>B").shadow_rays == 0);
+}
+
+TEST_CASE("in a furnace rays find direct light without noise, and light samples are left out",
+          "[render][pruning][law4]") {
+    const auto scene = scene_of(film + R"(
+Integrator "path" "integer maxdepth" 4
+Camera "perspective" "float fov" 60
+WorldBegin
+AreaLightSource "diffuse" "rgb L" [1 1 1] "bool twosided" true
+Material "diffuse" "rgb reflectance" [0.5 0.5 0.5]
+Shape "trianglemesh" "integer indices" [0 1 3 0 3 2 4 5 7 4 7 6 0 1 5 0 5 4 2 3 7 2 7 6 0 2 6 0 6 4 1 3 7 1 7 5]
+  "point3 P" [-1 -1 -1  1 -1 -1  -1 1 -1  1 1 -1  -1 -1 1  1 -1 1  -1 1 1  1 1 1]
+)");
+    const auto output = render_of(scene, asking_for("C<RD>L"));
+    CHECK(output.statistics.shadow_rays == 0);
+    for (const double value : output.frame_buffer.resolve(0)) REQUIRE(value == Approx(0.5).epsilon(1e-6));
+}
+
+TEST_CASE("a light group alone is sampled alone: less noise from as many samples", "[render][pruning][law4]") {
+    auto built = transport::BuiltScene::build(grouped(scene_of(corner())));
+    REQUIRE(built.ok());
+    transport::RenderSettings settings = asking_for("C<RD><L.'key'>");
+    const Replicates pruned = replicates(**built, settings, 1, 12, 0);
+    settings.prune = false;
+    const Replicates whole = replicates(**built, settings, 1, 12, 0);
+    // The lamp is chosen always instead of about half of the time; a ratio of variances of 9 x 11 degrees of freedom
+    // is off by more than a factor of 1.6 once in 1,000.
+    double a = 0, b = 0;
+    for (std::size_t block = 0; block < blocks_across * blocks_across; ++block) {
+        a += pruned.variance(block);
+        b += whole.variance(block);
+    }
+    CHECK(a * 1.6 < b);
+}
