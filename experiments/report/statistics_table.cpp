@@ -76,6 +76,14 @@ std::string statistics_table(const std::string& record) {
     text += row("Camera rays", counted(number_at(json, "/rays/camera")));
     text += row("Scattering rays", counted(number_at(json, "/rays/scattering")));
     text += row("Shadow rays", counted(number_at(json, "/rays/shadow")));
+    const std::pair<const char*, const char*> pruned[] = {
+        {"Paths ended: no layer takes what they could become", "/pruned/paths"},
+        {"Light samples not drawn: no light counts there", "/pruned/light_samples"},
+        {"Shadow rays not traced: no layer takes their light", "/pruned/shadow_rays"},
+        {"Last rays left to light samples", "/pruned/rays_left_to_light_samples"},
+        {"Last light samples left to rays", "/pruned/light_samples_left_to_rays"}};
+    for (const auto& [label, place] : pruned)
+        if (const double count = number_at(json, place); count > 0) text += row(label, counted(count));
     text += row("Merged attributions", counted(number_at(json, "/attribution_overflow")));
     text += row("Contributions that were not finite", counted(number_at(json, "/invalid_samples/count")));
     text += row("Peak memory", text_of("%.0f MB", number_at(json, "/peak_memory_bytes") * 1e-6));

@@ -17,13 +17,30 @@ constexpr std::uint32_t pilot_grid = 16, pilot_samples = 32;
 struct Found {
     double value = 0;         ///< without the MIS weight
     Real own = 0, other = 0;  ///< densities, of the technique and of the other one
-    [[nodiscard]] double weighted(Real own_share, Real other_share) const {
-        return value > 0 ? value * static_cast<double>(power_heuristic(own * own_share, other * other_share)) : 0;
-    }
 };
 
 struct PilotPath {
     Found light, ray;
+};
+
+/// Integrals over the directions from a vertex, in the mean over those seen in a pixel.
+struct Moments {
+    double second = 0, by_light = 0, by_ray = 0;
+
+    /// Both techniques' samples estimate them, weighed as if each were always taken: what one of them hardly finds, and
+    /// would be noisy in, the other shows.
+    void add(const Found& found, bool is_light, const TechniqueShares& shares) {
+        if (!(found.value > 0)) return;
+        const double f = found.value * double{found.own};
+        const double chance = double{power_heuristic(found.own, found.other)} / double{found.own};
+        const Real light = shares.light * (is_light ? found.own : found.other),
+                   ray = shares.ray * (is_light ? found.other : found.own);
+        const double w = double{power_heuristic(light, ray)};
+        if (light > 0) second += chance * f * f * w * w / double{light};
+        if (ray > 0) second += chance * f * f * (1 - w) * (1 - w) / double{ray};
+        by_light += chance * f * w;
+        by_ray += chance * f * (1 - w);
+    }
 };
 
 class Pilot {
@@ -46,33 +63,32 @@ class Pilot {
     }
 
     [[nodiscard]] double cost_times_variance(const TechniqueShares& shares) const {
-        double sum = 0, overall = 0;
-        for (std::size_t first = 0; first < paths_.size(); first += pilot_samples) overall += mean_of(first);
-        overall /= double(pilot_grid) * pilot_grid;
+        std::vector<Moments> pixels;
+        double overall = 0;
         for (std::size_t first = 0; first < paths_.size(); first += pilot_samples) {
-            const double mean = mean_of(first);
-            double second = 0;
+            Moments& pixel = pixels.emplace_back();
             for (std::size_t i = first; i < first + pilot_samples; ++i) {
-                const double a = paths_[i].light.weighted(shares.light, shares.ray),
-                             b = paths_[i].ray.weighted(shares.ray, shares.light);
-                second += (a > 0 ? a * a / double(shares.light) : 0) + b * b / double(shares.ray) + 2 * a * b;
+                pixel.add(paths_[i].light, true, shares);
+                pixel.add(paths_[i].ray, false, shares);
             }
-            const double variance = std::max(0.0, second / pilot_samples - mean * mean);
-            sum += variance / (mean * mean + 0.01 * overall * overall + 1e-300);
+            for (double* each : {&pixel.second, &pixel.by_light, &pixel.by_ray}) *each /= pilot_samples;
+            overall += (pixel.by_light + pixel.by_ray) / (double(pilot_grid) * pilot_grid);
+        }
+        double sum = 0;
+        for (const Moments& pixel : pixels) {
+            const double mean = pixel.by_light + pixel.by_ray;
+            const double variance =
+                std::max(0.0, pixel.second - pixel.by_light * pixel.by_light - pixel.by_ray * pixel.by_ray);
+            // Differences below this are rounding: a technique without noise is not to be preferred for its last bits.
+            if (variance > 1e-9 * mean * mean) sum += variance / (mean * mean + 0.01 * overall * overall);
         }
         // In camera rays, whose hits are shaded too.
-        return sum * (1.3 + 0.7 * double(shares.light) + double(shares.ray));
+        return (sum + 1e-6) * (1.3 + 0.7 * double{shares.light} + double{shares.ray});
     }
     /// Whether light samples can be left out: a ray can find all of the lights.
     [[nodiscard]] bool rays_find_all() const { return !delta_; }
 
   private:
-    [[nodiscard]] double mean_of(std::size_t first) const {
-        double mean = 0;
-        for (std::size_t i = first; i < first + pilot_samples; ++i)
-            mean += paths_[i].light.weighted(1, 1) + paths_[i].ray.weighted(1, 1);
-        return mean / pilot_samples;
-    }
     bool trace(std::uint32_t x, std::uint32_t y, std::uint32_t s);
     [[nodiscard]] Found sample_light(const LightChooser& chooser, const PixelSampler& numbers);
     [[nodiscard]] Found sample_ray(const LightChooser& chooser, const PixelSampler& numbers, std::uint64_t terminals);

@@ -14,9 +14,10 @@ struct TechniqueShares {
 
 /// The shares with the least product of cost (rays) and mean relative variance, where nothing but a light can follow
 /// the first vertex (Law 4), by a pilot of a few thousand paths of one scattering: both cost a ray, and often one finds
-/// nearly all of the light. Each of a fixed set of shares is judged by the same samples: given those, the second moment
-/// of a pixel under it is known (Veach 1997, section 9.2, with fractional numbers of samples). {1, 1} where others do
-/// not save 5 %, or where there are media, cutouts or a vertex that more can follow.
+/// nearly all of the light. Each of a fixed set of shares is judged by the same samples: its variance is two integrals
+/// over directions (Veach 1997, section 9.2, with fractional numbers of samples), which the samples of both techniques
+/// estimate together. {1, 1} where others do not save 5 %, or where there are media, cutouts or a vertex that more can
+/// follow.
 TechniqueShares choose_techniques(const IntegratorContext& context, const LiveLights& lights);
 
 }  // namespace raylex::transport

@@ -151,10 +151,10 @@ void PathIntegrator::sample_light(PathThread& thread, std::size_t j) const {
         if (!ahead.scatters && lights != LiveLights::none) shares = at_last_;
         camera.choose_techniques(row, lights, shares.light, shares.ray);
     }
-    if (lights == LiveLights::none) return;
+    if (lights == LiveLights::none) return thread.counters.count(Pruned::light_samples);
     if (shares.light < 1 &&
         !(camera.sampler(row).get_random(light_technique_dimensions + camera.path(row).depth) < shares.light))
-        return;
+        return thread.counters.count(Pruned::light_samples_left_to_rays);
     LightSample sample;
     if (!draw_light_sample(context_.scene, lights_[lights], camera, j, sample)) return;
     sample.pdf *= shares.light;

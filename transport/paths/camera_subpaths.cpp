@@ -84,7 +84,10 @@ struct CameraSubpaths::Scatterer : WalkVisitor {
     bool goes_on(std::uint32_t row) {
         const bool nothing_to_find =
             self.path(row).depth >= self.options_.walk.max_depth && !self.options_.light_can_be_hit;
-        return !nothing_to_find && self.record_.worth(row);
+        if (nothing_to_find) return false;
+        const bool worth = self.record_.worth(row);
+        if (!worth) self.walk_.counters().count(Pruned::paths);
+        return worth;
     }
 };
 

@@ -90,13 +90,15 @@ class CameraSubpaths {
     void pass(display::DisplayServices& display, std::size_t j);
     /// Distance, opacity and surface of a camera ray.
     void record_first_hit(display::DisplayServices& display, std::size_t j);
-    [[nodiscard]] bool worth_shading(std::size_t j) const {
+    [[nodiscard]] bool worth_shading(std::size_t j) {
         const std::uint32_t row = vertices().rows[j];
         const Subpath& subpath = path(row);
         if (subpath.depth == 0 && options_.shade_first_hits) return true;
         if (record_.events().wants_user() && record_.channels_follow(row)) return true;
-        return subpath.depth < options_.walk.max_depth &&
-               record_.ahead(row, vertices().sources[j].label, vertices().points[j].material).anything;
+        if (subpath.depth >= options_.walk.max_depth) return false;
+        const bool worth = record_.ahead(row, vertices().sources[j].label, vertices().points[j].material).anything;
+        if (!worth) walk_.counters().count(Pruned::paths);
+        return worth;
     }
 
     const SceneView scene_;

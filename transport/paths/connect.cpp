@@ -1,6 +1,7 @@
 #include "transport/paths/connect.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace raylex::transport {
 
@@ -56,6 +57,7 @@ bool Connections::is_worth_a_ray(const Record& record) {
     const Record::Worth worth =
         record.worth_connecting(p.row, p.label, p.lobes, p.light, end, scene_.geometry->has_alpha());
     if (worth == Record::Worth::a_ray || (worth == Record::Worth::as_it_is && in_media_)) return true;
+    ++not_worth_;
     if (worth == Record::Worth::as_it_is) {
         display::Tracker tracker = record.after(p.row, p.label, p.lobes);
         const Rgb unweighted = blockable_.back().unweighted;
@@ -78,6 +80,7 @@ void Connections::report_one(const Record& record, std::size_t i, Arrival arriva
 
 void Connections::report(const CameraSubpaths& subpaths, IntegratorCounters& counters) {
     const std::size_t count = pending_.size();
+    counters.pruned[static_cast<std::size_t>(Pruned::shadow_rays)] += std::exchange(not_worth_, 0);
     if (count == 0) return;
     const Record& record = subpaths.record();
     const EmbreeScene& geometry = *scene_.geometry;

@@ -47,7 +47,7 @@ class Connections {
     void add_light_sample(const CameraSubpaths& subpaths, std::size_t j, const LightSample& sample,
                           const BsdfEvaluation& f, Real weight);
     void add_join(const CameraSubpaths& subpaths, const VertexJoin& join);
-    /// Traces all shadow rays, reports what arrives, and forgets it.
+    /// Traces all shadow rays, reports what arrives, and forgets it. Shadow rays left out until then are counted too.
     void report(const CameraSubpaths& subpaths, IntegratorCounters& counters);
 
   private:
@@ -74,6 +74,7 @@ class Connections {
     std::vector<LightEnd> ends_;
     std::vector<Ray> shadow_rays_;
     std::vector<std::uint8_t> blocked_;
+    std::uint64_t not_worth_ = 0;  // shadow rays since the last report
 };
 
 }  // namespace raylex::transport

@@ -1,15 +1,30 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 namespace raylex::transport {
 
+/// What was not simulated because no channel takes it (Law 4), by cause.
+enum class Pruned : std::uint8_t {
+    paths,                       ///< ended: no word can be completed any more
+    light_samples,               ///< not drawn: no light ends a word there
+    shadow_rays,                 ///< of light samples and joins that no channel accepts
+    rays_left_to_light_samples,  ///< last vertices where light samples find more for less,
+    light_samples_left_to_rays   ///< and the other way round
+};
+inline constexpr std::size_t pruned_causes = 5;
+using PrunedCounts = std::array<std::uint64_t, pruned_causes>;
+
 /// Work done, for statistics. Added up over threads at the end.
 struct IntegratorCounters {
     std::uint64_t camera_rays = 0, scattering_rays = 0, shadow_rays = 0;
+    PrunedCounts pruned{};                    ///< [Pruned]
     std::vector<std::uint64_t> path_lengths;  ///< [scattering events]
+    void count(Pruned cause) { ++pruned[static_cast<std::size_t>(cause)]; }
     void add(const IntegratorCounters& other);
     /// A path of so many scattering events has ended; the longest share the last slot.
     void count_length(std::uint32_t events) { ++path_lengths[std::min<std::size_t>(events, path_lengths.size() - 1)]; }
@@ -19,6 +34,7 @@ inline void IntegratorCounters::add(const IntegratorCounters& other) {
     camera_rays += other.camera_rays;
     scattering_rays += other.scattering_rays;
     shadow_rays += other.shadow_rays;
+    for (std::size_t i = 0; i < pruned_causes; ++i) pruned[i] += other.pruned[i];
     if (path_lengths.size() < other.path_lengths.size()) path_lengths.resize(other.path_lengths.size());
     for (std::size_t i = 0; i < other.path_lengths.size(); ++i) path_lengths[i] += other.path_lengths[i];
 }

@@ -306,7 +306,10 @@ bool Walk<mode>::survives_roulette(std::uint32_t row, std::uint32_t dimension) {
         path.pdf *= path.ray_share;
     }
     if (!(keep < 1)) return true;
-    if (samplers_[row].get_random(dimension) >= keep) return false;
+    if (samplers_[row].get_random(dimension) >= keep) {
+        if (!path.specular && path.ray_share < 1) counters_->count(Pruned::rays_left_to_light_samples);
+        return false;
+    }
     path.beta *= 1 / keep;
     return true;
 }

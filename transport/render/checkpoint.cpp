@@ -49,7 +49,7 @@ std::string channel_text(const display::ChannelDefinition& channel) {
 void write_statistics(RecordWriter& writer, const RenderStatistics& statistics) {
     // A binding that no longer fits says that there is a number which no record holds yet.
     const auto& [build_seconds, build_cpu_seconds, render_seconds, render_cpu_seconds, camera_samples, camera_rays,
-                 scattering_rays, shadow_rays, path_length_histogram, attribution_overflow, invalid_samples,
+                 scattering_rays, shadow_rays, pruned, path_length_histogram, attribution_overflow, invalid_samples,
                  invalid_by_channel, invalid_log, refused_services_calls, refusals, checkpoints,
                  checkpoint_stall_seconds] = statistics;
     static_cast<void>(build_seconds), static_cast<void>(build_cpu_seconds);  // of this session alone
@@ -59,6 +59,7 @@ void write_statistics(RecordWriter& writer, const RenderStatistics& statistics) 
     for (const std::uint64_t each : {camera_samples, camera_rays, scattering_rays, shadow_rays, attribution_overflow,
                                      invalid_samples, refused_services_calls})
         writer.number(each);
+    writer.numbers({pruned.begin(), pruned.end()});
     writer.numbers(path_length_histogram);
     writer.numbers(invalid_by_channel);
     std::vector<std::uint64_t> refused;
@@ -81,6 +82,8 @@ void read_statistics(RecordReader& reader, RenderStatistics& statistics) {
          {&statistics.camera_samples, &statistics.camera_rays, &statistics.scattering_rays, &statistics.shadow_rays,
           &statistics.attribution_overflow, &statistics.invalid_samples, &statistics.refused_services_calls})
         *each = reader.number<std::uint64_t>();
+    const std::vector<std::uint64_t> pruned = reader.numbers();
+    std::copy_n(pruned.begin(), std::min(pruned.size(), pruned_causes), statistics.pruned.begin());
     statistics.path_length_histogram = reader.numbers();
     statistics.invalid_by_channel = reader.numbers();
     const std::vector<std::uint64_t> refused = reader.numbers();

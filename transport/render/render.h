@@ -23,6 +23,7 @@
 #include "geoaovs/cryptomatte.h"
 #include "lpe/channels/lobe_slots.h"
 #include "lpe/result.h"
+#include "transport/paths/counters.h"
 #include "transport/scene/scene_description.h"
 
 namespace raylex::transport {
@@ -131,6 +132,7 @@ struct RenderStatistics {
     double build_seconds = 0, build_cpu_seconds = 0;  ///< scene tables and acceleration structure
     double render_seconds = 0, render_cpu_seconds = 0;
     std::uint64_t camera_samples = 0, camera_rays = 0, scattering_rays = 0, shadow_rays = 0;
+    PrunedCounts pruned{};                             ///< [Pruned]
     std::vector<std::uint64_t> path_length_histogram;  ///< [scattering events of the path]
     std::uint64_t attribution_overflow = 0;            ///< trackers that had to merge by choice
     std::uint64_t invalid_samples = 0;                 ///< contributions and values refused as not finite
