@@ -1,6 +1,7 @@
 #include "transport/geometry/bilinear.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace raylex::transport {
@@ -48,6 +49,13 @@ bool BilinearPatch::intersect(const DVec3& o, const DVec3& d, double t_min, doub
         found = true;
     }
     return found;
+}
+
+double BilinearPatch::extent() const {
+    const auto largest = [&](double DVec3::*axis) {
+        return std::max({std::abs(p00.*axis), std::abs(p10.*axis), std::abs(p01.*axis), std::abs(p11.*axis)});
+    };
+    return largest(&DVec3::x) + largest(&DVec3::y) + largest(&DVec3::z);
 }
 
 double BilinearPatch::area() const {

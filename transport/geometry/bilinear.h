@@ -17,6 +17,8 @@ struct BilinearPatch {
     /// Smallest t in (t_min, t_max), or false.
     bool intersect(const DVec3& origin, const DVec3& direction, double t_min, double t_max, double& t, double& u,
                    double& v) const;
+    /// The sum of the largest coordinates.
+    [[nodiscard]] double extent() const;
     [[nodiscard]] double area() const;  ///< by quadrature unless planar and a parallelogram
 };
 

@@ -44,6 +44,12 @@ constexpr Real offset_per_distance(Real spread) {
     return std::clamp(Real(0x1p-20) * spread, Real(0x1p-20), Real(0x1p-13));
 }
 
+/// Of a point, unit normal `n`, on a shape of which hits are solved for in double, and whose coordinates reach to
+/// `extent`: a rounding to float each for the point and for the origin made from it, and what the solution is off by.
+inline OffsetBound offset_of_rounded(const Vec3& n, const Vec3& p, double extent) {
+    return {gamma_bound(3) * dot(absolute(n), absolute(p)) + static_cast<Real>(1e-13 * extent), offset_per_distance(1)};
+}
+
 /// How wide the beam is that a ray stands for (Amanatides 1984, "Ray Tracing with Cones"; for what filters look-ups
 /// where rays meet surfaces). Scattering leaves it as it is: neither curvature nor roughness widens it yet.
 struct RayCone {

@@ -75,10 +75,7 @@ void quadric_surface(const Quadric& q, const LocalRay& ray, const Hit& hit, Surf
     point.dpdu = q.placement.to_world.vector(q.object_dpdu(p)).to_real();
     point.u = hit.u;
     point.v = hit.v;
-    // One rounding to float each for the point and for the origin made from it; the intersection itself is in double.
-    offset = {gamma_bound(3) * dot(absolute(point.geometric_normal), absolute(point.position)) +
-                  static_cast<Real>(1e-13 * q.extent()),
-              offset_per_distance(1)};
+    offset = offset_of_rounded(point.geometric_normal, point.position, q.extent());
 }
 
 void patch_surface(const ShapeGeometry& shape, const Hit& hit, SurfacePoint& point, OffsetBound& offset) {
@@ -115,10 +112,7 @@ void patch_surface(const ShapeGeometry& shape, const Hit& hit, SurfacePoint& poi
                                 Vec3(shape.normals[index[2]]) * w01 + Vec3(shape.normals[index[3]]) * w11,
                             point);
     }
-    Vec3 reach;
-    for (int i = 0; i < 4; ++i) reach = largest(reach, absolute(shape.patch_positions[index[i]]));
-    offset = {gamma_bound(3) * dot(absolute(n), absolute(point.position)) + Real(1e-13) * (reach.x + reach.y + reach.z),
-              offset_per_distance(1)};
+    offset = offset_of_rounded(n, point.position, patch.extent());
 }
 
 /// Takes a point from its object's space to the world. Embree brings rays there in float: that rounding, seen along the

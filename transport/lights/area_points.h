@@ -11,22 +11,15 @@
 
 namespace raylex::transport {
 
-inline Real point_offset(const Vec3& n, const Vec3& p, const Vec3& extent) {
-    return gamma_bound(8) * (std::abs(n.x) * (std::abs(p.x) + extent.x) + std::abs(n.y) * (std::abs(p.y) + extent.y) +
-                             std::abs(n.z) * (std::abs(p.z) + extent.z));
-}
-
-inline Vec3 magnitudes(const Vec3& a, const Vec3& b) {
-    return {std::abs(a.x) + std::abs(b.x), std::abs(a.y) + std::abs(b.y), std::abs(a.z) + std::abs(b.z)};
-}
-
 inline Real sample_triangle_point(const Light& light, const Vec2& u, LightSample& s) {
     const Vec2 b = sample_uniform_triangle(u);
     s.uv = {b.y, 1 - b.x - b.y};
     s.target = light.position + light.edge1 * b.y + light.edge2 * (1 - b.x - b.y);
     s.target_normal = light.direction;
-    s.target_offset = {point_offset(light.direction, light.position, magnitudes(light.edge1, light.edge2)),
-                       light.per_distance};
+    // The point is a sum of floats: five roundings of what is summed.
+    const Vec3 summed = absolute(light.position) + absolute(light.edge1) + absolute(light.edge2);
+    s.target_offset = light.offset;
+    s.target_offset.here += gamma_bound(8) * dot(absolute(light.direction), summed);
     return 1 / light.area;
 }
 
@@ -42,7 +35,7 @@ inline Real sample_patch_point(const Light& light, const ShapeGeometry& shape, c
     if (!shape.normals.empty())
         s.target_normal = face_forward(
             s.target_normal, shape.normals[shape.patch_indices[4 * static_cast<std::size_t>(light.primitive)]]);
-    s.target_offset = {point_offset(s.target_normal, s.target, {}), offset_per_distance(1)};
+    s.target_offset = offset_of_rounded(s.target_normal, s.target, patch.extent());
     return static_cast<Real>(1 / area);
 }
 
@@ -53,7 +46,7 @@ inline Real sample_quadric_point(const Quadric& quadric, const Vec2& u, LightSam
     s.uv = {static_cast<Real>(a), static_cast<Real>(b)};
     s.target = point.position.to_real();
     s.target_normal = point.normal.to_real();
-    s.target_offset = {point_offset(s.target_normal, s.target, {}), offset_per_distance(1)};
+    s.target_offset = offset_of_rounded(s.target_normal, s.target, quadric.extent());
     return static_cast<Real>(1 / (quadric.object_area() * point.area_scale));
 }
 

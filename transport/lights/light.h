@@ -30,11 +30,11 @@ struct Light {
     /// Radiance (area, environments; a factor on the image), radiant intensity (point, spot), or irradiance on a
     /// surface facing it (distant).
     Rgb emission;
-    Vec3 position;          ///< point, spot; triangle: vertex 0
-    Vec3 direction;         ///< spot: its axis; distant: towards the light; triangle: unit normal, emitting side
-    Vec3 edge1, edge2;      ///< triangle
-    Real per_distance = 0;  ///< triangle: OffsetBound's
-    Real area = 0;          ///< triangle, patch: world; quadric: object space; sphere: world
+    Vec3 position;         ///< point, spot; triangle: vertex 0
+    Vec3 direction;        ///< spot: its axis; distant: towards the light; triangle: unit normal, emitting side
+    Vec3 edge1, edge2;     ///< triangle
+    OffsetBound offset{};  ///< triangle: of the triangle itself
+    Real area = 0;         ///< triangle, patch: world; quadric: object space; sphere: world
     /// Spot: 1 - cos of the angles where the falloff begins and ends. The cosines of narrow cones are 1 in float.
     Real versine_full = 0, versine_zero = 1;
     std::uint32_t shape = 0, primitive = 0;  ///< area lights

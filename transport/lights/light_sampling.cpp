@@ -80,7 +80,7 @@ bool sample_sphere(const Light& light, const Quadric& quadric, bool cut_out, con
                                    frame.t * (static_cast<Real>(sin_alpha) * sn) - axis * static_cast<Real>(cos_alpha));
     s.target = (DVec3(from) + cone.to_center + DVec3(outward) * cone.radius).to_real();
     s.target_normal = outward;
-    s.target_offset = {point_offset(outward, s.target, {}), offset_per_distance(1)};
+    s.target_offset = offset_of_rounded(outward, s.target, quadric.extent());
     if (cut_out) {
         double a, b;
         quadric.parameters(quadric.placement.to_object.point(DVec3(s.target)), a, b);

@@ -25,7 +25,7 @@ Light make_triangle(const ShapeGeometry& shape, std::uint32_t primitive) {
     light.edge1 = p1 - p0;
     light.edge2 = p2 - p0;
     light.area = static_cast<Real>(0.5 * length(cross(DVec3(light.edge1), DVec3(light.edge2))));
-    light.per_distance = triangle.offset.per_distance;
+    light.offset = triangle.offset;
     Vec3 normal = triangle.normal;
     if (!shape.normals.empty()) {
         const Vec3 shading = shape.normals[i[0]] + shape.normals[i[1]] + shape.normals[i[2]];
