@@ -155,7 +155,7 @@ LightSource "point" "rgb I" [0 0 0] "point3 from" [0 1 0]
         int chosen[3] = {};
         for (std::uint64_t i = 0; i < 1000; ++i) {
             LightSample s;
-            REQUIRE(scene.lights.sample(scene.lights.chooser(choice), scene.geometry, {5, 5, 5}, 0,
+            REQUIRE(scene.lights.sample(scene.lights.chooser(choice), scene.geometry, Vec3{5, 5, 5}, 0,
                                         {static_cast<float>(i) / 1000, 0.5f},
                                         s));  // few lights: u.x chooses
             ++chosen[s.light];
@@ -273,7 +273,7 @@ TEST_CASE("pixels of an image light that are no numbers are reported with their 
     for (std::uint64_t i = 0; i < 1000; ++i) {
         const PixelSampler sampler(SamplerKind::independent, 4, 0, 0, i);
         LightSample s;
-        REQUIRE(lights->sample(lights->chooser(LightChoice::mis), *geometry, {}, 0, sampler.get_2d(0), s));
+        REQUIRE(lights->sample(lights->chooser(LightChoice::mis), *geometry, Vec3(), 0, sampler.get_2d(0), s));
         REQUIRE((s.radiance.g >= 1 && std::isfinite(s.pdf)));
     }
 }

@@ -134,8 +134,8 @@ bool Pilot::trace(std::uint32_t x, std::uint32_t y, std::uint32_t s) {
 
 Found Pilot::sample_light(const LightChooser& chooser, const PixelSampler& numbers) {
     LightSample sample;
-    if (!scene_.lights->sample(chooser, *scene_.geometry, point_.position, numbers.get_1d(8), numbers.get_2d(9),
-                               sample))
+    if (!scene_.lights->sample(chooser, *scene_.geometry, {point_.position, point_.shading_normal}, numbers.get_1d(8),
+                               numbers.get_2d(9), sample))
         return {};
     const BsdfEvaluation f = bsdf_.evaluate(point_.wo, sample.wi);
     if (f.value.is_black()) return {};
@@ -178,7 +178,7 @@ Found Pilot::sample_ray(const LightChooser& chooser, const PixelSampler& numbers
     const std::uint32_t light = shape.first_light + hit.primitive;
     const Rgb emitted = lights.emitted(light, there.geometric_normal, there.wo);
     return {double{(s.weight * emitted).average()}, s.pdf,
-            lights.density(chooser, *scene_.geometry, light, point_.position, there, hit)};
+            lights.density(chooser, *scene_.geometry, light, {point_.position, point_.shading_normal}, there, hit)};
 }
 
 }  // namespace

@@ -37,7 +37,8 @@ class PathIntegrator final : public Integrator {
     }
     Status prepare(const IntegratorContext& context) override {
         context_ = context;
-        lights_ = LiveLights(*context.scene.lights, *context.events, choice());
+        lights_ = LiveLights(context.scene, *context.events, choice(),
+                             parameters_.light_selection == LightSelection::receiver);
         can_sample_lights_ = !lights_[LiveLights::all].empty();
         if (can_sample_lights_ && parameters_.strategy == PathStrategy::mis && parameters_.roulette)
             at_last_ = choose_techniques(context, lights_);
@@ -87,9 +88,10 @@ struct PathIntegrator::Ends : CameraEnds {
         if (emitted.is_black()) return;
         const Subpath& path = camera.path(v.rows[j]);
         add(v.rows[j], light, emitted,
-            path.specular ? 0.0f
-                          : path.light_share * scene.lights->density(self.lights_[path.lights], *scene.geometry, light,
-                                                                     path.from, v.points[j], v.hits[j]));
+            path.specular
+                ? 0.0f
+                : path.light_share * scene.lights->density(self.lights_[path.lights], *scene.geometry, light,
+                                                           {path.from, path.from_normal}, v.points[j], v.hits[j]));
     }
     void escapes(std::uint32_t row, const Ray& ray) {
         const LightTable& lights = *self.context_.scene.lights;
@@ -187,15 +189,17 @@ Result<std::unique_ptr<Integrator>> make_path(const SceneEntity& entity, std::op
     if (!regularize) return regularize.error();
     if (*regularize)
         return error_at(entity.location, "'regularize' is not supported: it would blur specular lobes; remove it");
-    auto selection = entity.parameters.string_or("lightsampler", "power");
+    auto selection = entity.parameters.string_or("lightsampler", "bvh");
     if (!selection) return selection.error();
-    // pbrt's other two choose by what a light can send to a point; power is the nearest to them that there is here.
+    // pbrt's "exhaustive" is its bvh without the tree, for reference.
     const std::vector<std::string> selections = {"power", "uniform", "bvh", "exhaustive"};
     if (std::find(selections.begin(), selections.end(), *selection) == selections.end())
         return error_at(entity.location,
                         "'lightsampler' is '" + *selection + "'; expected power, uniform, bvh or exhaustive",
                         nearest_name(*selection, selections));
-    p.light_selection = *selection == "uniform" ? LightSelection::uniform : LightSelection::power;
+    p.light_selection = *selection == "uniform" ? LightSelection::uniform
+                        : *selection == "power" ? LightSelection::power
+                                                : LightSelection::receiver;
     return make_path_integrator(p);
 }
 
@@ -207,15 +211,17 @@ std::unique_ptr<Integrator> make_path_integrator(const PathParameters& parameter
 
 Registry<IntegratorFactory>::Entry path_integrator_entry() {
     using T = ParameterType;
-    return {"path",
-            "path tracing with light sampling, multiple importance sampling and Russian roulette",
-            {{"maxdepth", T::integer, "5", "scattering events at most; emission seen after the last still counts"},
-             {"strategy", T::string, "mis", "how emitters are found: mis, light or scattering"},
-             {"roulette", T::boolean, "true", "end weak paths at random from the second bounce"},
-             {"lightsampler", T::string, "power",
-              "which light a sample goes to: power or uniform; bvh and exhaustive of pbrt are power here"},
-             {"regularize", T::boolean, "false", "not supported"}},
-            make_path};
+    return {
+        "path",
+        "path tracing with light sampling, multiple importance sampling and Russian roulette",
+        {{"maxdepth", T::integer, "5", "scattering events at most; emission seen after the last still counts"},
+         {"strategy", T::string, "mis", "how emitters are found: mis, light or scattering"},
+         {"roulette", T::boolean, "true", "end weak paths at random from the second bounce"},
+         {"lightsampler", T::string, "bvh",
+          "which light a sample goes to: bvh, by what each can send to the point where more than 32 stand somewhere "
+          "and by power else; power; uniform; exhaustive of pbrt is bvh here"},
+         {"regularize", T::boolean, "false", "not supported"}},
+        make_path};
 }
 
 }  // namespace raylex::transport

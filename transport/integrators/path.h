@@ -22,14 +22,14 @@ namespace raylex::transport {
 /// leaves all but delta lights to scattering.
 enum class PathStrategy : std::uint8_t { mis, light, scattering };
 
-/// Which light a light sample goes to: by emitted power (a tenth of the choices ignores it), or any with one
-/// probability.
-enum class LightSelection : std::uint8_t { power, uniform };
+/// Which light a light sample goes to: by what each can send to the receiver, where there are many; by emitted power (a
+/// tenth of the choices ignores it); or any with one probability.
+enum class LightSelection : std::uint8_t { receiver, power, uniform };
 
 struct PathParameters {
     std::uint32_t max_depth = 5;  ///< scattering events at most; emission after the last still counts
     PathStrategy strategy = PathStrategy::mis;
-    LightSelection light_selection = LightSelection::power;
+    LightSelection light_selection = LightSelection::receiver;
     bool roulette = true;
     std::uint32_t first_depth =
         0;  ///< light found before so many scattering events is left to others (not a parameter)

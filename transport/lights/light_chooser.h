@@ -1,12 +1,14 @@
 // Which light a sample goes to.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "transport/lights/alias_table.h"
 #include "transport/lights/light.h"
+#include "transport/lights/light_tree.h"
 
 namespace raylex::transport {
 
@@ -22,19 +24,35 @@ class LightChooser {
     LightChooser() = default;
     /// Among the lights that `wanted` [light] marks; empty: all.
     LightChooser(std::span<const Light> lights, LightChoice choice, std::span<const std::uint8_t> wanted = {});
+    /// The same, but where more than `most_by_power` of them stand somewhere, these are chosen by what each can send to
+    /// the receiver; of the others, n, each then is a candidate beside those as one (n / (n + 1) of the choices), as in
+    /// pbrt-v4.
+    static LightChooser by_receiver(std::span<const Light> lights, const EmbreeScene& geometry, LightChoice choice,
+                                    std::span<const std::uint8_t> wanted = {});
+    static constexpr std::size_t most_by_power = 32;
 
-    [[nodiscard]] bool empty() const { return table_.empty(); }
+    [[nodiscard]] bool empty() const { return table_.empty() && tree_.empty(); }
     /// Above this many lights the choice takes a number of its own; below, it shares another and costs few of its bits.
     static constexpr std::size_t shared_choice_limit = 64;
-    [[nodiscard]] bool needs_number() const { return table_.size() > shared_choice_limit; }
-    /// Numbers in [0, 1); u_choice is read only if needs_number(), and `u` stays one that is uniform.
-    [[nodiscard]] std::uint32_t choose(Real u_choice, Real& u) const {
-        return needs_number() ? table_.choose(u_choice) : table_.choose_and_remap(u);
+    [[nodiscard]] bool needs_number() const { return !tree_.empty() || table_.size() > shared_choice_limit; }
+    /// Numbers in [0, 1); u_choice is read only if needs_number(), and `u` stay uniform. LightTree::none where nothing
+    /// can arrive.
+    [[nodiscard]] LightTree::Chosen choose(const LightReceiver& receiver, Real u_choice, Vec2& u) const {
+        if (!tree_.empty()) return choose_by_receiver(receiver, u_choice, u);
+        const std::uint32_t light = needs_number() ? table_.choose(u_choice) : table_.choose_and_remap(u.x);
+        return {light, table_.probability(light)};
     }
-    [[nodiscard]] Real probability(std::uint32_t light) const { return table_.probability(light); }
+    [[nodiscard]] Real probability(const LightReceiver& receiver, std::uint32_t light) const {
+        if (tree_.empty()) return table_.probability(light);
+        return table_share_ * table_.probability(light) + (1 - table_share_) * tree_.probability(receiver, light);
+    }
 
   private:
-    AliasTable table_;
+    [[nodiscard]] LightTree::Chosen choose_by_receiver(const LightReceiver& receiver, Real u_choice,
+                                                       const Vec2& u) const;
+    AliasTable table_;  // of all; beside a tree, of the lights that stand nowhere
+    LightTree tree_;
+    Real table_share_ = 1;
 };
 
 }  // namespace raylex::transport

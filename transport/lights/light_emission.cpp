@@ -60,7 +60,7 @@ Real area_density(const Light& light, const ShapeGeometry& shape, const Vec2& uv
 EmissionDensity LightTable::emission_density(const EmbreeScene& geometry, const LightSample& at,
                                              const Vec3& direction) const {
     const Light& light = lights_[at.light];
-    const Real chosen = chooser(LightChoice::light_sampling).probability(at.light);
+    const Real chosen = chooser(LightChoice::light_sampling).probability(Vec3(), at.light);
     if (light.is_area()) {
         const Real cosine = dot(at.target_normal, direction);
         const Real of_direction = light.two_sided ? 0.5f * std::abs(cosine) : std::max(cosine, Real(0));
@@ -95,8 +95,9 @@ bool LightTable::sample_emission(const EmbreeScene& geometry, Real u_choice, Vec
     if (lights.empty()) return false;
     s = EmissionSample();
     LightSample& from = s.from;
-    from.light = lights.choose(u_choice, u_position.x);
-    from.pdf = lights.probability(from.light);
+    const LightTree::Chosen chosen = lights.choose(Vec3(), u_choice, u_position);
+    from.light = chosen.light;
+    from.pdf = chosen.probability;
     const Light& light = lights_[from.light];
     switch (light.kind) {
         case LightKind::triangle:

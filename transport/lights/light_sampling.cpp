@@ -131,12 +131,15 @@ bool sample_infinite(const Light& light, const std::vector<EnvironmentImage>& im
 
 }  // namespace
 
-bool LightTable::sample(const LightChooser& chooser, const EmbreeScene& geometry, const Vec3& from, Real u_choice,
-                        Vec2 u, LightSample& s) const {
+bool LightTable::sample(const LightChooser& chooser, const EmbreeScene& geometry, const LightReceiver& receiver,
+                        Real u_choice, Vec2 u, LightSample& s) const {
     if (chooser.empty()) return false;
     s = LightSample();
-    s.light = chooser.choose(u_choice, u.x);
-    s.pdf = chooser.probability(s.light);
+    const LightTree::Chosen chosen = chooser.choose(receiver, u_choice, u);
+    if (chosen.light == LightTree::none || !(chosen.probability > 0)) return false;
+    const Vec3& from = receiver.position;
+    s.light = chosen.light;
+    s.pdf = chosen.probability;
     const Light& light = lights_[s.light];
     s.delta = light.hidden;
     switch (light.kind) {
@@ -158,9 +161,10 @@ bool LightTable::sample(const LightChooser& chooser, const EmbreeScene& geometry
 }
 
 Real LightTable::density(const LightChooser& chooser, const EmbreeScene& geometry, std::uint32_t index,
-                         const Vec3& from, const SurfacePoint& at, const Hit& hit) const {
+                         const LightReceiver& receiver, const SurfacePoint& at, const Hit& hit) const {
     const Light& light = lights_[index];
-    const Real chosen = chooser.probability(index);
+    const Vec3& from = receiver.position;
+    const Real chosen = chooser.probability(receiver, index);
     if (!(chosen > 0)) return 0;
     const ShapeGeometry& shape = geometry.shapes()[light.shape];
     double area_density = 0;
@@ -185,7 +189,7 @@ Real LightTable::density(const LightChooser& chooser, const EmbreeScene& geometr
     return cosine > 0 ? chosen * static_cast<Real>(area_density) * d2 / cosine : infinity;
 }
 
-Real LightTable::density(const LightChooser& chooser, const EmbreeScene& geometry, const Vec3& from,
+Real LightTable::density(const LightChooser& chooser, const EmbreeScene& geometry, const LightReceiver& from,
                          const LightSample& at) const {
     const Light& light = lights_[at.light];
     if (light.is_area()) {
@@ -198,12 +202,12 @@ Real LightTable::density(const LightChooser& chooser, const EmbreeScene& geometr
         return density(chooser, geometry, at.light, from, point, hit);
     }
     if (light.is_environment()) return environment_density(chooser, at.light, at.wi);
-    return chooser.probability(at.light);
+    return chooser.probability(from, at.light);
 }
 
 Real LightTable::environment_density(const LightChooser& chooser, std::uint32_t index, const Vec3& direction) const {
     const Light& light = lights_[index];
-    const Real chosen = chooser.probability(index);
+    const Real chosen = chooser.probability(Vec3(), index);  // wherever it is seen from
     if (!(chosen > 0)) return 0;
     return chosen * (light.kind == LightKind::uniform_environment
                          ? uniform_sphere_pdf()

@@ -49,8 +49,8 @@ class LightTable {
         return choosers_[static_cast<std::size_t>(choice)];
     }
     /// False when nothing can arrive at `from`. u in [0, 1)^2; u_choice in [0, 1), read only if chooser.needs_number().
-    bool sample(const LightChooser& chooser, const EmbreeScene& geometry, const Vec3& from, Real u_choice, Vec2 u,
-                LightSample& sample) const;
+    bool sample(const LightChooser& chooser, const EmbreeScene& geometry, const LightReceiver& from, Real u_choice,
+                Vec2 u, LightSample& sample) const;
     /// Draws where and in what direction light leaves: a light by its power, then a point and a cosine-weighted
     /// direction of an area light, a direction of a point or spot, a direction of an infinite light and a point of the
     /// disk that covers the scene across it. False when nothing leaves. All u in [0, 1); u_choice is read only if
@@ -68,10 +68,10 @@ class LightTable {
 
     /// Density with which sample() would have found the point `at` (hit by `hit`) of an area light from `from`.
     [[nodiscard]] Real density(const LightChooser& chooser, const EmbreeScene& geometry, std::uint32_t light,
-                               const Vec3& from, const SurfacePoint& at, const Hit& hit) const;
+                               const LightReceiver& from, const SurfacePoint& at, const Hit& hit) const;
     /// Density with which sample() would have found `at` (target, target_normal, uv; of infinite lights wi) from
     /// `from`, per steradian; of lights that no ray finds as LightSample::pdf has it.
-    [[nodiscard]] Real density(const LightChooser& chooser, const EmbreeScene& geometry, const Vec3& from,
+    [[nodiscard]] Real density(const LightChooser& chooser, const EmbreeScene& geometry, const LightReceiver& from,
                                const LightSample& at) const;
     [[nodiscard]] Real environment_density(const LightChooser& chooser, std::uint32_t light,
                                            const Vec3& direction) const;

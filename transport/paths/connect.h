@@ -15,14 +15,15 @@ inline bool draw_light_sample(const SceneView& scene, const LightChooser& choose
                               std::size_t j, LightSample& sample) {
     const LightTable& lights = *scene.lights;
     const std::uint32_t row = subpaths.vertices().rows[j];
-    const Vec3& from = subpaths.vertices().points[j].position;
+    const SurfacePoint& point = subpaths.vertices().points[j];
     const PixelSampler& sampler = subpaths.sampler(row);
     constexpr const SubpathDimensions& dimensions = subpath_dimensions<TransportMode::radiance>;
     const std::uint32_t depth = subpaths.path(row).depth;
     const Real u_choice = chooser.needs_number() ? sampler.get_1d(dimensions.of(depth, light_choice_dimension)) : 0.0f;
     const Vec2 u = sampler.get_2d(dimensions.of(depth, light_sample_dimension));
-    if (!lights.sample(chooser, *scene.geometry, from, u_choice, u, sample)) return false;
-    if (scene.geometry->has_alpha()) sample.radiance *= emitter_opacity(scene, sample, from);
+    if (!lights.sample(chooser, *scene.geometry, {point.position, point.shading_normal}, u_choice, u, sample))
+        return false;
+    if (scene.geometry->has_alpha()) sample.radiance *= emitter_opacity(scene, sample, point.position);
     return true;
 }
 

@@ -14,7 +14,8 @@ class LiveLights {
     static constexpr std::uint8_t all = 0, none = 1;
 
     LiveLights() = default;
-    LiveLights(const LightTable& lights, const EventTable& events, LightChoice choice);
+    /// `by_receiver`: LightChooser::by_receiver().
+    LiveLights(const SceneView& scene, const EventTable& events, LightChoice choice, bool by_receiver);
 
     /// The number of the chooser for a vertex with this ahead of it.
     [[nodiscard]] std::uint8_t of(const display::Foresight::Ahead& ahead) const {

@@ -21,6 +21,7 @@ struct Subpath {
                    ///< beam); of a specular one the lobe's probability
     Real cosine = 1;          ///< of that direction to the geometric normal where it was left; kept for densities only
     Vec3 from;                ///< the vertex it left; the camera or the light at first
+    Vec3 from_normal;         ///< its shading normal; zero where there is no surface
     Real travelled = 0;       ///< along the camera ray, over cutouts passed
     std::uint32_t depth = 0;  ///< scattering events so far
     std::uint32_t segment = 0;  ///< rays so far, those beyond cutouts included: keys choices made once a ray

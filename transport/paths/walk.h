@@ -346,6 +346,7 @@ void Walk<mode>::scatter(Visitor& visitor) {
         path.specular = s.delta;
         path.pdf = s.pdf;
         path.from = point.position;
+        path.from_normal = point.shading_normal;
         path.from_infinity = false;
         visitor.scatters(j, s.lobes);
         if (!is_finite(path.beta)) {

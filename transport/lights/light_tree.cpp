@@ -1,0 +1,143 @@
+#include "transport/lights/light_tree.h"
+
+#include <algorithm>
+#include <array>
+
+namespace raylex::transport {
+namespace {
+
+constexpr int most_depth = 62;  // bits of a trail
+
+Real along(const Vec3& v, int axis) {
+    return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+}
+
+}  // namespace
+
+LightTree::LightTree(std::span<const Light> lights, const EmbreeScene& geometry, std::vector<std::uint32_t> wanted) {
+    double strongest = 0;
+    for (const std::uint32_t light : wanted) strongest = std::max(strongest, lights[light].power);
+    std::vector<Item> items;
+    for (const std::uint32_t light : wanted) {
+        // Weak beside another by more than floats tell apart, it is still not to be starved.
+        const Real power = std::max(static_cast<Real>(lights[light].power / strongest), Real(1e-12));
+        const LightBounds bounds = bounds_of(lights[light], geometry, power);
+        items.push_back({light, bounds, (bounds.lower + bounds.upper) * Real(0.5)});
+    }
+    if (items.empty()) return;
+    trails_.resize(lights.size());
+    within_.resize(lights.size());
+    nodes_.reserve(2 * items.size());
+    build(items, 0, 0);
+}
+
+std::uint32_t LightTree::build(std::span<Item> items, std::uint64_t trail, int depth) {
+    const auto at = static_cast<std::uint32_t>(nodes_.size());
+    Node& leaf = nodes_.emplace_back();
+    if (items.size() == 1) {
+        leaf.bounds = items.front().bounds;
+        leaf.light = items.front().light;
+        trails_[leaf.light] = trail;
+        within_[leaf.light] = 1;
+        return at;
+    }
+    LightBounds whole;
+    for (const Item& item : items) whole = join(whole, item.bounds);
+    // Halves, where there is nothing to choose by or a tree of lopsided splits would grow too deep.
+    const std::size_t middle = depth < most_depth / 2 ? split(items, whole) : items.size() / 2;
+    nodes_[at].bounds = whole;
+    build(items.first(middle), trail, depth + 1);
+    const std::uint32_t second = build(items.subspan(middle), trail | std::uint64_t{1} << depth, depth + 1);
+    nodes_[at].second = second;
+    return at;
+}
+
+/// Into buckets along each axis; the border with the least cost. How many come before it.
+std::size_t LightTree::split(std::span<Item> items, const LightBounds& whole) {
+    constexpr int buckets = 12;
+    Vec3 lower = items.front().center, upper = lower;
+    for (const Item& item : items) {
+        lower = smallest(lower, item.center);
+        upper = largest(upper, item.center);
+    }
+    const auto bucket_of = [&](const Item& item, int axis) {
+        const Real share = (along(item.center, axis) - along(lower, axis)) / (along(upper, axis) - along(lower, axis));
+        return std::min(static_cast<int>(share * buckets), buckets - 1);
+    };
+    Real least = infinity;
+    int best_axis = -1, best_border = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!(along(upper, axis) > along(lower, axis))) continue;
+        std::array<LightBounds, buckets> filled{};
+        for (const Item& item : items) {
+            LightBounds& bucket = filled[static_cast<std::size_t>(bucket_of(item, axis))];
+            bucket = join(bucket, item.bounds);
+        }
+        for (int border = 1; border < buckets; ++border) {
+            LightBounds below, above;
+            for (int i = 0; i < buckets; ++i) {
+                LightBounds& side = i < border ? below : above;
+                side = join(side, filled[static_cast<std::size_t>(i)]);
+            }
+            if (!(below.power > 0) || !(above.power > 0)) continue;
+            const Vec3 extent = whole.upper - whole.lower;
+            const Real cost = below.cost(extent, axis) + above.cost(extent, axis);
+            if (!(cost < least)) continue;
+            least = cost;
+            best_axis = axis;
+            best_border = border;
+        }
+    }
+    if (best_axis < 0) return items.size() / 2;
+    const auto border = std::partition(items.begin(), items.end(),
+                                       [&](const Item& item) { return bucket_of(item, best_axis) < best_border; });
+    return static_cast<std::size_t>(border - items.begin());
+}
+
+LightTree::Chosen LightTree::choose(const LightReceiver& receiver, double u) const {
+    Chosen chosen;
+    double probability = 1;
+    for (std::uint32_t at = 0;;) {
+        const Node& node = nodes_[at];
+        if (node.second == 0) {
+            if (at == 0 && !(node.bounds.importance(receiver) > 0)) return {};
+            chosen.light = node.light;
+            chosen.probability = static_cast<Real>(probability);
+            return chosen;
+        }
+        const double first = double{nodes_[at + 1].bounds.importance(receiver)},
+                     second = double{nodes_[node.second].bounds.importance(receiver)};
+        if (!(first + second > 0)) return {};
+        const double share = first / (first + second);
+        if (u < share) {
+            u /= share;
+            probability *= share;
+            ++at;
+        } else {
+            u = (u - share) / (1 - share);
+            probability *= 1 - share;
+            at = node.second;
+        }
+        u = std::min(u, 1 - 0x1p-53);
+    }
+}
+
+Real LightTree::probability(const LightReceiver& receiver, std::uint32_t light) const {
+    if (within_.empty() || within_[light] == 0) return 0;
+    double probability = 1;
+    std::uint64_t trail = trails_[light];
+    std::uint32_t at = 0;
+    if (nodes_[0].second == 0 && !(nodes_[0].bounds.importance(receiver) > 0)) return 0;
+    while (nodes_[at].second != 0) {
+        const double first = double{nodes_[at + 1].bounds.importance(receiver)},
+                     second = double{nodes_[nodes_[at].second].bounds.importance(receiver)};
+        if (!(first + second > 0)) return 0;
+        const double share = first / (first + second);
+        probability *= (trail & 1) != 0 ? 1 - share : share;
+        at = (trail & 1) != 0 ? nodes_[at].second : at + 1;
+        trail >>= 1;
+    }
+    return static_cast<Real>(probability);
+}
+
+}  // namespace raylex::transport
