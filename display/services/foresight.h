@@ -1,5 +1,5 @@
 // What channels may still take of a path, told from where its tracker stands and from the events that a scene can bring
-// (Law 4): whether anything, whether after a scattering, which lights after just one.
+// (Law 4): whether anything, whether something with a scattering before it, and which lights without.
 #pragma once
 
 #include <cstdint>

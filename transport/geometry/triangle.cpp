@@ -17,6 +17,8 @@
 
 #include <algorithm>
 
+#include "transport/geometry/matrix34.h"
+
 namespace raylex::transport {
 namespace {
 

@@ -25,8 +25,7 @@ class LightChooser {
     /// Among the lights that `wanted` [light] marks; empty: all.
     LightChooser(std::span<const Light> lights, LightChoice choice, std::span<const std::uint8_t> wanted = {});
     /// The same, but where more than `most_by_power` of them stand somewhere, these are chosen by what each can send to
-    /// the receiver; of the others, n, each then is a candidate beside those as one (n / (n + 1) of the choices), as in
-    /// pbrt-v4.
+    /// the receiver. The n that stand nowhere (distant, infinite) then share n / (n + 1) of the choices, as in pbrt-v4.
     static LightChooser by_receiver(std::span<const Light> lights, const EmbreeScene& geometry, LightChoice choice,
                                     std::span<const std::uint8_t> wanted = {});
     static constexpr std::size_t most_by_power = 32;
