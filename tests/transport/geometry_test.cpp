@@ -2,8 +2,10 @@
 
 #include <cmath>
 #include <cstdint>
+#include <string>
 #include <vector>
 
+#include "support/skip.h"
 #include "transport/geometry/embree_scene.h"
 #include "transport/math/sampling.h"
 #include "transport/samplers/pixel_sampler.h"
@@ -146,6 +148,89 @@ TEST_CASE("what a ray hits, to the bit, is its own affair: batches of any size a
                      alone.source.offset.here != sources[i].offset.here;
     }
     CHECK(different == 0);
+}
+
+TEST_CASE("whether a shadow ray is blocked is its own affair: streams of any size and order, on every instruction set",
+          "[geometry][law3][law4]") {
+    const std::string isa = GENERATE("", "sse2", "avx", "avx2", "avx512");
+    RandomPoints random(11);
+    SceneDescription scene = empty_scene();
+    // A bumpy sheet seen edge on and from above, a soup, and what Embree asks us about.
+    SceneShape sheet;
+    sheet.material = 0;
+    constexpr std::uint32_t side = 24;
+    for (std::uint32_t y = 0; y <= side; ++y)
+        for (std::uint32_t x = 0; x <= side; ++x)
+            sheet.positions.push_back({Real(x) / 8 - 1.5f, 0.2f * random.signed_unit(), Real(y) / 8 - 1.5f});
+    for (std::uint32_t y = 0; y < side; ++y)
+        for (std::uint32_t x = 0; x < side; ++x) {
+            const std::uint32_t a = y * (side + 1) + x, b = a + side + 1;
+            for (const std::uint32_t corner : {a, a + 1, b, b, a + 1, b + 1}) sheet.indices.push_back(corner);
+        }
+    scene.shapes.push_back(sheet);
+    for (int i = 0; i < 12; ++i)
+        scene.shapes.push_back(quad(random.point(2), random.point(2), random.point(2), random.point(2)));
+    scene.shapes.push_back(quadric(ShapeKind::sphere, Transform::scale(0.5f, 0.3f, 0.4f)));
+    scene.shapes.push_back(quad({-1, 1, 1}, {1, 1.2f, 1}, {1, 1, -1}, {-1, 1.3f, -1}));
+    scene.shapes.back().kind = ShapeKind::bilinear_mesh;
+    scene.shapes.back().indices = {0, 1, 2, 3};
+    scene.objects.push_back(
+        {"object", {quadric(ShapeKind::disk, {}), quad({0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0})}});
+    SceneInstance instance;
+    instance.object = 0;
+    instance.to_world = Transform::translate(0.3f, -1, -0.2f) * Transform::rotate(31, 1, 2, 3);
+    scene.instances.push_back(instance);
+    TextureTable textures;
+    EmbreeScene::Options options;
+    options.isa = isa;
+    auto started = EmbreeScene::build(scene, textures, options);
+    if (!started && !isa.empty()) RAYLEX_SKIP("this machine does not offer " + isa);
+    REQUIRE(started.ok());
+    const EmbreeScene& built = *started;
+
+    // Neighbours begin close to each other and aim at points along the same edges.
+    std::vector<Ray> rays(60001);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const Vec3 from = i % 64 == 0 || i % 3 == 0 ? random.point(3) : rays[i - 1].origin;
+        const std::uint32_t k = 3 * static_cast<std::uint32_t>((i / 64 * 7 + i % 5) % (sheet.indices.size() / 3));
+        const Vec3 a(sheet.positions[sheet.indices[k]]), b(sheet.positions[sheet.indices[k + 1]]);
+        rays[i].origin = from;
+        rays[i].direction = (i % 4 == 0 ? random.point(2) : a + (b - a) * random()) - from;
+        rays[i].t_max = i % 2 == 0 ? infinity : 1 - 0x1p-20f;
+    }
+    rays[17].origin.x = infinity;  // what is no ray counts as blocked and leaves its neighbours alone
+    std::vector<std::uint8_t> blocked(rays.size(), 2);
+    built.occluded(rays, blocked);
+    CHECK(blocked[17] == 1);
+    std::vector<Hit> hits(rays.size());
+    built.intersect(rays, hits);
+    std::size_t unlike_hits = 0, unlike_alone = 0, count = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        std::uint8_t alone = 2;
+        built.occluded({&rays[i], 1}, {&alone, 1});
+        unlike_alone += alone != blocked[i];
+        unlike_hits += i != 17 && hits[i].valid() != (blocked[i] == 1);
+        count += blocked[i];
+    }
+    CHECK(unlike_alone == 0);
+    CHECK(unlike_hits == 0);
+    CHECK(count > 10000);
+    CHECK(count < 55000);
+    // Shuffled within reach, then with two of three left out.
+    std::vector<std::size_t> order;
+    for (std::size_t i = 0; i < rays.size(); ++i) order.push_back(i);
+    for (std::size_t i = 0; i + 100 < order.size(); ++i)
+        std::swap(order[i], order[i + static_cast<std::size_t>(random() * 100)]);
+    for (const std::size_t keep : {1, 3}) {
+        std::vector<Ray> some;
+        std::vector<std::size_t> from;
+        for (std::size_t i = 0; i < order.size(); i += keep) some.push_back(rays[order[i]]), from.push_back(order[i]);
+        std::vector<std::uint8_t> found(some.size());
+        built.occluded(some, found);
+        std::size_t different = 0;
+        for (std::size_t i = 0; i < some.size(); ++i) different += found[i] != blocked[from[i]];
+        CHECK(different == 0);
+    }
 }
 
 TEST_CASE("a ray that goes straight on gets further, wherever rounding puts its hit", "[geometry]") {

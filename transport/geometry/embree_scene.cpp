@@ -1,16 +1,13 @@
 #include "transport/geometry/embree_scene.h"
 
 #include <algorithm>
-#include <atomic>
-#include <cmath>
 #include <cstddef>
 #include <cstring>
-#include <mutex>
 
-#include <embree3/rtcore.h>
 #include <pmmintrin.h>
 #include <xmmintrin.h>
 
+#include "transport/geometry/embree_device.h"
 #include "transport/geometry/placed_mesh.h"
 #include "transport/geometry/scene_limits.h"
 
@@ -18,101 +15,10 @@ namespace raylex::transport {
 namespace {
 
 constexpr std::uint64_t most_surfaces = 0x7fffffff;  // what an id in an image can count
-constexpr unsigned opaque_mask = 1, alpha_mask = 2, any_mask = opaque_mask | alpha_mask;
-
-/// What Embree's callback gets for a user geometry.
-struct UserShape {
-    const ShapeGeometry* shape = nullptr;
-    unsigned mask = opaque_mask;
-};
-
-struct ErrorLog {
-    std::mutex mutex;
-    std::string message;
-};
-
 void report_error(void* user, RTCError, const char* text) {
-    auto* log = static_cast<ErrorLog*>(user);
+    auto* log = static_cast<EmbreeErrorLog*>(user);
     const std::lock_guard lock(log->mutex);
     if (log->message.empty()) log->message = text ? text : "unknown error";
-}
-
-RTCBounds outward(const DVec3& lower, const DVec3& upper) {
-    const auto down = [](double v) { return next_down(static_cast<float>(v)); };
-    const auto up = [](double v) { return next_up(static_cast<float>(v)); };
-    RTCBounds b{};
-    b.lower_x = down(lower.x);
-    b.lower_y = down(lower.y);
-    b.lower_z = down(lower.z);
-    b.upper_x = up(upper.x);
-    b.upper_y = up(upper.y);
-    b.upper_z = up(upper.z);
-    return b;
-}
-
-void bound_user_shape(const RTCBoundsFunctionArguments* args) {
-    const ShapeGeometry& shape = *static_cast<const UserShape*>(args->geometryUserPtr)->shape;
-    DVec3 lower, upper;
-    if (shape.kind == ShapeKind::bilinear_mesh) {
-        const BilinearPatch patch = shape.patch(args->primID);
-        lower = upper = patch.p00;
-        for (const DVec3& p : {patch.p10, patch.p01, patch.p11}) {
-            lower = {std::min(lower.x, p.x), std::min(lower.y, p.y), std::min(lower.z, p.z)};
-            upper = {std::max(upper.x, p.x), std::max(upper.y, p.y), std::max(upper.z, p.z)};
-        }
-    } else {
-        shape.quadric.bounds(lower, upper);
-    }
-    *args->bounds_o = outward(lower, upper);
-}
-
-bool intersect_user_shape(const ShapeGeometry& shape, unsigned primitive, const RTCRay& ray, double& t, double& u,
-                          double& v) {
-    return shape.intersect(primitive, {ray.org_x, ray.org_y, ray.org_z}, {ray.dir_x, ray.dir_y, ray.dir_z},
-                           {ray.tnear, ray.tfar}, t, u, v);
-}
-
-void intersect_user(const RTCIntersectFunctionNArguments* args) {
-    if (!args->valid[0]) return;
-    const auto* user = static_cast<const UserShape*>(args->geometryUserPtr);
-    auto* rayhit = reinterpret_cast<RTCRayHit*>(args->rayhit);  // N is 1: only single-ray calls are made
-    if (!(rayhit->ray.mask & user->mask)) return;
-    double t, u, v;
-    if (!intersect_user_shape(*user->shape, args->primID, rayhit->ray, t, u, v)) return;
-    rayhit->ray.tfar = static_cast<float>(t);
-    rayhit->hit.u = static_cast<float>(u);
-    rayhit->hit.v = static_cast<float>(v);
-    rayhit->hit.primID = args->primID;
-    rayhit->hit.geomID = args->geomID;
-    rayhit->hit.instID[0] = args->context->instID[0];
-}
-
-void occlude_user(const RTCOccludedFunctionNArguments* args) {
-    if (!args->valid[0]) return;
-    const auto* user = static_cast<const UserShape*>(args->geometryUserPtr);
-    auto* ray = reinterpret_cast<RTCRay*>(args->ray);
-    if (!(ray->mask & user->mask)) return;
-    double t, u, v;
-    if (intersect_user_shape(*user->shape, args->primID, *ray, t, u, v)) ray->tfar = -infinity;
-}
-
-RTCRay to_embree(const Ray& ray, unsigned mask) {
-    RTCRay r;
-    r.org_x = to_float(ray.origin.x);
-    r.org_y = to_float(ray.origin.y);
-    r.org_z = to_float(ray.origin.z);
-    // Not 0: Embree takes a hit at its lower end, and the distance to the surface that a ray has left may underflow to
-    // 0.
-    r.tnear = std::numeric_limits<float>::min();
-    r.dir_x = to_float(ray.direction.x);
-    r.dir_y = to_float(ray.direction.y);
-    r.dir_z = to_float(ray.direction.z);
-    r.time = to_float(ray.time);
-    r.tfar = to_float(ray.t_max);
-    r.mask = mask;
-    r.id = 0;
-    r.flags = 0;
-    return r;
 }
 
 /// Embree's instruction sets that this machine has, widest first. Each asks for all of Embree's feature set of that
@@ -136,30 +42,6 @@ std::vector<std::string> supported_instruction_sets() {
 }
 
 }  // namespace
-
-struct EmbreeScene::Device {
-    RTCDevice device = nullptr;
-    RTCScene scene = nullptr;
-    std::vector<RTCScene> objects;
-    std::vector<std::unique_ptr<UserShape>> users;
-    std::vector<RTCGeometry> geometries;  // [shape]; null for empty meshes
-    ErrorLog log;
-    std::atomic<std::uint64_t> untraced{0};
-
-    ~Device() {
-        for (RTCGeometry g : geometries)
-            if (g) rtcReleaseGeometry(g);
-        if (scene) rtcReleaseScene(scene);
-        for (RTCScene s : objects) rtcReleaseScene(s);
-        if (device) rtcReleaseDevice(device);
-    }
-    RTCScene new_scene() const {
-        RTCScene s = rtcNewScene(device);
-        rtcSetSceneFlags(s, RTC_SCENE_FLAG_ROBUST);
-        rtcSetSceneBuildQuality(s, RTC_BUILD_QUALITY_MEDIUM);
-        return s;
-    }
-};
 
 EmbreeScene::EmbreeScene() : labels_{std::string()} {}
 EmbreeScene::~EmbreeScene() = default;
@@ -265,11 +147,7 @@ Status EmbreeScene::add_shape(const SceneShape& shape, const Transform& placemen
         if (Status s = check_extent(shape, g.quadric.extent()); !s) return s;
     }
     if (g.primitive_count > 0 && shape.kind != ShapeKind::triangle_mesh) {
-        geometry = rtcNewGeometry(device_->device, RTC_GEOMETRY_TYPE_USER);
-        rtcSetGeometryUserPrimitiveCount(geometry, g.primitive_count);
-        rtcSetGeometryBoundsFunction(geometry, bound_user_shape, nullptr);
-        rtcSetGeometryIntersectFunction(geometry, intersect_user);
-        rtcSetGeometryOccludedFunction(geometry, occlude_user);
+        geometry = new_user_geometry(device_->device, g.primitive_count);
     }
     if (geometry) rtcSetGeometryMask(geometry, g.alpha >= 0 ? alpha_mask : opaque_mask);
     shapes_.push_back(std::move(g));
@@ -311,6 +189,7 @@ Status EmbreeScene::start_device(const Options& options) {
         device_->device = rtcNewDevice(config.c_str());
         if (device_->device) break;
     }
+    streams_ = isa_ == "avx2" || isa_ == "avx512";
     if (!device_->device)
         return error_at({}, "Embree could not be started (error " + std::to_string(rtcGetDeviceError(nullptr)) +
                                 "); does this machine offer the instruction set '" + isa_ + "'?");
@@ -420,77 +299,6 @@ Result<EmbreeScene> EmbreeScene::build(const SceneDescription& scene, TextureTab
     if (!device.log.message.empty()) return error_at({scene.file, 0, 0}, "Embree: " + device.log.message);
     return result;
 }
-
-/// Embree ends the program where a number of a ray is beyond its range, in the world's space or an instance's.
-bool EmbreeScene::traceable(const Ray& ray) const {
-    const auto fits = [&](const Vec3& v) {
-        return (std::abs(v.x) <= ray_limit_) & (std::abs(v.y) <= ray_limit_) & (std::abs(v.z) <= ray_limit_);
-    };
-    if (fits(ray.origin) & fits(ray.direction)) [[likely]]
-        return true;
-    device_->untraced.fetch_add(1, std::memory_order_relaxed);
-    return false;
-}
-
-std::uint64_t EmbreeScene::untraced_rays() const {
-    return device_->untraced.load(std::memory_order_relaxed);
-}
-
-void EmbreeScene::intersect(std::span<const Ray> rays, std::span<Hit> hits) const {
-    if (log_ != nullptr) log_->closest.insert(log_->closest.end(), rays.begin(), rays.end());
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    RTCRayHit rayhit;
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-        Hit& hit = hits[i];
-        if (!traceable(rays[i])) [[unlikely]] {
-            hit = Hit();
-            continue;
-        }
-        rayhit.ray = to_embree(rays[i], any_mask);
-        rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-        rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-        rtcIntersect1(device_->scene, &context, &rayhit);
-        hit = {rayhit.ray.tfar,   rayhit.hit.u,         rayhit.hit.v, rayhit.hit.geomID,  // no hit: Hit::none
-               rayhit.hit.primID, rayhit.hit.instID[0], rays[i].time, rays[i].cone};
-    }
-    // A loop of its own, so that the processor has several hits in hand at a time.
-    finish_hits(rays, hits);
-}
-
-void EmbreeScene::intersect_alpha(const Ray& ray, Hit& hit) const {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    RTCRayHit rayhit;
-    if (!traceable(ray)) [[unlikely]] {
-        hit = Hit();
-        return;
-    }
-    rayhit.ray = to_embree(ray, alpha_mask);
-    rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(device_->scene, &context, &rayhit);
-    hit = {rayhit.ray.tfar,   rayhit.hit.u,         rayhit.hit.v, rayhit.hit.geomID,
-           rayhit.hit.primID, rayhit.hit.instID[0], ray.time,     ray.cone};
-    finish_hits({&ray, 1}, {&hit, 1});
-}
-
-void EmbreeScene::occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked) const {
-    if (log_ != nullptr) log_->shadow.insert(log_->shadow.end(), rays.begin(), rays.end());
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-        if (!traceable(rays[i])) [[unlikely]] {
-            blocked[i] = 1;
-            continue;
-        }
-        RTCRay ray = to_embree(rays[i], opaque_mask);
-        rtcOccluded1(device_->scene, &context, &ray);
-        blocked[i] = ray.tfar < 0;
-    }
-}
-
-static_assert(Hit::none == RTC_INVALID_GEOMETRY_ID);
 
 void flush_denormals() {
     _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);

@@ -209,6 +209,10 @@ class EmbreeScene {
     std::vector<Error> warnings_;
     mutable RayLog* log_ = nullptr;  // one test a batch; never part of a result
     bool has_alpha_ = false, has_holdouts_ = false;
+    /// Whether shadow rays go to Embree as streams. Whether anything lies on a ray is a matter of that ray and a
+    /// triangle at a time, so the answers are those of single rays, whatever stands beside them (geometry_test.cpp).
+    /// Closest hits, where the first of equals wins, keep to single rays. On narrower machines streams are slower.
+    bool streams_ = false;
 };
 
 /// Flushes denormals to zero on the calling thread (row 32 of the hard cases: a throughput that underflows would

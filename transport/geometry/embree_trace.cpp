@@ -1,0 +1,111 @@
+// Rays through Embree, in batches.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "transport/geometry/embree_device.h"
+
+namespace raylex::transport {
+namespace {
+
+RTCRay to_embree(const Ray& ray, unsigned mask) {
+    RTCRay r;
+    r.org_x = to_float(ray.origin.x);
+    r.org_y = to_float(ray.origin.y);
+    r.org_z = to_float(ray.origin.z);
+    // Not 0: Embree takes a hit at its lower end, and the distance to the surface that a ray has left may underflow to
+    // 0.
+    r.tnear = std::numeric_limits<float>::min();
+    r.dir_x = to_float(ray.direction.x);
+    r.dir_y = to_float(ray.direction.y);
+    r.dir_z = to_float(ray.direction.z);
+    r.time = to_float(ray.time);
+    r.tfar = to_float(ray.t_max);
+    r.mask = mask;
+    r.id = 0;
+    r.flags = 0;
+    return r;
+}
+
+}  // namespace
+
+/// Embree ends the program where a number of a ray is beyond its range, in the world's space or an instance's.
+bool EmbreeScene::traceable(const Ray& ray) const {
+    const auto fits = [&](const Vec3& v) {
+        return (std::abs(v.x) <= ray_limit_) & (std::abs(v.y) <= ray_limit_) & (std::abs(v.z) <= ray_limit_);
+    };
+    if (fits(ray.origin) & fits(ray.direction)) [[likely]]
+        return true;
+    device_->untraced.fetch_add(1, std::memory_order_relaxed);
+    return false;
+}
+
+std::uint64_t EmbreeScene::untraced_rays() const {
+    return device_->untraced.load(std::memory_order_relaxed);
+}
+
+void EmbreeScene::intersect(std::span<const Ray> rays, std::span<Hit> hits) const {
+    if (log_ != nullptr) log_->closest.insert(log_->closest.end(), rays.begin(), rays.end());
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    RTCRayHit rayhit;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        Hit& hit = hits[i];
+        if (!traceable(rays[i])) [[unlikely]] {
+            hit = Hit();
+            continue;
+        }
+        rayhit.ray = to_embree(rays[i], any_mask);
+        rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+        rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+        rtcIntersect1(device_->scene, &context, &rayhit);
+        hit = {rayhit.ray.tfar,   rayhit.hit.u,         rayhit.hit.v, rayhit.hit.geomID,  // no hit: Hit::none
+               rayhit.hit.primID, rayhit.hit.instID[0], rays[i].time, rays[i].cone};
+    }
+    // A loop of its own, so that the processor has several hits in hand at a time.
+    finish_hits(rays, hits);
+}
+
+void EmbreeScene::intersect_alpha(const Ray& ray, Hit& hit) const {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    RTCRayHit rayhit;
+    if (!traceable(ray)) [[unlikely]] {
+        hit = Hit();
+        return;
+    }
+    rayhit.ray = to_embree(ray, alpha_mask);
+    rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(device_->scene, &context, &rayhit);
+    hit = {rayhit.ray.tfar,   rayhit.hit.u,         rayhit.hit.v, rayhit.hit.geomID,
+           rayhit.hit.primID, rayhit.hit.instID[0], ray.time,     ray.cone};
+    finish_hits({&ray, 1}, {&hit, 1});
+}
+
+void EmbreeScene::occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked) const {
+    if (log_ != nullptr) log_->shadow.insert(log_->shadow.end(), rays.begin(), rays.end());
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    std::array<RTCRay, 64> stream;
+    for (std::size_t first = 0; first < rays.size(); first += stream.size()) {
+        const std::size_t count = std::min(stream.size(), rays.size() - first);
+        for (std::size_t i = 0; i < count; ++i) {
+            stream[i] = to_embree(rays[first + i], opaque_mask);
+            if (!traceable(rays[first + i])) [[unlikely]]
+                stream[i].tfar = -infinity;  // as Embree says that a ray is blocked; it leaves such rays alone
+        }
+        if (streams_) {
+            rtcOccluded1M(device_->scene, &context, stream.data(), static_cast<unsigned>(count), sizeof(RTCRay));
+        } else {
+            for (std::size_t i = 0; i < count; ++i)
+                if (stream[i].tfar > 0) rtcOccluded1(device_->scene, &context, &stream[i]);
+        }
+        for (std::size_t i = 0; i < count; ++i) blocked[first + i] = stream[i].tfar < 0;
+    }
+}
+
+static_assert(Hit::none == RTC_INVALID_GEOMETRY_ID);
+
+}  // namespace raylex::transport
