@@ -12,6 +12,7 @@ namespace raylex::experiments {
 namespace {
 
 constexpr std::string_view effect_prefix = "effects.";
+constexpr const char* doubt_sign = "&lowast;";
 
 const std::string& beauty_of(const Study& study, const std::string& scene) {
     static const std::string none;
@@ -43,6 +44,8 @@ std::pair<const BudgetPoint*, const BudgetPoint*> last_common(const Curve& a, co
 std::string percent_cell(const Interval& interval) {
     if (!std::isfinite(interval.value)) return "<td class=\"number\">&ndash;</td>";
     std::string text = plain_number(interval.value * 100) + " %";
+    if (!interval.valid())
+        text += "<sup class=\"sign\" title=\"" + escape_html(interval.note) + "\">" + doubt_sign + "</sup>";
     if (std::isfinite(interval.low) && std::isfinite(interval.high))
         text += " <span class=\"range\">[" + plain_number(interval.low * 100) + ", " +
                 plain_number(interval.high * 100) + "]</span>";
@@ -90,16 +93,27 @@ std::vector<EffectCost> effect_costs(const Study& study, const std::string& scen
 }
 
 std::string effect_costs_table(const Study& study, const std::string& scene) {
-    std::string rows;
-    for (const EffectCost& each : effect_costs(study, scene))
+    std::string rows, doubts;
+    for (const EffectCost& each : effect_costs(study, scene)) {
+        for (const Interval* interval : {&each.time, &each.error, &each.own_error})
+            if (!interval->valid() && doubts.find(interval->note) == std::string::npos)
+                doubts += (doubts.empty() ? "" : "; ") + interval->note;
         rows += "<tr>" + text_cell(each.effect) + text_cell(each.on ? "forced on" : "left out") +
                 percent_cell(each.time) + percent_cell(each.error) + percent_cell(each.own_error) + "</tr>\n";
+    }
     if (rows.empty()) return {};
     return "<p class=\"note\">CPU time: that of the cells, over that of the method which differs in the effect alone, "
-           "at equal samples. Error: 100 sqrt(relmse-mean) against the reference, which has every effect; what it is "
-           "beyond the whole render's own, of noise, leaving the effect out has made. Forced on where the scene has "
-           "none, the image is the same: what the time is beyond 100 %, the effect's absence saves.</p>\n" +
-           table("<th>Effect</th><th></th><th>CPU time</th><th>Error</th><th>The whole render's own</th>", rows);
+           "at equal samples. Error: 100 sqrt(relmse-mean) against the reference, which has every effect, noise "
+           "included: "
+           "the whole render's own is all noise, and a scene that lacks an effect may have less of it. Forced on where "
+           "the "
+           "scene has none, the image is the same but for the seed: what the time is beyond 100 %, the effect's "
+           "absence "
+           "saves.</p>\n" +
+           table("<th>Effect</th><th></th><th>CPU time</th><th>Error</th><th>The whole render's own</th>", rows) +
+           (doubts.empty()
+                ? ""
+                : "<p class=\"note\"><sup>" + std::string(doubt_sign) + "</sup> " + escape_html(doubts) + ".</p>\n");
 }
 
 std::optional<Plot> effect_costs_plot(const Study& study, std::size_t scene) {

@@ -8,6 +8,6 @@
 namespace raylex::experiments {
 
 /// Everything that a method's table says, key by key; what it leaves out is the scene's, or the program's own.
-NamedValues settings_text(const transport::RenderSettings& settings, const transport::EffectChoices& effects);
+NamedValues settings_text(const transport::RenderSettings& settings, const transport::EffectChoices& effects = {});
 
 }  // namespace raylex::experiments
