@@ -14,6 +14,7 @@
 #include "experiments/cli/render_options.h"
 #include "experiments/cli/render_run.h"
 #include "experiments/job/channel_set.h"
+#include "experiments/job/effect_report.h"
 #include "experiments/job/job_file.h"
 #include "experiments/job/sampling_requests.h"
 #include "experiments/program/console.h"
@@ -179,6 +180,9 @@ Result<Job> assemble(const CLI::App& command, const RenderOptions& options) {
     if (options.max_depth) job.settings.max_depth = *options.max_depth;
     if (options.no_beauty) job.settings.beauty = false;
     if (!options.prune.empty()) job.settings.prune = options.prune == "on";
+    for (const std::string& text : options.effects)
+        if (Status added = add_effect_choice(text, flag("--effect"), job.effects); !added) return added.error();
+    job.show_effects = options.show_effects;
     if (!options.filter_mode.empty()) job.settings.splat = options.filter_mode == "splat";
     if (!options.resolution.empty()) {
         auto size = parse_resolution(options.resolution, flag("--resolution"));

@@ -5,6 +5,7 @@
 #include "experiments/cli/option_group.h"
 #include "experiments/cli/plugin_options.h"
 #include "geoaovs/geoaovs.h"
+#include "transport/scene/effects.h"
 
 namespace raylex::experiments {
 namespace {
@@ -26,6 +27,13 @@ std::string refuse_odd(const std::string& text) {
 std::string aov_names() {
     std::string names;
     for (const std::string& name : geoaovs::channel_names()) names += (names.empty() ? "" : ", ") + name;
+    return names;
+}
+
+std::string effect_names() {
+    std::string names;
+    for (const transport::EffectInfo& each : transport::effect_catalogue())
+        names += (names.empty() ? "" : ", ") + std::string(each.name);
     return names;
 }
 
@@ -84,6 +92,11 @@ void add_method_options(const OptionGroup& group, RenderOptions& options) {
               "path, lighttracer, bdpt, pssmlt or a plugin's; default: as the scene says");
     group.add("--max-depth", options.max_depth, "N", "at most N scattering events on a path")
         ->check(CLI::Range(0, 2147483647));
+    group.add_repeated("--effect", options.effects, "NAME=on|off",
+                       "forces an effect off that the scene calls for, to see what it costs and brings, or on where "
+                       "nothing calls for it, to see what its absence saves: " +
+                           effect_names());
+    group.add_flag("--effects", options.show_effects, "prints every effect: whether it is simulated, and why");
 }
 
 void add_light_layer_options(const OptionGroup& group, RenderOptions& options) {

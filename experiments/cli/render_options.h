@@ -17,9 +17,9 @@ struct RenderOptions {
     std::optional<int> threads;
     std::optional<std::int64_t> max_depth;
     std::vector<std::string> expressions, channel_files, dialects, aovs, cryptomatte, rules, layers, statistic_layers,
-        plugins;
+        plugins, effects;
     std::optional<int> cryptomatte_ranks;
-    bool no_beauty = false, light_groups = false, resume = false;
+    bool no_beauty = false, light_groups = false, resume = false, show_effects = false;
     OutputOptions outputs;
 };
 

@@ -15,6 +15,7 @@
 #include "experiments/cli/progress.h"
 #include "experiments/cli/render_outputs.h"
 #include "experiments/job/channel_plan.h"
+#include "experiments/job/effect_report.h"
 #include "experiments/job/job_scene.h"
 #include "experiments/job/provenance.h"
 #include "experiments/job/sampling_requests.h"
@@ -92,6 +93,9 @@ class RenderRun {
         if (!loaded) return report_error(loaded.error());
         loaded_ = std::move(*loaded);
         for (const std::string& warning : loaded_->warnings) warn(warning);
+        for (const std::string& line : job_.show_effects ? effect_table(loaded_->effects, job_.effects)
+                                                         : effect_summary(loaded_->effects, job_.effects))
+            print_line(line);
         if (!job_.settings.only)
             if (Status made = outputs_.make(job_, loaded_->color); !made) return report_error(made.error());
         phases_["load"] = clock.elapsed();
@@ -266,8 +270,8 @@ class RenderRun {
 
     Step write_statistics() {
         if (job_.statistics.empty()) return go_on;
-        RunRecord record{&job_,   &*output_,   arguments_,        phases_,        warnings_,
-                         splits_, attributes_, outputs_.memory(), outputs_.deep()};
+        RunRecord record{&job_,   &*output_,   arguments_,        phases_,         warnings_,
+                         splits_, attributes_, outputs_.memory(), outputs_.deep(), loaded_->effects};
         Status written = display::write_text_file(job_.statistics, statistics_json(record));
         if (!written) return report_error(written.error());
         return go_on;

@@ -12,6 +12,7 @@
 #include "lpe/event.h"
 #include "lpe/language/names.h"
 #include "transport/render/render.h"
+#include "transport/scene/effects.h"
 #include "transport/scene/scene_description.h"
 
 namespace raylex::experiments {
@@ -68,6 +69,8 @@ struct Job {
     bool light_groups = false;       ///< adds one layer per light group and one for the unlabelled lights
     std::optional<TechniqueRequest> techniques;
     transport::RenderSettings settings;  ///< `channels` is filled by plan_channels()
+    transport::EffectChoices effects;    ///< applied by load_job_scene()
+    bool show_effects = false;           ///< all of them are printed, with why
     std::vector<ExpressionRequest> expressions;
     std::vector<AovRequest> aovs;
     std::vector<PluginRequest> plugins;  ///< loaded by read_job()

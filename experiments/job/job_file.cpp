@@ -71,6 +71,7 @@ void read_render(TomlTable& root, Job& job) {
     render.read("beauty", job.settings.beauty);
     render.read("isa", job.settings.isa);
     read_method_settings(render, job.settings);
+    read_effects(render, job.effects);
     render.close();
 }
 

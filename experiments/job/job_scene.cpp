@@ -37,6 +37,8 @@ Result<std::unique_ptr<JobScene>> load_job_scene(const Job& job) {
     auto primaries = choose_rendering_space(job, loaded->color, loaded->scene);
     if (!primaries) return primaries.error();
     loaded->primaries = *primaries;
+    loaded->effects = transport::analyse_effects(loaded->scene);
+    if (Status applied = transport::apply_effects(loaded->scene, job.effects); !applied) return applied.error();
     return loaded;
 }
 

@@ -14,11 +14,13 @@
 
 namespace raylex::experiments {
 
-/// A job's scene with its labels and colours. The scene refers to `color`, so this stays where it is.
+/// A job's scene with its labels, its colours and the effects that the job leaves it. The scene refers to `color`, so
+/// this stays where it is.
 struct JobScene {
     ColorSetup color;
     transport::SceneDescription scene;
     display::Chromaticities primaries;
+    transport::EffectFindings effects;  ///< what the scene calls for, before the job's choices are applied
     std::vector<std::string> warnings;
 };
 

@@ -130,6 +130,19 @@ void read_method_settings(TomlTable& table, transport::RenderSettings& settings)
     }
 }
 
+void read_effects(TomlTable& table, transport::EffectChoices& effects) {
+    const toml::table* inner = table.take_table("effects");
+    if (inner == nullptr) return;
+    TomlTable reader(table.source(), *inner, "'effects' of " + table.description());
+    for (const auto& [key, node] : *inner) {
+        const std::string name(key.str());
+        bool forced = false;
+        auto effect = transport::effect_named(name, reader.location_of(name));
+        if (!effect) table.source().fail(effect.error());
+        else if (reader.read(name, forced)) effects[*effect] = forced;
+    }
+}
+
 void read_entity(TomlTable& root, const char* key, std::optional<transport::SceneEntity>& entity) {
     std::string name;
     if (const toml::node* node = root.take(key); node != nullptr && node->is_string()) {

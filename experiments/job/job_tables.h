@@ -21,6 +21,8 @@ void read_color_table(TomlTable& root, const std::string& job_path, Job& job);
 void read_resolution(TomlTable& table, Job& job);
 /// max_depth, filter_mode, lobes: what changes how light is found, beside the objects below.
 void read_method_settings(TomlTable& table, transport::RenderSettings& settings);
+/// effects = { NAME = false, ... }: which are forced on or off.
+void read_effects(TomlTable& table, transport::EffectChoices& effects);
 /// KEY = "type", or a table [KEY] with a type and parameters that the object itself judges.
 void read_entity(TomlTable& root, const char* key, std::optional<transport::SceneEntity>& entity);
 /// [[sample_filter]], in their order.

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <ctime>
 
+#include "experiments/job/effect_report.h"
 #include "experiments/job/json.h"
 #include "experiments/job/provenance.h"
 
@@ -128,6 +129,7 @@ std::string statistics_json(const RunRecord& record) {
                     {"scattering", statistics.scattering_rays},
                     {"shadow", statistics.shadow_rays},
                     {"total", rays}};
+    json["effects"] = effects_json(record.effects, record.job->effects);
     const auto pruned = [&](transport::Pruned cause) { return statistics.pruned[static_cast<std::size_t>(cause)]; };
     json["pruned"] = {{"paths", pruned(transport::Pruned::paths)},
                       {"light_samples", pruned(transport::Pruned::light_samples)},

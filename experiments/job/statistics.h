@@ -39,6 +39,7 @@ struct RunRecord {
     std::map<std::string, std::string> attributes;  ///< as in the image header
     std::vector<display::MemoryItem> memory;        ///< of the image, layer by layer, as estimated before rendering
     const display::DeepBuffer* deep = nullptr;      ///< null when there is none
+    transport::EffectFindings effects{};            ///< what the scene calls for
 };
 
 /// experiments/README.md lists the keys.

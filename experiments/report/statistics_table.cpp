@@ -33,6 +33,21 @@ std::string row(const std::string& name, const std::string& value) {
     return "<tr><td>" + name + "</td><td class=\"number\">" + value + "</td></tr>\n";
 }
 
+/// What the scene calls for, and what was forced.
+std::string effects(const Json& json) {
+    const auto found = json.find("effects");
+    if (found == json.end() || !found->is_object()) return {};
+    std::string table = "<div class=\"wide\"><table>\n<tr><th>Effect</th><th>Simulated</th><th>Why</th></tr>\n";
+    for (const auto& [name, each] : found->items()) {
+        if (!each.is_object()) continue;
+        const Json forced = each.value("forced", Json());
+        table += "<tr><td>" + escape_html(name) + "</td><td>" + (each.value("simulated", false) ? "yes" : "no") +
+                 (forced.is_boolean() ? (forced.get<bool>() ? ", forced on" : ", forced off") : "") + "</td><td>" +
+                 escape_html(each.value("why", std::string())) + "</td></tr>\n";
+    }
+    return table + "</table></div>\n";
+}
+
 std::string phases(const Json& json) {
     std::string table =
         "<div class=\"wide\"><table>\n<tr><th>Phase</th><th>Wall seconds</th><th>CPU seconds</th></tr>\n";
@@ -87,7 +102,7 @@ std::string statistics_table(const std::string& record) {
     text += row("Merged attributions", counted(number_at(json, "/attribution_overflow")));
     text += row("Contributions that were not finite", counted(number_at(json, "/invalid_samples/count")));
     text += row("Peak memory", text_of("%.0f MB", number_at(json, "/peak_memory_bytes") * 1e-6));
-    text += "</table></div>\n" + path_lengths(json) + "</div>\n";
+    text += "</table></div>\n" + path_lengths(json) + effects(json) + "</div>\n";
     const auto warnings = json.find("warnings");
     if (warnings != json.end() && warnings->is_array() && !warnings->empty()) {
         text += "<p>Warnings:</p>\n<ul>\n";

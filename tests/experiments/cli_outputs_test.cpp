@@ -50,7 +50,7 @@ TEST_CASE("memory is told before rendering and limited by name") {
         run_raylex(folder, "render room.pbrt --lpe direct=CDL --aov z --stats s.json --memory-limit 1G");
     CAPTURE(outcome.out);
     REQUIRE(outcome.code == 0);
-    CHECK(outcome.out.find("memory: ") == 0);
+    CHECK(outcome.out.find("\nmemory: ") < outcome.out.find("\nroom.exr: "));
     CHECK(outcome.out.find(" for 4 layers, of at most 1.0 GiB") != std::string::npos);
     CHECK(outcome.out.find("12.0 KiB each: direct, rest") != std::string::npos);  // 16 x 16 x 48 bytes
     const auto json = raylex::experiments::parse_json(folder.read("s.json"));

@@ -81,6 +81,7 @@ class Camera {
 struct CameraPlacement {
     Transform camera_to_world;  ///< invertible
     int width = 0, height = 0;  ///< of the image, pixels
+    bool lens_code = false;     ///< a pinhole goes the way of a lens of radius 0, to the same bits
 };
 
 /// Errors name the directive, or the parameter.

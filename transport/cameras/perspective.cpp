@@ -37,8 +37,9 @@ Result<std::unique_ptr<Camera>> PerspectiveCamera::build(const SceneEntity& enti
     const Matrix4 projection{
         {{sx, 0, ox, 0}, {0, sy, oy, 0}, {0, 0, far / (far - near), -far * near / (far - near)}, {0, 0, 1, 0}}};
 
-    std::unique_ptr<PerspectiveCamera> camera(new PerspectiveCamera(
-        placement.camera_to_world, projection, {std::abs(step_x.x), std::abs(step_y.y)}, static_cast<Real>(*lens) > 0));
+    std::unique_ptr<PerspectiveCamera> camera(
+        new PerspectiveCamera(placement.camera_to_world, projection, {std::abs(step_x.x), std::abs(step_y.y)},
+                              placement.lens_code || static_cast<Real>(*lens) > 0));
     camera->step_x_ = step_x;
     camera->step_y_ = step_y;
     camera->corner_ = DVec3{screen[0] * tangent, screen[3] * tangent, 1}.to_real();
@@ -76,7 +77,8 @@ Ray PerspectiveCamera::ray(Real x, Real y, const Vec2& lens) const {
     const Vec2 d = sample_disk(lens);
     const Vec3 on_lens{d.x * lens_radius_, d.y * lens_radius_, 0};
     ray.origin = camera_to_world_.point(on_lens);
-    ray.direction = normalize(camera_to_world_.vector(through * focal_distance_ - on_lens));
+    ray.direction =
+        normalize(camera_to_world_.vector(lens_radius_ > 0 ? through * focal_distance_ - on_lens : through));
     return ray;
 }
 

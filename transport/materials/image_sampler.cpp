@@ -96,4 +96,17 @@ bool alpha_varies(const Image& image) {
     return false;
 }
 
+void convert_colors(Image& image, const FileColorConversion& convert) {
+    const auto channels = static_cast<std::size_t>(image.channels);
+    std::vector<float> rgb(3);
+    for (std::size_t i = 0; i + channels <= image.pixels.size(); i += channels) {
+        const bool grey = channels < 3;
+        for (std::size_t c = 0; c < 3; ++c) rgb[c] = image.pixels[i + (grey ? 0 : c)];
+        convert(rgb);
+        if (grey) image.pixels[i] = rgb[1];
+        else
+            for (std::size_t c = 0; c < 3; ++c) image.pixels[i + c] = rgb[c];
+    }
+}
+
 }  // namespace raylex::transport

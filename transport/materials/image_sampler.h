@@ -6,6 +6,7 @@
 #include "transport/import/image.h"
 #include "transport/math/real.h"
 #include "transport/math/vec.h"
+#include "transport/scene/scene_description.h"
 
 namespace raylex::transport {
 
@@ -25,5 +26,8 @@ struct ImageSampler {
 
 /// Whether the fourth channel of `image` differs from 1 anywhere.
 bool alpha_varies(const Image& image);
+
+/// Colours by what the file's colour space says; grey stays grey.
+void convert_colors(Image& image, const FileColorConversion& convert);
 
 }  // namespace raylex::transport

@@ -46,7 +46,7 @@ struct CoatInput {
         if (roughness.may_be_rough() && !matched) lobes.push_back(lobes::coat_glossy);
         if (roughness.may_be_smooth() || matched) lobes.push_back(lobes::coat_singular);
     }
-    [[nodiscard]] bool scatters() const { return albedo.texture >= 0 || !albedo.value.is_black(); }
+    [[nodiscard]] bool scatters() const { return albedo.varies || !albedo.value.is_black(); }
 };
 
 /// Anisotropy of either interface needs the tangent.

@@ -17,20 +17,20 @@ std::string quoted(std::string_view prefix, std::string_view name) {
 
 bool RoughnessInput::may_be_smooth() const {
     const auto low = [this](const RealInput& i) {
-        return i.texture >= 0 || (remap ? safe_sqrt(i.value) : i.value) < Ggx::smooth_below;
+        return i.varies || (remap ? safe_sqrt(i.value) : i.value) < Ggx::smooth_below;
     };
     return low(u) && low(v);
 }
 
 bool RoughnessInput::may_be_rough() const {
     const auto high = [this](const RealInput& i) {
-        return i.texture >= 0 || (remap ? safe_sqrt(i.value) : i.value) >= Ggx::smooth_below;
+        return i.varies || (remap ? safe_sqrt(i.value) : i.value) >= Ggx::smooth_below;
     };
     return high(u) || high(v);
 }
 
 std::optional<Ggx> RoughnessInput::constant() const {
-    if (u.texture >= 0 || v.texture >= 0) return std::nullopt;
+    if (u.varies || v.varies) return std::nullopt;
     return remap ? Ggx::from_alpha(Ggx::alpha_from_roughness(u.value), Ggx::alpha_from_roughness(v.value))
                  : Ggx::from_alpha(u.value, v.value);
 }
@@ -58,19 +58,23 @@ MaterialReader::MaterialReader(const SceneEntity& entity, const MaterialContext&
     static_cast<void>(set().find("type"));  // how MakeNamedMaterial names it
 }
 
+TextureId MaterialReader::looked_up(TextureId constant) const {
+    return context_.scene.general_code.contains(Effect::image_textures) ? constant : -1;
+}
+
 RgbInput MaterialReader::rgb(std::string_view name, const Rgb& fallback, SpectrumRole role) {
     const TextureId id =
         take(context_.textures.rgb_parameter(set(), name, fallback, role, context_.scene.color), TextureId{-1});
     if (id < 0) return {fallback, -1};
-    if (context_.textures.is_constant(id)) return {context_.textures.rgb(id, {}), -1};
-    return {fallback, id};
+    if (context_.textures.is_constant(id)) return {context_.textures.rgb(id, {}), looked_up(id), false};
+    return {fallback, id, true};
 }
 
 RealInput MaterialReader::real_texture(std::string_view name, Real fallback) {
     const TextureId id = take(context_.textures.real_parameter(set(), name, fallback), TextureId{-1});
     if (id < 0) return {fallback, -1};
-    if (context_.textures.is_constant(id)) return {context_.textures.real(id, {}), -1};
-    return {fallback, id};
+    if (context_.textures.is_constant(id)) return {context_.textures.real(id, {}), looked_up(id), false};
+    return {fallback, id, true};
 }
 
 RoughnessInput MaterialReader::roughness(std::string_view prefix, Real fallback) {
@@ -81,7 +85,7 @@ RoughnessInput MaterialReader::roughness(std::string_view prefix, Real fallback)
     result.v = set().find(p + "vroughness") != nullptr ? real_texture(p + "vroughness", fallback) : both;
     result.remap = boolean("remaproughness", true);
     for (const RealInput& each : {result.u, result.v})
-        if (each.texture < 0 && !(each.value >= 0))
+        if (!each.varies && !(each.value >= 0))
             fail(error_at(entity_.location,
                           quoted(p, "roughness") + " is " + std::to_string(each.value) + "; expected 0 or more"));
     return result;

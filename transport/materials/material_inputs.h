@@ -24,6 +24,7 @@ inline Rgb clamp_to_unit(const Rgb& c) {
 struct RgbInput {
     Rgb value;
     TextureId texture = -1;  ///< -1: `value` everywhere
+    bool varies = false;     ///< else the texture, if there is one, is looked up for nothing (Effect::image_textures)
 
     [[nodiscard]] Rgb at(const TextureTable& textures, const SurfacePoint& p) const {
         return texture < 0 ? value : textures.rgb(texture, texture_point(p));
@@ -33,6 +34,7 @@ struct RgbInput {
 struct RealInput {
     Real value = 0;
     TextureId texture = -1;
+    bool varies = false;
 
     [[nodiscard]] Real at(const TextureTable& textures, const SurfacePoint& p) const {
         return texture < 0 ? value : textures.real(texture, texture_point(p));
@@ -87,6 +89,8 @@ class MaterialReader : public ParameterReader {
 
   private:
     RgbInput named_spectrum_or(std::string_view name, std::string_view fallback);
+    /// A constant is read once, unless the code of textures is forced on.
+    [[nodiscard]] TextureId looked_up(TextureId constant) const;
 
     const SceneEntity& entity_;
     const MaterialContext& context_;

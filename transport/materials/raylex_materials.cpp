@@ -22,7 +22,7 @@ class IdealMaterial final : public Material {
         }
     }
     void append_lobes(std::vector<LobeId>& lobes) const override {
-        const auto lit = [](const RgbInput& input) { return input.texture >= 0 || !input.value.is_black(); };
+        const auto lit = [](const RgbInput& input) { return input.varies || !input.value.is_black(); };
         if (lit(diffuse_)) lobes.push_back(lobes::diffuse);
         if (lit(mirror_)) lobes.push_back(lobes::mirror);
         if (lit(sheet_)) lobes.push_back(lobes::sheet);

@@ -197,20 +197,6 @@ Status TextureTable::Storage::check_cost(const Node& node, const SceneTexture& s
     return success();
 }
 
-/// Colours by what the file's colour space says; grey stays grey.
-void convert_colors(Image& image, const FileColorConversion& convert) {
-    const auto channels = static_cast<std::size_t>(image.channels);
-    std::vector<float> rgb(3);
-    for (std::size_t i = 0; i + channels <= image.pixels.size(); i += channels) {
-        const bool grey = channels < 3;
-        for (std::size_t c = 0; c < 3; ++c) rgb[c] = image.pixels[i + (grey ? 0 : c)];
-        convert(rgb);
-        if (grey) image.pixels[i] = rgb[1];
-        else
-            for (std::size_t c = 0; c < 3; ++c) image.pixels[i + c] = rgb[c];
-    }
-}
-
 Result<const Image*> TextureTable::Storage::load_image(const std::string& name, const std::string& encoding,
                                                        bool by_file_rules, const SourceLocation& where) {
     namespace fs = std::filesystem;

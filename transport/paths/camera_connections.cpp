@@ -74,7 +74,7 @@ void CameraConnections::splat(const SceneView& scene, const EventTable& events,
         arrival.value = p.value;
         arrival.unweighted = p.unweighted;
         arrival.found_by_sampling = true;
-        if (geometry.has_alpha() || scene.media->any()) {
+        if (scene.tests_alpha() || scene.asks_for_media()) {
             Rgb transmittance(1);
             arrival.visibility = straight_transmittance({scene, record, counters}, p.from_camera, 1,
                                                         scene.media->camera(), tracker, transmittance);

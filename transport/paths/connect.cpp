@@ -56,7 +56,7 @@ bool Connections::is_worth_a_ray(const Record& record) {
     const LightEnd* end = p.end == no_end ? nullptr : &ends_[p.end];
     const Record::Worth worth =
         record.worth_connecting(p.row, p.label, p.lobes, p.light, end, scene_.geometry->has_alpha());
-    if (worth == Record::Worth::a_ray || (worth == Record::Worth::as_it_is && in_media_)) return true;
+    if (worth == Record::Worth::a_ray || (worth == Record::Worth::as_it_is && scene_.media->any())) return true;
     ++not_worth_;
     if (worth == Record::Worth::as_it_is) {
         display::Tracker tracker = record.after(p.row, p.label, p.lobes);
@@ -88,7 +88,7 @@ void Connections::report(const CameraSubpaths& subpaths, IntegratorCounters& cou
     blocked_.resize(std::max(blocked_.size(), count));
     geometry.occluded(shadow_rays_, {blocked_.data(), count});
     const bool blockable = record.wants_blocked_light();
-    const bool straight = geometry.has_alpha() || in_media_;
+    const bool straight = scene_.tests_alpha() || in_media_;
     for (std::size_t i = 0; i < count; ++i) {
         if (blocked_[i] && !blockable) continue;
         const Pending& pending = pending_[i];

@@ -23,7 +23,7 @@ inline bool draw_light_sample(const SceneView& scene, const LightChooser& choose
     const Vec2 u = sampler.get_2d(dimensions.of(depth, light_sample_dimension));
     if (!lights.sample(chooser, *scene.geometry, {point.position, point.shading_normal}, u_choice, u, sample))
         return false;
-    if (scene.geometry->has_alpha()) sample.radiance *= emitter_opacity(scene, sample, point.position);
+    if (scene.tests_alpha()) sample.radiance *= emitter_opacity(scene, sample, point.position);
     return true;
 }
 
@@ -40,7 +40,7 @@ struct VertexJoin {
 
 class Connections {
   public:
-    explicit Connections(const SceneView& scene) : scene_(scene), in_media_(scene.media->any()) {}
+    explicit Connections(const SceneView& scene) : scene_(scene), in_media_(scene.asks_for_media()) {}
     void clear();
 
     /// A light sample, `f` being what its vertex scatters towards it: throughput x f x radiance x weight / pdf. Left

@@ -24,6 +24,12 @@ struct SceneView {
     const MaterialTable* materials = nullptr;
     const LightTable* lights = nullptr;
     const MediumTable* media = nullptr;
+    EffectSet general_code{};  ///< SceneDescription::general_code
+
+    /// Whether paths ask for media: where there are any, or where that is forced.
+    [[nodiscard]] bool asks_for_media() const { return media->any() || general_code.contains(Effect::media); }
+    /// Whether hits and shadow rays are tested for what light passes straight through.
+    [[nodiscard]] bool tests_alpha() const { return geometry->has_alpha() || general_code.contains(Effect::alpha); }
 };
 
 /// What surfaces say of themselves, as RenderMan's default options number it (lpe:user2 "...Albedo", lpe:user6

@@ -26,7 +26,7 @@ Real straight_transmittance(const StraightWalk& walk, Ray ray, Real visible, std
     const Vec3 end = ray.origin + ray.direction;
     for (;;) {
         Hit hit;
-        if (geometry.has_alpha()) {
+        if (walk.scene.tests_alpha()) {
             geometry.intersect_alpha(ray, hit);
             ++walk.counters.shadow_rays;
         }

@@ -67,7 +67,7 @@ class Walk {
     static constexpr const SubpathDimensions& dimensions = subpath_dimensions<mode>;
 
     Walk(const SceneView& scene, const EventTable& events, const WalkOptions& options, std::size_t capacity)
-        : scene_(scene), events_(events), options_(options), in_media_(scene.media->any()), paths_(capacity) {
+        : scene_(scene), events_(events), options_(options), in_media_(scene.asks_for_media()), paths_(capacity) {
         if (options.densities) sums_.resize(capacity);
         queue_.reserve(capacity);
         vertices_.reserve(capacity);
@@ -254,7 +254,7 @@ template <class Visitor>
 void Walk<mode>::advance(display::DisplayServices& display, Visitor& visitor) {
     trace(visitor);
     VertexBatch& v = vertices_;
-    const bool cutouts = scene_.geometry->has_alpha();
+    const bool cutouts = scene_.tests_alpha();
     const std::span<const ShapeGeometry> shapes = scene_.geometry->shapes();
     std::size_t kept = 0;
     first_count_ = 0;

@@ -37,6 +37,7 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
     auto media = MediumTable::build(description, scene->warnings);
     if (!media) return media.error();
     scene->media_ = *std::move(media);
+    scene->general_code_ = description.general_code;
 
     scene->surface_names_ = SurfaceNames(description);
     scene->camera = description.camera;

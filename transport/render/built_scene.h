@@ -22,7 +22,9 @@ class BuiltScene {
     static Result<std::shared_ptr<const BuiltScene>> build(const SceneDescription& description,
                                                            const BuildOptions& options = {});
 
-    [[nodiscard]] SceneView view() const { return {geometry_.get(), &textures_, &materials_, &lights_, &media_}; }
+    [[nodiscard]] SceneView view() const {
+        return {geometry_.get(), &textures_, &materials_, &lights_, &media_, general_code_};
+    }
     [[nodiscard]] const std::string& isa() const { return geometry_->isa(); }
     /// Channels that patterns write to.
     [[nodiscard]] std::span<const display::ChannelDefinition> pattern_channels() const { return pattern_channels_; }
@@ -42,6 +44,7 @@ class BuiltScene {
     MaterialTable materials_;
     LightTable lights_;
     MediumTable media_;
+    EffectSet general_code_;
     std::unique_ptr<EmbreeScene> geometry_;
     SurfaceNames surface_names_;
     std::vector<display::ChannelDefinition> pattern_channels_;

@@ -87,8 +87,9 @@ Result<CameraSampling> resolve_sampling(const BuiltScene& scene, const RenderSet
     auto film = read_film(scene.film, settings.resolution, warnings);
     if (!film) return film.error();
     sampling.film = *film;
-    auto camera =
-        make_camera(scene.camera, {scene.space().placed(scene.camera_to_world), film->width, film->height}, warnings);
+    const bool lens_code = scene.view().general_code.contains(Effect::depth_of_field);
+    auto camera = make_camera(
+        scene.camera, {scene.space().placed(scene.camera_to_world), film->width, film->height, lens_code}, warnings);
     if (!camera) return camera.error();
     sampling.camera = *std::move(camera);
     const SceneEntity& filter = settings.filter ? *settings.filter : scene.filter;

@@ -18,6 +18,7 @@
 #include "display/services/parameters.h"
 #include "transport/math/transform.h"
 #include "transport/math/vec.h"
+#include "transport/scene/effect_set.h"
 
 namespace raylex::transport {
 
@@ -115,6 +116,8 @@ struct SceneDescription {
     std::vector<SceneLight> lights;
     std::vector<SceneAreaLight> area_lights;
     std::vector<Error> warnings;  ///< unknown but harmless: printed once, kept for --stats
+    /// Effects that are forced on: their code runs though nothing may call for it. The image is the same bits.
+    EffectSet general_code;
 };
 
 /// Gives labels to objects and groups to lights of an unmodified scene. Exactly one selector is set; globs (* and ?).

@@ -123,8 +123,8 @@ class SceneHash {
 
 std::uint64_t scene_hash(const SceneDescription& scene) {
     const auto& [file, camera, film, filter, sampler, integrator, camera_to_world, camera_medium, color, materials,
-                 textures, media, shapes, objects, instances, lights, area_lights, warnings] = scene;
-    static_cast<void>(file), static_cast<void>(warnings);
+                 textures, media, shapes, objects, instances, lights, area_lights, warnings, general_code] = scene;
+    static_cast<void>(file), static_cast<void>(warnings), static_cast<void>(general_code);
     SceneHash hash;
     // Records of renders in float and in double are not to be added up.
     if (real_is_double) hash.add(real_is_double);

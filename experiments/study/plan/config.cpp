@@ -31,6 +31,7 @@ void read_method_table(TomlTable& table, MethodRequest& method) {
     table.take("sweep");
     if (!method.command.empty()) return;
     read_method_settings(table, method.settings);
+    read_effects(table, method.effects);
     read_entity(table, "integrator", method.settings.integrator);
     read_entity(table, "sampler", method.settings.sampler);
     read_entity(table, "filter", method.settings.filter);
@@ -92,7 +93,7 @@ class ConfigReader {
         for (std::size_t i = 0; i < config_.methods.size(); ++i) {
             if (config_.methods[i].name != config_.reference.method) continue;
             config_.reference.variant = config_.variants.size();
-            config_.variants.push_back({i, {}, config_.methods[i].settings, false});
+            config_.variants.push_back({i, {}, config_.methods[i].settings, config_.methods[i].effects, false});
         }
         if (Status checked = check_config(config_); !checked) return checked.error();
         return std::move(config_);
@@ -209,7 +210,7 @@ class ConfigReader {
             auto root = text_.parse();
             if (!root) return root.error();
             toml::table* table = named_table(*root, "method", method.name);
-            Variant variant{index, {}, {}};
+            Variant variant{index, {}, {}, {}};
             std::size_t left = i, below = combinations;
             for (const SweepAxis& axis : method.sweep) {
                 below /= axis.values.size();
@@ -226,6 +227,7 @@ class ConfigReader {
             if (source.error()) return at_axis(*source.error(), method);
             if (Status known = check_method(read); !known) return at_axis(known.error(), method);
             variant.render = std::move(read.settings);
+            variant.effects = read.effects;
             config_.variants.push_back(std::move(variant));
         }
         return success();
@@ -245,6 +247,7 @@ Job ExperimentConfig::job(std::size_t scene, const Variant& variant) const {
     job.scene_file = from.scene_file;
     job.label_rules = from.label_rules;
     job.settings.resolution = from.settings.resolution;
+    job.effects = variant.effects;
     const transport::RenderSettings& render = variant.render;
     job.settings.integrator = render.integrator;
     job.settings.sampler = render.sampler;

@@ -33,6 +33,7 @@ struct MethodRequest {
     bool unbiased = true;
     double timeout = 0;                  ///< seconds a cell may take in all, else it is ended and failed; 0 = none
     transport::RenderSettings settings;  ///< what the method's table says, without sweeps
+    transport::EffectChoices effects;    ///< the same
     std::vector<SweepAxis> sweep;        ///< [sweep] and the method's own [method.sweep]: the axes that it goes along
     SourceLocation location;
 };
@@ -42,6 +43,7 @@ struct Variant {
     std::size_t method = 0;  ///< in ExperimentConfig::methods
     NamedValues settings;    ///< axis -> value
     transport::RenderSettings render;
+    transport::EffectChoices effects;
     bool planned = true;  ///< false: for references alone
 };
 

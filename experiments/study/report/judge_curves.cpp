@@ -93,7 +93,8 @@ void find_effects(Study& study, const SceneInfo& scene) {
                             *b = study.curve(scene.name, from.name, channel.name);
                 if (a == nullptr || b == nullptr) continue;
                 study.effects.push_back({scene.name, channel.name, key, setting_text(from, key), setting_text(to, key),
-                                         others_of(from, key), speed_up(*a, *b, study.options.confidence)});
+                                         others_of(from, key), speed_up(*a, *b, study.options.confidence), to.name,
+                                         from.name});
             }
         }
     }

@@ -4,6 +4,7 @@
 #include "experiments/job/json.h"
 #include "experiments/program/console.h"
 #include "experiments/study/analysis/pareto.h"
+#include "experiments/study/report/effect_costs.h"
 #include "experiments/study/report/study_files.h"
 
 namespace raylex::experiments {
@@ -183,6 +184,7 @@ std::vector<Plot> plots_of(const Study& study) {
                     plots.push_back(error_plot(study, s, curve.channel, curve.region, Abscissa::samples));
                 if (curve.region.empty()) plots.push_back(front_plot(study, s, curve.channel));
             }
+        if (auto costs = effect_costs_plot(study, s)) plots.push_back(*std::move(costs));
     }
     return plots;
 }

@@ -84,8 +84,9 @@ struct WordsEntry {
 /// Two variants that differ in one setting, of one method or of two.
 struct SettingEffect {
     std::string scene, channel, key, from, to,
-        others;         ///< others: the method that `from` is of, and what it sweeps beside
-    Interval speed_up;  ///< of `to` against `from`
+        others;                    ///< others: the method that `from` is of, and what it sweeps beside
+    Interval speed_up;             ///< of `to` against `from`
+    std::string variant, against;  ///< the two by name
 };
 
 /// The expression of paths that a variant says it does not find in a scene and that a channel has, too; empty: none.

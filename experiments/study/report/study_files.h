@@ -25,7 +25,7 @@ struct Plot {
     std::string json;
 };
 /// Per scene, channel and region: error against time and, where they are known, against samples; per scene and channel
-/// the Pareto front of all budgets of all variants.
+/// the Pareto front of all budgets of all variants; per scene what each effect costs, where effects are forced.
 std::vector<Plot> plots_of(const Study& study);
 
 /// Letters that any file system takes: others become _.

@@ -6,6 +6,7 @@
 #include "experiments/program/console.h"
 #include "experiments/report/html.h"
 #include "experiments/study/report/assets.h"
+#include "experiments/study/report/effect_costs.h"
 #include "experiments/study/report/picture_viewers.h"
 #include "experiments/study/report/study_tables.h"
 
@@ -164,6 +165,9 @@ std::string scene_section(const Study& study, const std::vector<Plot>& known, st
     if (items.empty())
         return html + "<p class=\"faint\">Nothing was measured on this scene; see the omissions.</p></section>\n";
     html += choices("Channel", items) + panels;
+    if (const std::string costs = effect_costs_table(study, scene.name); !costs.empty())
+        html += "<h3>What each effect costs</h3>\n<div class=\"beside\">" +
+                plot_group(known, {effect_costs_id(index)}) + "<div>" + costs + "</div></div>\n";
     if (const std::string effects = effects_table(study, scene); !effects.empty())
         html += "<h3>What each setting buys</h3>\n" + effects;
     return html + "<h3>Bias against the reference</h3>\n" + words_list(study, scene) + bias_table(study, scene) +

@@ -73,7 +73,7 @@ Error part_error(const Cell& part, std::string message, std::string hint = {}) {
 
 std::string reason_of_scene(const ExperimentConfig& config, std::size_t scene_index, std::size_t variant,
                             SceneStore& scenes) {
-    auto scene = scenes.scene(scene_index);
+    auto scene = scenes.scene(scene_index, config.variants[variant].effects);
     if (!scene) return {};  // its cells will say so
     const transport::RenderSettings& render = config.variants[variant].render;
     auto chosen = transport::choose_integrator(

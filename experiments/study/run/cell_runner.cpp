@@ -249,7 +249,7 @@ Result<CellOutcome> run_cell(const WorkContext& context, const PlannedCell& plan
     }
     take_results(*rendered, outcome.cell);
     const transport::Stopwatch writing;
-    auto scene = context.scenes.scene(planned.scene);
+    auto scene = context.scenes.scene(planned.scene, variant.effects);
     if (!scene) return scene.error();
     if (const std::string& whole = planned.cell.part_of; !whole.empty()) {
         const auto attributes = attributes_of(context, *rendered, whole);

@@ -20,12 +20,15 @@ void add_entity(NamedValues& values, const std::string& name, const transport::S
 
 }  // namespace
 
-NamedValues settings_text(const transport::RenderSettings& settings) {
+NamedValues settings_text(const transport::RenderSettings& settings, const transport::EffectChoices& effects) {
     NamedValues values;
     if (settings.integrator) add_entity(values, "integrator", *settings.integrator);
     if (settings.sampler) add_entity(values, "sampler", *settings.sampler);
     if (settings.filter) add_entity(values, "filter", *settings.filter);
     if (!settings.prune) values.emplace_back("prune", "off");
+    for (const transport::EffectInfo& each : transport::effect_catalogue())
+        if (const std::optional<bool>& forced = effects[each.effect])
+            values.emplace_back("effects." + std::string(each.name), *forced ? "on" : "off");
     if (settings.max_depth) values.emplace_back("max_depth", std::to_string(*settings.max_depth));
     values.emplace_back("filter_mode", settings.splat ? "splat" : "importance");
     values.emplace_back("lobes", settings.picked_lobes ? "picked" : "exact");

@@ -3,10 +3,11 @@
 
 #include "experiments/study/results.h"
 #include "transport/render/render.h"
+#include "transport/scene/effects.h"
 
 namespace raylex::experiments {
 
 /// Everything that a method's table says, key by key; what it leaves out is the scene's, or the program's own.
-NamedValues settings_text(const transport::RenderSettings& settings);
+NamedValues settings_text(const transport::RenderSettings& settings, const transport::EffectChoices& effects = {});
 
 }  // namespace raylex::experiments

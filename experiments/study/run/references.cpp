@@ -24,7 +24,7 @@ std::string reference_identity(const ExperimentConfig& config, const StudyScene&
                                const Variant& variant, std::uint64_t seed) {
     std::string text =
         "scene " + scene.hash + "\nsize " + std::to_string(scene.width) + "x" + std::to_string(scene.height);
-    for (const auto& [key, value] : settings_text(variant.render)) text += "\n" + key + " = " + value;
+    for (const auto& [key, value] : settings_text(variant.render, variant.effects)) text += "\n" + key + " = " + value;
     text += "\nseed " + std::to_string(seed) + "\nsamples " + std::to_string(config.reference.samples) + "\nerror " +
             number_text(config.reference.error, 17);
     for (const ChannelInfo& each : channel_infos(channels))
@@ -118,8 +118,8 @@ Result<bool> import_reference(const WorkContext& context, const std::string& fol
 Json reference_json(const ExperimentConfig& config, const Rendered& rendered, std::uint64_t seed,
                     const std::string& identity) {
     Json settings = Json::object();
-    for (const auto& [key, value] : settings_text(config.variants[config.reference.variant].render))
-        settings[key] = value;
+    const Variant& variant = config.variants[config.reference.variant];
+    for (const auto& [key, value] : settings_text(variant.render, variant.effects)) settings[key] = value;
     return {{"method", config.reference.method},
             {"settings", settings},
             {"samples_per_pixel", rendered.output.samples_per_pixel},
@@ -148,7 +148,7 @@ Result<bool> provide_reference(const WorkContext& context, std::size_t index, Sc
         info.reference_failure = error.to_string();
         return true;
     };
-    auto scene = context.scenes.scene(index);
+    auto scene = context.scenes.scene(index, config.variants[variant].effects);
     if (!scene) return fails(scene.error());
     auto channels = context.scenes.channels(index, variant);
     if (!channels) return fails(channels.error());

@@ -146,7 +146,7 @@ Result<ReplayOutcome> replay_cell(ExperimentConfig config, const std::string& di
         return outcome;
     }
     outcome.compared = {"record.bin"};
-    auto scene = scenes.scene(planned->scene);
+    auto scene = scenes.scene(planned->scene, config.variants[planned->variant].effects);
     if (!scene) return scene.error();
     if (Status s = compare_files(*cell, *again, *(*scene)->loaded, outcome); !s) return s.error();
     outcome.same = outcome.difference.empty();

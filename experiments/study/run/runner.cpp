@@ -183,7 +183,7 @@ class Run {
         for (const MethodRequest& each : config_.methods) {
             const std::string integrator = each.settings.integrator ? each.settings.integrator->type : "";
             experiment_.methods.push_back(
-                {each.name, integrator, each.command, each.unbiased, settings_text(each.settings)});
+                {each.name, integrator, each.command, each.unbiased, settings_text(each.settings, each.effects)});
         }
         bool any_died = false;
         for (std::size_t i = 0; i < config_.scenes.size(); ++i) {

@@ -54,12 +54,14 @@ Result<Job> SceneStore::job_of(std::size_t scene, std::size_t variant) {
     return job;
 }
 
-Result<const StudyScene*> SceneStore::scene(std::size_t index) {
-    if (const auto known = scenes_.find(index); known != scenes_.end()) return &known->second;
+Result<const StudyScene*> SceneStore::scene(std::size_t index, const transport::EffectChoices& effects) {
+    const std::pair key(index, effects.text());
+    if (const auto known = scenes_.find(key); known != scenes_.end()) return &known->second;
     Job job = config_.base;
     const Job& from = config_.scenes[index].job;
     job.scene_file = from.scene_file;
     job.label_rules = from.label_rules;
+    job.effects = effects;
     StudyScene made;
     // Loading watches no flag, and of cells there is nothing under way.
     const InterruptsAtOnce at_once("raylex: interrupted while a scene was loading; cells that are done stay\n");
@@ -81,13 +83,13 @@ Result<const StudyScene*> SceneStore::scene(std::size_t index) {
     made.width = film->width;
     made.height = film->height;
     seconds_ += made.load.wall_seconds + made.build.wall_seconds;
-    return &scenes_.emplace(index, std::move(made)).first->second;
+    return &scenes_.emplace(key, std::move(made)).first->second;
 }
 
 Result<const ChannelPlan*> SceneStore::channels(std::size_t scene_index, std::size_t variant) {
     const std::pair key(scene_index, variant);
     if (const auto known = channels_.find(key); known != channels_.end()) return &known->second.first;
-    auto made = scene(scene_index);
+    auto made = scene(scene_index, config_.variants[variant].effects);
     if (!made) return made.error();
     auto job = job_of(scene_index, variant);
     if (!job) return job.error();
@@ -125,7 +127,7 @@ std::vector<OmittedPathsInfo> SceneStore::omissions(const Job& job, const StudyS
 }
 
 Result<std::uint64_t> SceneStore::frame_buffer_bytes(std::size_t scene_index, std::size_t variant) {
-    auto made = scene(scene_index);
+    auto made = scene(scene_index, config_.variants[variant].effects);
     if (!made) return made.error();
     auto plan = channels(scene_index, variant);
     if (!plan) return plan.error();
@@ -144,7 +146,7 @@ Result<std::uint64_t> SceneStore::frame_buffer_bytes(std::size_t scene_index, st
 Result<Rendered> SceneStore::render(const RenderOrder& order,
                                     const std::function<void(const transport::RenderProgress&)>& progress,
                                     const std::atomic<bool>* stop) {
-    auto made = scene(order.scene);
+    auto made = scene(order.scene, config_.variants[order.variant].effects);
     if (!made) return made.error();
     auto plan = channels(order.scene, order.variant);
     if (!plan) return plan.error();

@@ -57,8 +57,8 @@ class SceneStore {
     SceneStore(const SceneStore&) = delete;
     SceneStore& operator=(const SceneStore&) = delete;
 
-    /// Loads and builds it the first time.
-    Result<const StudyScene*> scene(std::size_t index);
+    /// Loads and builds it the first time, once for all choices of effects that are alike.
+    Result<const StudyScene*> scene(std::size_t index, const transport::EffectChoices& effects = {});
     /// The channels that a variant gets in a scene, proved; each with statistics where the variant keeps them.
     Result<const ChannelPlan*> channels(std::size_t scene, std::size_t variant);
     /// An interrupted render is incomplete, and its checkpoint stays.
@@ -77,7 +77,7 @@ class SceneStore {
     static std::vector<OmittedPathsInfo> omissions(const Job& job, const StudyScene& scene, const SceneWords& words);
 
     const ExperimentConfig& config_;
-    std::map<std::size_t, StudyScene> scenes_;
+    std::map<std::pair<std::size_t, std::string>, StudyScene> scenes_;  // (scene, choices of effects)
     std::map<std::pair<std::size_t, std::size_t>, std::vector<OmittedPathsInfo>> omissions_;
     std::map<std::pair<std::size_t, std::size_t>, std::pair<ChannelPlan, Phase>> channels_;
     double seconds_ = 0;

@@ -1,0 +1,24 @@
+// Which effects a render simulates, and why, as lines for people and as JSON.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "experiments/job/json.h"
+#include "transport/scene/effects.h"
+
+namespace raylex::experiments {
+
+/// NAME=on or NAME=off, as --effect takes it. Errors at `where`: no such effect, neither on nor off.
+Status add_effect_choice(const std::string& text, const SourceLocation& where, transport::EffectChoices& choices);
+
+/// What is simulated and what is not, in a few lines; the last say what is forced.
+std::vector<std::string> effect_summary(const transport::EffectFindings& found,
+                                        const transport::EffectChoices& choices);
+/// A line for every effect, with why; then what raylex does not simulate.
+std::vector<std::string> effect_table(const transport::EffectFindings& found, const transport::EffectChoices& choices);
+
+/// {NAME: {"simulated", "called_for", "forced" (null, true, false), "why"}}
+Json effects_json(const transport::EffectFindings& found, const transport::EffectChoices& choices);
+
+}  // namespace raylex::experiments

@@ -1,0 +1,35 @@
+// The effects that a scene may call for, and sets of them. transport/scene/effects.h says what each is.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace raylex::transport {
+
+enum class Effect : std::uint8_t {
+    media,
+    depth_of_field,
+    image_textures,
+    alpha,
+    shading_normals,
+    transmission,
+    coats,
+    facet_compensation,
+    emissive_meshes,
+    delta_lights,
+    environment,
+    instances
+};
+inline constexpr std::size_t effect_count = 12;
+
+class EffectSet {
+  public:
+    void insert(Effect effect) { bits_ |= bit(effect); }
+    [[nodiscard]] bool contains(Effect effect) const { return (bits_ & bit(effect)) != 0; }
+
+  private:
+    static constexpr std::uint32_t bit(Effect effect) { return 1u << static_cast<unsigned>(effect); }
+    std::uint32_t bits_ = 0;
+};
+
+}  // namespace raylex::transport

@@ -1,0 +1,166 @@
+#include "transport/scene/effects.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "transport/scene/material_kinds.h"
+#include "transport/scene/used_surfaces.h"
+
+namespace raylex::transport {
+namespace {
+
+constexpr std::array<EffectInfo, effect_count> catalogue{{
+    {Effect::media, "media", "a surface borders a medium, or the camera stands in one",
+     "vacuum; surfaces that only bordered media go too", "flights and shadow rays ask for media"},
+    {Effect::depth_of_field, "depth-of-field", "the camera has a lens", "a pinhole in the middle of the lens",
+     "camera rays begin on a lens of radius 0"},
+    {Effect::image_textures, "image-textures", "a material or cutout in use reads an image", "the mean of the image",
+     "materials look up constants as they do textures"},
+    {Effect::alpha, "alpha", "a shape has an opacity below 1, or a texture for it",
+     "opaque; what is invisible everywhere and does not shine goes", "hits and shadow rays are tested for cutouts"},
+    {Effect::shading_normals, "shading-normals", "a mesh has normals of its own", "the normals of its faces", ""},
+    {Effect::transmission, "transmission", "a material in use lets light through (glass, panes, sheets)",
+     "no surface: light goes straight on", ""},
+    {Effect::coats, "coats", "a material in use is coated", "its base alone", ""},
+    {Effect::facet_compensation, "facet-compensation", "a material in use has raylex:compensate",
+     "facets scatter once, as in pbrt", ""},
+    {Effect::emissive_meshes, "emissive-meshes", "a shape shines", "it does not", ""},
+    {Effect::delta_lights, "delta-lights", "there is a point, spot or distant light", "they are dark", ""},
+    {Effect::environment, "environment", "there is an infinite light", "black", ""},
+    {Effect::instances, "instances", "an object is placed by instances", "nothing where they stood", ""},
+}};
+
+constexpr std::array<AbsentEffect, 3> not_simulated{{
+    {"motion", "scenes that move are refused with file and line"},
+    {"dispersion", "glass has one index of refraction for all colours, the mean of its spectrum"},
+    {"normal-maps", "materials with a normal map are refused with file and line"},
+}};
+
+std::string share(std::size_t count, std::size_t all, const char* things) {
+    return std::to_string(count) + " of " + std::to_string(all) + " " + things;
+}
+
+/// "2 of 5 materials in use", or that there is none.
+EffectFinding finding(std::size_t count, std::size_t all, const char* things) {
+    if (count == 0)
+        return {false, all == 0 ? std::string("no ") + things : "none of " + std::to_string(all) + " " + things};
+    return {true, share(count, all, things)};
+}
+
+EffectFinding find_media(const SceneDescription& scene, const UsedSurfaces& used) {
+    std::vector<std::uint8_t> found(scene.media.size(), 0);
+    const auto take = [&](int index) {
+        if (index >= 0 && static_cast<std::size_t>(index) < found.size()) found[static_cast<std::size_t>(index)] = 1;
+    };
+    take(scene.camera_medium);
+    for (const SceneShape* shape : used.shapes()) {
+        take(shape->inside_medium);
+        take(shape->outside_medium);
+    }
+    const auto count = static_cast<std::size_t>(std::count(found.begin(), found.end(), 1));
+    EffectFinding result = finding(count, scene.media.size(), "media");
+    if (scene.camera_medium >= 0) result.why += ", one around the camera";
+    return result;
+}
+
+EffectFinding find_lens(const SceneDescription& scene) {
+    if (!scene.camera.type.empty() && scene.camera.type != "perspective")
+        return {false, "camera '" + scene.camera.type + "' is a plugin's, and its own business"};
+    const Result<double> radius = scene.camera.parameters.real_or("lensradius", 0);
+    if (!radius || !(*radius > 0)) return {false, "a pinhole camera"};
+    return {true, "a lens"};
+}
+
+EffectFinding find_images(const UsedSurfaces& used) {
+    const auto& textures = used.textures();
+    const auto images = std::count_if(textures.begin(), textures.end(),
+                                      [](const SceneTexture* each) { return each->type == "imagemap"; });
+    return finding(static_cast<std::size_t>(images), textures.size(), "textures in use");
+}
+
+template <class Test>
+EffectFinding find_shapes(const UsedSurfaces& used, const Test& test) {
+    const auto count =
+        std::count_if(used.shapes().begin(), used.shapes().end(), [&](const SceneShape* each) { return test(*each); });
+    return finding(static_cast<std::size_t>(count), used.shapes().size(), "shapes");
+}
+
+template <class Test>
+EffectFinding find_materials(const UsedSurfaces& used, const Test& test) {
+    const auto count = std::count_if(used.materials().begin(), used.materials().end(),
+                                     [&](const SceneEntity* each) { return test(*each); });
+    return finding(static_cast<std::size_t>(count), used.materials().size(), "materials in use");
+}
+
+EffectFinding find_lights(const SceneDescription& scene, bool (*test)(const SceneEntity&)) {
+    const auto count = std::count_if(scene.lights.begin(), scene.lights.end(), test);
+    return finding(static_cast<std::size_t>(count), scene.lights.size(), "lights beside shapes");
+}
+
+}  // namespace
+
+std::span<const EffectInfo> effect_catalogue() {
+    return catalogue;
+}
+const EffectInfo& effect_info(Effect effect) {
+    return catalogue[static_cast<std::size_t>(effect)];
+}
+std::span<const AbsentEffect> effects_not_simulated() {
+    return not_simulated;
+}
+
+Result<Effect> effect_named(const std::string& name, const SourceLocation& where) {
+    std::vector<std::string> names;
+    std::string list;
+    for (const EffectInfo& each : catalogue) {
+        if (name == each.name) return each.effect;
+        names.emplace_back(each.name);
+        list += (list.empty() ? "" : ", ") + names.back();
+    }
+    for (const AbsentEffect& each : not_simulated)
+        if (name == each.name)
+            return error_at(
+                where, "raylex does not simulate '" + name + "': " + each.consequence + "; expected one of: " + list);
+    const std::string near = nearest_name(name, names);
+    return error_at(where, "there is no effect '" + name + "'; expected one of: " + list,
+                    near.empty() ? near : "did you mean '" + near + "'?");
+}
+
+bool EffectChoices::any() const {
+    return std::any_of(forced.begin(), forced.end(), [](const auto& each) { return each.has_value(); });
+}
+
+std::string EffectChoices::text() const {
+    std::string text;
+    for (const EffectInfo& each : catalogue)
+        if (const std::optional<bool>& choice = (*this)[each.effect])
+            text += (text.empty() ? "" : ", ") + std::string(each.name) + (*choice ? " on" : " off");
+    return text;
+}
+
+EffectFindings analyse_effects(const SceneDescription& scene) {
+    const UsedSurfaces used(scene);
+    EffectFindings found;
+    const auto put = [&](Effect effect, EffectFinding each) {
+        found[static_cast<std::size_t>(effect)] = std::move(each);
+    };
+    put(Effect::media, find_media(scene, used));
+    put(Effect::depth_of_field, find_lens(scene));
+    put(Effect::image_textures, find_images(used));
+    put(Effect::alpha, find_shapes(used, [&](const SceneShape& each) { return has_cutouts(scene, each); }));
+    put(Effect::shading_normals, find_shapes(used, [](const SceneShape& each) { return !each.normals.empty(); }));
+    put(Effect::transmission, find_materials(used, lets_light_through));
+    put(Effect::coats, find_materials(used, is_coated));
+    put(Effect::facet_compensation, find_materials(used, asks_for_compensation));
+    put(Effect::emissive_meshes, find_shapes(used, [](const SceneShape& each) { return each.area_light >= 0; }));
+    put(Effect::delta_lights, find_lights(scene, is_delta_light));
+    put(Effect::environment, find_lights(scene, is_environment));
+    const std::size_t instances = scene.instances.size(), objects = scene.objects.size();
+    put(Effect::instances,
+        {instances > 0, instances == 0 ? std::string("no instances")
+                                       : std::to_string(instances) + " of " + std::to_string(objects) +
+                                             (objects == 1 ? " object" : " different objects")});
+    return found;
+}
+
+}  // namespace raylex::transport

@@ -1,0 +1,30 @@
+// What analysis and substitution of effects take materials, shapes and lights for. Types of plugins are none of these.
+#pragma once
+
+#include "transport/scene/used_surfaces.h"
+
+namespace raylex::transport {
+
+[[nodiscard]] inline bool lets_light_through(const SceneEntity& material) {
+    return material.type == "dielectric" || material.type == "thindielectric" || material.type == "raylex:sheet";
+}
+[[nodiscard]] inline bool is_coated(const SceneEntity& material) {
+    return material.type == "coateddiffuse" || material.type == "coatedconductor";
+}
+[[nodiscard]] inline bool asks_for_compensation(const SceneEntity& material) {
+    for (const Parameter& each : material.parameters.parameters)
+        if (each.name == "raylex:compensate") return each.booleans.size() == 1 && each.booleans.front() != 0;
+    return false;
+}
+/// An interface is no surface that could be cut out of.
+[[nodiscard]] inline bool has_cutouts(const SceneDescription& scene, const SceneShape& shape) {
+    return !is_interface(scene, shape) && (shape.alpha < 1 || !shape.alpha_texture.empty());
+}
+[[nodiscard]] inline bool is_delta_light(const SceneEntity& light) {
+    return light.type == "point" || light.type == "spot" || light.type == "distant";
+}
+[[nodiscard]] inline bool is_environment(const SceneEntity& light) {
+    return light.type == "infinite";
+}
+
+}  // namespace raylex::transport

@@ -1,0 +1,51 @@
+#include "transport/scene/used_surfaces.h"
+
+#include <algorithm>
+
+namespace raylex::transport {
+
+UsedSurfaces::UsedSurfaces(const SceneDescription& scene)
+    : material_seen_(scene.materials.size(), 0), texture_seen_(scene.textures.size(), 0) {
+    for_each_shape(scene, [&](const SceneShape& shape) {
+        shapes_.push_back(&shape);
+        use_material(scene, static_cast<std::size_t>(std::max(shape.material, 0)));
+        if (!shape.alpha_texture.empty()) use_texture(scene, shape.alpha_texture);
+    });
+}
+
+void UsedSurfaces::use_material(const SceneDescription& scene, std::size_t index) {
+    if (index >= material_seen_.size() || material_seen_[index] != 0) return;
+    material_seen_[index] = 1;
+    const SceneEntity& material = scene.materials[index];
+    materials_.push_back(&material);
+    use_textures_of(scene, material.parameters);
+    if (material.type != "mix") return;
+    for (const Parameter& each : material.parameters.parameters)
+        if (each.name == "materials")
+            for (const std::string& name : each.strings)
+                for (std::size_t i = 0; i < scene.materials.size(); ++i)
+                    if (!name.empty() && scene.materials[i].name == name) use_material(scene, i);
+}
+
+void UsedSurfaces::use_texture(const SceneDescription& scene, const std::string& name) {
+    for (std::size_t i = 0; i < texture_seen_.size(); ++i) {
+        if (scene.textures[i].name != name || texture_seen_[i] != 0) continue;
+        texture_seen_[i] = 1;
+        textures_.push_back(&scene.textures[i]);
+        use_textures_of(scene, scene.textures[i].parameters);
+    }
+}
+
+void UsedSurfaces::use_textures_of(const SceneDescription& scene, const ParameterSet& set) {
+    for (const Parameter& each : set.parameters)
+        if (each.type == ParameterType::texture)
+            for (const std::string& name : each.strings) use_texture(scene, name);
+}
+
+bool is_interface(const SceneDescription& scene, const SceneShape& shape) {
+    const auto material = static_cast<std::size_t>(std::max(shape.material, 0));
+    return material < scene.materials.size() &&
+           (scene.materials[material].type == "interface" || scene.materials[material].type.empty());
+}
+
+}  // namespace raylex::transport

@@ -1,0 +1,42 @@
+// What the shapes of a scene use: materials by way of mixes, and textures by way of both.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "transport/scene/scene_description.h"
+
+namespace raylex::transport {
+
+class UsedSurfaces {
+  public:
+    explicit UsedSurfaces(const SceneDescription& scene);
+
+    /// The scene's own, then those of every object, placed or not: all are built.
+    [[nodiscard]] const std::vector<const SceneShape*>& shapes() const { return shapes_; }
+    [[nodiscard]] const std::vector<const SceneEntity*>& materials() const { return materials_; }
+    [[nodiscard]] const std::vector<const SceneTexture*>& textures() const { return textures_; }
+
+  private:
+    void use_material(const SceneDescription& scene, std::size_t index);
+    void use_texture(const SceneDescription& scene, const std::string& name);
+    void use_textures_of(const SceneDescription& scene, const ParameterSet& set);
+
+    std::vector<const SceneShape*> shapes_;
+    std::vector<const SceneEntity*> materials_;
+    std::vector<const SceneTexture*> textures_;
+    std::vector<std::uint8_t> material_seen_, texture_seen_;
+};
+
+/// Calls `use(shape)` for the scene's own shapes, then for those of every object.
+template <class Scene, class Use>
+void for_each_shape(Scene& scene, const Use& use) {
+    for (auto& shape : scene.shapes) use(shape);
+    for (auto& object : scene.objects)
+        for (auto& shape : object.shapes) use(shape);
+}
+
+/// No surface at all: pbrt's "interface", or a material without a type.
+[[nodiscard]] bool is_interface(const SceneDescription& scene, const SceneShape& shape);
+
+}  // namespace raylex::transport
