@@ -37,6 +37,23 @@ Interval speed_up(const Curve& curve, const Curve& against, double confidence) {
     return result;
 }
 
+/// Of error x time over replicates; NaN when there are none.
+double median_cost(const BudgetPoint& point) {
+    std::vector<double> costs;
+    for (std::size_t i = 0; i < point.group.errors.size(); ++i)
+        costs.push_back(point.group.errors[i] * point.group.seconds[i]);
+    if (costs.empty()) return NAN;
+    std::sort(costs.begin(), costs.end());
+    const std::size_t middle = costs.size() / 2;
+    return costs.size() % 2 == 1 ? costs[middle] : (costs[middle - 1] + costs[middle]) / 2;
+}
+
+/// A few fireflies move the mean of replicates, and its interval is none then; they do not move the median.
+double speed_up_by_medians(const Curve& curve, const Curve& against) {
+    const BudgetPoint *a = best_point(curve), *b = best_point(against);
+    return a == nullptr || b == nullptr ? NAN : median_cost(*b) / median_cost(*a);
+}
+
 std::string others_of(const MethodVariant& variant, const std::string& key) {
     std::string text = variant.method;
     for (const auto& [name, value] : variant.settings)
@@ -93,7 +110,8 @@ void find_effects(Study& study, const SceneInfo& scene) {
                             *b = study.curve(scene.name, from.name, channel.name);
                 if (a == nullptr || b == nullptr) continue;
                 study.effects.push_back({scene.name, channel.name, key, setting_text(from, key), setting_text(to, key),
-                                         others_of(from, key), speed_up(*a, *b, study.options.confidence)});
+                                         others_of(from, key), speed_up(*a, *b, study.options.confidence),
+                                         speed_up_by_medians(*a, *b)});
             }
         }
     }

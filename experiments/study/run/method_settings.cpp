@@ -25,6 +25,7 @@ NamedValues settings_text(const transport::RenderSettings& settings) {
     if (settings.integrator) add_entity(values, "integrator", *settings.integrator);
     if (settings.sampler) add_entity(values, "sampler", *settings.sampler);
     if (settings.filter) add_entity(values, "filter", *settings.filter);
+    if (!settings.beauty) values.emplace_back("beauty", "off");
     if (!settings.prune) values.emplace_back("prune", "off");
     if (settings.max_depth) values.emplace_back("max_depth", std::to_string(*settings.max_depth));
     values.emplace_back("filter_mode", settings.splat ? "splat" : "importance");
