@@ -24,7 +24,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 BUDGETS = HERE / "instructions.toml"
 FEW, MANY, SIDE = 16, 48, 32  # samples: whole blocks of 16; pixels: whole tiles
-# Counts of two runs differ by less than 0.01 %. What is left is for edits elsewhere that make the compiler inline
+# Counts of two runs differ by less than 0.05 %. What is left is for edits elsewhere that make the compiler inline
 # otherwise; a loop that gets 5 % dearer is beyond it.
 TOLERANCE = 0.03
 # Below this many instructions a sample, 3 % is a fraction of an instruction a sample in loops that hardly run.
