@@ -127,15 +127,15 @@ def triangles_of(mesh):
 
 
 def write_ply(mesh, file):
-    triangles = list(triangles_of(mesh))
+    count = sum(len(face) - 2 for face in mesh.faces)
     header = (f"ply\nformat binary_little_endian 1.0\nelement vertex {len(mesh.vertices)}\n"
               "property float x\nproperty float y\nproperty float z\n"
-              f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n")
+              f"element face {count}\nproperty list uchar int vertex_indices\nend_header\n")
     pack = struct.Struct("<B3i").pack
     with open(file, "wb") as out:
         out.write(header.encode())
         array.array("f", (c for vertex in mesh.vertices for c in vertex)).tofile(out)
-        out.write(b"".join(pack(3, *triangle) for triangle in triangles))
+        out.writelines(pack(3, *triangle) for triangle in triangles_of(mesh))
 
 
 def shape(mesh, folder, stem):

@@ -51,7 +51,9 @@ double median_cost(const BudgetPoint& point) {
 /// A few fireflies move the mean of replicates, and its interval is none then; they do not move the median.
 double speed_up_by_medians(const Curve& curve, const Curve& against) {
     const BudgetPoint *a = best_point(curve), *b = best_point(against);
-    return a == nullptr || b == nullptr ? NAN : median_cost(*b) / median_cost(*a);
+    if (a == nullptr || b == nullptr) return NAN;
+    const double cost = median_cost(*a), against_cost = median_cost(*b);
+    return cost > 0 && against_cost > 0 ? against_cost / cost : NAN;  // not above 0: at the reference's own error
 }
 
 std::string others_of(const MethodVariant& variant, const std::string& key) {
