@@ -12,6 +12,8 @@
 #   bash tests/run.sh --full          adds the long half: statistical figures, reference images, exhaustive comparison, fuzzing
 #   bash tests/run.sh --release-only  skips the sanitizer build
 #   bash tests/run.sh --benchmark lpe|exr|rays [GOOGLE BENCHMARK'S OPTIONS]   builds and runs one benchmark
+#   bash tests/run.sh --instructions [--renew] [CASE...]   counts by valgrind what the inner loops of a Release build
+#                                       execute, against experiments/bench/instructions.toml; CI does it too
 #   bash tests/run.sh --format [REVISION|all]   checks the lines changed since a revision (default main): at most 120
 #                                       columns, no tabs, no blanks at the end; all: every source is as clang-format
 #                                       14 writes it
@@ -38,6 +40,13 @@ run_benchmark() {
         usage "$program needs Google Benchmark (Debian: libbenchmark-dev)"
     cmake --build --preset bench --target "$program" || exit 2
     exec "build/bench/$program" "$@"
+}
+
+# Needs the Release build of the program, and makes it.
+check_instructions() {
+    bash experiments/install_packages.sh valgrind python3 || exit 2
+    { cmake --preset release && cmake --build --preset release --target raylex; } >/dev/null || exit 2
+    python3 experiments/bench/instructions.py "$@"
 }
 
 needs_tool() {
@@ -100,6 +109,7 @@ while [ $# -gt 0 ]; do
         --release-only) sanitize=0 ;;
         --sanitize) sanitize=2 ;;
         --benchmark) shift; run_benchmark "$@" ;;
+        --instructions) shift; check_instructions "$@"; exit ;;
         --format) check_format "${2:-main}"; exit ;;
         --tidy) shift; check_tidy "${@:-main}"; exit ;;
         -h | --help) sed -n '2,/^set /{/^#/s/^# \{0,1\}//p}' "${BASH_SOURCE[0]}"; exit 0 ;;
@@ -232,6 +242,11 @@ if configure_and_build release "${warnings[@]}"; then
         say "Long tests (Release)"
         run_programs release full "[.full]"
     fi
+fi
+
+if [ "${CI:-}" = "true" ] && [ -z "$name" ]; then
+    say "Instructions of the inner loops"
+    if check_instructions; then passed=$((passed + 1)); else fail "an inner loop is dearer than its budget"; fi
 fi
 
 # Whole renders have no sanitizer build: transport's own tests take the same code through it.

@@ -81,6 +81,7 @@ struct Cell {
     /// process. Loading the scene and building its tables, the same for all methods of this program, are phases and not
     /// in it.
     double wall_seconds = 0, cpu_seconds = 0;
+    [[nodiscard]] double seconds(bool cpu_clock) const { return cpu_clock ? cpu_seconds : wall_seconds; }
     std::vector<Phase> phases;  ///< load, plan, build, prepare, render, write; of external renderers: process
     std::uint64_t rays = 0, invalid_samples = 0, peak_memory_bytes = 0;  ///< 0 where not known (external renderers)
     std::vector<PartitionVerdict> splits;
@@ -146,6 +147,7 @@ struct Experiment {
     std::string config_file;             ///< where the text came from: paths in it count from its folder
     std::vector<std::string> overrides;  ///< KEY=VALUE of the command line, in order
     NamedValues provenance;
+    bool cpu_clock = false;  ///< methods are compared by CPU seconds of all threads, not by wall seconds
     std::vector<SceneInfo> scenes;
     std::vector<MethodInfo> methods;
     std::vector<Region> regions;

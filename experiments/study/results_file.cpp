@@ -189,6 +189,7 @@ Json experiment_json(const Experiment& experiment) {
     json["config_file"] = experiment.config_file;
     json["overrides"] = experiment.overrides;
     json["provenance"] = values_json(experiment.provenance);
+    json["clock"] = experiment.cpu_clock ? "cpu" : "wall";
     Json scenes = Json::array(), methods = Json::array(), regions = Json::array(), partitions = Json::array(),
          cells = Json::array();
     for (const SceneInfo& each : experiment.scenes) scenes.push_back(scene_json(within(each, experiment.directory)));
@@ -224,6 +225,7 @@ Experiment experiment_of(const Json& json, const std::string& directory) {
     experiment.config_file = json.at("config_file");
     experiment.overrides = json.at("overrides").get<std::vector<std::string>>();
     experiment.provenance = values_of(json.at("provenance"));
+    experiment.cpu_clock = json.value("clock", std::string("wall")) == "cpu";
     for (const Json& each : json.at("scenes")) experiment.scenes.push_back(scene_of(each, directory));
     for (const Json& each : json.at("methods"))
         experiment.methods.push_back({each.at("name"), each.at("integrator"), each.at("command"), each.at("unbiased"),

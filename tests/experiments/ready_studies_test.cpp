@@ -25,7 +25,7 @@ TEST_CASE("every ready experiment can be planned") {
         CHECK(plan.code == 0);
         ++count;
     }
-    CHECK(count == 8);
+    CHECK(count == 11);
 }
 
 TEST_CASE("a planted mistake is found, and the first wrong path named", "[study][release-only]") {
@@ -43,6 +43,36 @@ TEST_CASE("a planted mistake is found, and the first wrong path named", "[study]
     CHECK(page.find("Declared unbiased but differs from the reference:</span> planted-error on cornell-grey.") !=
           std::string::npos);
     CHECK(page.find("is first wrong at the path <code>C,- R,D R,D R,D L,-</code>") != std::string::npos);
+}
+
+TEST_CASE("a channel without its beauty is compared with the same channel beside one, by the clock that is asked for",
+          "[study][release-only]") {
+    const Folder folder;
+    const std::string common = " '" + studies +
+                               "/one-light-group.toml' -o out --set replicates=3 --set budget.samples=16 "
+                               "--set scene.*.resolution=24x24 --set reference.spp=256";
+    const Outcome run = run_raylex(folder, "experiment run" + common + " --report");
+    INFO(run.out + run.err);
+    REQUIRE(run.code == 0);
+    // Of the two channels that the full render has beside the beauty, `rest` is none of the other's.
+    CHECK(run.out.find("key on cornell-lamps16, beauty default to off: ") != std::string::npos);
+    CHECK(run.out.find("rest on cornell-lamps16, beauty") == std::string::npos);
+    CHECK(run.err.find("omission") == std::string::npos);
+    CHECK(folder.has("out/cells/cornell-lamps16.full.16spp.r0/beauty.mean.npy"));
+    CHECK(!folder.has("out/cells/cornell-lamps16.alone.16spp.r0/beauty.mean.npy"));
+    CHECK(folder.has("out/cells/cornell-lamps16.alone.16spp.r0/key.mean.npy"));
+    CHECK(folder.read("out/experiment.json").find("\"clock\": \"cpu\"") != std::string::npos);
+    CHECK(folder.read("out/report.html").find("times below are CPU seconds of all threads") != std::string::npos);
+
+    const auto refused = [&](const std::string& setting, const std::string& message) {
+        const Outcome outcome = run_raylex(folder, "experiment plan '" + studies + "/one-light-group.toml' " + setting);
+        CAPTURE(setting, outcome.err);
+        CHECK(outcome.code == 2);
+        CHECK(outcome.err.find(message) != std::string::npos);
+    };
+    refused("--set clock=sun", "'clock' is 'sun'; expected \"wall\" or \"cpu\"");
+    refused("--set reference.method=alone", "references are of all that any method renders");
+    refused("--set budget.error=0.1", "a budget of error is the beauty's");
 }
 
 TEST_CASE("methods that begin at the lights agree with the path tracer in every channel of a partition, fog and all",

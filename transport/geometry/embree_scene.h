@@ -103,9 +103,19 @@ struct Bounds {
     [[nodiscard]] Real radius() const { return length(upper - lower) * 0.5f; }
 };
 
-/// Rays in the order they were traced.
+/// Rays in the order they were traced, batch by batch.
 struct RayLog {
-    std::vector<Ray> closest, shadow;
+    struct Batch {
+        std::size_t count = 0;
+        bool shadow = false;  ///< of occluded()
+    };
+    std::vector<Ray> rays;
+    std::vector<Batch> batches;
+
+    void add(std::span<const Ray> batch, bool shadow) {
+        rays.insert(rays.end(), batch.begin(), batch.end());
+        batches.push_back({batch.size(), shadow});
+    }
 };
 
 class EmbreeScene {
@@ -133,6 +143,10 @@ class EmbreeScene {
     /// Appends every later ray of intersect() and occluded() to `log`, for a benchmark to trace again; null ends it.
     /// One thread only.
     void record(RayLog* log) const { log_ = log; }
+    /// Traces a log's rays again by nothing but rtcIntersect1 and rtcOccluded1, with the flags and in the order that
+    /// they were traced, and returns how many of them hit. What is left out is finish_hits(): where on a primitive a
+    /// hit is.
+    [[nodiscard]] std::uint64_t trace_bare(const RayLog& log) const;
     /// The closest hit among the shapes with alpha, for the walk that shadow rays take through them.
     void intersect_alpha(const Ray& ray, Hit& hit) const;
 

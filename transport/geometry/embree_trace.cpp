@@ -46,7 +46,7 @@ std::uint64_t EmbreeScene::untraced_rays() const {
 }
 
 void EmbreeScene::intersect(std::span<const Ray> rays, std::span<Hit> hits) const {
-    if (log_ != nullptr) log_->closest.insert(log_->closest.end(), rays.begin(), rays.end());
+    if (log_ != nullptr) log_->add(rays, false);
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     RTCRayHit rayhit;
@@ -85,7 +85,7 @@ void EmbreeScene::intersect_alpha(const Ray& ray, Hit& hit) const {
 }
 
 void EmbreeScene::occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked) const {
-    if (log_ != nullptr) log_->shadow.insert(log_->shadow.end(), rays.begin(), rays.end());
+    if (log_ != nullptr) log_->add(rays, true);
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     std::array<RTCRay, 64> stream;
@@ -104,6 +104,33 @@ void EmbreeScene::occluded(std::span<const Ray> rays, std::span<std::uint8_t> bl
         }
         for (std::size_t i = 0; i < count; ++i) blocked[first + i] = stream[i].tfar < 0;
     }
+}
+
+std::uint64_t EmbreeScene::trace_bare(const RayLog& log) const {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    std::uint64_t hits = 0;
+    const Ray* next = log.rays.data();
+    for (const RayLog::Batch& batch : log.batches) {
+        const Ray* const end = next + batch.count;
+        if (batch.shadow) {
+            for (; next != end; ++next) {
+                RTCRay ray = to_embree(*next, opaque_mask);
+                rtcOccluded1(device_->scene, &context, &ray);
+                hits += ray.tfar < 0 ? 1 : 0;
+            }
+            continue;
+        }
+        for (; next != end; ++next) {
+            RTCRayHit rayhit;
+            rayhit.ray = to_embree(*next, any_mask);
+            rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+            rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+            rtcIntersect1(device_->scene, &context, &rayhit);
+            hits += rayhit.hit.geomID != RTC_INVALID_GEOMETRY_ID ? 1 : 0;
+        }
+    }
+    return hits;
 }
 
 static_assert(Hit::none == RTC_INVALID_GEOMETRY_ID);

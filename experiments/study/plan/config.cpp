@@ -30,6 +30,7 @@ void read_method_table(TomlTable& table, MethodRequest& method) {
     read_timeout(table, method.timeout);
     table.take("sweep");
     if (!method.command.empty()) return;
+    table.read("beauty", method.settings.beauty);
     read_method_settings(table, method.settings);
     read_effects(table, method.effects);
     read_entity(table, "integrator", method.settings.integrator);
@@ -109,6 +110,10 @@ class ConfigReader {
         if (root.read("replicates", number, 1, 100'000)) config_.replicates = static_cast<unsigned>(number);
         if (root.read("threads", number, 0, 4096)) config_.base.settings.threads = static_cast<int>(number);
         root.read("isa", config_.base.settings.isa);
+        std::string clock = "wall";
+        if (root.read("clock", clock) && clock != "wall" && clock != "cpu")
+            source_.fail(root.location_of("clock"), "'clock' is '" + clock + "'; expected \"wall\" or \"cpu\"");
+        config_.cpu_clock = clock == "cpu";
         Job timing;
         read_checkpoint(root, timing);
         config_.checkpoint_seconds = timing.checkpoint_seconds;
@@ -253,6 +258,7 @@ Job ExperimentConfig::job(std::size_t scene, const Variant& variant) const {
     job.settings.sampler = render.sampler;
     job.settings.filter = render.filter;
     job.settings.max_depth = render.max_depth;
+    job.settings.beauty = render.beauty;
     job.settings.prune = render.prune;
     job.settings.splat = render.splat;
     job.settings.picked_lobes = render.picked_lobes;

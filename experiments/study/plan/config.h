@@ -80,6 +80,7 @@ struct ExperimentConfig {
     std::uint64_t seed = 0;
     unsigned replicates = 1;
     double checkpoint_seconds = 0;  ///< within cells and references; 0 = none
+    bool cpu_clock = false;         ///< as Experiment has it
     double timeout = 0;             ///< of cells whose method has none of its own, and of loading a scene; 0 = none
     Job base;                       ///< plugins, colour, channels, threads, instruction set: what all renders share
     std::vector<SceneRequest> scenes;

@@ -126,6 +126,24 @@ Status check_command(const MethodRequest& method, bool replicates) {
     return success();
 }
 
+/// What is asked of a render without beauty is in its channels.
+Status check_without_beauty(const ExperimentConfig& config, const Variant& variant) {
+    const MethodRequest& method = config.methods[variant.method];
+    const std::string who = "method '" + method.name + "' has beauty = false, ";
+    const Job& base = config.base;
+    if (base.expressions.empty() && !base.light_groups && !base.shipped_partition)
+        return error_at(method.location,
+                        who + "and there is no channel: nothing is left to render; expected [[channel]]");
+    if (!variant.planned)
+        return error_at(config.reference.location,
+                        who + "and references are of all that any method renders; expected another method");
+    for (const Budget& budget : config.budgets)
+        if (budget.kind == BudgetKind::error)
+            return error_at(budget.location,
+                            who + "and a budget of error is the beauty's; expected budgets of samples or seconds");
+    return success();
+}
+
 }  // namespace
 
 void check_short_name(TomlTable& table, std::string_view key, const std::string& name) {
@@ -294,6 +312,9 @@ void read_exclusions(TomlTable& root, ExperimentConfig& config) {
 }
 
 Status check_config(ExperimentConfig& config) {
+    for (const Variant& variant : config.variants)
+        if (!variant.render.beauty)
+            if (Status s = check_without_beauty(config, variant); !s) return s;
     for (const MethodRequest& method : config.methods) {
         if (method.command.empty()) continue;
         if (method.name == config.reference.method)

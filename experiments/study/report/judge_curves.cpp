@@ -37,6 +37,25 @@ Interval speed_up(const Curve& curve, const Curve& against, double confidence) {
     return result;
 }
 
+/// Of error x time over replicates; NaN when there are none.
+double median_cost(const BudgetPoint& point) {
+    std::vector<double> costs;
+    for (std::size_t i = 0; i < point.group.errors.size(); ++i)
+        costs.push_back(point.group.errors[i] * point.group.seconds[i]);
+    if (costs.empty()) return NAN;
+    std::sort(costs.begin(), costs.end());
+    const std::size_t middle = costs.size() / 2;
+    return costs.size() % 2 == 1 ? costs[middle] : (costs[middle - 1] + costs[middle]) / 2;
+}
+
+/// A few fireflies move the mean of replicates, and its interval is none then; they do not move the median.
+double speed_up_by_medians(const Curve& curve, const Curve& against) {
+    const BudgetPoint *a = best_point(curve), *b = best_point(against);
+    if (a == nullptr || b == nullptr) return NAN;
+    const double cost = median_cost(*a), against_cost = median_cost(*b);
+    return cost > 0 && against_cost > 0 ? against_cost / cost : NAN;  // not above 0: at the reference's own error
+}
+
 std::string others_of(const MethodVariant& variant, const std::string& key) {
     std::string text = variant.method;
     for (const auto& [name, value] : variant.settings)
@@ -93,8 +112,8 @@ void find_effects(Study& study, const SceneInfo& scene) {
                             *b = study.curve(scene.name, from.name, channel.name);
                 if (a == nullptr || b == nullptr) continue;
                 study.effects.push_back({scene.name, channel.name, key, setting_text(from, key), setting_text(to, key),
-                                         others_of(from, key), speed_up(*a, *b, study.options.confidence), to.name,
-                                         from.name});
+                                         others_of(from, key), speed_up(*a, *b, study.options.confidence),
+                                         speed_up_by_medians(*a, *b), to.name, from.name});
             }
         }
     }

@@ -31,11 +31,11 @@ struct RegionPixels {
 };
 
 /// What a cell's time counts beside rendering: preparation. Loading, building and writing are phases, and not in it.
-double setup_of(const Cell& cell) {
+double setup_of(const Cell& cell, bool cpu_clock) {
     double rendering = 0;
     for (const Phase& phase : cell.phases)
-        if (phase.name == "render") rendering += phase.wall_seconds;
-    return rendering > 0 ? std::max(0.0, cell.wall_seconds - rendering) : 0;
+        if (phase.name == "render") rendering += cpu_clock ? phase.cpu_seconds : phase.wall_seconds;
+    return rendering > 0 ? std::max(0.0, cell.seconds(cpu_clock) - rendering) : 0;
 }
 
 bool is_black(const PixelArray& array) {
@@ -129,6 +129,7 @@ class Measurer {
                     }
         std::map<std::string, BiasCandidate> candidates;
         for (const Group& group : groups) {
+            if (was_not_asked(group, channel)) continue;
             const std::vector<PixelArray> images = read_group(group, channel, reference.mean);
             offer(candidates, group, images);
             // An image without light costs nothing and has no noise: it would beat whoever finds some.
@@ -158,6 +159,17 @@ class Measurer {
         for (const MethodVariant& variant : study_.variants)
             if (const auto found = candidates.find(variant.name); found != candidates.end())
                 test_channel(scene, channel, variant, found->second, truth, even);
+    }
+
+    /// A method without beauty renders neither it nor what only fills up its sum, the layer `rest`.
+    [[nodiscard]] static bool was_not_asked(const Group& group, const ChannelInfo& channel) {
+        return std::all_of(group.cells.begin(), group.cells.end(), [&](const Cell* cell) {
+            const auto has = [&](const std::string& name) {
+                return std::any_of(cell->files.begin(), cell->files.end(),
+                                   [&](const FileRecord& file) { return file.name == name + ".mean.npy"; });
+            };
+            return !cell->files.empty() && !has("beauty") && !has(channel.name);
+        });
     }
 
     /// All that could be read is black; false when there is nothing.
@@ -227,17 +239,19 @@ class Measurer {
             tail.add(display::relative_squares(values, expected));
             measured.push_back(squared);
             point.group.errors.push_back(squared - point.excess);
-            point.group.seconds.push_back(cell.wall_seconds);
+            point.group.seconds.push_back(cell.seconds(experiment_.cpu_clock));
             if (cell.samples_per_pixel > 0) point.group.samples.push_back(static_cast<double>(cell.samples_per_pixel));
-            point.group.setup_seconds += setup_of(cell);
-            point.seconds += cell.wall_seconds;
+            point.group.setup_seconds += setup_of(cell, experiment_.cpu_clock);
+            point.seconds += cell.seconds(experiment_.cpu_clock);
+            point.wall_seconds += cell.wall_seconds;
             point.cpu_seconds += cell.cpu_seconds;
             point.samples += static_cast<double>(cell.samples_per_pixel);
             count += 1;
             study_.cells.push_back(std::move(errors));
         }
         if (count == 0) return std::nullopt;
-        for (double* each : {&point.group.setup_seconds, &point.seconds, &point.cpu_seconds, &point.samples})
+        for (double* each :
+             {&point.group.setup_seconds, &point.seconds, &point.wall_seconds, &point.cpu_seconds, &point.samples})
             *each /= count;
         if (point.group.samples.size() != measured.size()) point.group.samples.clear();
         IntervalOptions options;

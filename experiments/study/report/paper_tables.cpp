@@ -79,6 +79,7 @@ std::string latex_table(const Study& study, const std::string& scene, const std:
            plain_number(study.options.confidence * 100) +
            " %.\n% Speed-up: 1 / (relmse-mean x seconds), relative to the first row. $^\\ast$ extrapolated.\n" +
            (doubtful ? "% $^\\dagger$ interval not to be trusted: report.html says why.\n" : "") +
+           (study.experiment->cpu_clock ? "% Times are CPU seconds of all threads.\n" : "") +
            "\\begin{tabular}{llrlrl}\n\\toprule\nMethod & Budget & Time [s] & Relative error [\\%] & Time to 1\\,\\% "
            "[s] & "
            "Speed-up \\\\\n\\midrule\n" +

@@ -66,6 +66,10 @@ std::string dumped(const Json& json) {
     return json_text(json);
 }
 
+std::string time_label(const Study& study) {
+    return std::string(study.experiment->cpu_clock ? "CPU" : "wall") + " time, seconds, everything counted";
+}
+
 Plot error_plot(const Study& study, std::size_t scene, const std::string& channel, const std::string& region,
                 Abscissa against) {
     const std::string& name = study.experiment->scenes[scene].name;
@@ -90,7 +94,7 @@ Plot error_plot(const Study& study, std::size_t scene, const std::string& channe
                     {"subtitle", "100 sqrt(relmse-mean), reference's noise subtracted; bands: " +
                                      number_text(study.options.confidence * 100) +
                                      (time ? " % intervals; dotted: 1/sqrt(t)" : " % intervals; dotted: 1/sqrt(n)")},
-                    {"xLabel", time ? "wall time, seconds, everything counted" : "samples per pixel"},
+                    {"xLabel", time ? time_label(study) : "samples per pixel"},
                     {"yLabel", "relative error"},
                     {"guide", true},
                     {"floor", floor},
@@ -123,7 +127,7 @@ Plot front_plot(const Study& study, std::size_t scene, const std::string& channe
         Json{{"id", plot.id},
              {"title", name + ", " + channel + ": what is worth its time"},
              {"subtitle", "every variant at every budget; the line joins what nothing beats in both time and error"},
-             {"xLabel", "wall time, seconds, everything counted"},
+             {"xLabel", time_label(study)},
              {"yLabel", "relative error"},
              {"scatter", true},
              {"floor", 0},

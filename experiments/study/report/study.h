@@ -44,12 +44,13 @@ struct CellErrors {
 /// All replicates of one budget on a curve.
 struct BudgetPoint {
     double budget = 0;
-    BudgetGroup group;                                 ///< for fits: errors with the reference's noise subtracted
-    Interval squared, relative;                        ///< relmse-mean, noise subtracted; and its root
-    double excess = 0;                                 ///< of the reference in relmse-mean
-    Interval efficiency;                               ///< 1 / (relmse-mean x seconds)
-    double seconds = 0, cpu_seconds = 0, samples = 0;  ///< means
-    double tail_index = 0;                             ///< of TailMonitor
+    BudgetGroup group;                                      ///< for fits: errors with the reference's noise subtracted
+    Interval squared, relative;                             ///< relmse-mean, noise subtracted; and its root
+    double excess = 0;                                      ///< of the reference in relmse-mean
+    Interval efficiency;                                    ///< 1 / (relmse-mean x seconds)
+    double seconds = 0;                                     ///< mean, by the study's clock: what it is compared by
+    double wall_seconds = 0, cpu_seconds = 0, samples = 0;  ///< means
+    double tail_index = 0;                                  ///< of TailMonitor
 };
 
 /// A variant's error on a channel and region of a scene over its budgets.
@@ -84,8 +85,9 @@ struct WordsEntry {
 /// Two variants that differ in one setting, of one method or of two.
 struct SettingEffect {
     std::string scene, channel, key, from, to,
-        others;                    ///< others: the method that `from` is of, and what it sweeps beside
-    Interval speed_up;             ///< of `to` against `from`
+        others;             ///< others: the method that `from` is of, and what it sweeps beside
+    Interval speed_up;      ///< of `to` against `from`
+    double by_medians = 0;  ///< the same ratio of the medians over replicates of relmse-mean x seconds; NaN: not known
     std::string variant, against;  ///< the two by name
 };
 

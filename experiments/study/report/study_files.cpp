@@ -71,7 +71,7 @@ void add_curve(Lines& lines, const Curve& curve) {
         json["relative_error"] = json_of(point.relative);
         json["reference_excess"] = number(point.excess);
         json["efficiency"] = json_of(point.efficiency);
-        json["wall_seconds"] = number(point.seconds);
+        json["wall_seconds"] = number(point.wall_seconds);
         json["cpu_seconds"] = number(point.cpu_seconds);
         json["samples_per_pixel"] = number(point.samples);
         json["tail_index"] = number(point.tail_index);
@@ -297,7 +297,8 @@ std::string results_jsonl(const Study& study) {
                        {"from", effect.from},
                        {"to", effect.to},
                        {"others", effect.others},
-                       {"speed_up", json_of(effect.speed_up)}});
+                       {"speed_up", json_of(effect.speed_up)},
+                       {"speed_up_by_medians", number(effect.by_medians)}});
     for (const Cell& cell : study.experiment->cells)
         for (const PartitionVerdict& split : cell.splits)
             lines.add(Json{{"kind", "split"},

@@ -41,8 +41,8 @@ std::string extent_summary(const Study& study) {
            (failed > 0 ? ", " + std::to_string(failed) + " failed" : "") +
            (experiment.missing.empty() ? "" : ", " + std::to_string(experiment.missing.size()) + " not run") + "; " +
            counted(experiment.scenes.size(), "scene", "scenes") + ", " +
-           counted(study.variants.size(), "variant", "variants") + "; " + duration_text(seconds) +
-           " of rendering.</p>\n";
+           counted(study.variants.size(), "variant", "variants") + "; " + duration_text(seconds) + " of rendering" +
+           (experiment.cpu_clock ? "; times below are CPU seconds of all threads" : "") + ".</p>\n";
 }
 
 std::string split_summary(const Experiment& experiment) {

@@ -101,6 +101,20 @@ void print_verdicts(const Study& study) {
     if (kept_back > 0) print_line(std::to_string(kept_back) + " other verdicts on bias are in the report");
 }
 
+/// What each setting buys, channel by channel, in a small study; a large one has it on the page alone.
+void print_effects(const Study& study) {
+    constexpr std::size_t most_lines = 24;
+    if (study.effects.size() > most_lines) return;
+    for (const SettingEffect& each : study.effects) {
+        const Interval& ratio = each.speed_up;
+        if (!std::isfinite(ratio.value)) continue;
+        print_line(each.channel + " on " + each.scene + ", " + each.key + " " + each.from + " to " + each.to + ": " +
+                   plain_number(ratio.value) + " times as efficient" +
+                   (ratio.valid() ? " [" + plain_number(ratio.low) + ", " + plain_number(ratio.high) + "]" : "") +
+                   ", by medians " + plain_number(each.by_medians) + (ratio.note.empty() ? "" : "; " + ratio.note));
+    }
+}
+
 /// Cells and references whose files are not what was written, as failed and as none, and how many they are: each is a
 /// warning, and nothing is measured of it.
 std::pair<Experiment, std::size_t> without_damage(Experiment experiment) {
@@ -157,6 +171,7 @@ int write_study_report(const Experiment& as_read, const StudyReportOptions& opti
     print_line(directory + "/report.html: " + size_text(static_cast<double>(page.size())) +
                "; results.csv, results.jsonl, " + std::to_string(plots.size()) + " plots and " +
                std::to_string(paper_files) + " tables and insets beside it");
+    print_effects(*study);
     print_verdicts(*study);
     return damaged > 0 ? exit_bad_input : exit_holds;
 }

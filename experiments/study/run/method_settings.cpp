@@ -25,6 +25,7 @@ NamedValues settings_text(const transport::RenderSettings& settings, const trans
     if (settings.integrator) add_entity(values, "integrator", *settings.integrator);
     if (settings.sampler) add_entity(values, "sampler", *settings.sampler);
     if (settings.filter) add_entity(values, "filter", *settings.filter);
+    if (!settings.beauty) values.emplace_back("beauty", "off");
     if (!settings.prune) values.emplace_back("prune", "off");
     for (const transport::EffectInfo& each : transport::effect_catalogue())
         if (const std::optional<bool>& forced = effects[each.effect])

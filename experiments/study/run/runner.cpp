@@ -167,6 +167,7 @@ class Run {
         experiment_.config_file = fs::absolute(config_.file).lexically_normal().string();
         experiment_.overrides = config_.overrides;
         experiment_.provenance = earlier_ ? earlier_->provenance : provenance(config_);
+        experiment_.cpu_clock = config_.cpu_clock;
         experiment_.regions = config_.regions;
         for (Region& region : experiment_.regions)
             if (!region.mask_file.empty())

@@ -132,11 +132,13 @@ Result<std::uint64_t> SceneStore::frame_buffer_bytes(std::size_t scene_index, st
     auto plan = channels(scene_index, variant);
     if (!plan) return plan.error();
     std::vector<display::ChannelDefinition> all = (*plan)->channels;
-    display::ChannelDefinition beauty;
-    beauty.name = "beauty";
-    beauty.style = display::ChannelStyle::expression;
-    beauty.statistics = !config_.variants[variant].render.splat;
-    all.push_back(beauty);
+    if (const transport::RenderSettings& render = config_.variants[variant].render; render.beauty) {
+        display::ChannelDefinition beauty;
+        beauty.name = "beauty";
+        beauty.style = display::ChannelStyle::expression;
+        beauty.statistics = !render.splat;
+        all.push_back(beauty);
+    }
     display::FrameBufferLayout layout;
     layout.width = (*made)->width;
     layout.height = (*made)->height;

@@ -1,0 +1,180 @@
+#!/usr/bin/env python3
+"""Do the inner loops execute more instructions than their budget? Needs valgrind; see README.md beside this file.
+
+    python3 experiments/bench/instructions.py [--raylex PROGRAM] [--renew] [CASE...]
+
+Small single-thread renders run under callgrind twice, with 16 and with 48 samples a pixel. What the second executes beyond
+the first, over its further camera samples, is what a sample costs; setting up drops out. Counted is our code alone: shared
+libraries (Embree, the C library) are not in it, and Embree is held to SSE2, so that no host makes a difference.
+Exit 0: all within budget; 1: a loop is dearer; 2: it could not be measured.
+"""
+import argparse
+import collections
+import concurrent.futures
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import tomllib
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+BUDGETS = HERE / "instructions.toml"
+FEW, MANY, SIDE = 16, 48, 32  # samples: whole blocks of 16; pixels: whole tiles
+# Counts of two runs differ by less than 0.05 %. What is left is for edits elsewhere that make the compiler inline
+# otherwise; a loop that gets 5 % dearer is beyond it.
+TOLERANCE = 0.03
+# Below this many instructions a sample, 3 % is a fraction of an instruction a sample in loops that hardly run.
+NEGLIGIBLE = 20
+
+SCENES = ROOT / "experiments" / "scenes"
+CASES = {
+    "surfaces": [str(SCENES / "cornell-grey/scene.pbrt"), "--max-depth", "8"],
+    "channels": [str(SCENES / "cornell-grey/scene.pbrt"), "--max-depth", "8"],  # and 32 channels
+    "textures": [str(SCENES / "still-life/scene.pbrt"), "--max-depth", "8"],
+    "media": [str(SCENES / "cornell-fog/scene.pbrt"), "--max-depth", "8"],
+    "many-lights": [str(SCENES / "lamps/scene.pbrt"), "--max-depth", "4"],
+    "bidirectional": [str(SCENES / "cornell-color/scene.pbrt"), "--integrator", "bdpt", "--max-depth", "5"],
+}
+# A function belongs to the first loop of which it has a word in its name.
+LOOPS = [
+    ("sampler", ["Sampler"]),
+    ("film", ["FrameBuffer", "FixedSum", "SplatGate", "add_pixel"]),
+    ("channels", ["display::"]),
+    ("camera", ["Camera::"]),
+    ("media", ["Medium", "transmittance", "optical_depth", "sample_phase", "Phase"]),
+    ("paths", ["Walk<", "Subpaths", "Connections", "Record", "Integrator", "EventTable", "Bdpt", "ray_from"]),
+    ("lights", ["Light", "Environment", "area_sample"]),
+    ("geometry", ["EmbreeScene", "ShapeGeometry", "Quadric", "Patch", "intersect_user", "occlude_user", "Placement", "Transform"]),
+    ("materials", ["Material", "Bsdf", "Texture", "Image", "Closure", "Coat", "Ggx", "fresnel", "evaluate_scattering", "LocalSample"]),
+]
+
+
+def fail(message):
+    print(f"instructions.py: {message}", file=sys.stderr)
+    sys.exit(2)
+
+
+def instructions_by_function(file, program):
+    """Function of `program` -> instructions executed in it, callees apart. The format: valgrind's manual, "Callgrind
+    format specification"; numbers stand for names that were given before, for functions and callees alike."""
+    names = {"fn": {}, "ob": {}}
+
+    def name_of(kind, text):
+        number, _, name = text.partition(" ")
+        if name:
+            names[kind][number] = name
+        return names[kind][number]
+
+    counts = collections.Counter()
+    function = library = None
+    of_callee = False
+    for line in open(file, errors="replace"):
+        line = line.rstrip("\n")
+        key, equals, value = line.partition("=")
+        if equals and key == "fn":
+            function = name_of("fn", value)
+        elif equals and key == "ob":
+            library = name_of("ob", value)
+        elif equals and key in ("cfn", "cob"):
+            name_of(key[1:], value)
+        elif equals and key == "calls":
+            of_callee = True  # the next line is what the call cost in all
+        elif re.match(r"[0-9+*-]", line):
+            if not of_callee and library == program:
+                counts[function] += int(line.split()[1])
+            of_callee = False
+    return counts
+
+
+def loop_of(function):
+    own = function.split("(raylex", 1)[0].split("(std::", 1)[0]  # types of parameters say nothing of where it stands
+    for loop, words in LOOPS:
+        if any(word in own for word in words):
+            return loop
+    return "other"
+
+
+def count(program, arguments, samples, folder):
+    folder.mkdir()
+    out = folder / "callgrind"
+    command = ["valgrind", "--tool=callgrind", f"--callgrind-out-file={out}", program, "render", *arguments, "--spp",
+               str(samples), "--resolution", f"{SIDE}x{SIDE}", "--threads", "1", "--isa", "sse2", "-o", str(folder / "out.exr")]
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode != 0:
+        fail(f"{' '.join(command)}\nended with exit code {done.returncode}:\n{done.stderr[-2000:]}")
+    return instructions_by_function(out, program)
+
+
+def measure(program, case, folder):
+    arguments = CASES[case]
+    if case == "channels":
+        job = folder / "channels.toml"
+        expressions = (ROOT / "lpe/bench/data/lpe_bench_firsthit.txt").read_text().splitlines()[:32]
+        job.write_text(f'[scene]\nfile = "{arguments[0]}"\n' + "".join(
+            f'[[channel]]\nname = "c{i}"\nlpe = "{lpe}"\ndialect = "osl"\n' for i, lpe in enumerate(expressions)))
+        arguments = [str(job), *arguments[1:]]
+    few = count(program, arguments, FEW, folder / f"{case}-few")
+    many = count(program, arguments, MANY, folder / f"{case}-many")
+    loops = collections.Counter()
+    for function, instructions in many.items():
+        loops[loop_of(function)] += (instructions - few[function]) / ((MANY - FEW) * SIDE * SIDE)
+    loops["all"] = sum(loops.values())
+    return {loop: cost for loop, cost in loops.items() if cost >= NEGLIGIBLE}
+
+
+def judge(case, measured, budgets):
+    """Prints a line for each loop; how many are beyond their budget."""
+    worse = 0
+    for loop in sorted(set(measured) | set(budgets), key=lambda name: (name == "all", name)):
+        cost, budget = measured.get(loop, 0.0), budgets.get(loop, 0.0)
+        change = cost / budget - 1 if budget else float("inf")
+        verdict = ""
+        if cost > budget * (1 + TOLERANCE):
+            verdict = "  DEARER than allowed"
+            worse += 1
+        elif cost < budget * (1 - TOLERANCE):
+            verdict = "  cheaper: --renew keeps it so"
+        print(f"{case:14} {loop:10} budget {budget:8.1f}  measured {cost:8.1f}  {change:+7.2%}{verdict}")
+    return worse
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--raylex", default=str(ROOT / "build/release/raylex"))
+    parser.add_argument("--renew", action="store_true", help="writes what is measured as the budgets")
+    parser.add_argument("cases", nargs="*", metavar="CASE", help=", ".join(CASES))
+    options = parser.parse_args()
+    for case in options.cases:
+        if case not in CASES:
+            fail(f"there is no case '{case}'; expected one of {', '.join(CASES)}")
+    if shutil.which("valgrind") is None:
+        fail("valgrind is not installed (Debian: valgrind)")
+    program = os.path.realpath(options.raylex)
+    if not os.access(program, os.X_OK):
+        fail(f"there is no program {program}; expected a Release build: cmake --build --preset release --target raylex")
+    cases = options.cases or list(CASES)
+    with tempfile.TemporaryDirectory() as folder, concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        results = dict(zip(cases, pool.map(lambda case: measure(program, case, pathlib.Path(folder)), cases)))
+    budgets = tomllib.loads(BUDGETS.read_text()) if BUDGETS.exists() else {}
+    if options.renew:
+        budgets.update(results)
+        lines = ["# Instructions a camera sample, Release build of g++ 12.2: written by `instructions.py --renew`."]
+        for case in CASES:
+            if case in budgets:
+                lines += [f"\n[{case}]"] + [f"{loop} = {cost:.1f}" for loop, cost in sorted(budgets[case].items())]
+        BUDGETS.write_text("\n".join(lines) + "\n")
+        print(f"{BUDGETS.relative_to(ROOT)}: budgets of {', '.join(cases)}")
+        return 0
+    worse = sum(judge(case, results[case], budgets.get(case, {})) for case in cases)
+    if worse:
+        print(f"{worse} loops execute over {TOLERANCE:.0%} more instructions a sample than {BUDGETS.relative_to(ROOT)} allows. Where\n"
+              "that is meant: python3 experiments/bench/instructions.py --renew, and say in the commit what it buys.")
+    return 1 if worse else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
