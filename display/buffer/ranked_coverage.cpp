@@ -1,7 +1,6 @@
 #include "display/buffer/ranked_coverage.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <string>
 
@@ -23,10 +22,13 @@ std::uint32_t mixed(std::uint32_t h) {
     return h ^ (h >> 16);
 }
 
-/// A weight that is negative or no number counts for nothing; more than a pixel can hold stops there.
+/// A weight that is negative or no number counts for nothing; more than a pixel can hold stops there. To the nearest,
+/// halves up; without a call of the C library.
 std::uint64_t to_units(double weight) {
     if (!(weight > 0)) return 0;
-    return static_cast<std::uint64_t>(std::min(std::round(weight * unit), 9.0e18));
+    const double units = std::min(weight * unit, 9.0e18);
+    const auto whole = static_cast<std::uint64_t>(units);
+    return whole + (units - static_cast<double>(whole) >= 0.5 ? 1 : 0);
 }
 
 void add_saturated(std::uint64_t& sum, std::uint64_t term) {
@@ -83,6 +85,12 @@ void RankedCoverage::accumulate(const SampleTable& table) {
     const int cameras = table.camera_row_count();
     const bool has_extra = table.row_count() > cameras;
     if (has_extra) extra.gather(table);
+    // Samples of a pixel stand together and mostly see one thing: what they see of it goes to the pixel once.
+    std::size_t at = 0;
+    Entry seen;
+    const auto put = [&] {
+        if (seen.weight > 0) add_to(pixels_[at], seen.id, seen.weight);
+    };
     for (int row = 0; row < cameras; ++row) {
         const CameraRow& camera = table.camera_row(row);
         if (camera.pixel_x < 0 || camera.pixel_y < 0 || camera.pixel_x >= width_ || camera.pixel_y >= height_) continue;
@@ -96,7 +104,13 @@ void RankedCoverage::accumulate(const SampleTable& table) {
             const RgbD& opacity = table.opacity[i];
             if (opacity.is_black()) return;
             const auto surface = static_cast<std::size_t>(table.surface[i]);
-            add(pixel, surface < ids_.size() ? ids_[surface] : 0, weight, (through * opacity).average());
+            const std::uint32_t id = surface < ids_.size() ? ids_[surface] : 0;
+            if (pixel != at || id != seen.id) {
+                put();
+                at = pixel;
+                seen = {id, 0};
+            }
+            add_saturated(seen.weight, to_units(weight * (through * opacity).average()));
             through *= RgbD(1.0) - opacity;
         };
         // The camera row takes its place among the extra rows by depth; at equal depth it comes first.
@@ -111,6 +125,7 @@ void RankedCoverage::accumulate(const SampleTable& table) {
         }
         if (!camera_taken) take(row);
     }
+    put();
 }
 
 Status RankedCoverage::merge(const RankedCoverage& other) {
@@ -191,15 +206,17 @@ double RankedCoverage::resolve(std::size_t pixel, std::span<Rank> ranks) const {
     std::fill(ranks.begin(), ranks.end(), Rank());
     const Record all = record(pixel);
     if (all.weight == 0) return 0;
-    std::array<Entry, ids_per_pixel> sorted;
-    const auto end = std::copy(all.entries.begin(), all.entries.end(), sorted.begin());
-    std::sort(sorted.begin(), end,
-              [](const Entry& a, const Entry& b) { return a.weight != b.weight ? a.weight > b.weight : a.id < b.id; });
+    std::array<const Entry*, ids_per_pixel> sorted;  // uninitialised: most pixels hold one id or two
+    const auto end = std::transform(all.entries.begin(), all.entries.end(), sorted.begin(),
+                                    [](const Entry& entry) { return &entry; });
+    std::sort(sorted.begin(), end, [](const Entry* a, const Entry* b) {
+        return a->weight != b->weight ? a->weight > b->weight : a->id < b->id;
+    });
     const double total = static_cast<double>(all.weight);
     double remainder = static_cast<double>(all.remainder);
     for (std::size_t i = 0; i < all.entries.size(); ++i) {
-        const double weight = static_cast<double>(sorted[i].weight);
-        if (i < ranks.size()) ranks[i] = {sorted[i].id, weight / total};
+        const double weight = static_cast<double>(sorted[i]->weight);
+        if (i < ranks.size()) ranks[i] = {sorted[i]->id, weight / total};
         else remainder += weight;
     }
     return remainder / total;

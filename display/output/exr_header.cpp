@@ -14,6 +14,10 @@ namespace raylex::display {
 
 namespace {
 
+/// Of 1 to 9. Noisy floats hardly pack: against 4, the library's own, the files of a render in 43 layers are 2 % larger
+/// and take 0.72 and 0.76 of the time to write and to read.
+constexpr int zip_level = 3;
+
 using Matrix = std::array<std::array<double, 4>, 4>;
 
 bool is_zero(const Matrix& matrix) {
@@ -84,6 +88,7 @@ Imf::Header make_header(const PlannedPart& part, const FrameBufferLayout& layout
     if (const auto& window = description.data_window)
         header.dataWindow() = {{window->x0, window->y0}, {window->x1 - 1, window->y1 - 1}};
     header.compression() = compression_of(part.storage.compression);
+    header.zipCompressionLevel() = zip_level;
     // The library goes by the first, readers by the second.
     if (is_lossy(part.storage.compression)) {
         header.dwaCompressionLevel() = part.storage.level;

@@ -3,7 +3,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
+#include <future>
+#include <thread>
 #include <utility>
 
 #include <ImfChannelList.h>
@@ -128,6 +131,22 @@ FilePart read_part(Imf::MultiPartInputFile& file, int index) {
     return result;
 }
 
+/// The library reads the parts of an open file one after another, so each thread opens it for itself.
+std::vector<FilePart> read_parts(const std::string& path, const std::vector<int>& indices) {
+    std::vector<FilePart> parts(indices.size());
+    std::atomic<std::size_t> next{0};
+    const auto read = [&] {
+        Imf::MultiPartInputFile file(path.c_str(), 0);
+        for (std::size_t i = next++; i < indices.size(); i = next++) parts[i] = read_part(file, indices[i]);
+    };
+    const std::size_t threads =
+        std::min(indices.size(), static_cast<std::size_t>(std::max(1u, std::thread::hardware_concurrency())));
+    std::vector<std::future<void>> readers;
+    for (std::size_t i = 0; i < threads; ++i) readers.push_back(std::async(std::launch::async, read));
+    for (std::future<void>& reader : readers) reader.get();
+    return parts;
+}
+
 void read_attributes(const Imf::Header& header, ExrImage& image) {
     for (auto i = header.begin(); i != header.end(); ++i) {
         const auto* text = dynamic_cast<const Imf::StringAttribute*>(&i.attribute());
@@ -152,11 +171,12 @@ Result<ExrImage> read_file(const std::string& path) {
     constexpr std::uintmax_t small = std::uintmax_t{1} << 22;
     std::error_code unknown;
     const std::uintmax_t bytes = std::filesystem::file_size(path, unknown);
-    Imf::MultiPartInputFile file(path.c_str(), !unknown && bytes < small ? 0 : Imf::globalThreadCount());
+    const bool is_small = !unknown && bytes < small;
+    Imf::MultiPartInputFile file(path.c_str(), is_small ? 0 : Imf::globalThreadCount());
     if (Status size = check_size(path, file); !size) return std::move(size).error();
     ExrImage image;
     image.path = path;
-    std::vector<FilePart> parts;
+    std::vector<int> flat;
     for (int i = 0; i < file.parts(); ++i) {
         const Imf::Header& header = file.header(i);
         if (is_deep(header)) continue;
@@ -165,7 +185,7 @@ Result<ExrImage> read_file(const std::string& path) {
                                         " lacks pixels (an interrupted write, or the file was cut); " +
                                         "expected a whole file");
         const Window display = window_of(header.displayWindow());
-        if (parts.empty()) {
+        if (flat.empty()) {
             image.width = static_cast<int>(display.width);
             image.height = static_cast<int>(display.height);
         } else if (display.width != image.width || display.height != image.height) {
@@ -173,9 +193,13 @@ Result<ExrImage> read_file(const std::string& path) {
                                         " has another size than part 0; expected one display window for all parts");
         }
         read_attributes(header, image);
-        parts.push_back(read_part(file, i));
+        flat.push_back(i);
     }
-    if (parts.empty()) return read_error(path, "the file holds only deep images; expected at least one flat part");
+    if (flat.empty()) return read_error(path, "the file holds only deep images; expected at least one flat part");
+    std::vector<FilePart> parts;
+    if (flat.size() > 1 && !is_small) parts = read_parts(path, flat);
+    else
+        for (const int index : flat) parts.push_back(read_part(file, index));
     image.layers = name_layers(std::move(parts));
     return image;
 }

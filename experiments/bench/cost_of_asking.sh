@@ -6,6 +6,10 @@
 # Prints per kind of request the least and the median CPU time of a camera sample, and their ratio to beauty alone. The
 # channels are the first ones of lpe/bench/data/lpe_bench_firsthit.txt (osl), which overlap: a path is in about five of 64.
 # Of the still life, lit by four point lights more, the split by 8 light groups x (4 lobes x direct and indirect).
+#
+# Then what a show asks, of whole runs on all cores (CPU and wall time, files written and read back): a room with 8 lights and
+# a glossy box, 400 x 400, in 8 light groups x first lobe x direct or indirect (32 layers and the rest), 5 AOVs and an object
+# cryptomatte, against the beauty alone.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 raylex=${1:-$root/build/release/raylex} rounds=${2:-5} spp=${3:-64}
@@ -49,6 +53,35 @@ sed -E "s#$work/still[.](exr|json)#$work/still_split.\1#" "$work/still.toml" >"$
     -o "$work/split.toml" 2>/dev/null
 cat "$work/split.toml" >>"$work/still_split.toml"
 
+{
+    sed -n '/AreaLightSource/q; s/cornell-grey.exr/cornell8.exr/; s/resolution" 200/resolution" 400/g; /AttributeBegin/!p' \
+        "$root/experiments/scenes/cornell-grey/scene.pbrt" |
+        awk '{ line[NR] = $0 } END { for (i = 1; i < NR; ++i) print line[i]
+            print "Material \"conductor\" \"spectrum eta\" [200 0.2 900 0.2] \"spectrum k\" [200 3.9 900 3.9] \"float roughness\" 0.2 \"bool remaproughness\" false"
+            print line[NR] }'
+    for z in -0.4 0.4; do
+        for x in -0.75 -0.25 0.25 0.75; do
+            printf 'AttributeBegin AreaLightSource "diffuse" "rgb L" [12 12 12] Material "diffuse" "rgb reflectance" [0 0 0]\n'
+            printf 'Translate %s 1.98 %s Shape "trianglemesh" "integer indices" [0 1 2 0 2 3]\n' "$x" "$z"
+            printf '"point3 P" [-.1 0 -.1 .1 0 -.1 .1 0 .1 -.1 0 .1] AttributeEnd\n'
+        done
+    done
+} >"$work/cornell8.pbrt"
+for name in alone show; do
+    printf '[scene]\nfile = "%s"\n[output]\nfile = "%s"\n[render]\nspp = %s\nmax_depth = 8\n' \
+        "$work/cornell8.pbrt" "$work/$name.exr" "$spp" >"$work/$name.toml"
+done
+{
+    printf '[channels]\naovs = ["P", "Nn", "z", "albedo", "st"]\ncryptomatte = ["object"]\n'
+    for light in 0 1 2 3 4 5 6 7; do
+        printf '[[light_group]]\nlight = "area:%s"\ngroup = "g%s"\n' "$light" "$light"
+        for lobe in RD RS; do
+            printf '[[channel]]\nname = "g%s_%s_direct"\nlpe = "C<%s><L.%sg%s%s>"\n' "$light" $lobe $lobe "'" "$light" "'"
+            printf '[[channel]]\nname = "g%s_%s_indirect"\nlpe = "C<%s>.+<L.%sg%s%s>"\n' "$light" $lobe $lobe "'" "$light" "'"
+        done
+    done
+} >>"$work/show.toml"
+
 names=(beauty channels64 all channels256 still still_split)
 for ((round = 0; round < rounds; ++round)); do
     for name in "${names[@]}"; do
@@ -64,4 +97,20 @@ for name in "${names[@]}"; do
         END { split(base, b, " "); m = v[int((NR + 1) / 2)]
               printf "%-12s least %7.1f ns, median %7.1f ns a sample; over beauty +%.1f ns, x%.3f (least), x%.3f (median)\n",
                      name, v[1], m, v[1] - b[1], v[1] / b[1], m / b[2] }'
+done
+
+TIMEFORMAT='%U %S %R'
+for ((round = 0; round < rounds; ++round)); do
+    for name in alone show; do
+        { time "$raylex" render "$work/$name.toml" >/dev/null 2>"$work/log"; } 2>"$work/seconds" || { cat "$work/log" >&2; exit 1; }
+        awk '{ print $1 + $2 }' "$work/seconds" >>"$work/$name.cpu"
+        awk '{ print $3 }' "$work/seconds" >>"$work/$name.wall"
+    done
+done
+for clock in cpu wall; do
+    paste <(sort -g "$work/alone.$clock") <(sort -g "$work/show.$clock") | awk -v clock=$clock '
+        { a[NR] = $1; s[NR] = $2 }
+        END { m = int((NR + 1) / 2)
+              printf "show, %-4s median %.2f s over %.2f s for the beauty alone: x%.3f (least: x%.3f)\n",
+                     clock, s[m], a[m], s[m] / a[m], s[1] / a[1] }'
 done

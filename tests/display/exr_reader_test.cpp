@@ -304,3 +304,35 @@ TEST_CASE("a file cut or damaged anywhere is refused or read, never a crash", "[
     }
     CHECK(refused > 0);  // most damage hits pixels and stays unseen; headers and tables do not
 }
+
+TEST_CASE("the parts of a large file are read by several threads: each value in its place", "[display][exr][law7]") {
+    constexpr int width = 400, height = 256;
+    const Folder folder;
+    std::mt19937 random(2);
+    const auto noise = [&] {
+        std::vector<float> values(std::size_t{width} * height);
+        for (float& value : values) value = static_cast<float>(random());
+        return values;
+    };
+    std::vector<ForeignPart> parts;
+    for (const char* name : {"beauty", "a", "b", "c", "d"})
+        parts.push_back({name, {{"R", Imf::FLOAT, noise()}, {"G", Imf::FLOAT, noise()}, {"B", Imf::FLOAT, noise()}}});
+    const std::string path = folder.path("large.exr");
+    write_foreign_parts(path, parts, width, height);
+    REQUIRE(std::filesystem::file_size(path) > std::uintmax_t{1} << 22);  // smaller ones are read by one thread
+
+    const ExrImage image = read(path);
+    REQUIRE(image.layers.size() == parts.size());
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        CHECK(image.layers[i].name == parts[i].name);
+        for (std::size_t c = 0; c < 3; ++c)
+            CHECK(image.layers[i].planes[c].values == parts[i].channels[c].values);  // to the bit: nothing is rounded
+    }
+
+    std::string damaged = read_bytes(path);
+    damaged.replace(damaged.size() / 2, 4096, std::string(4096, '\x55'));  // packed pixels, under zlib's checksum
+    write_bytes(path, damaged);
+    const auto refused = read_exr(path);
+    REQUIRE(!refused.ok());
+    CHECK(refused.error().message.find("damaged") != std::string::npos);
+}
