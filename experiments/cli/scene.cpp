@@ -6,6 +6,8 @@
 #include "experiments/cli/commands.h"
 #include "experiments/cli/option_group.h"
 #include "experiments/cli/plugin_options.h"
+#include "experiments/cli/scene_commands.h"
+#include "experiments/inspect/scene_doubts.h"
 #include "experiments/invariants/search.h"
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
@@ -101,12 +103,16 @@ int check_scene(const SceneCheckOptions& options) {
         const auto scene = transport::import_pbrt(options.input);
         if (!scene) return report_error(scene.error());
         print_warnings(*scene);
+        const auto built = transport::BuiltScene::build(*scene);
+        if (!built) return report_error(built.error());
+        const std::vector<Error> doubts = scene_doubts(*scene, **built);
+        for (const Error& doubt : doubts) print_line(doubt.to_string());
         const std::size_t objects = scene->objects.size();
         print_line(options.input + ": " + counted(scene->shapes.size(), "shape") + ", " + counted(objects, "object") +
                    ", " + counted(scene->instances.size(), "instance") + ", " +
                    counted(scene->lights.size() + scene->area_lights.size(), "light") + ", " +
-                   counted(scene->warnings.size(), "warning"));
-        return exit_holds;
+                   counted(scene->warnings.size(), "warning") + ", " + counted(doubts.size(), "doubt"));
+        return doubts.empty() ? exit_holds : exit_does_not_hold;
     }
     const auto text = transport::read_file(options.input, NamedBy::file, "a pbrt-v4 scene");
     if (!text) return report_error(text.error());
@@ -126,7 +132,8 @@ std::string invariant_list() {
 }
 
 void add_check_command(CLI::App& scene, CommandContext& context) {
-    CLI::App* command = scene.add_subcommand("check", "Reads a scene; checks what must hold of its images.");
+    CLI::App* command = scene.add_subcommand(
+        "check", "Reads a scene and looks for what can hardly be meant; checks what must hold of its images.");
     auto options = std::make_shared<SceneCheckOptions>();
     command->add_option("SCENE.pbrt", options->input, "the scene")->required();
     const OptionGroup group(*command, "Options");
@@ -139,9 +146,13 @@ void add_check_command(CLI::App& scene, CommandContext& context) {
     group.add("--replicates", options->check.replicates, "N", "renders a mean; default 8, four times as many confirm");
     group.add("--timeout", options->timeout, "S", "seconds after which the scene hangs; default 600");
     add_plugin_option(*command, options->plugins);
-    command->footer("Invariants:\n" + invariant_list() +
-                    "Means are compared by Student's t at a level of 1e-9 each, a thousandth for a million of them.\n"
-                    "Exit codes: 0 all hold, 1 one does not, 2 bad usage or input.");
+    command->footer(
+        "Without --invariants: normals and texture coordinates that are of no use, lights "
+        "that give nothing,\nand what is defined and never used, each at its line of the file.\n"
+        "Invariants:\n" +
+        invariant_list() +
+        "Means are compared by Student's t at a level of 1e-9 each, a thousandth for a million of them.\n"
+        "Exit codes: 0 all holds and nothing is in doubt, 1 something is, 2 bad usage or input.");
     command->callback([options, &context] { context.exit_code = check_scene(*options); });
 }
 
@@ -210,9 +221,10 @@ void add_search_command(CLI::App& scene, CommandContext& context) {
 }  // namespace
 
 void add_scene_command(CLI::App& app, CommandContext& context) {
-    CLI::App* scene =
-        app.add_subcommand("scene", "Writes scenes, checks what must hold of them, searches for bad ones.");
+    CLI::App* scene = app.add_subcommand(
+        "scene", "Says what scenes hold, checks what must hold of them, writes them, searches for bad ones.");
     scene->require_subcommand(1);
+    add_scene_info_command(*scene, context);
     add_check_command(*scene, context);
     add_search_command(*scene, context);
     add_write_command(*scene, context);

@@ -1,0 +1,10 @@
+// Subcommands of `raylex scene`; commands.h says what each of them does with its arguments.
+#pragma once
+
+#include "experiments/cli/commands.h"
+
+namespace raylex::experiments {
+
+void add_scene_info_command(CLI::App& scene, CommandContext& context);
+
+}  // namespace raylex::experiments

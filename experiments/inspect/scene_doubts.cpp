@@ -1,0 +1,186 @@
+#include "experiments/inspect/scene_doubts.h"
+
+#include <algorithm>
+#include <set>
+#include <string>
+
+#include "experiments/program/console.h"
+#include "transport/geometry/placed_mesh.h"
+#include "transport/lights/light_table.h"
+
+namespace raylex::experiments {
+namespace {
+
+using transport::DVec3;
+using transport::SceneDescription;
+using transport::SceneShape;
+using transport::ShapeKind;
+
+using Doubts = std::vector<Error>;
+
+/// Everything that is referred to by name or number somewhere.
+struct Used {
+    std::set<std::string> textures, media;
+    std::set<std::string> material_names;  // by mixes
+    std::set<int> materials, area_lights, objects;
+};
+
+void add_references(const transport::SceneEntity& entity, Used& used) {
+    for (const Parameter& parameter : entity.parameters.parameters) {
+        if (parameter.type == ParameterType::texture)
+            used.textures.insert(parameter.strings.begin(), parameter.strings.end());
+        if (parameter.name == "materials")
+            used.material_names.insert(parameter.strings.begin(), parameter.strings.end());
+    }
+}
+
+Used everything_used(const SceneDescription& scene) {
+    Used used;
+    std::set<int> media{scene.camera_medium};
+    const auto add = [&](const SceneShape& shape) {
+        used.materials.insert(std::max(shape.material, 0));
+        used.area_lights.insert(shape.area_light);
+        media.insert({shape.inside_medium, shape.outside_medium});
+        if (!shape.alpha_texture.empty()) used.textures.insert(shape.alpha_texture);
+    };
+    for (const SceneShape& shape : scene.shapes) add(shape);
+    for (const transport::SceneObject& object : scene.objects)
+        for (const SceneShape& shape : object.shapes) add(shape);
+    for (const transport::SceneInstance& instance : scene.instances) used.objects.insert(instance.object);
+    for (const auto& each : scene.materials) add_references(each, used);
+    for (const auto& each : scene.textures) add_references(each, used);
+    for (const auto& each : scene.lights) add_references(each, used);
+    for (const auto& each : scene.area_lights) add_references(each, used);
+    for (const auto& each : scene.media) add_references(each, used);
+    for (const int medium : media)
+        if (medium >= 0) used.media.insert(scene.media[static_cast<std::size_t>(medium)].name);
+    return used;
+}
+
+/// A defined name that nothing uses; the hint is one that is used and reads alike.
+void doubt_unused(const transport::SceneEntity& entity, const char* what, const std::set<std::string>& used,
+                  Doubts& doubts) {
+    if (entity.name.empty() || used.count(entity.name) > 0) return;
+    const std::string near = nearest_name(entity.name, {used.begin(), used.end()});
+    doubts.push_back(error_at(entity.location, std::string("the ") + what + " '" + entity.name + "' is used by nothing",
+                              near.empty() ? "" : "'" + near + "' is used: was this meant?"));
+}
+
+void doubt_unused_entities(const SceneDescription& scene, const Used& used, Doubts& doubts) {
+    std::set<std::string> materials = used.material_names;
+    for (const int material : used.materials)
+        if (static_cast<std::size_t>(material) < scene.materials.size())
+            materials.insert(scene.materials[static_cast<std::size_t>(material)].name);
+    for (const auto& each : scene.materials) doubt_unused(each, "material", materials, doubts);
+    for (const auto& each : scene.textures) doubt_unused(each, "texture", used.textures, doubts);
+    for (const auto& each : scene.media) doubt_unused(each, "medium", used.media, doubts);
+    for (std::size_t i = 0; i < scene.area_lights.size(); ++i)
+        if (used.area_lights.count(static_cast<int>(i)) == 0)
+            doubts.push_back(error_at(scene.area_lights[i].location, "no shape follows this area light: it is dark"));
+    for (std::size_t i = 0; i < scene.objects.size(); ++i)
+        if (used.objects.count(static_cast<int>(i)) == 0)
+            doubts.push_back(error_at(scene.objects[i].shapes.empty() ? SourceLocation{scene.file, 0, 0}
+                                                                      : scene.objects[i].shapes.front().location,
+                                      "the object '" + scene.objects[i].name + "' has no instance"));
+}
+
+/// Of a mesh's faces.
+struct FaceCounts {
+    std::size_t faces = 0, degenerate_uv = 0, torn_normals = 0, zero_normals = 0;
+};
+
+DVec3 at(const std::vector<transport::StoredVec3>& values, std::uint32_t i) {
+    return DVec3(values[i]);
+}
+
+FaceCounts count_faces(const SceneShape& shape) {
+    FaceCounts counts;
+    const std::size_t corners = shape.kind == ShapeKind::triangle_mesh ? 3 : 4;
+    counts.faces = shape.indices.size() / corners;
+    const std::vector<std::uint32_t>& indices = shape.indices;
+    for (const transport::StoredVec3& n : shape.normals) counts.zero_normals += dot(DVec3(n), DVec3(n)) == 0;
+    if (corners != 3) return counts;
+    for (std::size_t i = 0; i + 3 <= indices.size(); i += 3) {
+        const std::uint32_t a = indices[i], b = indices[i + 1], c = indices[i + 2];
+        if (!shape.uvs.empty()) {
+            const double ux = double(shape.uvs[b].x) - shape.uvs[a].x, uy = double(shape.uvs[b].y) - shape.uvs[a].y;
+            const double vx = double(shape.uvs[c].x) - shape.uvs[a].x, vy = double(shape.uvs[c].y) - shape.uvs[a].y;
+            counts.degenerate_uv += ux * vy - uy * vx == 0;
+        }
+        if (!shape.normals.empty()) {
+            const DVec3 n =
+                cross(at(shape.positions, b) - at(shape.positions, a), at(shape.positions, c) - at(shape.positions, a));
+            bool front = false, back = false;
+            for (const std::uint32_t corner : {a, b, c}) {
+                const double side = dot(n, at(shape.normals, corner));
+                front = front || side > 0;
+                back = back || side < 0;
+            }
+            counts.torn_normals += front && back;
+        }
+    }
+    return counts;
+}
+
+bool reads_textures(const SceneDescription& scene, int material) {
+    if (material < 0 || static_cast<std::size_t>(material) >= scene.materials.size()) return false;
+    const auto& parameters = scene.materials[static_cast<std::size_t>(material)].parameters.parameters;
+    return std::any_of(parameters.begin(), parameters.end(), [](const Parameter& parameter) {
+        return parameter.type == ParameterType::texture || parameter.name == "normalmap";
+    });
+}
+
+void doubt_shape(const SceneDescription& scene, const SceneShape& shape, Doubts& doubts) {
+    if (shape.kind != ShapeKind::triangle_mesh && shape.kind != ShapeKind::bilinear_mesh) return;
+    const FaceCounts counts = count_faces(shape);
+    const auto doubt = [&](std::size_t count, const std::string& what) {
+        if (count == 0) return;
+        doubts.push_back(error_at(shape.location, std::to_string(count) + " of " + std::to_string(counts.faces) +
+                                                      " faces of " + transport::mesh_name(shape) + " " + what));
+    };
+    if (counts.faces == 0) doubts.push_back(error_at(shape.location, transport::mesh_name(shape) + " has no faces"));
+    if (reads_textures(scene, shape.material) || !shape.alpha_texture.empty())
+        doubt(counts.degenerate_uv, "have texture coordinates on a line, and a material that reads textures");
+    doubt(counts.torn_normals, "have vertex normals on both of their sides");
+    if (counts.zero_normals > 0)
+        doubts.push_back(error_at(shape.location, counted(counts.zero_normals, "vertex normal") + " of " +
+                                                      transport::mesh_name(shape) + " " +
+                                                      (counts.zero_normals == 1 ? "has" : "have") + " no length"));
+}
+
+/// Lights that give nothing: of area lights, where no primitive does.
+void doubt_lights(const SceneDescription& scene, const transport::BuiltScene& built, Doubts& doubts) {
+    const std::span<const transport::Light> lights = built.view().lights->lights();
+    std::vector<double> area_power(scene.area_lights.size(), 0);
+    std::vector<bool> has_shape(scene.area_lights.size(), false);
+    std::size_t primitives = 0;
+    for (const transport::Light& light : lights) {
+        if (!light.is_area()) break;  // they come first
+        ++primitives;
+        const int area = scene.shapes[light.shape].area_light;
+        area_power[static_cast<std::size_t>(area)] += light.power;
+        has_shape[static_cast<std::size_t>(area)] = true;
+    }
+    for (std::size_t i = 0; i < area_power.size(); ++i)
+        if (has_shape[i] && !(area_power[i] > 0))
+            doubts.push_back(error_at(scene.area_lights[i].location, "this area light gives no light"));
+    for (std::size_t i = 0; i < scene.lights.size() && primitives + i < lights.size(); ++i)
+        if (!(lights[primitives + i].power > 0))
+            doubts.push_back(
+                error_at(scene.lights[i].location, "this " + scene.lights[i].type + " light gives no light"));
+    if (lights.empty()) doubts.push_back(error_at({scene.file, 0, 0}, "the scene has no light: its image is black"));
+}
+
+}  // namespace
+
+std::vector<Error> scene_doubts(const SceneDescription& scene, const transport::BuiltScene& built) {
+    Doubts doubts;
+    for (const SceneShape& shape : scene.shapes) doubt_shape(scene, shape, doubts);
+    for (const transport::SceneObject& object : scene.objects)
+        for (const SceneShape& shape : object.shapes) doubt_shape(scene, shape, doubts);
+    doubt_lights(scene, built, doubts);
+    doubt_unused_entities(scene, everything_used(scene), doubts);
+    return doubts;
+}
+
+}  // namespace raylex::experiments

@@ -1,0 +1,249 @@
+#include "experiments/inspect/scene_facts.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "experiments/job/effect_report.h"
+#include "experiments/program/console.h"
+#include "transport/render/film.h"
+
+namespace raylex::experiments {
+namespace {
+
+using transport::SceneDescription;
+using transport::SceneShape;
+using transport::ShapeKind;
+
+/// Counts in the order in which kinds first appear.
+class KindCounter {
+  public:
+    void add(const std::string& kind, std::uint64_t count = 1) {
+        const auto [at, fresh] = place_.try_emplace(kind, counts_.size());
+        if (fresh) counts_.push_back({kind, 0});
+        counts_[at->second].count += count;
+    }
+    [[nodiscard]] std::vector<KindCount> take() { return std::move(counts_); }
+
+  private:
+    std::map<std::string, std::size_t> place_;
+    std::vector<KindCount> counts_;
+};
+
+const char* kind_name(ShapeKind kind) {
+    switch (kind) {
+        case ShapeKind::triangle_mesh:
+            return "triangle mesh";
+        case ShapeKind::bilinear_mesh:
+            return "bilinear mesh";
+        case ShapeKind::sphere:
+            return "sphere";
+        case ShapeKind::disk:
+            return "disk";
+        case ShapeKind::cylinder:
+            return "cylinder";
+    }
+    return "shape";
+}
+
+std::uint64_t primitive_count(const SceneShape& shape) {
+    if (shape.kind == ShapeKind::triangle_mesh) return shape.indices.size() / 3;
+    if (shape.kind == ShapeKind::bilinear_mesh) return shape.indices.size() / 4;
+    return 1;
+}
+
+const char* primitive_name(ShapeKind kind) {
+    if (kind == ShapeKind::triangle_mesh) return "triangle";
+    return kind == ShapeKind::bilinear_mesh ? "patch" : "quadric";
+}
+
+template <class Entities>
+std::vector<KindCount> by_type(const Entities& entities) {
+    KindCounter counter;
+    for (const auto& each : entities) counter.add(each.type.empty() ? "interface" : each.type);
+    return counter.take();
+}
+
+void add_shapes(const SceneDescription& scene, SceneFacts& facts) {
+    KindCounter shapes, primitives;
+    std::set<std::string> labels;
+    const auto add = [&](const SceneShape& shape) {
+        shapes.add(kind_name(shape.kind));
+        primitives.add(primitive_name(shape.kind), primitive_count(shape));
+        if (!shape.label.empty()) labels.insert(shape.label);
+        facts.mesh_bytes += (shape.positions.size() + shape.normals.size()) * sizeof(transport::StoredVec3) +
+                            shape.uvs.size() * sizeof(transport::StoredVec2) +
+                            shape.indices.size() * sizeof(std::uint32_t);
+    };
+    for (const SceneShape& shape : scene.shapes) {
+        add(shape);
+        facts.rendered += primitive_count(shape);
+        if (shape.area_light >= 0) facts.emitters += primitive_count(shape);
+    }
+    std::vector<std::uint64_t> of_object;
+    for (const transport::SceneObject& object : scene.objects) {
+        std::uint64_t count = 0;
+        for (const SceneShape& shape : object.shapes) add(shape), count += primitive_count(shape);
+        of_object.push_back(count);
+    }
+    for (const transport::SceneInstance& instance : scene.instances) {
+        if (instance.object >= 0) facts.rendered += of_object[static_cast<std::size_t>(instance.object)];
+        if (!instance.label.empty()) labels.insert(instance.label);
+    }
+    facts.shapes = shapes.take();
+    facts.primitives = primitives.take();
+    facts.labels.assign(labels.begin(), labels.end());
+}
+
+std::string kinds_text(const std::vector<KindCount>& kinds) {
+    std::string text;
+    for (const KindCount& each : kinds)
+        text += (text.empty() ? "" : ", ") + std::to_string(each.count) + " " + each.kind;
+    return text.empty() ? "none" : text;
+}
+
+std::string names_text(const std::vector<std::string>& names, std::size_t most) {
+    std::string text;
+    for (std::size_t i = 0; i < std::min(names.size(), most); ++i) text += (i > 0 ? ", " : "") + names[i];
+    if (names.size() > most) text += " and " + std::to_string(names.size() - most) + " more";
+    return text.empty() ? "none" : text;
+}
+
+std::string or_default(const std::string& type) {
+    return type.empty() ? "not given" : type;
+}
+
+std::string point_text(const double (&p)[3]) {
+    return "(" + number_text(p[0], 6) + ", " + number_text(p[1], 6) + ", " + number_text(p[2], 6) + ")";
+}
+
+Json json_of(const std::vector<KindCount>& kinds) {
+    Json json = Json::object();
+    for (const KindCount& each : kinds) json[each.kind] = each.count;
+    return json;
+}
+
+}  // namespace
+
+SceneFacts scene_facts(const SceneDescription& scene) {
+    SceneFacts facts;
+    facts.file = scene.file;
+    facts.objects = scene.objects.size();
+    facts.instances = scene.instances.size();
+    add_shapes(scene, facts);
+    facts.materials = by_type(scene.materials);
+    facts.textures = by_type(scene.textures);
+    facts.media = by_type(scene.media);
+    facts.lights = by_type(scene.lights);
+    if (!scene.area_lights.empty()) facts.lights.push_back({"area", scene.area_lights.size()});
+    facts.emitters += scene.lights.size();
+    std::set<std::string> groups;
+    for (const transport::SceneLight& light : scene.lights) groups.insert(light.group);
+    for (const transport::SceneAreaLight& light : scene.area_lights) groups.insert(light.group);
+    groups.erase("");
+    facts.light_groups.assign(groups.begin(), groups.end());
+    facts.camera = scene.camera.type;
+    facts.film = scene.film.type;
+    facts.filter = scene.filter.type;
+    facts.sampler = scene.sampler.type;
+    facts.integrator = scene.integrator.type;
+    std::vector<Error> ignored;  // the render says them
+    if (const auto film = transport::read_film(scene.film, std::nullopt, ignored))
+        facts.width = film->width, facts.height = film->height;
+    facts.effects = transport::analyse_effects(scene);
+    for (const Error& warning : scene.warnings) facts.warnings.push_back(warning.to_string());
+    return facts;
+}
+
+void add_built_facts(const transport::BuiltScene& built, SceneFacts& facts) {
+    facts.is_built = true;
+    const transport::EmbreeScene& geometry = *built.view().geometry;
+    const transport::Bounds& bounds = geometry.bounds();
+    facts.is_empty = facts.rendered == 0;
+    const transport::DVec3& origin = built.space().origin;
+    const double to_world[3] = {origin.x, origin.y, origin.z};
+    for (int i = 0; i < 3; ++i) {
+        facts.lower[i] = static_cast<double>(bounds.lower[i]) + to_world[i];
+        facts.upper[i] = static_cast<double>(bounds.upper[i]) + to_world[i];
+    }
+    facts.build_seconds = built.build_seconds;
+    for (const Error& warning : built.warnings) {
+        const std::string text = warning.to_string();
+        if (std::find(facts.warnings.begin(), facts.warnings.end(), text) == facts.warnings.end())
+            facts.warnings.push_back(text);
+    }
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    facts.peak_bytes = static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+std::vector<std::string> lines_of(const SceneFacts& facts) {
+    std::vector<std::string> lines{facts.file};
+    const auto line = [&](std::string name, const std::string& value) {
+        name.resize(14, ' ');
+        lines.push_back("  " + name + value);
+    };
+    line("shapes", kinds_text(facts.shapes));
+    line("primitives", kinds_text(facts.primitives) + "; rays meet " + std::to_string(facts.rendered));
+    line("instances", counted(facts.instances, "instance") + " of " + counted(facts.objects, "object"));
+    if (facts.is_built)
+        line("bounds", facts.is_empty ? "nothing to hit" : point_text(facts.lower) + " to " + point_text(facts.upper));
+    line("materials", kinds_text(facts.materials));
+    line("textures", kinds_text(facts.textures));
+    line("media", kinds_text(facts.media));
+    line("lights", kinds_text(facts.lights) + "; " + counted(facts.emitters, "emitter") + " to choose from");
+    line("labels", names_text(facts.labels, 12));
+    line("light groups", names_text(facts.light_groups, 12));
+    std::string film = or_default(facts.film);
+    if (facts.width > 0 && facts.height > 0)
+        film += " " + std::to_string(facts.width) + "x" + std::to_string(facts.height);
+    line("image", "camera " + or_default(facts.camera) + ", film " + film + ", filter " + or_default(facts.filter));
+    line("sampling", "sampler " + or_default(facts.sampler) + ", integrator " + or_default(facts.integrator));
+    line("memory", size_text(static_cast<double>(facts.mesh_bytes)) + " of meshes as read" +
+                       (facts.is_built ? ", " + size_text(static_cast<double>(facts.peak_bytes)) +
+                                             " at most while reading and building"
+                                       : std::string()));
+    if (facts.is_built)
+        line("time",
+             duration_text(facts.read_seconds) + " to read, " + duration_text(facts.build_seconds) + " to build");
+    for (const std::string& each : effect_summary(facts.effects, {})) lines.push_back("  " + each);
+    line("warnings", facts.warnings.empty() ? "none" : std::to_string(facts.warnings.size()));
+    return lines;
+}
+
+Json json_of(const SceneFacts& facts) {
+    Json json;
+    json["file"] = facts.file;
+    json["shapes"] = json_of(facts.shapes);
+    json["primitives"] = json_of(facts.primitives);
+    json["primitives_rendered"] = facts.rendered;
+    json["objects"] = facts.objects;
+    json["instances"] = facts.instances;
+    json["materials"] = json_of(facts.materials);
+    json["textures"] = json_of(facts.textures);
+    json["media"] = json_of(facts.media);
+    json["lights"] = json_of(facts.lights);
+    json["emitters"] = facts.emitters;
+    json["labels"] = facts.labels;
+    json["light_groups"] = facts.light_groups;
+    json["camera"] = facts.camera;
+    json["film"] = {{"type", facts.film}, {"width", facts.width}, {"height", facts.height}};
+    json["filter"] = facts.filter;
+    json["sampler"] = facts.sampler;
+    json["integrator"] = facts.integrator;
+    json["mesh_bytes"] = facts.mesh_bytes;
+    json["effects"] = effects_json(facts.effects, {});
+    json["warnings"] = facts.warnings;
+    if (facts.is_built) {
+        json["bounds"] = nullptr;
+        if (!facts.is_empty) json["bounds"] = {{"lower", facts.lower}, {"upper", facts.upper}};
+        json["read_seconds"] = facts.read_seconds;
+        json["build_seconds"] = facts.build_seconds;
+        json["peak_bytes"] = facts.peak_bytes;
+    }
+    return json;
+}
+
+}  // namespace raylex::experiments

@@ -1,0 +1,98 @@
+// What `raylex scene info` counts, and what `raylex scene check` doubts.
+#include <catch2/catch.hpp>
+
+#include "experiments/job/json.h"
+#include "support.h"
+
+using namespace raylex;
+using namespace raylex::test;
+
+namespace {
+
+const char* const counted_scene = R"(Film "rgb" "integer xresolution" 8 "integer yresolution" 4
+Camera "perspective"
+WorldBegin
+LightSource "infinite" "rgb L" [1 1 1]
+MakeNamedMaterial "wood" "string type" "diffuse"
+NamedMaterial "wood"
+AttributeBegin
+AreaLightSource "diffuse" "rgb L" [2 2 2]
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-1 2 4  1 2 4  1 2 6  -1 2 6]
+AttributeEnd
+ObjectBegin "leaf"
+Shape "sphere" "float radius" 0.1
+Shape "disk"
+ObjectEnd
+AttributeBegin
+Translate 3 0 5
+ObjectInstance "leaf"
+AttributeEnd
+AttributeBegin
+Translate -3 0 5
+ObjectInstance "leaf"
+AttributeEnd
+)";
+
+}  // namespace
+
+TEST_CASE("raylex scene info counts what a scene holds and says where it stands") {
+    const Folder folder;
+    folder.write("room.pbrt", counted_scene);
+    const Outcome outcome = run_raylex(folder, "scene info room.pbrt --json facts.json --picture room.png");
+    CAPTURE(outcome.out, outcome.err);
+    REQUIRE(outcome.code == 0);
+    CHECK(contains(outcome.out, "1 triangle mesh, 1 sphere, 1 disk"));
+    CHECK(contains(outcome.out, "2 triangle, 2 quadric; rays meet 6"));
+    CHECK(contains(outcome.out, "2 instances of 1 object"));
+    CHECK(contains(outcome.out, "(-4, -1, 4) to (4, 2, 6)"));
+    CHECK(contains(outcome.out, "effects: "));
+    const experiments::Json facts = experiments::parse_json(folder.read("facts.json"));
+    CHECK(facts["primitives_rendered"] == 6);
+    CHECK(facts["emitters"] == 3);  // two triangles and the sky
+    CHECK(facts["lights"]["infinite"] == 1);
+    CHECK(facts["lights"]["area"] == 1);
+    CHECK(facts["labels"][0] == "wood");
+    CHECK(facts["film"]["width"] == 8);
+    CHECK(facts["bounds"]["upper"][0] == 4);
+    CHECK(facts["peak_bytes"] > 1000000);
+    CHECK(facts["effects"]["instances"]["called_for"] == true);
+    CHECK(folder.read("room.png").substr(1, 3) == "PNG");
+
+    const Outcome unbuilt = run_raylex(folder, "scene info room.pbrt --no-build");
+    CHECK(unbuilt.code == 0);
+    CHECK_FALSE(contains(unbuilt.out, "bounds"));
+    CHECK(run_raylex(folder, "scene info nowhere.pbrt").code == 2);
+}
+
+TEST_CASE("raylex scene check finds what can hardly be meant, each at its line, and exits with 1") {
+    const Folder folder;
+    const auto check = [&](const std::string& world, const std::string& doubt) {
+        folder.write("doubtful.pbrt", "Camera \"perspective\"\nWorldBegin\n" + world);
+        const Outcome outcome = run_raylex(folder, "scene check doubtful.pbrt");
+        CAPTURE(world, outcome.out, outcome.err);
+        CHECK(outcome.code == (doubt.empty() ? 0 : 1));
+        CHECK(contains(outcome.out, doubt.empty() ? "0 doubts" : doubt));
+    };
+    const std::string sky = "LightSource \"infinite\"\n";
+    const std::string face = "Shape \"trianglemesh\" \"integer indices\" [0 1 2] \"point3 P\" [0 0 5  1 0 5  0 1 5] ";
+    check(sky + face + "\n", "");
+    check(face + "\n", "doubtful.pbrt: the scene has no light: its image is black");
+    check(sky + face + "\"normal N\" [0 0 1  0 0 -1  0 0 1]\n",
+          "doubtful.pbrt:4:1: 1 of 1 faces of the mesh have vertex normals on both of their sides");
+    check(sky + face + "\"normal N\" [0 0 1  0 0 0  0 0 1]\n", "1 vertex normal of the mesh has no length");
+    check(sky + "Texture \"a\" \"spectrum\" \"checkerboard\"\nMaterial \"diffuse\" \"texture reflectance\" \"a\"\n" +
+              face + "\"point2 uv\" [0 0  1 1  2 2]\n",
+          "have texture coordinates on a line");
+    check(sky + face + "\nLightSource \"point\" \"rgb I\" [0 0 0]\n",
+          "doubtful.pbrt:5:1: this point light gives no light");
+    check(sky + "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [0 0 0]\n" + face + "\nAttributeEnd\n",
+          "doubtful.pbrt:5:1: this area light gives no light");
+    check(sky + face + "\nMakeNamedMaterial \"gold\" \"string type\" \"conductor\"\n",
+          "doubtful.pbrt:5:1: the material 'gold' is used by nothing");
+    check(sky +
+              "Texture \"wodo\" \"spectrum\" \"checkerboard\"\nTexture \"wood\" \"spectrum\" \"checkerboard\"\n"
+              "Material \"diffuse\" \"texture reflectance\" \"wood\"\n" +
+              face + "\n",
+          "'wood' is used: was this meant?");
+    check(sky + face + "\nObjectBegin \"leaf\"\nShape \"sphere\"\nObjectEnd\n", "the object 'leaf' has no instance");
+}
