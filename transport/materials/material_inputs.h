@@ -70,7 +70,6 @@ struct ConductorInput {
 /// A ParameterReader for materials. Every factory begins with one and ends by asking for error().
 class MaterialReader : public ParameterReader {
   public:
-    /// Refuses "displacement" and "normalmap", which would change the image.
     MaterialReader(const SceneEntity& entity, const MaterialContext& context);
 
     RgbInput rgb(std::string_view name, const Rgb& fallback, SpectrumRole role = SpectrumRole::albedo);

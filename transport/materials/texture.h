@@ -50,6 +50,8 @@ class TextureTable {
     Result<TextureId> rgb_parameter(const ParameterSet& set, std::string_view name, const Rgb& fallback,
                                     SpectrumRole role, const ColorContext& color);
     Result<TextureId> real_parameter(const ParameterSet& set, std::string_view name, Real fallback);
+    /// The first three channels of an image file as they are stored (tangent-space normals): bilinear, repeated.
+    Result<TextureId> normal_map(const std::string& file, const SourceLocation& where);
     /// By the float texture's own name (SceneShape::alpha_texture).
     Result<TextureId> named_real(std::string_view name, const SourceLocation& where) const;
 
