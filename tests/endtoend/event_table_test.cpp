@@ -89,6 +89,10 @@ TEST_CASE("Every material gives the events of the normative table and no others"
             MakeNamedMaterial "b" "string type" "conductor" "float roughness" 0
             Material "mix" "string materials" ["a" "b"] "float amount" 0.5)",
          {"<RD'obj''diffuse'>", "<RS'obj''conductor'>"}},
+        {"diffusetransmission", R"(Material "diffusetransmission")", {"<RD'obj''diffuse'>", "<TD'obj''diffuse'>"}},
+        {"hair",
+         R"(Material "hair" "rgb sigma_a" [.1 .1 .1])",
+         {"<RG'obj''R'>", "<TG'obj''TT'>", "<RG'obj''TRT'>", "<RG'obj''TRRT'>"}},
         {"additive",
          R"(Material "raylex:additive" "rgb diffuse" [.3 .3 .3] "rgb specular" [.4 .4 .4] "float roughness" 0.3)",
          {"<RD'obj''diffuse'>", "<RG'obj''specular'>"}},
@@ -101,7 +105,7 @@ TEST_CASE("Every material gives the events of the normative table and no others"
     for (const Row& row : rows) {
         auto scene = import_text(scene_text(row.material, constant_sky));
         scene.shapes[0].label = "obj";
-        std::vector<display::ChannelDefinition> channels{osl_channel("one_event", "C<[RTV].>B")};
+        std::vector<display::ChannelDefinition> channels{osl_channel("one_event", "C<[RTV]...>B")};
         for (std::size_t i = 0; i < row.events.size(); ++i)
             channels.push_back(osl_channel("e" + std::to_string(i), std::string("C") + row.events[i] + "B"));
         const auto means = render_means(scene, channels);

@@ -169,6 +169,11 @@ BsdfEvaluation Bsdf::evaluate_other(const Vec3& wo_world, const Vec3& wi_world) 
             return evaluate_additive(additive_, wo, wi);
         case Kind::ideal:
             return one_lobe(lobes::diffuse, LambertClosure{ideal_.diffuse}.value(wo, wi), ideal_pdf(ideal_, wo, wi));
+        case Kind::diffuse_transmission:
+            return one_lobe(wo.z * wi.z > 0 ? lobes::diffuse : lobes::diffuse_transmit,
+                            diffuse_transmission_.value(wo, wi), diffuse_transmission_.pdf(wo, wi));
+        case Kind::hair:
+            return hair_.evaluate(wo, wi);
         case Kind::custom:
             return custom_.calls->evaluate(custom_.data.data(), wo, wi);
         case Kind::black:
@@ -202,6 +207,10 @@ Real Bsdf::pdf_other(const Vec3& wo_world, const Vec3& wi_world) const {
             return evaluate_additive(additive_, wo, wi).pdf;
         case Kind::ideal:
             return ideal_pdf(ideal_, wo, wi);
+        case Kind::diffuse_transmission:
+            return diffuse_transmission_.pdf(wo, wi);
+        case Kind::hair:
+            return hair_.pdf(wo, wi);
         case Kind::custom:
             return custom_.calls->pdf(custom_.data.data(), wo, wi);
         case Kind::black:
@@ -262,6 +271,15 @@ BsdfSample Bsdf::draw(const Vec3& wo_world, Real u_lobe, const Vec2& u) const {
             return sample_additive(frame_, additive_, wo, u_lobe, u);
         case Kind::ideal:
             return sample_ideal(frame_, ideal_, wo, u_lobe, u);
+        case Kind::diffuse_transmission: {
+            const LocalSample s = diffuse_transmission_.sample(wo, u_lobe, u);
+            return to_sample(frame_, s, s.transmitted ? lobes::diffuse_transmit : lobes::diffuse);
+        }
+        case Kind::hair: {
+            BsdfSample result = hair_.sample(wo, u_lobe, u);
+            result.wi = frame_.to_world(result.wi);
+            return result;
+        }
         case Kind::custom: {
             BsdfSample result = custom_.calls->sample(custom_.data.data(), wo, u_lobe, u);
             result.wi = frame_.to_world(result.wi);
@@ -298,6 +316,10 @@ Rgb Bsdf::albedo(const Vec3& wo) const {
             return additive_.diffuse.reflectance + additive_.specular.albedo(cos_o);
         case Kind::ideal:
             return ideal_.diffuse + ideal_.mirror + ideal_.sheet;
+        case Kind::diffuse_transmission:
+            return diffuse_transmission_.reflectance + diffuse_transmission_.transmittance;
+        case Kind::hair:
+            return hair_.albedo(frame_.to_local(wo));
         case Kind::custom:
             return custom_.calls->albedo(custom_.data.data(), cos_o);
         case Kind::black:

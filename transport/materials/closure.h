@@ -12,6 +12,8 @@
 #include "transport/materials/bsdf.h"
 #include "transport/materials/compensated.h"
 #include "transport/materials/custom_closure.h"
+#include "transport/materials/diffuse_transmission.h"
+#include "transport/materials/hair.h"
 #include "transport/materials/ideal.h"
 #include "transport/materials/layered.h"
 #include "transport/materials/lobes.h"
@@ -36,6 +38,8 @@ class Bsdf {
         ideal,
         compensated_conductor,
         compensated_dielectric,
+        diffuse_transmission,
+        hair,
         custom,  ///< a plugin's own
         phase    ///< particles of a medium: no surface, no cosine
     };
@@ -125,6 +129,18 @@ class Bsdf {
         std::construct_at(&ideal_, ideal);
         set_kind(Kind::ideal, !ideal.diffuse.is_black());
     }
+    void set(const Frame& frame, const DiffuseTransmissionClosure& leaf) {
+        frame_ = frame;
+        std::construct_at(&diffuse_transmission_, leaf);
+        const bool lit = !leaf.reflectance.is_black() || !leaf.transmittance.is_black();
+        set_kind(lit ? Kind::diffuse_transmission : Kind::black, lit);
+    }
+    /// s of the frame: along the fibre.
+    void set(const Frame& frame, const HairClosure& hair) {
+        frame_ = frame;
+        std::construct_at(&hair_, hair);
+        set_kind(Kind::hair, true);
+    }
     /// Henyey-Greenstein's phase function of asymmetry g. Its lobe says nothing: the event is the medium's.
     void set_phase(Real g) {
         std::construct_at(&phase_g_, g);
@@ -163,6 +179,8 @@ class Bsdf {
         IdealClosure ideal_;
         CompensatedConductor compensated_conductor_;
         CompensatedDielectric compensated_dielectric_;
+        DiffuseTransmissionClosure diffuse_transmission_;
+        HairClosure hair_;
         CustomClosure custom_;
         Real phase_g_;
     };

@@ -13,6 +13,7 @@ Registry<MaterialFactory>& material_registry() {
         Registry<MaterialFactory> r("material");
         register_plain_materials(r);
         register_layered_materials(r);
+        register_hair_materials(r);
         register_composite_materials(r);
         register_raylex_materials(r);
         Registry<MaterialFactory> detailed("material");

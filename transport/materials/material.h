@@ -52,8 +52,8 @@ struct MaterialContext {
 
 using MaterialFactory = std::function<Result<std::unique_ptr<Material>>(const SceneEntity&, const MaterialContext&)>;
 
-/// diffuse, conductor, dielectric, thindielectric, coateddiffuse, coatedconductor, mix, interface, and raylex:additive,
-/// raylex:mirror, raylex:diffuse-mirror, raylex:sheet; plugins add theirs.
+/// pbrt-v4's by their names, and raylex:additive, raylex:mirror, raylex:diffuse-mirror, raylex:sheet; plugins add
+/// theirs.
 Registry<MaterialFactory>& material_registry();
 
 /// All materials of a scene, in the order of SceneDescription::materials.
