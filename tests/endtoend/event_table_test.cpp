@@ -121,6 +121,38 @@ TEST_CASE("Every material gives the events of the normative table and no others"
     }
 }
 
+TEST_CASE("A subsurface material reflects as specular, lets light in and out as subsurface, and scatters as itself",
+          "[event-table]") {
+    for (const char* roughness : {"0", "0.3"}) {
+        auto scene = import_text(std::string(R"(
+            Film "rgb" "integer xresolution" 8 "integer yresolution" 8
+            LookAt 0 0 4  0 0 0  0 1 0
+            Camera "perspective" "float fov" 20
+            WorldBegin
+            LightSource "infinite" "rgb L" [1 1 1]
+            MakeNamedMaterial "wax" "string type" "subsurface" "rgb sigma_a" [.1 .1 .1] "rgb sigma_s" [2 2 2]
+                "float roughness" )") +
+                                 roughness + R"(
+            NamedMaterial "wax"
+            Shape "sphere")");
+        const std::string reflected = roughness == std::string("0") ? "<RS'wax''specular'>" : "<RG'wax''specular'>";
+        const std::string crossed = "<TD'wax''subsurface'>", inside = "[<V.'wax'>" + reflected + "]*";
+        const auto means = render_means(
+            scene, {osl_channel("all", "C.*B"), osl_channel("surface", "C" + reflected + "B"),
+                    osl_channel("through", "C" + crossed + inside + crossed + "B"),
+                    osl_channel("once", "C" + crossed + "<V.'wax'>" + crossed + "B"), osl_channel("seen", "CB"),
+                    lpe_channel("shipped", "C<TD>[DSV]*[<L.>O]"), lpe_channel("number", "C<TD3'wax'>.*B")});
+        CAPTURE(roughness, means[0], means[1], means[2]);
+        CHECK(means[1] > 0.01);
+        CHECK(means[3] > 0.01);
+        CHECK(means[2] > 3 * means[3]);  // light walks: maxdepth of 5 does not count what happens inside
+        // No other words, but for light that comes back in after a rough surface sent it down at the sphere again.
+        if (roughness == std::string("0")) CHECK(means[1] + means[2] + means[4] == Approx(means[0]).epsilon(1e-12));
+        CHECK(means[5] >= means[2]);
+        CHECK(means[6] >= means[2]);
+    }
+}
+
 TEST_CASE("A cutout leaves a straight event in osl and no event in renderman", "[event-table]") {
     for (const char* material : {"Material \"diffuse\" \"rgb reflectance\" [0 0 0]", "Material \"interface\""}) {
         const bool interface = std::string(material).find("interface") != std::string::npos;

@@ -40,8 +40,9 @@ class Bsdf {
         compensated_dielectric,
         diffuse_transmission,
         hair,
-        custom,  ///< a plugin's own
-        phase    ///< particles of a medium: no surface, no cosine
+        subsurface,  ///< a dielectric with lobes of its own
+        custom,      ///< a plugin's own
+        phase        ///< particles of a medium: no surface, no cosine
     };
 
     Bsdf() : lambert_{} {}
@@ -60,7 +61,7 @@ class Bsdf {
     /// Refractive index on the inner side, 1 for what light does not enter.
     [[nodiscard]] Real inside_ior() const {
         if (kind_ == Kind::compensated_dielectric) return compensated_dielectric_.glass.eta;
-        return kind_ == Kind::dielectric ? dielectric_.eta : 1.0f;
+        return kind_ == Kind::dielectric || kind_ == Kind::subsurface ? dielectric_.eta : 1.0f;
     }
 
     /// No surface: the integrator continues the ray in its direction, without an event (`s` in the osl dialect). All
@@ -90,6 +91,11 @@ class Bsdf {
         frame_ = frame;
         std::construct_at(&dielectric_, dielectric);
         set_kind(Kind::dielectric, !dielectric.is_delta());
+    }
+    /// The interface of a translucent body: its lobes are `specular` and `subsurface`.
+    void set_subsurface(const Frame& frame, const DielectricClosure& dielectric) {
+        set(frame, dielectric);
+        kind_ = Kind::subsurface;
     }
     void set(const Frame& frame, const CompensatedConductor& conductor) {
         frame_ = frame;

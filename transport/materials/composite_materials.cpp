@@ -39,6 +39,9 @@ class MixMaterial final : public Material {
         const Real amount = amount_.at(textures, point);
         return (draw(point.random_key) < amount ? second_ : first_).chosen(textures, point);
     }
+    const Medium* interior() const override {
+        return first_.interior() != nullptr ? first_.interior() : second_.interior();
+    }
     void append_lobes(std::vector<LobeId>& lobes) const override {
         lobes.insert(lobes.end(), lobes_.begin(), lobes_.end());
     }

@@ -25,6 +25,8 @@ namespace raylex::transport {
 /// Positions in a batch of hits.
 using HitIndices = std::span<const std::uint32_t>;
 
+struct Medium;
+
 /// A compiled material. One virtual call serves all hits of this material in a batch.
 class Material {
   public:
@@ -36,6 +38,8 @@ class Material {
     virtual void append_lobes(std::vector<LobeId>& lobes) const = 0;
     /// Of what this hit is made: itself, or what a mix chose.
     [[nodiscard]] virtual const Material& chosen(const TextureTable&, const SurfacePoint&) const { return *this; }
+    /// What fills the shapes of this material, if it brings its own; a mix has that of the first that does.
+    [[nodiscard]] virtual const Medium* interior() const { return nullptr; }
     /// Bump or normal map, as the table read it.
     NormalDetail normal_detail;
 };

@@ -442,6 +442,10 @@ const std::vector<Error>& TextureTable::warnings() const {
     return storage_->warnings;
 }
 
+void TextureTable::warn(Error warning) {
+    storage_->warnings.push_back(std::move(warning));
+}
+
 TextureId TextureTable::add_constant(const Rgb& value) {
     Node constant;
     constant.value = value;

@@ -44,6 +44,8 @@ class TextureTable {
 
     /// What was wrong with images that were read and could be mended.
     [[nodiscard]] const std::vector<Error>& warnings() const;
+    /// What is said with them, of a texture's use.
+    void warn(Error warning);
 
     [[nodiscard]] TextureId add_constant(const Rgb& value);
     /// The texture behind a "texture"-typed parameter, or a constant from its value, or from `fallback` when absent.

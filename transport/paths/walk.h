@@ -196,7 +196,8 @@ bool Walk<mode>::crosses_medium(std::uint32_t row, const Ray& ray, Real distance
     path.beta *= flight.weight;
     if (!flight.collided) return true;
     visitor.collides(row, flight.distance);
-    if (path.depth >= options_.max_depth || path.beta.is_black()) finish(row);
+    if (!medium.counts_depth) ++path.uncounted;
+    if (path.counted_depth() >= options_.max_depth || path.beta.is_black()) finish(row);
     else
         collisions_[collision_count_++] = {row, ray.origin + ray.direction * flight.distance, ray.direction, ray.time,
                                            ray.cone.after(flight.distance)};
@@ -338,7 +339,7 @@ void Walk<mode>::scatter(Visitor& visitor) {
     for (std::size_t j = 0; j < v.count; ++j) {
         const std::uint32_t row = v.rows[j];
         Subpath& path = paths_[row];
-        if (path.depth + kept_back >= options_.max_depth) {
+        if (path.counted_depth() + kept_back >= options_.max_depth) {
             counters_->count_length(path.depth + kept_back);
             continue;
         }
