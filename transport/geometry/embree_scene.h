@@ -155,6 +155,8 @@ class EmbreeScene {
                   std::span<SurfaceSource> sources) const;
 
     /// Of a valid hit and the point that surfaces() made of it.
+    [[nodiscard]] SurfaceTangents tangents(const Hit& hit, const SurfacePoint& point) const;
+    /// Of a valid hit and the point that surfaces() made of it.
     [[nodiscard]] SurfaceDetails details(const Hit& hit, const SurfacePoint& point) const;
 
     /// Surfaces count from 1: top-level shapes, then the shapes of every instance in turn.

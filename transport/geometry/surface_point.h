@@ -25,4 +25,10 @@ struct SurfacePoint {
     }
 };
 
+/// How a surface and its shading normal change with the texture coordinates: what bump and normal maps ask of a hit.
+/// World space, around SurfacePoint::shading_normal. Vertex normals turn the tangents as in pbrt-v4.
+struct SurfaceTangents {
+    Vec3 dpdu, dpdv, dndu, dndv;
+};
+
 }  // namespace raylex::transport

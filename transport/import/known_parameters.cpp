@@ -100,16 +100,10 @@ std::vector<Row> method_rows() {
 std::vector<Row> content_rows() {
     using enum EntityKind;
     const std::string bilinear = "images are interpolated without regard to the footprint of a pixel";
-    const Names bumps{"displacement", "normalmap"};
     return {
         {area_light, "diffuse", {"power", "filename"}, {}},
         {light, "infinite", {"portal"}, {}},
-        {material, "coatedconductor", bumps, {}},
-        {material, "coateddiffuse", bumps, {}},
-        {material, "conductor", bumps, {}},
-        {material, "dielectric", bumps, {}},
-        {material, "diffuse", bumps, {{"sigma", {"0"}, "the surface is Lambert's"}}},
-        {material, "thindielectric", bumps, {}},
+        {material, "diffuse", {}, {{"sigma", {"0"}, "the surface is Lambert's"}}},
         {shape, "bilinearmesh", {"faceIndices", "emissionfilename"}, {}},
         {shape, "plymesh", {"displacement", "edgelength"}, {}},
         {shape, "trianglemesh", {"faceIndices"}, {{"S", {}, "anisotropic materials follow the texture coordinates"}}},
@@ -208,7 +202,10 @@ Status ParameterChecker::check(EntityKind kind, const std::string& type, Paramet
     if (entry != nullptr)
         for (const ParameterDescription& each : *entry) read.push_back(each.name);
     if (row != nullptr) read.insert(read.end(), row->taken.begin(), row->taken.end());
-    if (kind == EntityKind::shape) read.emplace_back("alpha");  // of every shape: make_shapes()
+    if (kind == EntityKind::shape) read.emplace_back("alpha");      // of every shape: make_shapes()
+    if (kind == EntityKind::material && takes_normal_detail(type))  // of a plugin's material too
+        for (const ParameterDescription& each : normal_detail_parameters())
+            if (!holds(read, each.name)) read.push_back(each.name);
     known = read;
     if (row != nullptr)
         for (const Ignored& each : row->ignored)

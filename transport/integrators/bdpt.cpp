@@ -92,8 +92,8 @@ void Bdpt::keep_light_vertices(BdptThread& thread) const {
         const auto index = static_cast<std::uint32_t>(thread.light_vertices.size());
         const bool holdout = j < v.surfaces && geometry.has_holdouts() && geometry.is_holdout(v.hits[j]);
         thread.light_vertices.push_back({v.points[j], v.bsdfs[j], v.sources[j].offset, row, path.depth,
-                                         thread.light.end(j), thread.last_vertex[row], holdout, path.beta,
-                                         thread.light.sums(row)});
+                                         path.counted_depth(), thread.light.end(j), thread.last_vertex[row], holdout,
+                                         path.beta, thread.light.sums(row)});
         thread.last_vertex[row] = index;
     }
 }

@@ -103,7 +103,7 @@ void Bdpt::join_vertices(BdptThread& thread, std::size_t j) const {
     const SurfacePoint& point = v.points[j];
     for (std::uint32_t i = thread.last_vertex[row]; i != LightVertex::none; i = thread.light_vertices[i].previous) {
         const LightVertex& y = thread.light_vertices[i];
-        if (path.depth + y.depth + 2 > parameters_.max_depth) continue;
+        if (path.counted_depth() + y.counted_depth + 2 > parameters_.max_depth) continue;
         const Vec3 between = y.point.position - point.position;
         const Real d2 = length_squared(between);
         if (!(d2 > 0)) continue;

@@ -16,8 +16,8 @@ struct LightVertex {
     static constexpr std::uint32_t none = 0xffffffffu;
     SurfacePoint point;
     Bsdf bsdf;
-    OffsetBound offset{};  ///< SurfaceSource::offset
-    std::uint32_t row = 0, depth = 0;
+    OffsetBound offset{};                                 ///< SurfaceSource::offset
+    std::uint32_t row = 0, depth = 0, counted_depth = 0;  ///< Subpath's
     LightEnd end;
     std::uint32_t previous = none;  ///< of the same subpath
     bool holdout = false;

@@ -55,6 +55,11 @@ LobeId glass_lobe(bool transmitted, bool delta) {
     return delta ? lobes::glass_reflect_singular : lobes::glass_reflect_glossy;
 }
 
+LobeId subsurface_lobe(bool transmitted, bool delta) {
+    if (transmitted) return lobes::subsurface;
+    return delta ? lobes::specular_singular : lobes::specular_glossy;
+}
+
 LobeId conductor_lobe(bool delta) {
     return delta ? lobes::conductor_singular : lobes::conductor_glossy;
 }
@@ -151,8 +156,12 @@ BsdfEvaluation Bsdf::evaluate_other(const Vec3& wo_world, const Vec3& wi_world) 
             return one_lobe(lobes::conductor_glossy, value, pdf);
         }
         case Kind::dielectric:
-            return one_lobe(glass_lobe(wo.z * wi.z < 0, false), Rgb(dielectric_.value(wo, wi, TransportMode::radiance)),
+        case Kind::subsurface: {
+            const bool crossed = wo.z * wi.z < 0;
+            return one_lobe(kind_ == Kind::dielectric ? glass_lobe(crossed, false) : subsurface_lobe(crossed, false),
+                            Rgb(dielectric_.value(wo, wi, TransportMode::radiance)),
                             dielectric_.pdf(wo, wi, Sides::both));
+        }
         case Kind::compensated_conductor: {
             Real pdf;
             const Rgb value = compensated_conductor_.value_and_pdf(wo, wi, pdf);
@@ -169,6 +178,11 @@ BsdfEvaluation Bsdf::evaluate_other(const Vec3& wo_world, const Vec3& wi_world) 
             return evaluate_additive(additive_, wo, wi);
         case Kind::ideal:
             return one_lobe(lobes::diffuse, LambertClosure{ideal_.diffuse}.value(wo, wi), ideal_pdf(ideal_, wo, wi));
+        case Kind::diffuse_transmission:
+            return one_lobe(wo.z * wi.z > 0 ? lobes::diffuse : lobes::diffuse_transmit,
+                            diffuse_transmission_.value(wo, wi), diffuse_transmission_.pdf(wo, wi));
+        case Kind::hair:
+            return hair_.evaluate(wo, wi);
         case Kind::custom:
             return custom_.calls->evaluate(custom_.data.data(), wo, wi);
         case Kind::black:
@@ -189,6 +203,7 @@ Real Bsdf::pdf_other(const Vec3& wo_world, const Vec3& wi_world) const {
         case Kind::conductor:
             return conductor_.pdf(wo, wi);
         case Kind::dielectric:
+        case Kind::subsurface:
             return dielectric_.pdf(wo, wi, Sides::both);
         case Kind::compensated_conductor:
             return compensated_conductor_.metal.pdf(wo, wi);
@@ -202,6 +217,10 @@ Real Bsdf::pdf_other(const Vec3& wo_world, const Vec3& wi_world) const {
             return evaluate_additive(additive_, wo, wi).pdf;
         case Kind::ideal:
             return ideal_pdf(ideal_, wo, wi);
+        case Kind::diffuse_transmission:
+            return diffuse_transmission_.pdf(wo, wi);
+        case Kind::hair:
+            return hair_.pdf(wo, wi);
         case Kind::custom:
             return custom_.calls->pdf(custom_.data.data(), wo, wi);
         case Kind::black:
@@ -240,9 +259,12 @@ BsdfSample Bsdf::draw(const Vec3& wo_world, Real u_lobe, const Vec2& u) const {
     switch (kind_) {
         case Kind::conductor:
             return to_sample(frame_, conductor_.draw(wo, u, false), conductor_lobe(conductor_.is_delta()));
-        case Kind::dielectric: {
+        case Kind::dielectric:
+        case Kind::subsurface: {
             const LocalSample s = dielectric_.draw(wo, u_lobe, u, TransportMode::radiance, Sides::both, false);
-            return to_sample(frame_, s, glass_lobe(s.transmitted, s.delta));
+            return to_sample(frame_, s,
+                             kind_ == Kind::dielectric ? glass_lobe(s.transmitted, s.delta)
+                                                       : subsurface_lobe(s.transmitted, s.delta));
         }
         case Kind::thin_dielectric: {
             const LocalSample s = thin_dielectric_.sample(wo, u_lobe);
@@ -262,6 +284,15 @@ BsdfSample Bsdf::draw(const Vec3& wo_world, Real u_lobe, const Vec2& u) const {
             return sample_additive(frame_, additive_, wo, u_lobe, u);
         case Kind::ideal:
             return sample_ideal(frame_, ideal_, wo, u_lobe, u);
+        case Kind::diffuse_transmission: {
+            const LocalSample s = diffuse_transmission_.sample(wo, u_lobe, u);
+            return to_sample(frame_, s, s.transmitted ? lobes::diffuse_transmit : lobes::diffuse);
+        }
+        case Kind::hair: {
+            BsdfSample result = hair_.sample(wo, u_lobe, u);
+            result.wi = frame_.to_world(result.wi);
+            return result;
+        }
         case Kind::custom: {
             BsdfSample result = custom_.calls->sample(custom_.data.data(), wo, u_lobe, u);
             result.wi = frame_.to_world(result.wi);
@@ -284,6 +315,7 @@ Rgb Bsdf::albedo(const Vec3& wo) const {
         case Kind::conductor:
             return conductor_.albedo(cos_o);
         case Kind::dielectric:
+        case Kind::subsurface:
         case Kind::thin_dielectric:
             return Rgb(1);
         case Kind::compensated_conductor:
@@ -298,6 +330,10 @@ Rgb Bsdf::albedo(const Vec3& wo) const {
             return additive_.diffuse.reflectance + additive_.specular.albedo(cos_o);
         case Kind::ideal:
             return ideal_.diffuse + ideal_.mirror + ideal_.sheet;
+        case Kind::diffuse_transmission:
+            return diffuse_transmission_.reflectance + diffuse_transmission_.transmittance;
+        case Kind::hair:
+            return hair_.albedo(frame_.to_local(wo));
         case Kind::custom:
             return custom_.calls->albedo(custom_.data.data(), cos_o);
         case Kind::black:

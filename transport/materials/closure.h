@@ -12,6 +12,8 @@
 #include "transport/materials/bsdf.h"
 #include "transport/materials/compensated.h"
 #include "transport/materials/custom_closure.h"
+#include "transport/materials/diffuse_transmission.h"
+#include "transport/materials/hair.h"
 #include "transport/materials/ideal.h"
 #include "transport/materials/layered.h"
 #include "transport/materials/lobes.h"
@@ -36,8 +38,11 @@ class Bsdf {
         ideal,
         compensated_conductor,
         compensated_dielectric,
-        custom,  ///< a plugin's own
-        phase    ///< particles of a medium: no surface, no cosine
+        diffuse_transmission,
+        hair,
+        subsurface,  ///< a dielectric with lobes of its own
+        custom,      ///< a plugin's own
+        phase        ///< particles of a medium: no surface, no cosine
     };
 
     Bsdf() : lambert_{} {}
@@ -56,7 +61,7 @@ class Bsdf {
     /// Refractive index on the inner side, 1 for what light does not enter.
     [[nodiscard]] Real inside_ior() const {
         if (kind_ == Kind::compensated_dielectric) return compensated_dielectric_.glass.eta;
-        return kind_ == Kind::dielectric ? dielectric_.eta : 1.0f;
+        return kind_ == Kind::dielectric || kind_ == Kind::subsurface ? dielectric_.eta : 1.0f;
     }
 
     /// No surface: the integrator continues the ray in its direction, without an event (`s` in the osl dialect). All
@@ -86,6 +91,11 @@ class Bsdf {
         frame_ = frame;
         std::construct_at(&dielectric_, dielectric);
         set_kind(Kind::dielectric, !dielectric.is_delta());
+    }
+    /// The interface of a translucent body: its lobes are `specular` and `subsurface`.
+    void set_subsurface(const Frame& frame, const DielectricClosure& dielectric) {
+        set(frame, dielectric);
+        kind_ = Kind::subsurface;
     }
     void set(const Frame& frame, const CompensatedConductor& conductor) {
         frame_ = frame;
@@ -125,6 +135,18 @@ class Bsdf {
         std::construct_at(&ideal_, ideal);
         set_kind(Kind::ideal, !ideal.diffuse.is_black());
     }
+    void set(const Frame& frame, const DiffuseTransmissionClosure& leaf) {
+        frame_ = frame;
+        std::construct_at(&diffuse_transmission_, leaf);
+        const bool lit = !leaf.reflectance.is_black() || !leaf.transmittance.is_black();
+        set_kind(lit ? Kind::diffuse_transmission : Kind::black, lit);
+    }
+    /// s of the frame: along the fibre.
+    void set(const Frame& frame, const HairClosure& hair) {
+        frame_ = frame;
+        std::construct_at(&hair_, hair);
+        set_kind(Kind::hair, true);
+    }
     /// Henyey-Greenstein's phase function of asymmetry g. Its lobe says nothing: the event is the medium's.
     void set_phase(Real g) {
         std::construct_at(&phase_g_, g);
@@ -163,6 +185,8 @@ class Bsdf {
         IdealClosure ideal_;
         CompensatedConductor compensated_conductor_;
         CompensatedDielectric compensated_dielectric_;
+        DiffuseTransmissionClosure diffuse_transmission_;
+        HairClosure hair_;
         CustomClosure custom_;
         Real phase_g_;
     };

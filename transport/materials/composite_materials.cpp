@@ -33,11 +33,14 @@ class MixMaterial final : public Material {
 
     void shade(const TextureTable& textures, HitIndices hits, std::span<const SurfacePoint> points,
                std::span<Bsdf> closures) const override {
-        for (const std::uint32_t& i : hits) {
-            const Real amount = amount_.at(textures, points[i]);
-            const Material& chosen = draw(points[i].random_key) < amount ? second_ : first_;
-            chosen.shade(textures, {&i, 1}, points, closures);
-        }
+        for (const std::uint32_t& i : hits) chosen(textures, points[i]).shade(textures, {&i, 1}, points, closures);
+    }
+    const Material& chosen(const TextureTable& textures, const SurfacePoint& point) const override {
+        const Real amount = amount_.at(textures, point);
+        return (draw(point.random_key) < amount ? second_ : first_).chosen(textures, point);
+    }
+    const Medium* interior() const override {
+        return first_.interior() != nullptr ? first_.interior() : second_.interior();
     }
     void append_lobes(std::vector<LobeId>& lobes) const override {
         lobes.insert(lobes.end(), lobes_.begin(), lobes_.end());

@@ -19,8 +19,17 @@ inline constexpr LobeId coat_glossy = 7;              ///< R G: light that never
 inline constexpr LobeId coat_singular = 8;            ///< R S
 inline constexpr LobeId specular_glossy = 9;          ///< R G: the GGX lobe of raylex:additive
 inline constexpr LobeId mirror = 10;                  ///< R S: ideal reflection of constant reflectance
-inline constexpr LobeId sheet = 11;  ///< T S: index-matched sheet, straight through, an event of its own
-inline constexpr int count = 12;
+inline constexpr LobeId sheet = 11;              ///< T S: index-matched sheet, straight through, an event of its own
+inline constexpr LobeId diffuse_transmit = 12;   ///< T D: diffusetransmission
+inline constexpr LobeId hair_r = 13;             ///< R G: reflected at the fibre's surface
+inline constexpr LobeId hair_tt = 14;            ///< T G: through the fibre
+inline constexpr LobeId hair_trt = 15;           ///< R G: reflected once inside the fibre
+inline constexpr LobeId hair_trrt = 16;          ///< R G: reflected inside more often
+inline constexpr LobeId specular_singular = 17;  ///< R S: the surface of a subsurface material
+/// T D: into and out of a subsurface material, smooth or rough: of light that walks at random inside nothing else is
+/// left to see, and it is what RenderMan's and the shipped `subsurface` channels take.
+inline constexpr LobeId subsurface = 18;
+inline constexpr int count = 19;
 
 // Numbers (D2, S4, S8) come from lobe slots by these names: lpe/channels/lobe_slots.h.
 inline constexpr std::array<LobeKind, count> kinds{{
@@ -36,6 +45,13 @@ inline constexpr std::array<LobeKind, count> kinds{{
     {lpe::EventType::reflection, lpe::Scatter::glossy, "specular"},
     {lpe::EventType::reflection, lpe::Scatter::singular, "mirror"},
     {lpe::EventType::transmission, lpe::Scatter::singular, "sheet"},
+    {lpe::EventType::transmission, lpe::Scatter::diffuse, "diffuse"},
+    {lpe::EventType::reflection, lpe::Scatter::glossy, "R"},
+    {lpe::EventType::transmission, lpe::Scatter::glossy, "TT"},
+    {lpe::EventType::reflection, lpe::Scatter::glossy, "TRT"},
+    {lpe::EventType::reflection, lpe::Scatter::glossy, "TRRT"},
+    {lpe::EventType::reflection, lpe::Scatter::singular, "specular"},
+    {lpe::EventType::transmission, lpe::Scatter::diffuse, "subsurface"},
 }};
 
 }  // namespace raylex::transport::lobes

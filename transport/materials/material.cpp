@@ -13,35 +13,62 @@ Registry<MaterialFactory>& material_registry() {
         Registry<MaterialFactory> r("material");
         register_plain_materials(r);
         register_layered_materials(r);
+        register_hair_materials(r);
+        register_subsurface_materials(r);
         register_composite_materials(r);
         register_raylex_materials(r);
-        return r;
+        Registry<MaterialFactory> detailed("material");
+        for (Registry<MaterialFactory>::Entry entry : r.entries()) {
+            if (takes_normal_detail(entry.name))
+                entry.parameters.insert(entry.parameters.end(), normal_detail_parameters().begin(),
+                                        normal_detail_parameters().end());
+            detailed.add(std::move(entry));
+        }
+        return detailed;
     }();
     return registry;
 }
 
 Result<MaterialTable> MaterialTable::build(const SceneDescription& scene, TextureTable& textures) {
     MaterialTable table;
-    for (const SceneEntity& entity : scene.materials) {
-        const auto entry = material_registry().require(entity.type, entity.location);
-        if (!entry) return entry.error();
-        const auto salt = static_cast<std::uint32_t>(table.materials_.size());
-        Result<std::unique_ptr<Material>> material = (*entry)->factory(entity, {scene, textures, table, salt});
-        if (!material) {
-            Error error = std::move(material).error();
-            if (error.line == 0 && error.file.empty())
-                error = error_at(entity.location, entity.type + " material: " + error.message, error.hint);
-            return error;
-        }
-        table.materials_.push_back(*std::move(material));
-        table.names_.push_back(entity.name);
-    }
+    table.materials_.resize(scene.materials.size());
+    // As pbrt-v4: a named material may use those before it, one without a name any.
+    for (const bool named : {true, false})
+        for (std::size_t i = 0; i < scene.materials.size(); ++i)
+            if (scene.materials[i].name.empty() != named)
+                if (Status made = table.add(i, scene, textures); !made) return made.error();
     return table;
+}
+
+Status MaterialTable::add(std::size_t index, const SceneDescription& scene, TextureTable& textures) {
+    const SceneEntity& entity = scene.materials[index];
+    const auto entry = material_registry().require(entity.type, entity.location);
+    if (!entry) return entry.error();
+    Result<std::unique_ptr<Material>> material =
+        (*entry)->factory(entity, {scene, textures, *this, static_cast<std::uint32_t>(index)});
+    if (!material) {
+        Error error = std::move(material).error();
+        if (error.line == 0 && error.file.empty())
+            error = error_at(entity.location, entity.type + " material: " + error.message, error.hint);
+        return error;
+    }
+    materials_[index] = *std::move(material);
+    if (takes_normal_detail(entity.type)) {
+        Result<NormalDetail> detail = NormalDetail::read(entity, textures);
+        if (!detail) return detail.error();
+        turns_normals_ = turns_normals_ || !detail->empty();
+        materials_[index]->normal_detail = *std::move(detail);
+    }
+    if (!entity.name.empty()) {
+        names_.push_back(entity.name);
+        named_.push_back(materials_[index].get());
+    }
+    return success();
 }
 
 Result<const Material*> MaterialTable::find(std::string_view name, const SourceLocation& where) const {
     for (std::size_t i = names_.size(); i-- > 0;)
-        if (!name.empty() && names_[i] == name) return materials_[i].get();
+        if (names_[i] == name) return named_[i];
     const std::string near = nearest_name(name, names_);
     return error_at(where, "no material named '" + std::string(name) + "' is defined before this one",
                     near.empty() ? std::string() : "did you mean '" + near + "'?");

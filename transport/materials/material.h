@@ -1,8 +1,8 @@
 // Materials: registered by name, compiled once per scene, run on batches of hits of one material at a time.
 //
-// Parameters are pbrt-v4's, by name and default. "displacement" and "normalmap" change the image and are not supported:
-// an Error (a constant displacement bends nothing and is accepted). Materials that pbrt-v4 does not have are called
-// "raylex:..."; they serve analytic scenes and tests, from files and from the API alike.
+// Parameters are pbrt-v4's, by name and default. "displacement" and "normalmap" every material has (normal_detail.h).
+// Materials that pbrt-v4 does not have are called "raylex:..."; they serve analytic scenes and tests, from files and
+// from the API alike.
 #pragma once
 
 #include <functional>
@@ -16,6 +16,7 @@
 #include "transport/geometry/surface_point.h"
 #include "transport/materials/bsdf.h"
 #include "transport/materials/closure.h"
+#include "transport/materials/normal_detail.h"
 #include "transport/materials/texture.h"
 #include "transport/scene/scene_description.h"
 
@@ -23,6 +24,8 @@ namespace raylex::transport {
 
 /// Positions in a batch of hits.
 using HitIndices = std::span<const std::uint32_t>;
+
+struct Medium;
 
 /// A compiled material. One virtual call serves all hits of this material in a batch.
 class Material {
@@ -33,6 +36,12 @@ class Material {
                        std::span<Bsdf> closures) const = 0;
     /// Lobes this material can give: the scene's alphabet.
     virtual void append_lobes(std::vector<LobeId>& lobes) const = 0;
+    /// Of what this hit is made: itself, or what a mix chose.
+    [[nodiscard]] virtual const Material& chosen(const TextureTable&, const SurfacePoint&) const { return *this; }
+    /// What fills the shapes of this material, if it brings its own; a mix has that of the first that does.
+    [[nodiscard]] virtual const Medium* interior() const { return nullptr; }
+    /// Bump or normal map, as the table read it.
+    NormalDetail normal_detail;
 };
 
 class MaterialTable;
@@ -41,14 +50,14 @@ class MaterialTable;
 struct MaterialContext {
     const SceneDescription& scene;
     TextureTable& textures;          ///< a factory resolves texture parameters here, once
-    const MaterialTable& materials;  ///< materials before this one in the list, and by name (for mix)
+    const MaterialTable& materials;  ///< named ones before this one; for one without a name all of them (for mix)
     std::uint32_t salt;              ///< this material's own number, for choices that must not correlate
 };
 
 using MaterialFactory = std::function<Result<std::unique_ptr<Material>>(const SceneEntity&, const MaterialContext&)>;
 
-/// diffuse, conductor, dielectric, thindielectric, coateddiffuse, coatedconductor, mix, interface, and raylex:additive,
-/// raylex:mirror, raylex:diffuse-mirror, raylex:sheet; plugins add theirs.
+/// pbrt-v4's by their names, and raylex:additive, raylex:mirror, raylex:diffuse-mirror, raylex:sheet; plugins add
+/// theirs.
 Registry<MaterialFactory>& material_registry();
 
 /// All materials of a scene, in the order of SceneDescription::materials.
@@ -61,14 +70,24 @@ class MaterialTable {
     /// (pattern.h).
     void shade(const TextureTable& textures, std::span<const SurfacePoint> points, std::span<Bsdf> closures,
                display::DisplayServices* display = nullptr) const;
+    /// Whether any material turns normals: without, nobody asks for tangents.
+    [[nodiscard]] bool turns_normals() const { return turns_normals_; }
+    /// The bump or normal map that this hit goes by; empty where there is none. `point` needs its random_key.
+    [[nodiscard]] const NormalDetail& normal_detail(const TextureTable& textures, const SurfacePoint& point) const {
+        return materials_[static_cast<std::size_t>(point.material)]->chosen(textures, point).normal_detail;
+    }
     [[nodiscard]] const Material* material(std::size_t index) const { return materials_[index].get(); }
     [[nodiscard]] std::size_t size() const { return materials_.size(); }
     /// The last material so far that is called `name`, or an Error at `where` with the near miss.
     [[nodiscard]] Result<const Material*> find(std::string_view name, const SourceLocation& where) const;
 
   private:
+    Status add(std::size_t index, const SceneDescription& scene, TextureTable& textures);
+
     std::vector<std::unique_ptr<Material>> materials_;
-    std::vector<std::string> names_;
+    std::vector<std::string> names_;  ///< so far
+    std::vector<const Material*> named_;
+    bool turns_normals_ = false;
 };
 
 }  // namespace raylex::transport

@@ -50,11 +50,6 @@ ConductorClosure ConductorInput::at(const TextureTable& textures, const SurfaceP
 
 MaterialReader::MaterialReader(const SceneEntity& entity, const MaterialContext& context)
     : ParameterReader(entity.parameters), entity_(entity), context_(context) {
-    if (const Parameter* p = set().find("normalmap"); p != nullptr)
-        fail(error_at(where(*p), "\"normalmap\" is not supported, and without it the image would be wrong"));
-    if (const Parameter* p = set().find("displacement"); p != nullptr && p->type == ParameterType::texture)
-        fail(error_at(where(*p),
-                      "\"displacement\" by a texture is not supported, and without it the image would be wrong"));
     static_cast<void>(set().find("type"));  // how MakeNamedMaterial names it
 }
 

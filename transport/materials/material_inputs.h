@@ -72,7 +72,6 @@ struct ConductorInput {
 /// A ParameterReader for materials. Every factory begins with one and ends by asking for error().
 class MaterialReader : public ParameterReader {
   public:
-    /// Refuses "displacement" and "normalmap", which would change the image.
     MaterialReader(const SceneEntity& entity, const MaterialContext& context);
 
     RgbInput rgb(std::string_view name, const Rgb& fallback, SpectrumRole role = SpectrumRole::albedo);
@@ -109,6 +108,8 @@ inline constexpr const char* compensation_help =
 // The in-tree factories, one file per family.
 void register_plain_materials(Registry<MaterialFactory>& registry);
 void register_layered_materials(Registry<MaterialFactory>& registry);
+void register_hair_materials(Registry<MaterialFactory>& registry);
+void register_subsurface_materials(Registry<MaterialFactory>& registry);
 void register_composite_materials(Registry<MaterialFactory>& registry);
 void register_raylex_materials(Registry<MaterialFactory>& registry);
 

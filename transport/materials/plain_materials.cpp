@@ -1,4 +1,6 @@
-// diffuse, conductor, dielectric, thindielectric, interface: one closure each.
+// diffuse, diffusetransmission, conductor, dielectric, thindielectric, interface: one closure each.
+#include <limits>
+
 #include "transport/materials/material_inputs.h"
 
 namespace raylex::transport {
@@ -28,6 +30,31 @@ class DiffuseMaterial final : public Material {
 
   private:
     RgbInput reflectance_;
+};
+
+class DiffuseTransmissionMaterial final : public Material {
+  public:
+    DiffuseTransmissionMaterial(const RgbInput& reflectance, const RgbInput& transmittance, Real scale)
+        : reflectance_(reflectance), transmittance_(transmittance), scale_(scale) {}
+    void shade(const TextureTable& textures, HitIndices hits, std::span<const SurfacePoint> points,
+               std::span<Bsdf> closures) const override {
+        for (const std::uint32_t i : hits) {
+            const auto at = [&](const RgbInput& input) {
+                return clamp_to_unit(input.at(textures, points[i]) * scale_);
+            };
+            closures[i].set(Frame::from_normal(points[i].shading_normal),
+                            DiffuseTransmissionClosure{at(reflectance_), at(transmittance_)});
+        }
+    }
+    void append_lobes(std::vector<LobeId>& lobes) const override {
+        const auto lit = [](const RgbInput& input) { return input.texture >= 0 || !input.value.is_black(); };
+        if (lit(reflectance_)) lobes.push_back(lobes::diffuse);
+        if (lit(transmittance_)) lobes.push_back(lobes::diffuse_transmit);
+    }
+
+  private:
+    RgbInput reflectance_, transmittance_;
+    Real scale_;
 };
 
 class ConductorMaterial final : public Material {
@@ -115,6 +142,15 @@ Built make_diffuse(const SceneEntity& entity, const MaterialContext& context) {
     return std::unique_ptr<Material>(std::make_unique<DiffuseMaterial>(reflectance));
 }
 
+Built make_diffuse_transmission(const SceneEntity& entity, const MaterialContext& context) {
+    MaterialReader reader(entity, context);
+    const RgbInput reflectance = reader.rgb("reflectance", Rgb(0.25f)),
+                   transmittance = reader.rgb("transmittance", Rgb(0.25f));
+    const Real scale = reader.real("scale", 1, 0, std::numeric_limits<Real>::infinity());
+    if (reader.error()) return *reader.error();
+    return std::unique_ptr<Material>(std::make_unique<DiffuseTransmissionMaterial>(reflectance, transmittance, scale));
+}
+
 Built make_conductor(const SceneEntity& entity, const MaterialContext& context) {
     MaterialReader reader(entity, context);
     const ConductorInput metal = reader.conductor("");
@@ -163,6 +199,12 @@ void register_plain_materials(Registry<MaterialFactory>& registry) {
                   "ideal diffuse reflection from both sides",
                   {{"reflectance", rgb, "0.5", "diffuse albedo"}},
                   make_diffuse});
+    registry.add({"diffusetransmission",
+                  "ideal diffuse reflection and transmission: leaves, paper",
+                  {{"reflectance", rgb, "0.25", "albedo on the side that light comes from"},
+                   {"transmittance", rgb, "0.25", "albedo on the other side"},
+                   {"scale", real, "1", "of both; what is above 1 then counts as 1"}},
+                  make_diffuse_transmission});
     registry.add({"conductor", "metal with GGX facets", metal, make_conductor});
     registry.add({"dielectric", "glass with GGX facets", glass, make_dielectric});
     registry.add({"thindielectric", "a thin pane of smooth glass", {index}, make_thin_dielectric});

@@ -428,6 +428,10 @@ const std::vector<Error>& TextureTable::warnings() const {
     return storage_->warnings;
 }
 
+void TextureTable::warn(Error warning) {
+    storage_->warnings.push_back(std::move(warning));
+}
+
 TextureId TextureTable::add_constant(const Rgb& value) {
     Node constant;
     constant.value = value;
@@ -442,6 +446,24 @@ Result<TextureId> TextureTable::rgb_parameter(const ParameterSet& set, std::stri
 
 Result<TextureId> TextureTable::real_parameter(const ParameterSet& set, std::string_view name, Real fallback) {
     return storage_->real_input(set, name, fallback, storage_->sources.size());
+}
+
+Result<TextureId> TextureTable::normal_map(const std::string& file, const SourceLocation& where) {
+    Storage& s = *storage_;
+    Result<const Image*> image = s.load_image(file, "linear", false, where);
+    if (!image) return std::move(image).error();
+    if ((*image)->channels < 3)
+        return error_at(where, "normal map '" + file + "' has " + std::to_string((*image)->channels) +
+                                   " channel(s); expected three: x, y and z of normals");
+    ImageStage stage{};
+    stage.sampler = {*image, WrapMode::repeat, false, false};
+    s.mappings.emplace_back();
+    s.stages.push_back(stage);
+    Node node;
+    node.kind = Node::Kind::image;
+    node.mapping = static_cast<std::int32_t>(s.mappings.size() - 1);
+    node.stage = static_cast<std::int32_t>(s.stages.size() - 1);
+    return s.add(node);
 }
 
 Result<TextureId> TextureTable::named_real(std::string_view name, const SourceLocation& where) const {

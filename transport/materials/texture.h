@@ -44,12 +44,16 @@ class TextureTable {
 
     /// What was wrong with images that were read and could be mended.
     [[nodiscard]] const std::vector<Error>& warnings() const;
+    /// What is said with them, of a texture's use.
+    void warn(Error warning);
 
     [[nodiscard]] TextureId add_constant(const Rgb& value);
     /// The texture behind a "texture"-typed parameter, or a constant from its value, or from `fallback` when absent.
     Result<TextureId> rgb_parameter(const ParameterSet& set, std::string_view name, const Rgb& fallback,
                                     SpectrumRole role, const ColorContext& color);
     Result<TextureId> real_parameter(const ParameterSet& set, std::string_view name, Real fallback);
+    /// The first three channels of an image file as they are stored (tangent-space normals): bilinear, repeated.
+    Result<TextureId> normal_map(const std::string& file, const SourceLocation& where);
     /// By the float texture's own name (SceneShape::alpha_texture).
     Result<TextureId> named_real(std::string_view name, const SourceLocation& where) const;
 

@@ -124,6 +124,14 @@ Real sample_absorption(const Medium& medium, Real end, const Vec2& u) {
     return std::min(-elementary::log1p(-u.y * lost[c]) / medium.sigma_t[c], end);
 }
 
+std::int32_t MediumTable::add(const Medium& medium, const std::string& name) {
+    media_.push_back(medium);
+    names_.push_back(name);
+    any_ = true;
+    any_emits_ = any_emits_ || medium.emits;
+    return static_cast<std::int32_t>(media_.size()) - 1;
+}
+
 Result<MediumTable> MediumTable::build(const SceneDescription& scene, std::vector<Error>& warnings) {
     MediumTable table;
     std::vector<std::uint8_t> used(scene.media.size(), 0);

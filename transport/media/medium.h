@@ -28,6 +28,7 @@ struct Medium {
     bool grey = true;       ///< sigma_t is the same in all colours
     bool scatters = false;  ///< sigma_s is not black
     bool emits = false;
+    bool counts_depth = true;  ///< false inside subsurface materials: scatterings are not held against "maxdepth"
 };
 
 /// exp(-sigma_t distance). Colours without extinction pass whole, over an infinite distance too.
@@ -61,6 +62,8 @@ class MediumTable {
     /// Media that nothing refers to are left as vacuum and not checked: pbrt scenes keep them around.
     static Result<MediumTable> build(const SceneDescription& scene, std::vector<Error>& warnings);
 
+    /// One more, as `name`; its index.
+    std::int32_t add(const Medium& medium, const std::string& name);
     /// Whether anything refers to a medium: without, paths go on as if there were no such thing.
     [[nodiscard]] bool any() const { return any_; }
     /// Whether a ray that hits nothing can meet light all the same.

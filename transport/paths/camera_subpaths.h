@@ -76,7 +76,7 @@ class CameraSubpaths {
     /// Whether vertex j can be connected with light: something scatters there, and a path one event longer is not too
     /// long.
     [[nodiscard]] bool can_connect(std::size_t j) const {
-        return vertices().bsdfs[j].has_density() && path(vertices().rows[j]).depth < options_.walk.max_depth;
+        return vertices().bsdfs[j].has_density() && path(vertices().rows[j]).counted_depth() < options_.walk.max_depth;
     }
 
     /// Infinite lights that light sampling leaves to scattering, reported as blocked: vertex j hides them.
@@ -95,7 +95,7 @@ class CameraSubpaths {
         const Subpath& subpath = path(row);
         if (subpath.depth == 0 && options_.shade_first_hits) return true;
         if (record_.events().wants_user() && record_.channels_follow(row)) return true;
-        if (subpath.depth >= options_.walk.max_depth) return false;
+        if (subpath.counted_depth() >= options_.walk.max_depth) return false;
         const bool worth = record_.ahead(row, vertices().sources[j].label, vertices().points[j].material).anything;
         if (!worth) walk_.counters().count(Pruned::paths);
         return worth;
@@ -133,7 +133,7 @@ struct CameraSubpaths::Visitor : WalkVisitor {
     bool worth_colliding(std::uint32_t row) {
         const Subpath& path = self.path(row);
         if (path.depth == 0) return true;  // the camera ray's depth and opacity are to be found
-        return path.depth < self.options_.walk.max_depth && self.record_.worth_colliding(row, path.medium);
+        return path.counted_depth() < self.options_.walk.max_depth && self.record_.worth_colliding(row, path.medium);
     }
     void absorbs(std::uint32_t row, Real distance, const Rgb& passed, const Vec2& u) {
         const Subpath& path = self.path(row);

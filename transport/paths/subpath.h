@@ -24,6 +24,8 @@ struct Subpath {
     Vec3 from_normal;         ///< its shading normal; zero where there is no surface
     Real travelled = 0;       ///< along the camera ray, over cutouts passed
     std::uint32_t depth = 0;  ///< scattering events so far
+    /// Of these and of the one that comes next: by media whose scatterings "maxdepth" does not count (subsurface).
+    std::uint32_t uncounted = 0;
     std::uint32_t segment = 0;  ///< rays so far, those beyond cutouts included: keys choices made once a ray
     std::uint32_t light = 0;    ///< a light subpath's
     std::int32_t medium = -1;   ///< what the next ray flies through; -1: nothing
@@ -32,6 +34,9 @@ struct Subpath {
     Real ray_share = 1;         ///< and the next ray, where that is not specular
     bool specular = true;       ///< the last direction could not have been found in another way (camera, delta lobes)
     bool from_infinity = false;
+
+    /// What "maxdepth" bounds.
+    [[nodiscard]] std::uint32_t counted_depth() const { return depth > uncounted ? depth - uncounted : 0; }
 };
 
 /// What each vertex of a subpath draws, from `first` + scattering events so far * `stride` on, and what each ray draws.

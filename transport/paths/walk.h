@@ -128,6 +128,7 @@ class Walk {
     template <class Visitor>
     void append_collisions(Visitor& visitor);
     bool fails_alpha_test(std::size_t j) const;
+    void turn_normals();
     bool survives_roulette(std::uint32_t row, std::uint32_t dimension);
 
     const SceneView scene_;
@@ -195,7 +196,8 @@ bool Walk<mode>::crosses_medium(std::uint32_t row, const Ray& ray, Real distance
     path.beta *= flight.weight;
     if (!flight.collided) return true;
     visitor.collides(row, flight.distance);
-    if (path.depth >= options_.max_depth || path.beta.is_black()) finish(row);
+    if (!medium.counts_depth) ++path.uncounted;
+    if (path.counted_depth() >= options_.max_depth || path.beta.is_black()) finish(row);
     else
         collisions_[collision_count_++] = {row, ray.origin + ray.direction * flight.distance, ray.direction, ray.time,
                                            ray.cone.after(flight.distance)};
@@ -249,6 +251,18 @@ bool Walk<mode>::fails_alpha_test(std::size_t j) const {
     return !(u < scene_.textures->real(alpha, {point.u, point.v, point.position}));
 }
 
+/// Bump and normal maps. What stands in points from here on is what everyone sees: closures, lights, AOVs.
+template <TransportMode mode>
+void Walk<mode>::turn_normals() {
+    for (std::size_t j = 0; j < vertices_.surfaces; ++j) {
+        SurfacePoint& point = vertices_.points[j];
+        const NormalDetail& detail = scene_.materials->normal_detail(*scene_.textures, point);
+        if (detail.empty()) continue;
+        const Hit& hit = vertices_.hits[j];
+        detail.apply(*scene_.textures, scene_.geometry->tangents(hit, point), hit.cone.width, point);
+    }
+}
+
 template <TransportMode mode>
 template <class Visitor>
 void Walk<mode>::advance(display::DisplayServices& display, Visitor& visitor) {
@@ -290,6 +304,7 @@ void Walk<mode>::advance(display::DisplayServices& display, Visitor& visitor) {
         v.keep(j, kept++);
     }
     v.surfaces = v.count = kept;
+    if (scene_.materials->turns_normals()) turn_normals();
     if (kept > 0) scene_.materials->shade(*scene_.textures, {v.points.data(), kept}, {v.bsdfs.data(), kept}, &display);
     if (in_media_) append_collisions(visitor);
 }
@@ -324,7 +339,7 @@ void Walk<mode>::scatter(Visitor& visitor) {
     for (std::size_t j = 0; j < v.count; ++j) {
         const std::uint32_t row = v.rows[j];
         Subpath& path = paths_[row];
-        if (path.depth + kept_back >= options_.max_depth) {
+        if (path.counted_depth() + kept_back >= options_.max_depth) {
             counters_->count_length(path.depth + kept_back);
             continue;
         }

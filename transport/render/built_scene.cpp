@@ -8,6 +8,26 @@
 
 namespace raylex::transport {
 
+namespace {
+
+/// Media that materials bring for the shapes that use them, under the material's name: by material, the index or -1.
+std::vector<std::int32_t> add_interiors(const SceneDescription& scene, const MaterialTable& materials,
+                                        MediumTable& media) {
+    std::vector<std::uint8_t> used(materials.size(), 0);
+    const auto use = [&](const std::vector<SceneShape>& shapes) {
+        for (const SceneShape& shape : shapes) used[static_cast<std::size_t>(std::max(shape.material, 0))] = 1;
+    };
+    use(scene.shapes);
+    for (const SceneObject& object : scene.objects) use(object.shapes);
+    std::vector<std::int32_t> result(materials.size(), -1);
+    for (std::size_t i = 0; i < result.size(); ++i)
+        if (const Medium* interior = materials.material(i)->interior(); interior != nullptr && used[i] != 0)
+            result[i] = media.add(*interior, scene.materials[i].name.empty() ? "subsurface" : scene.materials[i].name);
+    return result;
+}
+
+}  // namespace
+
 Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescription& description,
                                                             const BuildOptions& options) {
     const Stopwatch watch;
@@ -31,12 +51,16 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
     if (scene->materials_.size() == 0)
         return error_at({description.file, 0, 0},
                         "the scene has no material; expected at least the default one at index 0");
-    auto lights = LightTable::build(description, *scene->geometry_, scene->warnings);
-    if (!lights) return lights.error();
-    scene->lights_ = *std::move(lights);
     auto media = MediumTable::build(description, scene->warnings);
     if (!media) return media.error();
     scene->media_ = *std::move(media);
+    const std::vector<std::int32_t> interiors = add_interiors(description, scene->materials_, scene->media_);
+    for (ShapeGeometry& shape : scene->geometry_->shapes())
+        if (const std::int32_t interior = interiors[static_cast<std::size_t>(shape.material)]; interior >= 0)
+            shape.inside_medium = interior;
+    auto lights = LightTable::build(description, *scene->geometry_, scene->warnings);
+    if (!lights) return lights.error();
+    scene->lights_ = *std::move(lights);
     scene->general_code_ = description.general_code;
 
     scene->surface_names_ = SurfaceNames(description);
@@ -108,6 +132,7 @@ Result<SceneAlphabet> scene_alphabet(const SceneDescription& scene, const lpe::L
     std::vector<Error> unused;  // warnings are the render's business
     auto media = MediumTable::build(scene, unused);
     if (!media) return media.error();
+    add_interiors(scene, *materials, *media);
 
     const SurfaceWords surfaces(scene, *materials);
     std::set<std::string> groups;

@@ -110,6 +110,12 @@ Result<ProbedBsdf> probed_bsdf(const ProbeInput& input) {
     else if (name == "ideal")
         result.bsdf.set(frame, IdealClosure{transport::Rgb(0.5f * n.reflectance), transport::Rgb(0.3f * n.reflectance),
                                             transport::Rgb(0.2f * n.reflectance)});
+    else if (name == "leaf")
+        result.bsdf.set(frame, DiffuseTransmissionClosure{transport::Rgb(0.6f * n.reflectance),
+                                                          transport::Rgb(0.4f * n.reflectance)});
+    else if (name == "hair")
+        result.bsdf.set(frame, transport::HairClosure({n.g, n.eta, transport::Rgb(1 - n.reflectance),
+                                                       std::min(n.alpha, Real(1)), std::min(n.alpha_y, Real(1)), 2}));
     else if (name == "custom") result.bsdf.set_custom(frame, TwoCosines{20});
     else if (name == "phase") {
         result.bsdf.set_phase(n.g);
