@@ -16,6 +16,7 @@
 
 #include "lpe/result.h"
 #include "transport/geometry/bilinear.h"
+#include "transport/geometry/curve.h"
 #include "transport/geometry/quadric.h"
 #include "transport/geometry/ray.h"
 #include "transport/geometry/render_space.h"
@@ -40,6 +41,7 @@ struct ShapeGeometry {
     std::vector<StoredVec3> patch_positions;  ///< bilinear meshes keep their own
     std::vector<std::uint32_t> patch_indices;
     Quadric quadric;
+    CurveBatch curves;
     Matrix34 to_object;  ///< meshes: from where their vertices stand to the space they were written in
     bool flip_normal = false;
     int material = 0;
@@ -56,6 +58,8 @@ struct ShapeGeometry {
     struct Interval {
         double lower, upper;
     };
+    /// Whether Embree leaves it to us: quadrics and patches.
+    [[nodiscard]] bool is_user() const { return kind != ShapeKind::triangle_mesh && kind != ShapeKind::curves; }
     /// Of a patch or quadric, which are not Embree's own: the nearest hit within `range` of distances.
     bool intersect(unsigned primitive, const DVec3& origin, const DVec3& direction, const Interval& range, double& t,
                    double& u, double& v) const;
@@ -93,7 +97,7 @@ struct SurfaceDetails {
     Vec3 object_position;       ///< in the space that the shape's parameters were written in
     Real curvature = 0;         ///< mean curvature; positive where the surface bulges towards SurfacePoint::wo
     std::array<Vec3, 8> edges;  ///< of the triangle or patch: start and end by turns
-    int edge_count = 0;         ///< 0 for quadrics
+    int edge_count = 0;         ///< 0 for quadrics and curves
 };
 
 /// A length-3 interval in world space.
@@ -177,7 +181,10 @@ class EmbreeScene {
                      TextureTable& textures, bool instanced);
     Status add_surface(const SceneShape& shape, const SceneDescription& scene, TextureTable& textures,
                        ShapeGeometry& geometry);
-    Status add_mesh(const SceneShape& shape, const Transform& placement, ShapeGeometry& geometry, RTCGeometryTy*& made);
+    Status add_mesh(const SceneShape& shape, const Transform& placement, const TextureTable& textures,
+                    ShapeGeometry& geometry, RTCGeometryTy*& made);
+    Status add_curves(const SceneShape& shape, const Transform& placement, ShapeGeometry& geometry,
+                      RTCGeometryTy*& made);
     /// An object of instances: its first shape, and the point around which its shapes are kept.
     struct PlacedObject {
         std::uint32_t first_shape = 0;

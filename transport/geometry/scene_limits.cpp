@@ -57,6 +57,7 @@ double reach_of(const Matrix34& to_world, const Bounds& b) {
 }  // namespace
 
 double ShapeGeometry::extent() const {
+    if (kind == ShapeKind::curves) return curves.extent;
     if (kind != ShapeKind::triangle_mesh && kind != ShapeKind::bilinear_mesh) return quadric.extent();
     double extent = 0;
     for (const StoredVec3& position : patch_positions) extent = std::max(extent, largest_of(position));
@@ -66,7 +67,7 @@ double ShapeGeometry::extent() const {
 }
 
 double ShapeGeometry::reach_of_rays() const {
-    double edge = 0;
+    double edge = kind == ShapeKind::curves ? curves.extent : 0;
     for (const Triangle& triangle : triangles) {
         const auto& [a, b, c] = triangle.corners;
         for (const auto& [from, to] : {std::pair{a, b}, std::pair{b, c}, std::pair{c, a}})

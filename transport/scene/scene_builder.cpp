@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "transport/color/spectral_data.h"
+#include "transport/import/curve_shapes.h"
 #include "transport/import/shapes.h"
 
 namespace raylex::transport {
@@ -315,6 +316,13 @@ Status SceneBuilder::place(std::vector<SceneShape> shapes, const ShapePlacement&
         shape.inside_medium = placement.inside.index;
         shape.outside_medium = placement.outside.index;
         shape.label = placement.label;
+        const auto named = [this](const SceneShape& of) -> const Reference& {
+            return material_references_[static_cast<std::size_t>(of.material)];
+        };
+        const auto same_material = [&](const SceneShape& other) {
+            return named(other).index == named(shape).index && named(other).name == named(shape).name;
+        };
+        if (!target->empty() && join_curves(target->back(), shape, same_material(target->back()))) continue;
         target->push_back(std::move(shape));
     }
     return success();
