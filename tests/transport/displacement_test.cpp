@@ -18,13 +18,13 @@ using import_test::error_of;
 
 namespace {
 
-const std::string square =
+const std::string displaced_square =
     "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
     "property float u\nproperty float v\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
     "0 0 0 0 0\n1 0 0 1 0\n1 1 0 1 1\n0 1 0 0 1\n4 0 1 2 3\n";
 
 SceneDescription displaced_scene(const import_test::Folder& folder, const std::string& text,
-                                 const std::string& ply = square) {
+                                 const std::string& ply = displaced_square) {
     folder.write("a.ply", ply);
     auto scene = import_pbrt(folder.write("s.pbrt", "WorldBegin\n" + text));
     if (!scene) FAIL(scene.error().to_string());
@@ -139,8 +139,8 @@ TEST_CASE("normals of a displaced mesh are those of what the texture makes", "[d
 TEST_CASE("displacement: what cannot be meant is an error at its line, too much one of the budget",
           "[displacement][law7]") {
     const import_test::Folder folder;
-    folder.write("a.ply", square);
-    std::string bare = square;
+    folder.write("a.ply", displaced_square);
+    std::string bare = displaced_square;
     for (const char* name : {"property float u\n", "property float v\n"}) {
         const std::size_t at = bare.find(name);
         bare.erase(at, std::string(name).size());

@@ -207,8 +207,8 @@ Status EmbreeScene::add_shape(const SceneShape& shape, const Transform& placemen
 }
 
 /// Before instances are made.
-Status EmbreeScene::check_placements(const SceneDescription& scene, std::span<const Transform> instances,
-                                     double extent) {
+Status EmbreeScene::check_placements(const SceneDescription& scene,
+                                     const std::function<Transform(std::size_t)>& placement, double extent) {
     std::vector<std::optional<Bounds>> objects;
     for (RTCScene object : device_->objects) {
         RTCBounds b{};
@@ -218,7 +218,7 @@ Status EmbreeScene::check_placements(const SceneDescription& scene, std::span<co
             empty ? std::nullopt
                   : std::optional<Bounds>({{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}}));
     }
-    auto limit = limit_of_rays(scene, {shapes_, objects, instances}, extent);
+    auto limit = limit_of_rays(scene, {shapes_, objects, placement}, extent);
     if (!limit) return limit.error();
     ray_limit_ = *limit;
     return success();
@@ -315,16 +315,17 @@ Status EmbreeScene::add_instance(const SceneDescription& scene, std::span<const 
 Status EmbreeScene::add_instances(const SceneDescription& scene, std::span<const PlacedObject> objects) {
     double extent = extent_without_shapes(scene, space_);
     for (std::size_t i = 0; i < top_level_shapes_; ++i) extent = std::max(extent, shapes_[i].extent());
-    std::vector<Transform> placements;
-    for (const SceneInstance& instance : scene.instances) {
+    const auto placement = [&](std::size_t i) {
+        const SceneInstance& instance = scene.instances[i];
         const auto object = static_cast<std::size_t>(instance.object);
         const bool defined = instance.object >= 0 && object < objects.size();
-        placements.push_back(space_.placed(instance.to_world, defined ? objects[object].pivot : DVec3()));
-    }
-    if (Status s = check_placements(scene, placements, extent); !s) return s;
+        return space_.placed(instance.to_world, defined ? objects[object].pivot : DVec3());
+    };
+    if (Status s = check_placements(scene, placement, extent); !s) return s;
     std::uint64_t surfaces = top_level_shapes_;
-    for (std::size_t i = 0; i < placements.size(); ++i)
-        if (Status s = add_instance(scene, objects, scene.instances[i], placements[i], surfaces); !s) return s;
+    instances_.reserve(scene.instances.size());
+    for (std::size_t i = 0; i < scene.instances.size(); ++i)
+        if (Status s = add_instance(scene, objects, scene.instances[i], placement(i), surfaces); !s) return s;
     return success();
 }
 

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -196,7 +197,8 @@ class EmbreeScene {
     Status add_instance(const SceneDescription& scene, std::span<const PlacedObject> objects,
                         const SceneInstance& instance, const Transform& placement, std::uint64_t& surfaces);
     Status add_instances(const SceneDescription& scene, std::span<const PlacedObject> objects);
-    Status check_placements(const SceneDescription& scene, std::span<const Transform> instances, double extent);
+    Status check_placements(const SceneDescription& scene, const std::function<Transform(std::size_t)>& placement,
+                            double extent);
     [[nodiscard]] bool traceable(const Ray& ray) const;
     [[nodiscard]] double rounding_at(const Hit& hit, const DVec3& point) const;
     void finish_hits(std::span<const Ray> rays, std::span<Hit> hits) const;

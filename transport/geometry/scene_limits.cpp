@@ -178,7 +178,7 @@ Result<Real> limit_of_rays(const SceneDescription& scene, const PlacedShapes& pl
         if (!usable(instance)) continue;  // an error of its own
         const std::optional<Bounds>& bounds = placed.object_bounds[static_cast<std::size_t>(instance.object)];
         if (!bounds) continue;
-        const double reach = reach_of(Matrix34(placed.instances[i].matrix()), *bounds);
+        const double reach = reach_of(Matrix34(placed.placement(i).matrix()), *bounds);
         if (!(reach <= most))
             return error_at(instance.location, "the instance reaches to " + short_number(reach) +
                                                    " from the origin; expected at most " + short_number(most));
@@ -208,7 +208,7 @@ Result<Real> limit_of_rays(const SceneDescription& scene, const PlacedShapes& pl
         const SceneInstance& instance = scene.instances[i];
         if (!usable(instance)) continue;
         auto reach =
-            limit_in_world(instance, placed.instances[i], rays, reaches[static_cast<std::size_t>(instance.object)]);
+            limit_in_world(instance, placed.placement(i), rays, reaches[static_cast<std::size_t>(instance.object)]);
         if (!reach) return reach.error();
         limit = std::min(limit, *reach);
     }

@@ -9,9 +9,8 @@ Result<std::vector<double>> array_of(const ParameterSet& set, std::string_view n
     const Parameter* parameter = set.find(name);
     if (parameter == nullptr) return std::vector<double>();
     if (parameter->type != type)
-        return error_at(parameter->location, "mesh parameter '" + std::string(name) +
-                                                 "' has the wrong type; expected \"" + type_name + " " +
-                                                 std::string(name) + "\"");
+        return error_at(parameter->location, "parameter '" + std::string(name) + "' has the wrong type; expected \"" +
+                                                 type_name + " " + std::string(name) + "\"");
     return parameter->numbers;
 }
 

@@ -336,8 +336,10 @@ Result<ObjectHandle> SceneBuilder::add_object(const SceneName& name, const Sourc
 }
 
 ObjectHandle SceneBuilder::object_named(const SceneName& name, const SourceLocation& where) {
-    object_references_.push_back({-1, name.text, place_of(name, where)});
-    return {static_cast<int>(object_references_.size()) - 1};
+    // A million instances of a few objects need a few references.
+    const auto [found, fresh] = object_reference_of_.emplace(name.text, static_cast<int>(object_references_.size()));
+    if (fresh) object_references_.push_back({-1, name.text, place_of(name, where)});
+    return {found->second};
 }
 
 Status SceneBuilder::add_instance(ObjectHandle object, const Transform& to_world, const SourceLocation& where) {

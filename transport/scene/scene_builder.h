@@ -178,7 +178,7 @@ class SceneBuilder {
     SearchPath search_;
     ParameterChecker parameters_;
     std::vector<Reference> material_references_, object_references_;
-    std::map<std::string, int> named_materials_, named_media_, named_objects_;
+    std::map<std::string, int> named_materials_, named_media_, named_objects_, object_reference_of_;
     std::map<std::string, std::size_t> named_textures_[2];  // float, spectrum
 };
 
