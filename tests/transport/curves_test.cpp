@@ -9,6 +9,7 @@
 #include "transport/math/sampling.h"
 #include "transport/render_support.h"
 #include "transport/samplers/pixel_sampler.h"
+#include "transport/scene/scene_builder.h"
 #include "transport/scene/scene_hash.h"
 
 using namespace raylex;
@@ -340,6 +341,47 @@ TEST_CASE("what of curves is left out or means nothing is said, once", "[curves]
     REQUIRE(built.warnings().size() == 2);
     CHECK(contains(built.warnings()[0].message, "1 segments of curves have no length"));
     CHECK(contains(built.warnings()[1].message, "does not keep circles"));
+}
+
+TEST_CASE("curves made in code are those of a file", "[curves][scene-builder]") {
+    CurveData data{CurveType::ribbon,
+                   {{0, 0, 0}, {0, 1, 0}, {0, 2, 0}, {0, 3, 0}, {1, 0, 0}, {1, 1, 0}, {1, 2, 0}, {1, 3, 0}},
+                   {0, 4},
+                   {{0.5f, 0.25f}, {1, 1}},
+                   {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {1, 0, 1}}};
+    const auto built = [&data]() -> Result<SceneDescription> {
+        SceneBuilder scene("code");
+        if (Status s = scene.add_curves(data); !s) return s.error();
+        return scene.finish();
+    };
+    const auto scene = built();
+    REQUIRE(scene);
+    const SceneDescription file = scene_of(
+        "WorldBegin\nShape \"curve\" \"string type\" \"ribbon\" \"normal N\" [0 0 1 0 0 1] \"float width0\" 0.5 "
+        "\"float width1\" 0.25 \"point3 P\" [0 0 0 0 1 0 0 2 0 0 3 0]\n"
+        "Shape \"curve\" \"string type\" \"ribbon\" \"normal N\" [0 0 1 1 0 1] "
+        "\"point3 P\" [1 0 0 1 1 0 1 2 0 1 3 0]\n");
+    CHECK(scene_hash(*scene) == scene_hash(file));
+    const auto refused = [&](const char* expected) {
+        const auto found = built();
+        REQUIRE_FALSE(found);
+        INFO(found.error().to_string());
+        CHECK(contains(found.error().message, expected));
+        CHECK(contains(found.error().file, "curves_test.cpp"));
+    };
+    const CurveData good = data;
+    data.first_points = {0, 3};
+    refused("curve 0 has no whole number of segments");
+    data = good, data.widths[1].y = -1;
+    refused("a width of curve 1 is negative");
+    data = good, data.normals.pop_back();
+    refused("3 normals of curves; expected 4");
+    data = good, data.normals[2] = {};
+    refused("normal 2 of the ribbons is zero");
+    data = good, data.points[5].x = HUGE_VALF;
+    refused("control point 5 of the curves is not finite");
+    data = good, data.widths.clear();
+    refused("0 pairs of widths for 2 curves");
 }
 
 TEST_CASE("curves written as pbrt read back as the same curves", "[curves][pbrt-writer]") {

@@ -65,8 +65,11 @@ struct PlacedCurves {
     unsigned pieces = 1;            ///< into how many straight ones Embree cuts each segment of a flat curve
 };
 
-/// Control points through `placement` in double, then rounded; widths by its scale. Errors: numbers that do not fit, a
-/// placement without inverse, what leaves the range of float.
+/// Counts that do not fit, numbers that are not finite, negative widths, normals of ribbons without direction.
+Status check_curves(const SceneShape& shape);
+
+/// Control points through `placement` in double, then rounded; widths by its scale. Errors: those of
+/// check_curves(), a placement without inverse, what leaves the range of float.
 Result<PlacedCurves> place_curves(const SceneShape& shape, const Transform& placement);
 
 /// Where a ray meets a curve.

@@ -59,9 +59,6 @@ class CurvePlacer {
         for (std::size_t k = 0; k < shape_.indices.size(); ++k) {
             const std::size_t begin = shape_.indices[k];
             const std::size_t end = k + 1 < shape_.indices.size() ? shape_.indices[k + 1] : shape_.positions.size();
-            if (begin >= end || end > shape_.positions.size() || (end - begin) % 3 != 1 || end - begin < 4)
-                return error_at(shape_.location, "curve " + std::to_string(k) +
-                                                     " has no whole number of segments; expected 3 n + 1 positions");
             if (Status s = place_curve(k, begin, (end - begin) / 3); !s) return s.error();
         }
         // Four pieces are no dearer than one: Embree takes as many at a time at least.
@@ -78,7 +75,7 @@ class CurvePlacer {
             const double s = static_cast<double>(i) / static_cast<double>(3 * segments);
             const StoredVec3 p = to_float(placement_.point_in_double(shape_.positions[begin + i]));
             const float radius = static_cast<float>(radius0 + (radius1 - radius0) * s);
-            if (!is_finite(p) || !std::isfinite(radius) || radius < 0)
+            if (!is_finite(p) || !std::isfinite(radius))
                 return error_at(shape_.location, "control point " + std::to_string(i) + " of curve " +
                                                      std::to_string(number) +
                                                      " is not finite after the current transformation");
@@ -114,17 +111,38 @@ class CurvePlacer {
 
 }  // namespace
 
-Result<PlacedCurves> place_curves(const SceneShape& shape, const Transform& placement) {
-    if (!placement.invertible()) return error_at(shape.location, "the shape's transform has no inverse");
+Status check_curves(const SceneShape& shape) {
     const bool ribbon = shape.curve_type == CurveType::ribbon;
     const std::size_t curves = shape.indices.size(), points = shape.positions.size();
+    const auto fail = [&](const std::string& message) { return error_at(shape.location, message); };
+    if (points > 0xffffffffu) return fail("more than 2^32 control points in one group of curves");
     if (shape.curve_widths.size() != curves)
-        return error_at(shape.location, std::to_string(shape.curve_widths.size()) + " pairs of widths for " +
-                                            std::to_string(curves) + " curves; expected one each");
-    if (ribbon && (points < curves || shape.normals.size() != (points - curves) / 3 + curves))
-        return error_at(shape.location, std::to_string(shape.normals.size()) +
-                                            " normals for ribbons; expected one at each end of every segment");
-    if (points > 0xffffffffu) return error_at(shape.location, "more than 2^32 control points in one group of curves");
+        return fail(std::to_string(shape.curve_widths.size()) + " pairs of widths for " + std::to_string(curves) +
+                    " curves; expected one each");
+    for (std::size_t k = 0; k < curves; ++k) {
+        const std::size_t begin = shape.indices[k], end = k + 1 < curves ? shape.indices[k + 1] : points;
+        if (begin >= end || end > points || (end - begin) % 3 != 1 || end - begin < 4 || (k == 0 && begin != 0))
+            return fail("curve " + std::to_string(k) + " has no whole number of segments; expected 3 n + 1 positions");
+        const StoredVec2 width = shape.curve_widths[k];
+        if (!(width.x >= 0 && width.y >= 0) || !std::isfinite(width.x) || !std::isfinite(width.y))
+            return fail("a width of curve " + std::to_string(k) + " is negative or not finite; expected at least 0");
+    }
+    for (std::size_t i = 0; i < points; ++i)
+        if (!is_finite(shape.positions[i]))
+            return fail("control point " + std::to_string(i) + " of the curves is not finite; expected real numbers");
+    const std::size_t normals = ribbon && points >= curves ? (points - curves) / 3 + curves : 0;
+    if (shape.normals.size() != normals)
+        return fail(std::to_string(shape.normals.size()) + " normals of curves; expected " + std::to_string(normals) +
+                    ": ribbons have one at each end of every segment, others none");
+    for (std::size_t i = 0; i < normals; ++i)
+        if (!is_finite(shape.normals[i]) || shape.normals[i] == StoredVec3())
+            return fail("normal " + std::to_string(i) + " of the ribbons is zero or not finite; expected a direction");
+    return success();
+}
+
+Result<PlacedCurves> place_curves(const SceneShape& shape, const Transform& placement) {
+    if (!placement.invertible()) return error_at(shape.location, "the shape's transform has no inverse");
+    if (Status s = check_curves(shape); !s) return s.error();
     return CurvePlacer(shape, placement).place();
 }
 

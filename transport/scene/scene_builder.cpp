@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "transport/color/spectral_data.h"
+#include "transport/geometry/curve.h"
 #include "transport/import/curve_shapes.h"
 #include "transport/import/shapes.h"
 
@@ -295,6 +296,23 @@ Status SceneBuilder::add_mesh(const MeshData& mesh, const ShapePlacement& placem
         std::move(shape), "the mesh", {*transform, placement.reverse_orientation, search_}, scene_.warnings);
     if (!shapes) return shapes.error();
     return place(std::move(*shapes), placement, where);
+}
+
+Status SceneBuilder::add_curves(const CurveData& curves, const ShapePlacement& placement, const SourceLocation& where) {
+    const Result<Transform> transform = settled(placement.to_world, where);
+    if (!transform) return transform.error();
+    SceneShape shape;
+    shape.kind = ShapeKind::curves;
+    shape.location = where;
+    shape.curve_type = curves.type;
+    shape.positions = curves.points;
+    shape.indices = curves.first_points;
+    shape.curve_widths = curves.widths;
+    shape.normals = curves.normals;
+    shape.object_to_world = *transform;
+    shape.flip_normal = placement.reverse_orientation != transform->swaps_handedness();
+    if (Status status = check_curves(shape); !status) return status.error();
+    return place({std::move(shape)}, placement, where);
 }
 
 Status SceneBuilder::place(std::vector<SceneShape> shapes, const ShapePlacement& placement,
