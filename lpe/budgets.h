@@ -31,6 +31,7 @@ enum class Budget : std::uint8_t {
     toml_bytes,
     toml_depth,
     record_bytes,
+    tessellated_triangles,
 };
 
 struct BudgetRow {

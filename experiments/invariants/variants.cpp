@@ -38,6 +38,8 @@ SceneDescription scaled(SceneDescription scene, double factor) {
     for (transport::SceneLight& light : scene.lights)
         if (light.type == "point" || light.type == "spot") multiply(light.parameters, "scale", factor * factor);
     for (transport::SceneEntity& medium : scene.media) multiply(medium.parameters, "scale", 1 / factor);
+    const auto factor_in_real = static_cast<transport::Real>(factor);
+    for (SceneShape& shape : scene.shapes) shape.edge_length *= factor_in_real;  // of displaced meshes, in the world
     return scene;
 }
 

@@ -103,7 +103,7 @@ TEST_CASE("normals that are not finite are computed from the faces, with a warni
         import_pbrt(folder.write("s.pbrt", "WorldBegin\nShape \"plymesh\" \"string filename\" \"a.ply\"\n"));
     REQUIRE(scene);
     REQUIRE(scene->warnings.size() == 1);
-    CHECK(contains(scene->warnings[0].message, "3 of the normals of 'a.ply' are not finite"));
+    CHECK(contains(scene->warnings[0].message, "3 of the normals of 'a.ply' are zero or not finite"));
     CHECK(scene->shapes[0].normals[1] == Vec3{0, 0, 1});
     CHECK(scene->shapes[0].normals[2] == Vec3{0, 0, 1});
     const auto inline_scene = scene_of(
@@ -112,6 +112,27 @@ TEST_CASE("normals that are not finite are computed from the faces, with a warni
     REQUIRE(inline_scene.warnings.size() == 1);
     CHECK(contains(inline_scene.warnings[0].message, "1 of the normals of the mesh"));
     CHECK(inline_scene.shapes[0].normals[1] == Vec3{0, 0, -1});
+}
+
+TEST_CASE("zero normals, numbers as Windows wrote them and broken texture coordinates do not stop a mesh",
+          "[law7][import]") {
+    const Folder folder;
+    // Normals against the way the face goes around: the computed one goes with its neighbours.
+    folder.write("a.ply",
+                 "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\n"
+                 "property float nx\nproperty float ny\nproperty float nz\nproperty float u\nproperty float v\n"
+                 "element face 1\nproperty list uint8 uint32 vertex_indices\nproperty short group\n"
+                 "element strange 2\nproperty list int double values\nend_header\n"
+                 "0 0 0 0 0 -1 0 0\n1 0 0 0 0 0 1 nan\n1 1 0 -1.#IND 1.#QNAN 0 1 1\n0 1 0 0 0 -1 0 1\n"
+                 "4 0 1 2 3 -7\n2 1 2\n0\n");
+    const auto scene =
+        import_pbrt(folder.write("s.pbrt", "WorldBegin\nShape \"plymesh\" \"string filename\" \"a.ply\"\n"));
+    if (!scene) FAIL(scene.error().to_string());
+    REQUIRE(scene->warnings.size() == 2);
+    CHECK(contains(scene->warnings[0].message, "2 of the normals of 'a.ply' are zero or not finite"));
+    CHECK(contains(scene->warnings[1].message, "1 of the texture coordinates of 'a.ply' are not finite"));
+    for (const auto& normal : scene->shapes[0].normals) CHECK(normal == Vec3{0, 0, -1});
+    CHECK(scene->shapes[0].uvs[1] == StoredVec2{0, 0});
 }
 
 TEST_CASE("a number beyond float is an error where it stands", "[law7][import]") {

@@ -113,6 +113,33 @@ std::string alpha_text(const SceneShape& shape) {
     return shape.alpha == 1 ? std::string() : number_parameter("alpha", double{shape.alpha});
 }
 
+std::string displacement_text(const SceneShape& shape) {
+    // An edge length means nothing without, but a scene that reads back is the same in everything.
+    const std::string edge = shape.edge_length == 1 ? "" : number_parameter("edgelength", double{shape.edge_length});
+    if (shape.displacement_texture.empty()) return edge;
+    return " \"texture displacement\" " + quoted(shape.displacement_texture) + edge;
+}
+
+std::string curve_text(const SceneShape& shape, std::size_t number) {
+    constexpr const char* types[] = {"flat", "cylinder", "ribbon"};
+    const std::size_t begin = shape.indices[number];
+    const std::size_t end = number + 1 < shape.indices.size() ? shape.indices[number + 1] : shape.positions.size();
+    const auto part = [](const std::vector<StoredVec3>& list, std::size_t from, std::size_t to) {
+        return std::vector<StoredVec3>(list.begin() + static_cast<std::ptrdiff_t>(from),
+                                       list.begin() + static_cast<std::ptrdiff_t>(to));
+    };
+    std::string text = "\"curve\" \"string type\" " + quoted(types[static_cast<std::size_t>(shape.curve_type)]) +
+                       list_text("point3 P", part(shape.positions, begin, end), append_vector);
+    if (!shape.normals.empty()) {
+        const std::size_t first = (begin - number) / 3 + number;  // a curve of n segments has n + 1 normals
+        text += list_text("normal N", part(shape.normals, first, first + (end - begin - 1) / 3 + 1), append_vector);
+    }
+    for (const auto& [name, width] : {std::pair{"float width0", shape.curve_widths[number].x},
+                                      std::pair{"float width1", shape.curve_widths[number].y}})
+        text += list_text(name, std::vector{width}, [](std::string& out, float value) { append_number(out, value); });
+    return text + alpha_text(shape);
+}
+
 std::string shape_text(const SceneShape& shape, bool reverse_orientation) {
     const std::string extent = number_parameter("zmin", shape.z_min) + number_parameter("zmax", shape.z_max);
     std::string round = number_parameter("radius", shape.radius);
@@ -127,6 +154,8 @@ std::string shape_text(const SceneShape& shape, bool reverse_orientation) {
                    number_parameter("innerradius", shape.inner_radius) + alpha_text(shape);
         case ShapeKind::sphere:
             return "\"sphere\"" + round + extent + alpha_text(shape);
+        case ShapeKind::curves:
+            return curve_text(shape, 0);
         case ShapeKind::cylinder:
             break;
     }

@@ -18,6 +18,10 @@ void append_number(std::string& text, float value);
 [[nodiscard]] std::string parameters_text(const ParameterSet& set);
 /// The parameters of a shape, those of its mesh inline.
 [[nodiscard]] std::string shape_text(const SceneShape& shape, bool reverse_orientation);
+/// Of a plymesh, nothing where it is not displaced.
+[[nodiscard]] std::string displacement_text(const SceneShape& shape);
+/// The parameters of one curve of a group.
+[[nodiscard]] std::string curve_text(const SceneShape& shape, std::size_t number);
 /// The parameter that every kind of shape has.
 [[nodiscard]] std::string alpha_text(const SceneShape& shape);
 /// The mesh as a binary PLY file.

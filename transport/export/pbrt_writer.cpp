@@ -221,7 +221,9 @@ class PbrtWriter {
             line("MediumInterface " + medium_name(shape.inside_medium) + " " + medium_name(shape.outside_medium));
         if (reverse) line("ReverseOrientation");
         if (!transform.is_identity()) line("Transform " + matrix_text(transform.matrix()));
-        line("Shape " + (shape.source_file.empty() ? shape_text(shape, reverse) : mesh_file_text(shape, reverse)));
+        if (shape.kind == ShapeKind::curves)
+            for (std::size_t i = 0; i < shape.indices.size(); ++i) line("Shape " + curve_text(shape, i));
+        else line("Shape " + (shape.source_file.empty() ? shape_text(shape, reverse) : mesh_file_text(shape, reverse)));
         if (block) line("AttributeEnd");
         if (shape.label != scene_.materials[static_cast<std::size_t>(shape.material)].name)
             leave_out("labels other than materials' names");
@@ -230,7 +232,7 @@ class PbrtWriter {
     std::string mesh_file_text(const SceneShape& shape, bool reverse) {
         const std::string path = mesh_folder_ + "/" + std::to_string(result_.meshes.size()) + "/" + shape.source_file;
         result_.meshes.push_back({path, ply_content(shape, reverse)});
-        return "\"plymesh\" \"string filename\" " + quoted(path) + alpha_text(shape);
+        return "\"plymesh\" \"string filename\" " + quoted(path) + displacement_text(shape) + alpha_text(shape);
     }
 
     /// Whether the next nameless material that is still to be written is an object's.

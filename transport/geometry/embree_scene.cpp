@@ -7,6 +7,7 @@
 #include <pmmintrin.h>
 #include <xmmintrin.h>
 
+#include "transport/geometry/displacement.h"
 #include "transport/geometry/embree_device.h"
 #include "transport/geometry/placed_mesh.h"
 #include "transport/geometry/scene_limits.h"
@@ -84,10 +85,15 @@ Status EmbreeScene::add_surface(const SceneShape& shape, const SceneDescription&
 }
 
 /// Places the vertices; `made` stays null for a mesh without faces and for patches, which are user geometry.
-Status EmbreeScene::add_mesh(const SceneShape& shape, const Transform& placement, ShapeGeometry& g,
-                             RTCGeometryTy*& made) {
+Status EmbreeScene::add_mesh(const SceneShape& shape, const Transform& placement, const TextureTable& textures,
+                             ShapeGeometry& g, RTCGeometryTy*& made) {
     const std::size_t corners = shape.kind == ShapeKind::triangle_mesh ? 3 : 4;
     if (Status s = check_mesh(shape, corners); !s) return s;
+    if (!shape.displacement_texture.empty()) {
+        const auto displaced = displaced_mesh(shape, placement, textures);
+        if (!displaced) return displaced.error();
+        return add_mesh(*displaced, placement, textures, g, made);
+    }
     auto mesh = place_mesh(shape, placement);
     if (!mesh) return mesh.error();
     if (Status s = check_extent(shape, mesh->positions); !s) return s;
@@ -123,6 +129,51 @@ Status EmbreeScene::add_mesh(const SceneShape& shape, const Transform& placement
     return success();
 }
 
+/// `made` stays null where no segment is left.
+Status EmbreeScene::add_curves(const SceneShape& shape, const Transform& placement, ShapeGeometry& g,
+                               RTCGeometryTy*& made) {
+    auto placed = place_curves(shape, placement);
+    if (!placed) return placed.error();
+    if (Status s = check_extent(shape, placed->extent); !s) return s;
+    if (placed->widths_are_means)
+        warnings_.push_back(error_at(shape.location,
+                                     "the transform of curves does not keep circles; their widths go by the mean of "
+                                     "its scales"));
+    if (placed->dropped > 0)
+        warnings_.push_back(error_at(shape.location, std::to_string(placed->dropped) +
+                                                         " segments of curves have no length or no width and are left "
+                                                         "out"));
+    g.curves.type = shape.curve_type;
+    g.curves.first_points = std::move(placed->first_points);
+    g.curves.extent = placed->extent;
+    g.curves.reversed = shape.flip_normal != placement.swaps_handedness();
+    g.primitive_count = static_cast<std::uint32_t>(g.curves.first_points.size());
+    if (g.primitive_count == 0) return success();
+    constexpr RTCGeometryType types[] = {RTC_GEOMETRY_TYPE_FLAT_BEZIER_CURVE, RTC_GEOMETRY_TYPE_ROUND_BEZIER_CURVE,
+                                         RTC_GEOMETRY_TYPE_NORMAL_ORIENTED_BEZIER_CURVE};
+    RTCGeometry geometry = rtcNewGeometry(device_->device, types[static_cast<std::size_t>(shape.curve_type)]);
+    const auto fill = [&](RTCBufferType type, RTCFormat format, const auto& values) -> const void* {
+        const std::size_t each = sizeof values[0];
+        void* buffer = rtcSetNewGeometryBuffer(geometry, type, 0, format, each, values.size());
+        if (buffer) std::memcpy(buffer, values.data(), values.size() * each);
+        return buffer;
+    };
+    const void *points = fill(RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, placed->points), *normals = points;
+    if (!placed->normals.empty()) normals = fill(RTC_BUFFER_TYPE_NORMAL, RTC_FORMAT_FLOAT3, placed->normals);
+    if (!points || !normals) {
+        rtcReleaseGeometry(geometry);
+        return error_at(shape.location, "not enough memory for the curves");
+    }
+    g.curves.points = static_cast<const CurvePoint*>(points);
+    if (!placed->normals.empty()) g.curves.normals = static_cast<const StoredVec3*>(normals);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, g.curves.first_points.data(), 0,
+                               sizeof(std::uint32_t), g.primitive_count);
+    if (shape.curve_type == CurveType::flat)
+        rtcSetGeometryTessellationRate(geometry, static_cast<float>(placed->pieces));
+    made = geometry;
+    return success();
+}
+
 Status EmbreeScene::add_shape(const SceneShape& shape, const Transform& placement, const SceneDescription& scene,
                               TextureTable& textures, bool instanced) {
     ShapeGeometry g;
@@ -139,16 +190,16 @@ Status EmbreeScene::add_shape(const SceneShape& shape, const Transform& placemen
     g.to_object = Placement(placement).to_object;
     RTCGeometry geometry = nullptr;
     if (shape.kind == ShapeKind::triangle_mesh || shape.kind == ShapeKind::bilinear_mesh) {
-        if (Status s = add_mesh(shape, placement, g, geometry); !s) return s;
+        if (Status s = add_mesh(shape, placement, textures, g, geometry); !s) return s;
+    } else if (shape.kind == ShapeKind::curves) {
+        if (Status s = add_curves(shape, placement, g, geometry); !s) return s;
     } else {
         if (Status s = check_quadric(shape); !s) return s;
         g.primitive_count = 1;
         g.quadric = Quadric(shape, placement);
         if (Status s = check_extent(shape, g.quadric.extent()); !s) return s;
     }
-    if (g.primitive_count > 0 && shape.kind != ShapeKind::triangle_mesh) {
-        geometry = new_user_geometry(device_->device, g.primitive_count);
-    }
+    if (g.primitive_count > 0 && g.is_user()) { geometry = new_user_geometry(device_->device, g.primitive_count); }
     if (geometry) rtcSetGeometryMask(geometry, g.alpha >= 0 ? alpha_mask : opaque_mask);
     shapes_.push_back(std::move(g));
     device_->geometries.push_back(geometry);
@@ -156,8 +207,8 @@ Status EmbreeScene::add_shape(const SceneShape& shape, const Transform& placemen
 }
 
 /// Before instances are made.
-Status EmbreeScene::check_placements(const SceneDescription& scene, std::span<const Transform> instances,
-                                     double extent) {
+Status EmbreeScene::check_placements(const SceneDescription& scene,
+                                     const std::function<Transform(std::size_t)>& placement, double extent) {
     std::vector<std::optional<Bounds>> objects;
     for (RTCScene object : device_->objects) {
         RTCBounds b{};
@@ -167,7 +218,7 @@ Status EmbreeScene::check_placements(const SceneDescription& scene, std::span<co
             empty ? std::nullopt
                   : std::optional<Bounds>({{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}}));
     }
-    auto limit = limit_of_rays(scene, {shapes_, objects, instances}, extent);
+    auto limit = limit_of_rays(scene, {shapes_, objects, placement}, extent);
     if (!limit) return limit.error();
     ray_limit_ = *limit;
     return success();
@@ -221,7 +272,7 @@ void EmbreeScene::attach(RTCSceneTy* target, std::size_t first, std::size_t coun
         RTCGeometry geometry = device_->geometries[first + i];
         if (!geometry) continue;
         const ShapeGeometry& shape = shapes_[first + i];
-        if (shape.kind != ShapeKind::triangle_mesh) {
+        if (shape.is_user()) {
             device_->users.push_back(
                 std::make_unique<UserShape>(UserShape{&shape, shape.alpha >= 0 ? alpha_mask : opaque_mask}));
             rtcSetGeometryUserData(geometry, device_->users.back().get());
@@ -264,16 +315,17 @@ Status EmbreeScene::add_instance(const SceneDescription& scene, std::span<const 
 Status EmbreeScene::add_instances(const SceneDescription& scene, std::span<const PlacedObject> objects) {
     double extent = extent_without_shapes(scene, space_);
     for (std::size_t i = 0; i < top_level_shapes_; ++i) extent = std::max(extent, shapes_[i].extent());
-    std::vector<Transform> placements;
-    for (const SceneInstance& instance : scene.instances) {
+    const auto placement = [&](std::size_t i) {
+        const SceneInstance& instance = scene.instances[i];
         const auto object = static_cast<std::size_t>(instance.object);
         const bool defined = instance.object >= 0 && object < objects.size();
-        placements.push_back(space_.placed(instance.to_world, defined ? objects[object].pivot : DVec3()));
-    }
-    if (Status s = check_placements(scene, placements, extent); !s) return s;
+        return space_.placed(instance.to_world, defined ? objects[object].pivot : DVec3());
+    };
+    if (Status s = check_placements(scene, placement, extent); !s) return s;
     std::uint64_t surfaces = top_level_shapes_;
-    for (std::size_t i = 0; i < placements.size(); ++i)
-        if (Status s = add_instance(scene, objects, scene.instances[i], placements[i], surfaces); !s) return s;
+    instances_.reserve(scene.instances.size());
+    for (std::size_t i = 0; i < scene.instances.size(); ++i)
+        if (Status s = add_instance(scene, objects, scene.instances[i], placement(i), surfaces); !s) return s;
     return success();
 }
 

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -16,6 +17,7 @@
 
 #include "lpe/result.h"
 #include "transport/geometry/bilinear.h"
+#include "transport/geometry/curve.h"
 #include "transport/geometry/quadric.h"
 #include "transport/geometry/ray.h"
 #include "transport/geometry/render_space.h"
@@ -40,6 +42,7 @@ struct ShapeGeometry {
     std::vector<StoredVec3> patch_positions;  ///< bilinear meshes keep their own
     std::vector<std::uint32_t> patch_indices;
     Quadric quadric;
+    CurveBatch curves;
     Matrix34 to_object;  ///< meshes: from where their vertices stand to the space they were written in
     bool flip_normal = false;
     int material = 0;
@@ -56,6 +59,8 @@ struct ShapeGeometry {
     struct Interval {
         double lower, upper;
     };
+    /// Whether Embree leaves it to us: quadrics and patches.
+    [[nodiscard]] bool is_user() const { return kind != ShapeKind::triangle_mesh && kind != ShapeKind::curves; }
     /// Of a patch or quadric, which are not Embree's own: the nearest hit within `range` of distances.
     bool intersect(unsigned primitive, const DVec3& origin, const DVec3& direction, const Interval& range, double& t,
                    double& u, double& v) const;
@@ -93,7 +98,7 @@ struct SurfaceDetails {
     Vec3 object_position;       ///< in the space that the shape's parameters were written in
     Real curvature = 0;         ///< mean curvature; positive where the surface bulges towards SurfacePoint::wo
     std::array<Vec3, 8> edges;  ///< of the triangle or patch: start and end by turns
-    int edge_count = 0;         ///< 0 for quadrics
+    int edge_count = 0;         ///< 0 for quadrics and curves
 };
 
 /// A length-3 interval in world space.
@@ -193,7 +198,10 @@ class EmbreeScene {
                      TextureTable& textures, bool instanced);
     Status add_surface(const SceneShape& shape, const SceneDescription& scene, TextureTable& textures,
                        ShapeGeometry& geometry);
-    Status add_mesh(const SceneShape& shape, const Transform& placement, ShapeGeometry& geometry, RTCGeometryTy*& made);
+    Status add_mesh(const SceneShape& shape, const Transform& placement, const TextureTable& textures,
+                    ShapeGeometry& geometry, RTCGeometryTy*& made);
+    Status add_curves(const SceneShape& shape, const Transform& placement, ShapeGeometry& geometry,
+                      RTCGeometryTy*& made);
     /// An object of instances: its first shape, and the point around which its shapes are kept.
     struct PlacedObject {
         std::uint32_t first_shape = 0;
@@ -205,7 +213,8 @@ class EmbreeScene {
     Status add_instance(const SceneDescription& scene, std::span<const PlacedObject> objects,
                         const SceneInstance& instance, const Transform& placement, std::uint64_t& surfaces);
     Status add_instances(const SceneDescription& scene, std::span<const PlacedObject> objects);
-    Status check_placements(const SceneDescription& scene, std::span<const Transform> instances, double extent);
+    Status check_placements(const SceneDescription& scene, const std::function<Transform(std::size_t)>& placement,
+                            double extent);
     [[nodiscard]] bool traceable(const Ray& ray) const;
     [[nodiscard]] double rounding_at(const Hit& hit, const DVec3& point) const;
     void finish_hits(std::span<const Ray> rays, std::span<Hit> hits) const;

@@ -61,6 +61,17 @@ void EmbreeScene::finish_hit(const Ray& ray, Hit& hit) const {
         set_place(ray, hit, found.t, found.u, found.v);
         return;
     }
+    if (shape.kind == ShapeKind::curves) {
+        const CurveSegment segment = shape.curves.segment(hit.primitive);
+        CurvePlace place{hit.t, std::clamp(static_cast<double>(hit.u), 0.0, 1.0), 0};
+        if (!meet_curve(segment, origin, direction, ray.t_max, place)) {
+            const DVec3 p = origin + direction * place.t,
+                        across = curve_frame(segment, direction, place.u, 0, p).across;
+            place.h = std::clamp(dot(p - segment.point(place.u), across) / segment.radius(place.u), -1.0, 1.0);
+        }
+        set_place(ray, hit, place.t, place.u, place.h);
+        return;
+    }
     // At the top level in float this is what Embree's callback did, of the same numbers.
     if (double t, u, v; (hit.instance != Hit::none || real_is_double) &&
                         shape.intersect(hit.primitive, origin, direction, {0, ray.t_max}, t, u, v)) {

@@ -70,7 +70,8 @@ struct Ray {
 struct Hit {
     static constexpr std::uint32_t none = 0xffffffffu;
     Real t = infinity;
-    Real u = 0, v = 0;              ///< triangle: barycentrics of vertices 1 and 2; others: the shape's own (u, v)
+    Real u = 0, v = 0;              ///< triangle: barycentrics of vertices 1 and 2; curve: along, and across from -1
+                                    ///< to 1; others: the shape's own (u, v)
     std::uint32_t shape = none;     ///< index into EmbreeScene::shapes()
     std::uint32_t primitive = 0;    ///< triangle or patch of a mesh
     std::uint32_t instance = none;  ///< index into EmbreeScene::instances()

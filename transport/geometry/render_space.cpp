@@ -69,7 +69,8 @@ DVec3 DBounds::nearest(const DVec3& p) const {
 
 DBounds object_bounds(const SceneShape& shape) {
     DBounds bounds;
-    if (shape.kind == ShapeKind::triangle_mesh || shape.kind == ShapeKind::bilinear_mesh) {
+    if (shape.kind == ShapeKind::triangle_mesh || shape.kind == ShapeKind::bilinear_mesh ||
+        shape.kind == ShapeKind::curves) {
         for (const StoredVec3& p : shape.positions) bounds.add({p.x, p.y, p.z});
         return bounds;
     }

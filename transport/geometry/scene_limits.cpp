@@ -57,6 +57,7 @@ double reach_of(const Matrix34& to_world, const Bounds& b) {
 }  // namespace
 
 double ShapeGeometry::extent() const {
+    if (kind == ShapeKind::curves) return curves.extent;
     if (kind != ShapeKind::triangle_mesh && kind != ShapeKind::bilinear_mesh) return quadric.extent();
     double extent = 0;
     for (const StoredVec3& position : patch_positions) extent = std::max(extent, largest_of(position));
@@ -66,7 +67,7 @@ double ShapeGeometry::extent() const {
 }
 
 double ShapeGeometry::reach_of_rays() const {
-    double edge = 0;
+    double edge = kind == ShapeKind::curves ? curves.extent : 0;
     for (const Triangle& triangle : triangles) {
         const auto& [a, b, c] = triangle.corners;
         for (const auto& [from, to] : {std::pair{a, b}, std::pair{b, c}, std::pair{c, a}})
@@ -177,7 +178,7 @@ Result<Real> limit_of_rays(const SceneDescription& scene, const PlacedShapes& pl
         if (!usable(instance)) continue;  // an error of its own
         const std::optional<Bounds>& bounds = placed.object_bounds[static_cast<std::size_t>(instance.object)];
         if (!bounds) continue;
-        const double reach = reach_of(Matrix34(placed.instances[i].matrix()), *bounds);
+        const double reach = reach_of(Matrix34(placed.placement(i).matrix()), *bounds);
         if (!(reach <= most))
             return error_at(instance.location, "the instance reaches to " + short_number(reach) +
                                                    " from the origin; expected at most " + short_number(most));
@@ -207,7 +208,7 @@ Result<Real> limit_of_rays(const SceneDescription& scene, const PlacedShapes& pl
         const SceneInstance& instance = scene.instances[i];
         if (!usable(instance)) continue;
         auto reach =
-            limit_in_world(instance, placed.instances[i], rays, reaches[static_cast<std::size_t>(instance.object)]);
+            limit_in_world(instance, placed.placement(i), rays, reaches[static_cast<std::size_t>(instance.object)]);
         if (!reach) return reach.error();
         limit = std::min(limit, *reach);
     }

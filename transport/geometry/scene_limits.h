@@ -3,6 +3,7 @@
 // instance or camera.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -24,9 +25,9 @@ Status check_extent(const SceneShape& shape, const std::vector<StoredVec3>& posi
 double extent_without_shapes(const SceneDescription& scene, const RenderSpace& space);
 
 struct PlacedShapes {
-    std::span<const ShapeGeometry> shapes;                 ///< top level, then those of every object in turn
-    std::span<const std::optional<Bounds>> object_bounds;  ///< nothing: an empty object
-    std::span<const Transform> instances;                  ///< where they stand
+    std::span<const ShapeGeometry> shapes;                   ///< top level, then those of every object in turn
+    std::span<const std::optional<Bounds>> object_bounds;    ///< nothing: an empty object
+    const std::function<Transform(std::size_t)>& placement;  ///< where an instance stands; made anew, as they are many
 };
 /// That each instance lies in range, and that rays of the scene do in the instances' own spaces. What no number of a
 /// ray may exceed. `extent`: how far from the origin rays begin, instances apart.

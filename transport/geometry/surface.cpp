@@ -115,6 +115,20 @@ void patch_surface(const ShapeGeometry& shape, const Hit& hit, SurfacePoint& poi
     offset = offset_of_rounded(n, point.position, patch.extent());
 }
 
+void curve_surface(const CurveBatch& curves, const LocalRay& ray, const Hit& hit, SurfacePoint& point,
+                   OffsetBound& offset) {
+    const CurveSegment segment = curves.segment(hit.primitive);
+    const double u = hit.u, r = segment.radius(u);
+    const CurveFrame frame = curve_frame(segment, ray.direction, u, hit.v, ray.origin + ray.direction * hit.t);
+    point.position = (segment.point(u) + frame.offset * r).to_real();
+    point.geometric_normal = point.shading_normal = curves.reversed ? -frame.normal.to_real() : frame.normal.to_real();
+    point.dpdu = segment.tangent(u).to_real();
+    point.u = hit.u;
+    point.v = Real(0.5) + Real(0.5) * hit.v;
+    offset = offset_of_rounded(point.geometric_normal, point.position, curves.extent);
+    offset.here += curve_offset(curves.type, static_cast<Real>(r));
+}
+
 /// Takes a point from its object's space to the world. Embree brings rays there in float: that rounding, seen along the
 /// normal, joins the bound, and both scale with the transform.
 void place(const Placement& placement, SurfacePoint& point, OffsetBound& offset) {
@@ -162,7 +176,8 @@ void EmbreeScene::surfaces(std::span<const Ray> rays, std::span<const Hit> hits,
                 const Matrix34& inverse = instances_[hit.instance].placement.to_object;
                 ray = {inverse.point(ray.origin), inverse.vector(ray.direction)};
             }
-            quadric_surface(shape.quadric, ray, hit, point, source.offset);
+            if (shape.kind == ShapeKind::curves) curve_surface(shape.curves, ray, hit, point, source.offset);
+            else quadric_surface(shape.quadric, ray, hit, point, source.offset);
         }
         source.label = shape.label;
         source.object_id = static_cast<std::int32_t>(hit.shape) + 1;

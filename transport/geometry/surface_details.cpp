@@ -69,6 +69,23 @@ struct DetailBuilder {
             static_cast<Real>(quadric_curvature(q, instance ? instance->to_object : none, p, DVec3(point.wo)));
     }
 
+    void curve() const {
+        const CurveSegment segment = shape.curves.segment(hit.primitive);
+        const Placement none, &place = instance ? *instance : none;
+        const DVec3 direction = place.to_object.vector(DVec3(point.wo) * -1), p = local_position();
+        const double h = hit.v, r = segment.radius(hit.u);
+        const CurveFrame frame = curve_frame(segment, direction, hit.u, h, p);
+        DVec3 dpdv = frame.across;
+        if (shape.curves.type == CurveType::cylinder) {
+            dpdv = cross(frame.along, frame.offset);  // around the tube, towards h = 1 where that is in sight
+            if (dot(dpdv, frame.across) < 0) dpdv = dpdv * -1;
+            details.curvature =
+                static_cast<Real>(0.5 / (r * length(place.to_world.vector(frame.across))) *
+                                  (dot(place.to_object.normal_of_inverse(frame.offset), DVec3(point.wo)) < 0 ? -1 : 1));
+        }
+        details.dpdv = world_vector(dpdv * (2 * r)).to_real();
+    }
+
     void triangle() const {
         const auto& index = shape.triangles[hit.primitive].corners;
         const DVec3 p[3] = {DVec3(shape.positions[index[0]]), DVec3(shape.positions[index[1]]),
@@ -147,8 +164,9 @@ SurfaceDetails EmbreeScene::details(const Hit& hit, const SurfacePoint& point) c
     const DetailBuilder builder{shape, hit, point, instance, details};
     if (shape.kind == ShapeKind::triangle_mesh) builder.triangle();
     else if (shape.kind == ShapeKind::bilinear_mesh) builder.patch();
+    else if (shape.kind == ShapeKind::curves) builder.curve();
     else builder.quadric();
-    if (shape.kind == ShapeKind::triangle_mesh || shape.kind == ShapeKind::bilinear_mesh)
+    if (!shape.is_user() || shape.kind == ShapeKind::bilinear_mesh)
         details.object_position = shape.to_object.point(builder.local_position()).to_real();
     return details;
 }

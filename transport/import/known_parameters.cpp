@@ -105,8 +105,8 @@ std::vector<Row> content_rows() {
         {light, "infinite", {"portal"}, {}},
         {material, "diffuse", {}, {{"sigma", {"0"}, "the surface is Lambert's"}}},
         {shape, "bilinearmesh", {"faceIndices", "emissionfilename"}, {}},
-        {shape, "plymesh", {"displacement", "edgelength"}, {}},
         {shape, "trianglemesh", {"faceIndices"}, {{"S", {}, "anisotropic materials follow the texture coordinates"}}},
+        {shape, "curve", {}, {{"splitdepth", {"3"}, "Embree cuts curves as it needs"}}},
         {texture, "imagemap", {"maxanisotropy"}, {{"filter", {"bilinear", "point"}, bilinear}}},
     };
 }

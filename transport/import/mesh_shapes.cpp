@@ -7,71 +7,11 @@
 #include "transport/geometry/matrix34.h"
 #include "transport/geometry/placed_mesh.h"
 #include "transport/import/ply.h"
+#include "transport/import/shape_parameters.h"
 
 namespace raylex::transport {
 
 namespace {
-
-/// The values of an array parameter, or an Error when it has another type. Absent: no values.
-Result<std::vector<double>> array_of(const ParameterSet& set, std::string_view name, ParameterType type,
-                                     const char* type_name) {
-    const Parameter* parameter = set.find(name);
-    if (parameter == nullptr) return std::vector<double>();
-    if (parameter->type != type)
-        return error_at(parameter->location, "mesh parameter '" + std::string(name) +
-                                                 "' has the wrong type; expected \"" + type_name + " " +
-                                                 std::string(name) + "\"");
-    return parameter->numbers;
-}
-
-const SourceLocation& location_of(const ParameterSet& set, std::string_view name) {
-    const Parameter* parameter = set.find(name);
-    return parameter != nullptr ? parameter->location : set.location;
-}
-
-Result<std::vector<StoredVec3>> triples(const ParameterSet& set, std::string_view name, ParameterType type,
-                                        const char* type_name) {
-    const Result<std::vector<double>> numbers = array_of(set, name, type, type_name);
-    if (!numbers) return numbers.error();
-    std::vector<StoredVec3> result(numbers->size() / 3);
-    for (std::size_t i = 0; i < result.size(); ++i) {
-        const double* n = numbers->data() + 3 * i;
-        result[i] = {static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2])};
-        if (!is_finite(result[i]) && type != ParameterType::normal)
-            return error_at(location_of(set, name), "vertex " + std::to_string(i) + " of '" + std::string(name) +
-                                                        "' is beyond the range of float");
-    }
-    return result;
-}
-
-/// Indices of `group` per primitive, checked against `vertices`; 0 1 2 ... when absent and there is one primitive.
-Result<std::vector<std::uint32_t>> indices_of(const ParameterSet& set, std::size_t vertices, std::size_t group) {
-    const Result<std::vector<double>> numbers = array_of(set, "indices", ParameterType::integer, "integer");
-    if (!numbers) return numbers.error();
-    std::vector<std::uint32_t> indices;
-    if (numbers->empty()) {
-        if (vertices != group)
-            return error_at(set.location, "mesh of " + std::to_string(vertices) +
-                                              " vertices has no \"integer indices\"; expected them, or exactly " +
-                                              std::to_string(group) + " vertices");
-        for (std::size_t i = 0; i < group; ++i) indices.push_back(static_cast<std::uint32_t>(i));
-        return indices;
-    }
-    const SourceLocation& where = location_of(set, "indices");
-    if (numbers->size() % group != 0)
-        return error_at(where, "'indices' has " + std::to_string(numbers->size()) + " values; expected a multiple of " +
-                                   std::to_string(group));
-    indices.reserve(numbers->size());
-    for (std::size_t i = 0; i < numbers->size(); ++i) {
-        const double value = (*numbers)[i];
-        if (value < 0 || value >= static_cast<double>(vertices))
-            return error_at(where, "index " + std::to_string(static_cast<std::int64_t>(value)) + " (value " +
-                                       std::to_string(i) + " of 'indices') is out of range; expected 0 to " +
-                                       std::to_string(static_cast<std::int64_t>(vertices) - 1));
-        indices.push_back(static_cast<std::uint32_t>(value));
-    }
-    return indices;
-}
 
 Result<std::vector<StoredVec2>> uvs_of(const ParameterSet& set, std::size_t vertices) {
     const Result<std::vector<double>> numbers = array_of(set, "uv", ParameterType::point2, "point2");
@@ -97,14 +37,15 @@ Result<std::vector<StoredVec3>> normals_of(const ParameterSet& set, std::size_t 
     return normals;
 }
 
-/// Public meshes hold normals that are not finite numbers, mostly at vertices whose faces have no area. Such a normal
-/// becomes the mean of the faces around the vertex by area, or any direction where there is none: no light falls there.
+/// Public meshes hold normals that are not finite numbers or zero, mostly at vertices whose faces have no area. Such a
+/// normal becomes the mean of the faces around the vertex by area, each turned to the side of the normals at its other
+/// corners (files have faces that go around the other way), or any direction where there is none: no light falls there.
 std::size_t repair_normals(std::vector<StoredVec3>& normals, const std::vector<StoredVec3>& positions,
                            const std::vector<std::uint32_t>& triangles, const std::vector<std::uint32_t>& quads) {
     std::vector<std::uint8_t> broken(normals.size(), 0);
     std::size_t count = 0;
     for (std::size_t i = 0; i < normals.size(); ++i)
-        if (!is_finite(normals[i])) broken[i] = 1, ++count;
+        if (!is_finite(normals[i]) || normals[i] == StoredVec3()) broken[i] = 1, ++count;
     if (count == 0) return 0;
     std::vector<DVec3> sums(normals.size());
     const auto add_faces = [&](const std::vector<std::uint32_t>& indices, std::size_t group) {
@@ -112,7 +53,10 @@ std::size_t repair_normals(std::vector<StoredVec3>& normals, const std::vector<S
             const std::uint32_t* k = indices.data() + i;
             if (!std::any_of(k, k + group, [&](std::uint32_t vertex) { return broken[vertex] != 0; })) continue;
             const DVec3 a(positions[k[0]]), b(positions[k[1]]), c(positions[k[2]]);
-            const DVec3 normal = cross(b - a, c - a);
+            DVec3 normal = cross(b - a, c - a), side;
+            for (std::size_t corner = 0; corner < group; ++corner)
+                if (broken[k[corner]] == 0) side = side + DVec3(normals[k[corner]]);
+            if (dot(normal, side) < 0) normal = normal * -1;
             for (std::size_t corner = 0; corner < group; ++corner) sums[k[corner]] = sums[k[corner]] + normal;
         }
     };
@@ -130,7 +74,7 @@ std::size_t repair_normals(std::vector<StoredVec3>& normals, const std::vector<S
 void warn_repaired(std::size_t count, const SceneShape& shape, const std::string& what, std::vector<Error>& warnings) {
     if (count > 0)
         warnings.push_back(error_at(shape.location, std::to_string(count) + " of the normals of " + what +
-                                                        " are not finite numbers and were computed from the faces"));
+                                                        " are zero or not finite and were computed from the faces"));
 }
 
 /// The transform, and what ReverseOrientation turns.
@@ -149,6 +93,31 @@ void warn_dropped(std::size_t dropped, const SceneShape& shape, const std::strin
     if (dropped > 0)
         warnings.push_back(error_at(
             shape.location, std::to_string(dropped) + " of the faces of " + what + " have no area and are left out"));
+}
+
+/// `displacement` and `edgelength` of a plymesh. Displaced quadrilaterals are triangles, as in pbrt.
+Status read_displacement(const ParameterSet& set, PlyMesh& mesh, SceneShape& shape) {
+    const Result<double> edge = set.real_or("edgelength", 1);
+    if (!edge) return edge.error();
+    shape.edge_length = static_cast<Real>(*edge);
+    if (!(shape.edge_length > 0) || !std::isfinite(shape.edge_length))
+        return error_at(location_of(set, "edgelength"), "'edgelength' is not above 0; expected a length in the world");
+    const Parameter* displacement = set.find("displacement");
+    if (displacement == nullptr) return success();
+    if (displacement->type != ParameterType::texture || displacement->strings.size() != 1)
+        return error_at(displacement->location,
+                        "'displacement' has the wrong type; expected one \"texture displacement\"");
+    if (mesh.uvs.empty())
+        return error_at(displacement->location, mesh_name(shape) +
+                                                    " has no texture coordinates; expected them for its "
+                                                    "displacement (pbrt-v4 asks for them, too)");
+    shape.displacement_texture = displacement->strings.front();
+    for (std::size_t i = 0; i + 4 <= mesh.quads.size(); i += 4) {
+        const std::uint32_t* q = mesh.quads.data() + i;
+        mesh.triangles.insert(mesh.triangles.end(), {q[0], q[1], q[3], q[0], q[3], q[2]});
+    }
+    mesh.quads.clear();
+    return success();
 }
 
 /// What both kinds of inline mesh share.
@@ -209,9 +178,6 @@ Result<std::vector<SceneShape>> make_ply_mesh(const ParameterSet& set, const Sha
     if (!name) return name.error();
     const SourceLocation& where = location_of(set, "filename");
     if (name->empty()) return error_at(where, "plymesh without a file; expected \"string filename\"");
-    if (const Parameter* displacement = set.find("displacement"))
-        return error_at(displacement->location,
-                        "displacement of meshes is not supported yet; the surface would be wrong");
     const Result<std::string> path = context.search.find(*name, where);
     if (!path) return path.error();
     Result<PlyMesh> mesh = read_ply(*path);
@@ -225,11 +191,16 @@ Result<std::vector<SceneShape>> make_ply_mesh(const ParameterSet& set, const Sha
     SceneShape base;
     base.location = set.location;
     base.source_file = std::filesystem::path(*name).filename().string();
+    if (Status status = read_displacement(set, *mesh, base); !status) return status.error();
     base.positions = std::move(mesh->positions);
     base.normals = std::move(mesh->normals);
     base.uvs = std::move(mesh->uvs);
     const std::string shown = mesh_name(base);
     warn_repaired(repair_normals(base.normals, base.positions, mesh->triangles, mesh->quads), base, shown, warnings);
+    if (mesh->broken_uvs > 0)
+        warnings.push_back(error_at(base.location, std::to_string(mesh->broken_uvs) +
+                                                       " of the texture coordinates of " + shown +
+                                                       " are not finite and were set to 0"));
     take_context(base, context);
     std::size_t dropped = mesh->short_faces;
     std::vector<SceneShape> shapes;

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "display/services/parameters.h"
 #include "transport/import/input_file.h"
@@ -32,8 +33,14 @@ class AsciiSource {
         if (begin != end && *begin == '+') ++begin;
         const auto [stop, status] = std::from_chars(begin, end, value);
         if (status == std::errc::result_out_of_range) value = HUGE_VAL;
-        if (stop == begin || (stop != end && !is_blank(*stop))) return false;
-        at_ = static_cast<std::size_t>(stop - content_.data());
+        if (stop == begin) return false;
+        const char* after = stop;
+        if (stop != end && *stop == '#') {  // "1.#QNAN", "-1.#IND", "1.#INF": as the C library of Windows wrote them
+            value = std::numeric_limits<double>::quiet_NaN();
+            while (after != end && !is_blank(*after)) ++after;
+        }
+        if (after != end && !is_blank(*after)) return false;
+        at_ = static_cast<std::size_t>(after - content_.data());
         return true;
     }
     /// Whether `count` rows of at least `numbers` numbers can still follow: each takes a digit and a blank.
@@ -174,8 +181,7 @@ class MeshReader {
                 double value = 0;
                 if (Status status = read_property(element, element.properties[p], row, value); !status) return status;
                 if (slots[p] < 0) continue;
-                const bool normal = slots[p] >= 3 && slots[p] <= 5;
-                if (!std::isfinite(static_cast<float>(value)) && !normal)
+                if (!std::isfinite(static_cast<float>(value)) && slots[p] < 3)
                     return failure("vertex " + std::to_string(row) + " has a '" + element.properties[p].name +
                                    "' that is not a finite float; expected a number");
                 values[slots[p]] = value;
@@ -183,7 +189,11 @@ class MeshReader {
             const auto f = [&values](int i) { return static_cast<float>(values[i]); };
             mesh_.positions[row] = {f(0), f(1), f(2)};
             if (has_normals) mesh_.normals[row] = {f(3), f(4), f(5)};
-            if (has_uvs) mesh_.uvs[row] = {f(6), f(7)};
+            if (!has_uvs) continue;
+            mesh_.uvs[row] = {f(6), f(7)};
+            if (std::isfinite(mesh_.uvs[row].x) && std::isfinite(mesh_.uvs[row].y)) continue;
+            mesh_.uvs[row] = {};
+            ++mesh_.broken_uvs;
         }
         return success();
     }

@@ -16,6 +16,7 @@ struct PlyMesh {
     std::vector<StoredVec2> uvs;                 ///< one per position, or none
     std::vector<std::uint32_t> triangles;        ///< 3 per triangle
     std::vector<std::uint32_t> quads;            ///< 4 per quadrilateral, p00 p10 p01 p11
+    std::size_t broken_uvs = 0;                  ///< vertices whose texture coordinates were not finite, and are 0
     std::size_t short_faces = 0;                 ///< faces of fewer than 3 vertices, left out
 };
 
@@ -23,7 +24,7 @@ struct PlyMesh {
 /// texture_t) and the face element's list (vertex_indices or vertex_index); other elements and properties are skipped.
 /// Errors name the file, what was found and what was expected, with the line of an ASCII file or the byte offset (in
 /// the decompressed data) of a binary one: a header that does not parse, data that ends early, an index out of range, a
-/// position or texture coordinate that is not finite.
+/// position that is not finite.
 Result<PlyMesh> read_ply(const std::string& path);
 /// The same for the content of a file; `path` is for messages.
 Result<PlyMesh> parse_ply(const std::string& content, const std::string& path);

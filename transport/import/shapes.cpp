@@ -4,14 +4,15 @@
 #include <cmath>
 #include <limits>
 
+#include "transport/import/curve_shapes.h"
+#include "transport/import/loop_subdivision.h"
 #include "transport/import/mesh_shapes.h"
 
 namespace raylex::transport {
 
 namespace {
 
-constexpr std::string_view unsupported[] = {"curve",       "loopsubdiv", "cone",       "paraboloid",
-                                            "hyperboloid", "nurbs",      "heightfield"};
+constexpr std::string_view unsupported[] = {"cone", "paraboloid", "hyperboloid", "nurbs", "heightfield"};
 
 /// Reads real parameters one after the other and keeps the first failure.
 class RealReader {
@@ -117,7 +118,9 @@ Registry<ShapeFactory>& shape_registry() {
                make_bilinear_mesh});
         r.add({"plymesh",
                "triangles and quadrilaterals of a PLY file",
-               {{"filename", T::string, "", "beside the scene file, or absolute"}},
+               {{"filename", T::string, "", "beside the scene file, or absolute"},
+                {"displacement", T::texture, "", "along normals; a float texture"},
+                {"edgelength", T::real, "1", "of a displaced mesh, in the world: longer edges are halved first"}},
                make_ply_mesh});
         r.add({"sphere",
                "around the origin",
@@ -131,6 +134,24 @@ Registry<ShapeFactory>& shape_registry() {
                "around z, open",
                {radius, {"zmin", T::real, "-1", "its lower end"}, {"zmax", T::real, "1", "its upper end"}, phi_max},
                quadric(ShapeKind::cylinder)});
+        r.add({"curve",
+               "Bezier or B-spline curves with a width",
+               {{"type", T::string, "flat", "flat (faces every ray), cylinder (round) or ribbon (turned by N)"},
+                {"basis", T::string, "bezier", "bezier or bspline"},
+                {"degree", T::integer, "3", "2 or 3"},
+                {"P", T::point3, "", "control points"},
+                {"N", T::normal, "", "ribbons: one at each end of every segment"},
+                {"width", T::real, "1", "across"},
+                {"width0", T::real, "width", "at the start"},
+                {"width1", T::real, "width", "at the end"}},
+               make_curve});
+        r.add({"loopsubdiv",
+               "Loop's subdivision surface, as the triangles of its limit",
+               {{"levels", T::integer, "3", "each makes four triangles of one"},
+                points,
+                indices("three a face"),
+                {"scheme", T::string, "loop", "loop"}},
+               make_loop_subdivision});
         return r;
     }();
     return registry;

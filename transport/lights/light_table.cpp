@@ -94,6 +94,10 @@ Status LightTable::add_area_lights(const SceneDescription& scene, EmbreeScene& g
         if (shape.area_light < 0) continue;
         if (static_cast<std::size_t>(shape.area_light) >= emissions.size())
             return error_at(scene.shapes[s].location, "the shape's area light is not defined");
+        if (shape.kind == ShapeKind::curves)
+            return error_at(scene.shapes[s].location,
+                            "curves with an area light are not supported; expected a mesh or a quadric under an "
+                            "AreaLightSource (pbrt-v4 does not sample light on curves either)");
         const AreaEmission& emission = emissions[static_cast<std::size_t>(shape.area_light)];
         const std::int32_t group = group_index(scene.area_lights[static_cast<std::size_t>(shape.area_light)].group);
         shape.first_light = static_cast<std::uint32_t>(lights_.size());

@@ -99,8 +99,11 @@ struct SurfaceWords {
             if (shape.area_light >= 0 && static_cast<std::size_t>(shape.area_light) < used_area_lights.size())
                 used_area_lights[static_cast<std::size_t>(shape.area_light)] = 1;
         }
+        std::set<std::pair<int, std::string>> seen;
         for (const SceneInstance& instance : scene.instances) {
             if (instance.object < 0 || static_cast<std::size_t>(instance.object) >= scene.objects.size()) continue;
+            // Instances come by the million, objects have thousands of shapes.
+            if (!seen.emplace(instance.object, instance.label).second) continue;
             for (const SceneShape& shape : scene.objects[static_cast<std::size_t>(instance.object)].shapes)
                 add(scene, materials, shape, instance.label.empty() ? shape.label : instance.label);
         }

@@ -4,6 +4,8 @@
 #include <iterator>
 
 #include "transport/color/spectral_data.h"
+#include "transport/geometry/curve.h"
+#include "transport/import/curve_shapes.h"
 #include "transport/import/shapes.h"
 
 namespace raylex::transport {
@@ -296,6 +298,23 @@ Status SceneBuilder::add_mesh(const MeshData& mesh, const ShapePlacement& placem
     return place(std::move(*shapes), placement, where);
 }
 
+Status SceneBuilder::add_curves(const CurveData& curves, const ShapePlacement& placement, const SourceLocation& where) {
+    const Result<Transform> transform = settled(placement.to_world, where);
+    if (!transform) return transform.error();
+    SceneShape shape;
+    shape.kind = ShapeKind::curves;
+    shape.location = where;
+    shape.curve_type = curves.type;
+    shape.positions = curves.points;
+    shape.indices = curves.first_points;
+    shape.curve_widths = curves.widths;
+    shape.normals = curves.normals;
+    shape.object_to_world = *transform;
+    shape.flip_normal = placement.reverse_orientation != transform->swaps_handedness();
+    if (Status status = check_curves(shape); !status) return status.error();
+    return place({std::move(shape)}, placement, where);
+}
+
 Status SceneBuilder::place(std::vector<SceneShape> shapes, const ShapePlacement& placement,
                            const SourceLocation& where) {
     const bool in_object = placement.object.reference >= 0;
@@ -315,6 +334,13 @@ Status SceneBuilder::place(std::vector<SceneShape> shapes, const ShapePlacement&
         shape.inside_medium = placement.inside.index;
         shape.outside_medium = placement.outside.index;
         shape.label = placement.label;
+        const auto named = [this](const SceneShape& of) -> const Reference& {
+            return material_references_[static_cast<std::size_t>(of.material)];
+        };
+        const auto same_material = [&](const SceneShape& other) {
+            return named(other).index == named(shape).index && named(other).name == named(shape).name;
+        };
+        if (!target->empty() && join_curves(target->back(), shape, same_material(target->back()))) continue;
         target->push_back(std::move(shape));
     }
     return success();
@@ -328,8 +354,10 @@ Result<ObjectHandle> SceneBuilder::add_object(const SceneName& name, const Sourc
 }
 
 ObjectHandle SceneBuilder::object_named(const SceneName& name, const SourceLocation& where) {
-    object_references_.push_back({-1, name.text, place_of(name, where)});
-    return {static_cast<int>(object_references_.size()) - 1};
+    // A million instances of a few objects need a few references.
+    const auto [found, fresh] = object_reference_of_.emplace(name.text, static_cast<int>(object_references_.size()));
+    if (fresh) object_references_.push_back({-1, name.text, place_of(name, where)});
+    return {found->second};
 }
 
 Status SceneBuilder::add_instance(ObjectHandle object, const Transform& to_world, const SourceLocation& where) {

@@ -83,6 +83,15 @@ struct MeshData {
     bool patches = false;
 };
 
+/// Curves without a file, as many as share material and type: cubic Bezier segments, 3 n + 1 points a curve.
+struct CurveData {
+    CurveType type = CurveType::flat;
+    std::vector<StoredVec3> points;
+    std::vector<std::uint32_t> first_points;  ///< of each curve
+    std::vector<StoredVec2> widths;           ///< of each curve, at its start and end
+    std::vector<StoredVec3> normals{};        ///< ribbons: n + 1 a curve
+};
+
 class SceneBuilder {
   public:
     /// `file` is what the scene goes by in messages. Relative names of files are looked for in `search`: by default in
@@ -136,6 +145,9 @@ class SceneBuilder {
     Status add_mesh(const MeshData& mesh, const ShapePlacement& placement = {},
                     const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
 
+    Status add_curves(const CurveData& curves, const ShapePlacement& placement = {},
+                      const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
+
     Result<ObjectHandle> add_object(const SceneName& name,
                                     const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
     /// An object that is defined somewhere, perhaps later.
@@ -178,7 +190,7 @@ class SceneBuilder {
     SearchPath search_;
     ParameterChecker parameters_;
     std::vector<Reference> material_references_, object_references_;
-    std::map<std::string, int> named_materials_, named_media_, named_objects_;
+    std::map<std::string, int> named_materials_, named_media_, named_objects_, object_reference_of_;
     std::map<std::string, std::size_t> named_textures_[2];  // float, spectrum
 };
 

@@ -106,9 +106,10 @@ Status SceneBuilder::check_textures() const {
 }
 
 Status SceneBuilder::check_shape(const SceneShape& shape) const {
-    if (shape.alpha_texture.empty() || has_texture(shape.alpha_texture, false, false, scene_.textures.size()))
-        return success();
-    return no_such_texture(shape.alpha_texture, shape.location, "float ");
+    for (const std::string& name : {shape.alpha_texture, shape.displacement_texture})
+        if (!name.empty() && !has_texture(name, false, false, scene_.textures.size()))
+            return no_such_texture(name, shape.location, "float ");
+    return success();
 }
 
 }  // namespace raylex::transport

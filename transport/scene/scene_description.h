@@ -35,10 +35,13 @@ struct SceneTexture : SceneEntity {
     Transform to_world;     ///< current transform at its definition (planar, spherical ... mappings)
 };
 
-enum class ShapeKind : std::uint8_t { triangle_mesh, bilinear_mesh, sphere, disk, cylinder };
+enum class ShapeKind : std::uint8_t { triangle_mesh, bilinear_mesh, sphere, disk, cylinder, curves };
 
-/// One Shape directive: numbers as they were written, and the transform to the world (inside an ObjectBegin block: to
-/// the space in which instances place it).
+/// What a curve's width is of: a ribbon that faces every ray, a tube, or a ribbon that its normals turn.
+enum class CurveType : std::uint8_t { flat, cylinder, ribbon };
+
+/// One Shape directive, or as many curves as share all but their points and widths: numbers as they were written, and
+/// the transform to the world (inside an ObjectBegin block: to the space in which instances place it).
 struct SceneShape {
     ShapeKind kind = ShapeKind::triangle_mesh;
     std::string source_file;  ///< base name of a plymesh file; else empty
@@ -47,6 +50,12 @@ struct SceneShape {
     std::vector<StoredVec3> positions, normals;  ///< object space; normals: one per position on the outside, or none
     std::vector<StoredVec2> uvs;                 ///< one per position, or none
     std::vector<std::uint32_t> indices;          ///< 3 per triangle, 4 per patch (p00 p10 p01 p11)
+    // Curves of n cubic Bezier segments each: 3 n + 1 positions, `indices` saying where each curve's begin, and for
+    // ribbons n + 1 unit normals as written, at the ends of segments.
+    CurveType curve_type = CurveType::flat;
+    std::vector<StoredVec2> curve_widths;  ///< of each curve, at its start and end; linear between
+    std::string displacement_texture;      ///< of a plymesh: a float texture, or none
+    Real edge_length = 1;                  ///< of a displaced mesh, in the world: longer edges are halved first
 
     Real radius = 1, z_min = -1, z_max = 1, phi_max = 360;  ///< sphere, cylinder; degrees
     Real height = 0, inner_radius = 0;                      ///< disk

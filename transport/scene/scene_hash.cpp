@@ -72,9 +72,10 @@ class SceneHash {
         add(light.group);
     }
     void add(const SceneShape& shape) {
-        const auto& [kind, source_file, location, positions, normals, uvs, indices, radius, z_min, z_max, phi_max,
-                     height, inner_radius, object_to_world, flip_normal, material, area_light, inside_medium,
-                     outside_medium, alpha, alpha_texture, label, holdout] = shape;
+        const auto& [kind, source_file, location, positions, normals, uvs, indices, curve_type, curve_widths,
+                     displacement_texture, edge_length, radius, z_min, z_max, phi_max, height, inner_radius,
+                     object_to_world, flip_normal, material, area_light, inside_medium, outside_medium, alpha,
+                     alpha_texture, label, holdout] = shape;
         static_cast<void>(location);
         add(kind);
         add(source_file);  // an asset's name, which cryptomattes show
@@ -82,6 +83,10 @@ class SceneHash {
         add(normals);
         add(uvs);
         add(indices);
+        add(curve_type);
+        add(curve_widths);
+        add(displacement_texture);
+        add(edge_length);
         for (const Real number : {radius, z_min, z_max, phi_max, height, inner_radius}) add(number);
         add(object_to_world);
         add(flip_normal);

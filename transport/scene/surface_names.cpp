@@ -19,6 +19,8 @@ const char* kind_name(ShapeKind kind) {
             return "disk";
         case ShapeKind::cylinder:
             return "cylinder";
+        case ShapeKind::curves:
+            return "curve";
     }
     return "";
 }
