@@ -112,7 +112,7 @@ DVec3 CurveSegment::normal_derivative(double u) const {
 CurveSegment CurveBatch::segment(std::uint32_t primitive) const {
     CurveSegment segment;
     segment.type = type;
-    const std::size_t first = first_points[primitive];
+    const std::size_t first = first_points[primitive / splits];
     for (std::size_t i = 0; i < 4; ++i) {
         const CurvePoint& p = points[first + i];
         segment.points[i] = {p.x, p.y, p.z};

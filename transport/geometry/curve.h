@@ -45,13 +45,19 @@ struct CurveSegment {
 /// All curves of one SceneShape where they are traced.
 struct CurveBatch {
     CurveType type = CurveType::flat;
-    const CurvePoint* points = nullptr;       ///< Embree's
-    const StoredVec3* normals = nullptr;      ///< Embree's, one a control point; null but for ribbons
+    const CurvePoint* points = nullptr;       ///< Embree's, or own_points
+    const StoredVec3* normals = nullptr;      ///< one a control point; null but for ribbons
     std::vector<std::uint32_t> first_points;  ///< [segment]
-    bool reversed = false;                    ///< outside is where rays do not come from (ReverseOrientation)
-    double extent = 0;                        ///< the largest coordinate
+    std::uint32_t splits = 1;                 ///< Embree's primitives a segment; more than 1 for bent ribbons
+    std::vector<CurvePoint> own_points;       ///< where Embree has others
+    std::vector<StoredVec3> own_normals;
+    bool reversed = false;  ///< outside is where rays do not come from (ReverseOrientation)
+    double extent = 0;      ///< the largest coordinate
 
+    /// That the primitive is of, whole.
     [[nodiscard]] CurveSegment segment(std::uint32_t primitive) const;
+    /// The segment's u at `u` of the primitive.
+    [[nodiscard]] double along(std::uint32_t primitive, double u) const { return (primitive % splits + u) / splits; }
 };
 
 /// What place_curves() makes: control points for Embree, and where segments begin.
@@ -62,6 +68,7 @@ struct PlacedCurves {
     double extent = 0;
     std::size_t dropped = 0;        ///< segments whose control points coincide, or that have no width
     bool widths_are_means = false;  ///< the placement does not keep circles: widths go by the mean of its scales
+    std::uint32_t splits = 1;       ///< into how many segments each is to be split for Embree
     unsigned pieces = 1;            ///< into how many straight ones Embree cuts each segment of a flat curve
 };
 
@@ -71,6 +78,9 @@ Status check_curves(const SceneShape& shape);
 /// Control points through `placement` in double, then rounded; widths by its scale. Errors: those of
 /// check_curves(), a placement without inverse, what leaves the range of float.
 Result<PlacedCurves> place_curves(const SceneShape& shape, const Transform& placement);
+
+/// The same curves with each segment split into `splits`; those are the result's splits no more.
+PlacedCurves split_curves(const PlacedCurves& curves);
 
 /// Where a ray meets a curve.
 struct CurvePlace {

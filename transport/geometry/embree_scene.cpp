@@ -144,30 +144,38 @@ Status EmbreeScene::add_curves(const SceneShape& shape, const Transform& placeme
                                                          " segments of curves have no length or no width and are left "
                                                          "out"));
     g.curves.type = shape.curve_type;
-    g.curves.first_points = std::move(placed->first_points);
+    g.curves.first_points = placed->first_points;
+    g.curves.splits = placed->splits;
     g.curves.extent = placed->extent;
     g.curves.reversed = shape.flip_normal != placement.swaps_handedness();
-    g.primitive_count = static_cast<std::uint32_t>(g.curves.first_points.size());
+    g.primitive_count = static_cast<std::uint32_t>(g.curves.first_points.size()) * placed->splits;
     if (g.primitive_count == 0) return success();
     constexpr RTCGeometryType types[] = {RTC_GEOMETRY_TYPE_FLAT_BEZIER_CURVE, RTC_GEOMETRY_TYPE_ROUND_BEZIER_CURVE,
                                          RTC_GEOMETRY_TYPE_NORMAL_ORIENTED_BEZIER_CURVE};
     RTCGeometry geometry = rtcNewGeometry(device_->device, types[static_cast<std::size_t>(shape.curve_type)]);
+    PlacedCurves split;
+    if (placed->splits > 1) split = split_curves(*placed);
+    const PlacedCurves& traced = placed->splits > 1 ? split : *placed;
     const auto fill = [&](RTCBufferType type, RTCFormat format, const auto& values) -> const void* {
         const std::size_t each = sizeof values[0];
         void* buffer = rtcSetNewGeometryBuffer(geometry, type, 0, format, each, values.size());
         if (buffer) std::memcpy(buffer, values.data(), values.size() * each);
         return buffer;
     };
-    const void *points = fill(RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, placed->points), *normals = points;
-    if (!placed->normals.empty()) normals = fill(RTC_BUFFER_TYPE_NORMAL, RTC_FORMAT_FLOAT3, placed->normals);
-    if (!points || !normals) {
+    const void *points = fill(RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, traced.points), *normals = points;
+    if (!traced.normals.empty()) normals = fill(RTC_BUFFER_TYPE_NORMAL, RTC_FORMAT_FLOAT3, traced.normals);
+    if (!points || !normals || !fill(RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT, traced.first_points)) {
         rtcReleaseGeometry(geometry);
         return error_at(shape.location, "not enough memory for the curves");
     }
+    if (placed->splits > 1) {
+        g.curves.own_points = std::move(placed->points);
+        g.curves.own_normals = std::move(placed->normals);
+        points = g.curves.own_points.data();
+        normals = g.curves.own_normals.data();
+    }
     g.curves.points = static_cast<const CurvePoint*>(points);
-    if (!placed->normals.empty()) g.curves.normals = static_cast<const StoredVec3*>(normals);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, g.curves.first_points.data(), 0,
-                               sizeof(std::uint32_t), g.primitive_count);
+    if (shape.curve_type == CurveType::ribbon) g.curves.normals = static_cast<const StoredVec3*>(normals);
     if (shape.curve_type == CurveType::flat)
         rtcSetGeometryTessellationRate(geometry, static_cast<float>(placed->pieces));
     made = geometry;

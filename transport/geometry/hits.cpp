@@ -26,6 +26,20 @@ void set_place(const Ray& ray, Hit& hit, double t, double u, double v) {
     hit.cone = ray.cone.after(hit.t);
 }
 
+/// Of Embree's numbers ours, or themselves where ours do not settle. Its v is h for flat curves, and for ribbons goes
+/// from 1 down to 0; for tubes it says nothing.
+void finish_curve(const CurveSegment& segment, const DVec3& origin, const DVec3& direction, double t_max,
+                  CurvePlace& place) {
+    place.u = std::clamp(place.u, 0.0, 1.0);
+    if (meet_curve(segment, origin, direction, t_max, place)) return;
+    if (segment.type == CurveType::ribbon) place.h = 1 - 2 * place.h;
+    if (segment.type == CurveType::cylinder) {
+        const DVec3 p = origin + direction * place.t, across = curve_frame(segment, direction, place.u, 0, p).across;
+        place.h = dot(p - segment.point(place.u), across) / segment.radius(place.u);
+    }
+    place.h = std::clamp(place.h, -1.0, 1.0);
+}
+
 }  // namespace
 
 /// How far from where it should be a point may come to lie by rounding, in the space of its shape's vertices: 4 units
@@ -62,13 +76,8 @@ void EmbreeScene::finish_hit(const Ray& ray, Hit& hit) const {
         return;
     }
     if (shape.kind == ShapeKind::curves) {
-        const CurveSegment segment = shape.curves.segment(hit.primitive);
-        CurvePlace place{hit.t, std::clamp(static_cast<double>(hit.u), 0.0, 1.0), 0};
-        if (!meet_curve(segment, origin, direction, ray.t_max, place)) {
-            const DVec3 p = origin + direction * place.t,
-                        across = curve_frame(segment, direction, place.u, 0, p).across;
-            place.h = std::clamp(dot(p - segment.point(place.u), across) / segment.radius(place.u), -1.0, 1.0);
-        }
+        CurvePlace place{hit.t, shape.curves.along(hit.primitive, hit.u), hit.v};
+        finish_curve(shape.curves.segment(hit.primitive), origin, direction, ray.t_max, place);
         set_place(ray, hit, place.t, place.u, place.h);
         return;
     }

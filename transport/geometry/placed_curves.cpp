@@ -45,6 +45,28 @@ double pieces_of(const CurvePoint* p) {
     return radius > 0 ? std::sqrt(6 * bend / (8 * 0.1 * radius)) : 1;
 }
 
+/// Embree takes the edges of a ribbon for cubics with the tangents of its ends: good for short arcs. How many of at
+/// most 0.2 radians a segment is: the legs of its control polygon turn at least as far as it does, and so do normals.
+double splits_of(const CurvePoint* p, const DVec3& start, const DVec3& end) {
+    const auto leg = [p](int i) {
+        return DVec3{static_cast<double>(p[i + 1].x) - p[i].x, static_cast<double>(p[i + 1].y) - p[i].y,
+                     static_cast<double>(p[i + 1].z) - p[i].z};
+    };
+    const auto between = [](const DVec3& a, const DVec3& b) {
+        const double lengths = length(a) * length(b);
+        return lengths > 0 ? elementary::acos(std::clamp(dot(a, b) / lengths, -1.0, 1.0)) : 0;
+    };
+    const double turn = between(leg(0), leg(1)) + between(leg(1), leg(2));
+    return std::max(turn, between(start, end)) / 0.2;
+}
+
+/// Of three arguments of the polar form of a cubic, the control points between a and b.
+DVec3 blossom(const DVec3 (&p)[4], double a, double b, double c) {
+    const auto mix = [](const DVec3& from, const DVec3& to, double t) { return from * (1 - t) + to * t; };
+    const DVec3 q[3] = {mix(p[0], p[1], a), mix(p[1], p[2], a), mix(p[2], p[3], a)};
+    return mix(mix(q[0], q[1], b), mix(q[1], q[2], b), c);
+}
+
 class CurvePlacer {
   public:
     CurvePlacer(const SceneShape& shape, const Transform& placement) : shape_(shape), placement_(placement) {
@@ -62,6 +84,7 @@ class CurvePlacer {
             if (Status s = place_curve(k, begin, (end - begin) / 3); !s) return s.error();
         }
         // Four pieces are no dearer than one: Embree takes as many at a time at least.
+        placed_.splits = static_cast<std::uint32_t>(std::clamp(std::ceil(splits_), 1.0, 16.0));
         placed_.pieces = static_cast<unsigned>(std::clamp(std::ceil(pieces_), 4.0, 16.0));
         return std::move(placed_);
     }
@@ -100,13 +123,17 @@ class CurvePlacer {
     void place_normals(std::size_t first, std::size_t segments) {
         const auto at = [&](std::size_t i) { return normalize(DVec3(placement_.normal(shape_.normals[first + i]))); };
         placed_.normals.push_back(to_float(at(0).to_real()));
-        for (std::size_t i = 0; i < segments; ++i) append_normals(placed_.normals, at(i), at(i + 1));
+        const CurvePoint* points = placed_.points.data() + placed_.normals.size() - 1;
+        for (std::size_t i = 0; i < segments; ++i) {
+            append_normals(placed_.normals, at(i), at(i + 1));
+            splits_ = std::max(splits_, splits_of(points + 3 * i, at(i), at(i + 1)));
+        }
     }
 
     const SceneShape& shape_;
     const Transform& placement_;
     PlacedCurves placed_;
-    double scale_ = 1, pieces_ = 1;
+    double scale_ = 1, pieces_ = 1, splits_ = 1;
 };
 
 }  // namespace
@@ -144,6 +171,29 @@ Result<PlacedCurves> place_curves(const SceneShape& shape, const Transform& plac
     if (!placement.invertible()) return error_at(shape.location, "the shape's transform has no inverse");
     if (Status s = check_curves(shape); !s) return s.error();
     return CurvePlacer(shape, placement).place();
+}
+
+PlacedCurves split_curves(const PlacedCurves& curves) {
+    PlacedCurves split;
+    const double n = curves.splits;
+    for (const std::uint32_t first : curves.first_points) {
+        const CurvePoint* p = curves.points.data() + first;
+        DVec3 points[4], normals[4];
+        for (int i = 0; i < 4; ++i) points[i] = {p[i].x, p[i].y, p[i].z};
+        for (std::size_t i = 0; i < 4 && !curves.normals.empty(); ++i) normals[i] = DVec3(curves.normals[first + i]);
+        for (std::uint32_t piece = 0; piece < curves.splits; ++piece) {
+            split.first_points.push_back(static_cast<std::uint32_t>(split.points.size()));
+            const double a = piece / n, b = (piece + 1) / n;
+            for (int i = 0; i < 4; ++i) {
+                const double x = i > 2 ? b : a, y = i > 1 ? b : a, z = i > 0 ? b : a;
+                const StoredVec3 q = to_float(blossom(points, x, y, z).to_real());
+                const double u = (x + y + z) / 3, start = p[0].radius, end = p[3].radius;
+                split.points.push_back({q.x, q.y, q.z, static_cast<float>(start + (end - start) * u)});
+                if (!curves.normals.empty()) split.normals.push_back(to_float(blossom(normals, x, y, z).to_real()));
+            }
+        }
+    }
+    return split;
 }
 
 }  // namespace raylex::transport
