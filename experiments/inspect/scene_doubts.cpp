@@ -41,7 +41,7 @@ Used everything_used(const SceneDescription& scene) {
         used.materials.insert(std::max(shape.material, 0));
         used.area_lights.insert(shape.area_light);
         media.insert({shape.inside_medium, shape.outside_medium});
-        if (!shape.alpha_texture.empty()) used.textures.insert(shape.alpha_texture);
+        used.textures.insert({shape.alpha_texture, shape.displacement_texture});
     };
     for (const SceneShape& shape : scene.shapes) add(shape);
     for (const transport::SceneObject& object : scene.objects)

@@ -44,6 +44,8 @@ const char* kind_name(ShapeKind kind) {
             return "disk";
         case ShapeKind::cylinder:
             return "cylinder";
+        case ShapeKind::curves:
+            return "curves";
     }
     return "shape";
 }
@@ -51,11 +53,13 @@ const char* kind_name(ShapeKind kind) {
 std::uint64_t primitive_count(const SceneShape& shape) {
     if (shape.kind == ShapeKind::triangle_mesh) return shape.indices.size() / 3;
     if (shape.kind == ShapeKind::bilinear_mesh) return shape.indices.size() / 4;
+    if (shape.kind == ShapeKind::curves) return shape.indices.size();
     return 1;
 }
 
 const char* primitive_name(ShapeKind kind) {
     if (kind == ShapeKind::triangle_mesh) return "triangle";
+    if (kind == ShapeKind::curves) return "curve";
     return kind == ShapeKind::bilinear_mesh ? "patch" : "quadric";
 }
 
@@ -74,7 +78,7 @@ void add_shapes(const SceneDescription& scene, SceneFacts& facts) {
         primitives.add(primitive_name(shape.kind), primitive_count(shape));
         if (!shape.label.empty()) labels.insert(shape.label);
         facts.mesh_bytes += (shape.positions.size() + shape.normals.size()) * sizeof(transport::StoredVec3) +
-                            shape.uvs.size() * sizeof(transport::StoredVec2) +
+                            (shape.uvs.size() + shape.curve_widths.size()) * sizeof(transport::StoredVec2) +
                             shape.indices.size() * sizeof(std::uint32_t);
     };
     for (const SceneShape& shape : scene.shapes) {

@@ -20,7 +20,7 @@ struct KindCount {
 struct SceneFacts {
     std::string file;
     std::vector<KindCount> shapes;      ///< directives by kind, those of objects once
-    std::vector<KindCount> primitives;  ///< triangles, patches, quadrics, as memory holds them
+    std::vector<KindCount> primitives;  ///< triangles, patches, curves, quadrics, as memory holds them
     std::uint64_t rendered = 0;         ///< primitives as rays meet them: those of an object once an instance
     std::uint64_t objects = 0, instances = 0;
     std::vector<KindCount> materials, textures, media, lights;  ///< by type; area lights as "area"

@@ -12,6 +12,7 @@ enum class Effect : std::uint8_t {
     image_textures,
     alpha,
     shading_normals,
+    bump,
     transmission,
     coats,
     facet_compensation,
@@ -20,7 +21,7 @@ enum class Effect : std::uint8_t {
     environment,
     instances
 };
-inline constexpr std::size_t effect_count = 12;
+inline constexpr std::size_t effect_count = 13;
 
 class EffectSet {
   public:

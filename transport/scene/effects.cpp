@@ -10,8 +10,8 @@ namespace raylex::transport {
 namespace {
 
 constexpr std::array<EffectInfo, effect_count> catalogue{{
-    {Effect::media, "media", "a surface borders a medium, or the camera stands in one",
-     "vacuum; surfaces that only bordered media go too", "flights and shadow rays ask for media"},
+    {Effect::media, "media", "a surface borders a medium, the camera stands in one, or light walks below a skin",
+     "vacuum; surfaces that only bordered media go too; skin is glass", "flights and shadow rays ask for media"},
     {Effect::depth_of_field, "depth-of-field", "the camera has a lens", "a pinhole in the middle of the lens",
      "camera rays begin on a lens of radius 0"},
     {Effect::image_textures, "image-textures", "a material or cutout in use reads an image", "the mean of the image",
@@ -19,8 +19,9 @@ constexpr std::array<EffectInfo, effect_count> catalogue{{
     {Effect::alpha, "alpha", "a shape has an opacity below 1, or a texture for it",
      "opaque; what is invisible everywhere and does not shine goes", "hits and shadow rays are tested for cutouts"},
     {Effect::shading_normals, "shading-normals", "a mesh has normals of its own", "the normals of its faces", ""},
-    {Effect::transmission, "transmission", "a material in use lets light through (glass, panes, sheets)",
-     "no surface: light goes straight on", ""},
+    {Effect::bump, "bump", "a material in use has a bump or normal map", "the normals without it", ""},
+    {Effect::transmission, "transmission", "a material in use lets light through (glass, panes, sheets, leaves, skin)",
+     "no surface: light goes straight on; of leaves their reflection alone", ""},
     {Effect::coats, "coats", "a material in use is coated", "its base alone", ""},
     {Effect::facet_compensation, "facet-compensation", "a material in use has raylex:compensate",
      "facets scatter once, as in pbrt", ""},
@@ -30,10 +31,9 @@ constexpr std::array<EffectInfo, effect_count> catalogue{{
     {Effect::instances, "instances", "an object is placed by instances", "nothing where they stood", ""},
 }};
 
-constexpr std::array<AbsentEffect, 3> not_simulated{{
+constexpr std::array<AbsentEffect, 2> not_simulated{{
     {"motion", "scenes that move are refused with file and line"},
     {"dispersion", "glass has one index of refraction for all colours, the mean of its spectrum"},
-    {"normal-maps", "materials with a normal map are refused with file and line"},
 }};
 
 std::string share(std::size_t count, std::size_t all, const char* things) {
@@ -45,6 +45,13 @@ EffectFinding finding(std::size_t count, std::size_t all, const char* things) {
     if (count == 0)
         return {false, all == 0 ? std::string("no ") + things : "none of " + std::to_string(all) + " " + things};
     return {true, share(count, all, things)};
+}
+
+template <class Test>
+EffectFinding find_materials(const UsedSurfaces& used, const Test& test) {
+    const auto count = std::count_if(used.materials().begin(), used.materials().end(),
+                                     [&](const SceneEntity* each) { return test(*each); });
+    return finding(static_cast<std::size_t>(count), used.materials().size(), "materials in use");
 }
 
 EffectFinding find_media(const SceneDescription& scene, const UsedSurfaces& used) {
@@ -60,6 +67,11 @@ EffectFinding find_media(const SceneDescription& scene, const UsedSurfaces& used
     const auto count = static_cast<std::size_t>(std::count(found.begin(), found.end(), 1));
     EffectFinding result = finding(count, scene.media.size(), "media");
     if (scene.camera_medium >= 0) result.why += ", one around the camera";
+    const EffectFinding skin = find_materials(used, is_subsurface);
+    if (skin.called_for) {
+        result.why = (result.called_for ? result.why + "; " : std::string()) + skin.why + " with one inside";
+        result.called_for = true;
+    }
     return result;
 }
 
@@ -83,13 +95,6 @@ EffectFinding find_shapes(const UsedSurfaces& used, const Test& test) {
     const auto count =
         std::count_if(used.shapes().begin(), used.shapes().end(), [&](const SceneShape* each) { return test(*each); });
     return finding(static_cast<std::size_t>(count), used.shapes().size(), "shapes");
-}
-
-template <class Test>
-EffectFinding find_materials(const UsedSurfaces& used, const Test& test) {
-    const auto count = std::count_if(used.materials().begin(), used.materials().end(),
-                                     [&](const SceneEntity* each) { return test(*each); });
-    return finding(static_cast<std::size_t>(count), used.materials().size(), "materials in use");
 }
 
 EffectFinding find_lights(const SceneDescription& scene, bool (*test)(const SceneEntity&)) {
@@ -149,6 +154,7 @@ EffectFindings analyse_effects(const SceneDescription& scene) {
     put(Effect::image_textures, find_images(used));
     put(Effect::alpha, find_shapes(used, [&](const SceneShape& each) { return has_cutouts(scene, each); }));
     put(Effect::shading_normals, find_shapes(used, [](const SceneShape& each) { return !each.normals.empty(); }));
+    put(Effect::bump, find_materials(used, has_bumps));
     put(Effect::transmission, find_materials(used, lets_light_through));
     put(Effect::coats, find_materials(used, is_coated));
     put(Effect::facet_compensation, find_materials(used, asks_for_compensation));

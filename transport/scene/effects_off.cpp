@@ -21,6 +21,15 @@ void leave_out_media(SceneDescription& scene) {
     for_each_shape(scene, [](SceneShape& shape) { shape.inside_medium = shape.outside_medium = -1; });
     scene.camera_medium = -1;
     scene.media.clear();
+    for (SceneEntity& material : scene.materials) {
+        if (!is_subsurface(material)) continue;
+        material.type = "dielectric";
+        std::erase_if(material.parameters.parameters, [](const Parameter& each) {
+            static const std::set<std::string> of_the_surface{
+                "eta", "roughness", "uroughness", "vroughness", "remaproughness", "displacement", "normalmap"};
+            return !of_the_surface.contains(each.name);
+        });
+    }
     erase_shapes(scene, [&](const SceneShape& shape) { return is_interface(scene, shape) && shape.area_light < 0; });
 }
 
@@ -65,6 +74,12 @@ void leave_out_transmission(SceneDescription& scene) {
                 mixed.insert(each.strings.begin(), each.strings.end());
     for (SceneEntity& material : scene.materials) {
         if (!lets_light_through(material)) continue;
+        if (material.type == "diffusetransmission") {
+            material.type = "diffuse";
+            std::erase_if(material.parameters.parameters,
+                          [](const Parameter& each) { return each.name != "reflectance" && !is_bump(each); });
+            continue;
+        }
         material.parameters.parameters.clear();
         material.type = "interface";
         if (material.name.empty() || !mixed.contains(material.name)) continue;
@@ -80,14 +95,17 @@ void leave_out_transmission(SceneDescription& scene) {
 
 void leave_out_coats(SceneDescription& scene) {
     // What a coat's parameters are called -> what the base's are by itself.
-    static const std::map<std::string, std::string> of_diffuse{{"reflectance", "reflectance"}};
+    static const std::map<std::string, std::string> of_diffuse{
+        {"reflectance", "reflectance"}, {"displacement", "displacement"}, {"normalmap", "normalmap"}};
     static const std::map<std::string, std::string> of_metal{{"reflectance", "reflectance"},
                                                              {"conductor.eta", "eta"},
                                                              {"conductor.k", "k"},
                                                              {"conductor.roughness", "roughness"},
                                                              {"conductor.uroughness", "uroughness"},
                                                              {"conductor.vroughness", "vroughness"},
-                                                             {"remaproughness", "remaproughness"}};
+                                                             {"remaproughness", "remaproughness"},
+                                                             {"displacement", "displacement"},
+                                                             {"normalmap", "normalmap"}};
     for (SceneEntity& material : scene.materials) {
         if (!is_coated(material)) continue;
         const bool metal = material.type == "coatedconductor";
@@ -125,6 +143,9 @@ Status leave_out(SceneDescription& scene, Effect effect) {
             break;
         case Effect::shading_normals:
             for_each_shape(scene, [](SceneShape& shape) { shape.normals.clear(); });
+            break;
+        case Effect::bump:
+            for (SceneEntity& material : scene.materials) std::erase_if(material.parameters.parameters, is_bump);
             break;
         case Effect::transmission:
             leave_out_transmission(scene);

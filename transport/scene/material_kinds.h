@@ -6,7 +6,19 @@
 namespace raylex::transport {
 
 [[nodiscard]] inline bool lets_light_through(const SceneEntity& material) {
-    return material.type == "dielectric" || material.type == "thindielectric" || material.type == "raylex:sheet";
+    return material.type == "dielectric" || material.type == "thindielectric" || material.type == "raylex:sheet" ||
+           material.type == "subsurface" || material.type == "diffusetransmission";
+}
+[[nodiscard]] inline bool is_subsurface(const SceneEntity& material) {
+    return material.type == "subsurface";
+}
+[[nodiscard]] inline bool is_bump(const Parameter& parameter) {
+    return parameter.name == "displacement" || parameter.name == "normalmap";
+}
+[[nodiscard]] inline bool has_bumps(const SceneEntity& material) {
+    for (const Parameter& each : material.parameters.parameters)
+        if (is_bump(each)) return true;
+    return false;
 }
 [[nodiscard]] inline bool is_coated(const SceneEntity& material) {
     return material.type == "coateddiffuse" || material.type == "coatedconductor";
