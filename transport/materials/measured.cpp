@@ -6,6 +6,7 @@
 #include "display/services/elementary.h"
 #include "transport/color/spectrum.h"
 #include "transport/import/tensor_file.h"
+#include "transport/materials/conductor.h"
 #include "transport/materials/microfacet.h"
 
 namespace raylex::transport {
