@@ -12,11 +12,12 @@ namespace {
 // Sources of the names with capitals: RenderMan documentation, "Light Path Expressions", section Per-Lobe LPEs (REN26);
 // of the small ones (translucent, hair1, ...), which serve Lama's materials: RenderMan for Blender's and Gaffer's
 // published defaults of the same options. "specular" stands in slots 2 and 8 there; the lower slot wins. The last names
-// of a line are those of raylex's materials: conductor, mirror, sheet, R, TRT, TRRT, coat, TT, glass, albedo, normal.
+// of a line are those of raylex's materials: conductor, mirror, sheet, R, measured, TRT, TRRT, coat, TT, glass, albedo,
+// normal.
 constexpr std::array<LobeSlot, 13> default_table{{
     {"diffuse2", "Diffuse,HairDiffuse,diffuse,translucent,hair4,irradiance"},
     {"diffuse3", "Subsurface,subsurface"},
-    {"specular2", "Specular,HairSpecularR,specular,hair1,conductor,mirror,sheet,R"},
+    {"specular2", "Specular,HairSpecularR,specular,hair1,conductor,mirror,sheet,R,measured"},
     {"specular3", "RoughSpecular,HairSpecularTRT,hair3,TRT,TRRT"},
     {"specular4", "Clearcoat,coat"},
     {"specular5", "Iridescence"},

@@ -4,6 +4,8 @@
 // table names, told apart by event, scatter letter, object and lobe label in the strict `osl` dialect, must together
 // carry all light of one-event paths, each of them some: so every event is as the table says, and there is no other.
 #include "endtoend/analytic.h"
+#include "tests/support/folder.h"
+#include "transport/measured_file.h"
 
 using namespace raylex;
 using namespace raylex::test;
@@ -58,6 +60,17 @@ std::vector<double> render_means(transport::SceneDescription scene, std::vector<
 const char* const constant_sky = "LightSource \"infinite\" \"rgb L\" [1 1 1]";
 
 }  // namespace
+
+TEST_CASE("A measured material reflects as R G measured and in no other way", "[event-table]") {
+    const Folder folder;
+    const std::string file = folder.write("ggx.bsdf", measured_test::file_of(measured_test::ggx(0.4, 0.4, 0.7), {}));
+    auto scene = import_text(scene_text("Material \"measured\" \"string filename\" \"" + file + "\"", constant_sky));
+    scene.shapes[0].label = "obj";
+    const auto means =
+        render_means(scene, {osl_channel("once", "C<[RTV]...>B"), osl_channel("measured", "C<RG'obj''measured'>B")});
+    CHECK(means[0] > 0.3);
+    CHECK(means[0] == means[1]);
+}
 
 TEST_CASE("Every material gives the events of the normative table and no others", "[event-table]") {
     const std::vector<Row> rows = {

@@ -178,6 +178,12 @@ TEST_CASE("every lobe that closures give was announced by their material", "[law
         entity("coatedconductor", {rgb("albedo", 0.9, 0.9, 0.9), real("thickness", 1)}),
         entity("coatedconductor", {real("conductor.roughness", 0.1)}),
         entity("interface", {}),
+        entity("diffusetransmission", {}),
+        entity("diffusetransmission", {rgb("reflectance", 0, 0, 0)}),
+        entity("hair", {}),
+        entity("subsurface", {}),
+        entity("subsurface", {real("roughness", 0.1)}),
+        entity("subsurface", {real("roughness", 0.1), real("eta", 1)}),
         entity("raylex:additive", {}),
         entity("raylex:mirror", {}),
         entity("raylex:diffuse-mirror", {}),
@@ -286,6 +292,13 @@ TEST_CASE("mistakes in materials are located and name what was expected") {
     names.strings.push_back("wite");
     e = error_of(entity("mix", {names}));
     CHECK((e.line == 7 && e.hint == "did you mean 'white'?"));
+    SceneDescription with_interface;
+    names.strings[1] = "border";
+    with_interface.materials = {entity("diffuse", {}, "white"), entity("interface", {}, "border"),
+                                entity("mix", {names})};
+    const Result<Built> refused = try_build(with_interface);
+    REQUIRE_FALSE(refused.ok());
+    CHECK((refused.error().line == 7 && refused.error().message.find("'border'") != std::string::npos));
 }
 
 TEST_CASE("parameters that nothing reads stay unused, for the caller to report") {

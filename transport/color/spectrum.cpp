@@ -30,14 +30,18 @@ Rgb to_rendering(Triple rgb, SpectrumRole role, const ColorContext& context) {
     return to_rgb(rgb);
 }
 
-Triple project_albedo(const VisibleSpectrum& s, ColorSpace space) {
+Triple project_reflectance(const VisibleSpectrum& s, ColorSpace space) {
     VisibleSpectrum white{}, seen{};
     find_named_spectrum(white_spectrum_name(space), white);
     for (std::size_t i = 0; i < visible_samples; ++i) seen[i] = s[i] * white[i];
     Triple xyz = integrate_xyz(seen);
     const double norm = integrate_xyz(white)[1];
     for (double& c : xyz) c /= norm;
-    Triple rgb = multiply(rgb_from_xyz(space), xyz);
+    return multiply(rgb_from_xyz(space), xyz);
+}
+
+Triple project_albedo(const VisibleSpectrum& s, ColorSpace space) {
+    Triple rgb = project_reflectance(s, space);
     for (double& c : rgb) c = std::clamp(c, 0.0, 1.0);
     return rgb;
 }
@@ -224,6 +228,19 @@ Result<Rgb> resolve_named_spectrum(std::string_view name, SpectrumRole role, con
     if (!find_named_spectrum(name, spectrum))
         return Error{"no spectrum is called '" + std::string(name) + "'", {}, 0, 0, {}, known_names_hint(name)};
     return project(spectrum, role, context);
+}
+
+std::vector<RgbD> reflectance_weights(const std::vector<double>& wavelengths, const ColorContext& context) {
+    std::vector<RgbD> weights;
+    std::vector<double> one(wavelengths.size(), 0.0);
+    for (double& value : one) {
+        value = 1;
+        const Triple rgb = multiply(context.rendering_from_scene,
+                                    project_reflectance(resample(wavelengths, one, false), context.scene_space));
+        weights.push_back({rgb[0], rgb[1], rgb[2]});
+        value = 0;
+    }
+    return weights;
 }
 
 }  // namespace raylex::transport

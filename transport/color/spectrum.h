@@ -20,6 +20,7 @@
 #pragma once
 
 #include <string_view>
+#include <vector>
 
 #include "display/services/parameters.h"
 #include "transport/math/real.h"
@@ -41,6 +42,10 @@ Result<Rgb> resolve_spectrum(const Parameter& parameter, SpectrumRole role, cons
 /// The parameter called `name`, resolved, or `fallback` when absent. The parameter is marked as used.
 Result<Rgb> spectrum_or(const ParameterSet& parameters, std::string_view name, const Rgb& fallback, SpectrumRole role,
                         const ColorContext& context);
+
+/// What each sample of a piecewise linear reflectance adds to its RGB in the rendering space: as `albedo`, but linear,
+/// without its clamp. `wavelengths` in nm, ascending; outside of them the reflectance is 0.
+std::vector<RgbD> reflectance_weights(const std::vector<double>& wavelengths, const ColorContext& context);
 
 /// A named spectrum ("metal-Cu-eta", "glass-BK7", "stdillum-D65" ...).
 Result<Rgb> resolve_named_spectrum(std::string_view name, SpectrumRole role, const ColorContext& context);

@@ -134,6 +134,8 @@ LocalTangents quadric_tangents(const Quadric& q, const Placement* instance, cons
 
 SurfaceTangents EmbreeScene::tangents(const Hit& hit, const SurfacePoint& point) const {
     const ShapeGeometry& shape = shapes_[hit.shape];
+    // Heights are small beside a fibre's radius: how its normal turns below them is left out.
+    if (shape.kind == ShapeKind::curves) return {point.dpdu, details(hit, point).dpdv, {}, {}};
     const Placement* instance = hit.instance == Hit::none ? nullptr : &instances_[hit.instance].placement;
     LocalTangents local;
     if (shape.kind == ShapeKind::triangle_mesh) local = triangle_tangents(shape, hit);

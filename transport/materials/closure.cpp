@@ -183,6 +183,8 @@ BsdfEvaluation Bsdf::evaluate_other(const Vec3& wo_world, const Vec3& wi_world) 
                             diffuse_transmission_.value(wo, wi), diffuse_transmission_.pdf(wo, wi));
         case Kind::hair:
             return hair_.evaluate(wo, wi);
+        case Kind::measured:
+            return one_lobe(lobes::measured, measured_.table->value(wo, wi), measured_.table->pdf(wo, wi));
         case Kind::custom:
             return custom_.calls->evaluate(custom_.data.data(), wo, wi);
         case Kind::black:
@@ -221,6 +223,8 @@ Real Bsdf::pdf_other(const Vec3& wo_world, const Vec3& wi_world) const {
             return diffuse_transmission_.pdf(wo, wi);
         case Kind::hair:
             return hair_.pdf(wo, wi);
+        case Kind::measured:
+            return measured_.table->pdf(wo, wi);
         case Kind::custom:
             return custom_.calls->pdf(custom_.data.data(), wo, wi);
         case Kind::black:
@@ -288,6 +292,8 @@ BsdfSample Bsdf::draw(const Vec3& wo_world, Real u_lobe, const Vec2& u) const {
             const LocalSample s = diffuse_transmission_.sample(wo, u_lobe, u);
             return to_sample(frame_, s, s.transmitted ? lobes::diffuse_transmit : lobes::diffuse);
         }
+        case Kind::measured:
+            return to_sample(frame_, measured_.table->sample(wo, u), lobes::measured);
         case Kind::hair: {
             BsdfSample result = hair_.sample(wo, u_lobe, u);
             result.wi = frame_.to_world(result.wi);
@@ -332,6 +338,8 @@ Rgb Bsdf::albedo(const Vec3& wo) const {
             return ideal_.diffuse + ideal_.mirror + ideal_.sheet;
         case Kind::diffuse_transmission:
             return diffuse_transmission_.reflectance + diffuse_transmission_.transmittance;
+        case Kind::measured:
+            return measured_.table->albedo(cos_o);
         case Kind::hair:
             return hair_.albedo(frame_.to_local(wo));
         case Kind::custom:

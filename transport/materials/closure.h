@@ -17,6 +17,7 @@
 #include "transport/materials/ideal.h"
 #include "transport/materials/layered.h"
 #include "transport/materials/lobes.h"
+#include "transport/materials/measured.h"
 #include "transport/media/phase.h"
 
 namespace raylex::transport {
@@ -40,6 +41,7 @@ class Bsdf {
         compensated_dielectric,
         diffuse_transmission,
         hair,
+        measured,
         subsurface,  ///< a dielectric with lobes of its own
         custom,      ///< a plugin's own
         phase        ///< particles of a medium: no surface, no cosine
@@ -147,6 +149,11 @@ class Bsdf {
         std::construct_at(&hair_, hair);
         set_kind(Kind::hair, true);
     }
+    void set(const Frame& frame, const MeasuredClosure& measured) {
+        frame_ = frame;
+        std::construct_at(&measured_, measured);
+        set_kind(Kind::measured, true);
+    }
     /// Henyey-Greenstein's phase function of asymmetry g. Its lobe says nothing: the event is the medium's.
     void set_phase(Real g) {
         std::construct_at(&phase_g_, g);
@@ -187,6 +194,7 @@ class Bsdf {
         CompensatedDielectric compensated_dielectric_;
         DiffuseTransmissionClosure diffuse_transmission_;
         HairClosure hair_;
+        MeasuredClosure measured_;
         CustomClosure custom_;
         Real phase_g_;
     };

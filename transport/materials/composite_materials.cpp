@@ -71,6 +71,12 @@ Built make_mix(const SceneEntity& entity, const MaterialContext& context) {
     const Result<const Material*> second = context.materials.find(names->strings[1], reader.where(*names));
     if (!second) return second.error();
     if (reader.error()) return *reader.error();
+    for (std::size_t i : {0u, 1u})
+        if ((i == 0 ? *first : *second)->is_interface())
+            return error_at(reader.where(*names),
+                            "a mix with the interface '" + names->strings[i] +
+                                "' is not supported: hits on it would absorb; expected two surfaces",
+                            "give the shape an \"alpha\" for the share that is to pass");
     if (std::max(MixMaterial::depth_of(**first), MixMaterial::depth_of(**second)) >= budget(Budget::material_depth))
         return over_budget(Budget::material_depth, "mix materials inside one another too deep", entity.location.file,
                            entity.location.line, entity.location.column);

@@ -29,7 +29,8 @@ inline constexpr LobeId specular_singular = 17;  ///< R S: the surface of a subs
 /// T D: into and out of a subsurface material, smooth or rough: of light that walks at random inside nothing else is
 /// left to see, and it is what RenderMan's and the shipped `subsurface` channels take.
 inline constexpr LobeId subsurface = 18;
-inline constexpr int count = 19;
+inline constexpr LobeId measured = 19;  ///< R G
+inline constexpr int count = 20;
 
 // Numbers (D2, S4, S8) come from lobe slots by these names: lpe/channels/lobe_slots.h.
 inline constexpr std::array<LobeKind, count> kinds{{
@@ -52,6 +53,7 @@ inline constexpr std::array<LobeKind, count> kinds{{
     {lpe::EventType::reflection, lpe::Scatter::glossy, "TRRT"},
     {lpe::EventType::reflection, lpe::Scatter::singular, "specular"},
     {lpe::EventType::transmission, lpe::Scatter::diffuse, "subsurface"},
+    {lpe::EventType::reflection, lpe::Scatter::glossy, "measured"},
 }};
 
 }  // namespace raylex::transport::lobes

@@ -14,6 +14,7 @@ Registry<MaterialFactory>& material_registry() {
         register_plain_materials(r);
         register_layered_materials(r);
         register_hair_materials(r);
+        register_measured_materials(r);
         register_subsurface_materials(r);
         register_composite_materials(r);
         register_raylex_materials(r);

@@ -38,6 +38,8 @@ class Material {
     virtual void append_lobes(std::vector<LobeId>& lobes) const = 0;
     /// Of what this hit is made: itself, or what a mix chose.
     [[nodiscard]] virtual const Material& chosen(const TextureTable&, const SurfacePoint&) const { return *this; }
+    /// No surface at all.
+    [[nodiscard]] virtual bool is_interface() const { return false; }
     /// What fills the shapes of this material, if it brings its own; a mix has that of the first that does.
     [[nodiscard]] virtual const Medium* interior() const { return nullptr; }
     /// Bump or normal map, as the table read it.

@@ -110,6 +110,7 @@ void register_plain_materials(Registry<MaterialFactory>& registry);
 void register_layered_materials(Registry<MaterialFactory>& registry);
 void register_hair_materials(Registry<MaterialFactory>& registry);
 void register_subsurface_materials(Registry<MaterialFactory>& registry);
+void register_measured_materials(Registry<MaterialFactory>& registry);
 void register_composite_materials(Registry<MaterialFactory>& registry);
 void register_raylex_materials(Registry<MaterialFactory>& registry);
 

@@ -133,6 +133,7 @@ class InterfaceMaterial final : public Material {
         for (const std::uint32_t i : hits) closures[i].set_pass_through();
     }
     void append_lobes(std::vector<LobeId>&) const override {}
+    bool is_interface() const override { return true; }
 };
 
 Built make_diffuse(const SceneEntity& entity, const MaterialContext& context) {
