@@ -114,7 +114,7 @@ TEST_CASE("dots lie where noise puts one, inside their cells, and cover pi 0.35^
             for (int i = 0; i < fine * fine; ++i) {
                 const Real ds = (static_cast<Real>(i % fine) + Real(0.5)) / fine - Real(0.5),
                            dt = (static_cast<Real>(i / fine) + Real(0.5)) / fine - Real(0.5);
-                inside += number_at(table, {(s + ds) / 16, (t + dt) / 16, {}}) == 2;
+                inside += number_at(table, {(s + ds) / 16, (t + dt) / 16, {}, -1, {}}) == 2;
             }
             CHECK((inside > 0) == has_dot);
             dots += has_dot;
