@@ -61,10 +61,11 @@ class Pattern {
 class PatternReader : public ParameterReader {
   public:
     using Resolve = std::function<Result<TextureId>(std::string_view name, const Rgb& fallback, bool spectrum)>;
-    PatternReader(const SceneTexture& of, Resolve resolve)
-        : ParameterReader(of.parameters), texture(of), resolve_(std::move(resolve)) {}
+    PatternReader(const SceneTexture& of, const ColorContext& colors, Resolve resolve)
+        : ParameterReader(of.parameters), texture(of), color(colors), resolve_(std::move(resolve)) {}
 
     const SceneTexture& texture;  ///< its to_world leads to the space of TexturePoint::position
+    const ColorContext& color;    ///< what the scene's colours mean
 
     TextureId rgb_input(std::string_view name, const Rgb& fallback) {
         return take(resolve_(name, fallback, true), TextureId{0});

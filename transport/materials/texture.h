@@ -1,4 +1,5 @@
-// Textures: constant, scale, mix, checkerboard, imagemap; float and colour alike, evaluated by index.
+// Textures: constant, scale, mix, checkerboard, imagemap, and patterns (pattern.h); float and colour alike, evaluated
+// by index.
 //
 // Patterns, mappings (uv, spherical, cylindrical, planar) and parameters are pbrt-v4's. Looked up at a point: neither
 // image pyramids nor pbrt-v4's filtered checkerboard; camera samples do the filtering. Image filters "bilinear",
@@ -30,6 +31,7 @@ struct TexturePoint {
     Real u = 0, v = 0;
     Vec3 position;          ///< render space, where the texture's own to_world leads too
     std::int32_t row = -1;  ///< of the sample table where the camera sees this point directly; else -1
+    Vec3 normal;            ///< unit, geometric, either side; zero where it is not known
 };
 
 class TextureTable {

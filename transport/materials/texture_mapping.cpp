@@ -16,8 +16,6 @@ Vec2 TextureMapping::map(const TexturePoint& at) const {
     return {theta * inv_pi, (phi < 0 ? phi + 2 * pi : phi) * (0.5f * inv_pi)};
 }
 
-namespace {
-
 Vec3 read_vector(ParameterReader& reader, std::string_view name, const Vec3& fallback) {
     const Parameter* parameter = reader.set().find(name);
     if (parameter == nullptr) return fallback;
@@ -29,7 +27,17 @@ Vec3 read_vector(ParameterReader& reader, std::string_view name, const Vec3& fal
     return {static_cast<Real>(n[0]), static_cast<Real>(n[1]), static_cast<Real>(n[2])};
 }
 
-}  // namespace
+std::vector<ParameterDescription> with_mapping(std::vector<ParameterDescription> parameters) {
+    using enum ParameterType;
+    parameters.insert(parameters.end(), {{"mapping", string, "uv", "uv, spherical, cylindrical or planar"},
+                                         {"uscale", real, "1", "times u, for uv"},
+                                         {"vscale", real, "1", "times v, for uv"},
+                                         {"udelta", real, "0", "added to u, for uv and planar"},
+                                         {"vdelta", real, "0", "added to v, for uv and planar"},
+                                         {"v1", vector3, "1 0 0", "u grows along it, for planar"},
+                                         {"v2", vector3, "0 1 0", "v grows along it, for planar"}});
+    return parameters;
+}
 
 TextureMapping read_mapping(ParameterReader& reader, const Transform& world_from_texture) {
     TextureMapping mapping;

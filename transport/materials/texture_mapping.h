@@ -19,6 +19,10 @@ struct TextureMapping {
     [[nodiscard]] Vec2 map(const TexturePoint& at) const;
 };
 
+/// One vector3, or `fallback` when absent; errors stay in `reader`.
+Vec3 read_vector(ParameterReader& reader, std::string_view name, const Vec3& fallback);
+/// `parameters` and those that read_mapping() reads, for catalogues.
+std::vector<ParameterDescription> with_mapping(std::vector<ParameterDescription> parameters);
 /// Reads "mapping", "uscale", "vscale", "udelta", "vdelta", "v1", "v2"; errors stay in `reader`.
 TextureMapping read_mapping(ParameterReader& reader, const Transform& world_from_texture);
 

@@ -16,7 +16,9 @@ Real emitter_opacity(const SceneView& scene, const LightSample& sample, const Ve
     SurfacePoint point[1];
     SurfaceSource source[1];
     scene.geometry->surfaces(ray, hit, point, source);
-    return std::clamp(scene.textures->real(shape.alpha, {point[0].u, point[0].v, point[0].position}), Real(0), Real(1));
+    return std::clamp(
+        scene.textures->real(shape.alpha, {point[0].u, point[0].v, point[0].position, -1, point[0].geometric_normal}),
+        Real(0), Real(1));
 }
 
 Real straight_transmittance(const StraightWalk& walk, Ray ray, Real visible, std::int32_t medium,
@@ -42,7 +44,8 @@ Real straight_transmittance(const StraightWalk& walk, Ray ray, Real visible, std
         SurfaceSource source[1];
         geometry.surfaces(rays, hits, point, source);
         const ShapeGeometry& shape = geometry.shapes()[hit.shape];
-        visible *= 1 - std::clamp(walk.scene.textures->real(shape.alpha, {point[0].u, point[0].v, point[0].position}),
+        visible *= 1 - std::clamp(walk.scene.textures->real(shape.alpha, {point[0].u, point[0].v, point[0].position, -1,
+                                                                          point[0].geometric_normal}),
                                   Real(0), Real(1));
         if (visible > 0) walk.record.pass_straight(tracker, source[0].label);
         else if (!walk.to_the_end) return 0;

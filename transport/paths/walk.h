@@ -248,7 +248,7 @@ bool Walk<mode>::fails_alpha_test(std::size_t j) const {
     const SurfacePoint& point = vertices_.points[j];
     const TextureId alpha = scene_.geometry->shapes()[vertices_.hits[j].shape].alpha;
     const Real u = samplers_[row].get_random(dimensions.cutouts + paths_[row].segment);
-    return !(u < scene_.textures->real(alpha, {point.u, point.v, point.position}));
+    return !(u < scene_.textures->real(alpha, {point.u, point.v, point.position, -1, point.geometric_normal}));
 }
 
 /// Bump and normal maps. What stands in points from here on is what everyone sees: closures, lights, AOVs.
