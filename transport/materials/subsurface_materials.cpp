@@ -45,7 +45,7 @@ class UniformReader {
 
     Rgb rgb(const char* name, const Rgb& fallback, SpectrumRole role) {
         const RgbInput input = reader_.rgb(name, fallback, role);
-        if (input.texture < 0) return input.value;
+        if (!input.varies) return input.value;
         textures_.warn(error_at(reader_.where(*reader_.set().find(name)),
                                 std::string("the texture for '") + name +
                                     "' of a subsurface material is taken at its mean: the medium is homogeneous"));
