@@ -86,7 +86,7 @@ void doubt_unused_entities(const SceneDescription& scene, const Used& used, Doub
 
 /// Of a mesh's faces.
 struct FaceCounts {
-    std::size_t faces = 0, degenerate_uv = 0, torn_normals = 0, zero_normals = 0;
+    std::size_t faces = 0, degenerate_uv = 0, torn_normals = 0;
 };
 
 DVec3 at(const std::vector<transport::StoredVec3>& values, std::uint32_t i) {
@@ -98,7 +98,6 @@ FaceCounts count_faces(const SceneShape& shape) {
     const std::size_t corners = shape.kind == ShapeKind::triangle_mesh ? 3 : 4;
     counts.faces = shape.indices.size() / corners;
     const std::vector<std::uint32_t>& indices = shape.indices;
-    for (const transport::StoredVec3& n : shape.normals) counts.zero_normals += dot(DVec3(n), DVec3(n)) == 0;
     if (corners != 3) return counts;
     for (std::size_t i = 0; i + 3 <= indices.size(); i += 3) {
         const std::uint32_t a = indices[i], b = indices[i + 1], c = indices[i + 2];
@@ -142,10 +141,6 @@ void doubt_shape(const SceneDescription& scene, const SceneShape& shape, Doubts&
     if (reads_textures(scene, shape.material) || !shape.alpha_texture.empty())
         doubt(counts.degenerate_uv, "have texture coordinates on a line, and a material that reads textures");
     doubt(counts.torn_normals, "have vertex normals on both of their sides");
-    if (counts.zero_normals > 0)
-        doubts.push_back(error_at(shape.location, counted(counts.zero_normals, "vertex normal") + " of " +
-                                                      transport::mesh_name(shape) + " " +
-                                                      (counts.zero_normals == 1 ? "has" : "have") + " no length"));
 }
 
 /// Lights that give nothing: of area lights, where no primitive does.

@@ -8,7 +8,7 @@
 namespace raylex::experiments {
 
 /// One an object, at its directive, in the order of the file: degenerate texture coordinates where textures read them,
-/// vertex normals that lie on both sides of their face or have no length, lights without power, and what is defined and
+/// vertex normals that lie on both sides of their face, lights without power, and what is defined and
 /// never used, with the near miss that may have been meant. `built` is of `scene`.
 std::vector<Error> scene_doubts(const transport::SceneDescription& scene, const transport::BuiltScene& built);
 
