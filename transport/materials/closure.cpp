@@ -125,6 +125,16 @@ Real ideal_pdf(const IdealClosure& closure, const Vec3& wo, const Vec3& wi) {
     return closure.diffuse_probability() * LambertClosure::pdf(wo, wi);
 }
 
+BsdfSample draw_phase(Real g, const Vec3& wo, const Vec2& u) {
+    const PhaseSample phase = sample_phase(g, -wo, u);
+    BsdfSample result;
+    result.wi = phase.wi;
+    result.weight = Rgb(1);
+    result.pdf = phase.pdf;
+    result.lobes.add(lobes::diffuse, Rgb(phase.pdf));
+    return result;
+}
+
 }  // namespace
 
 std::span<const LobeKind> lobe_kinds() {
@@ -250,15 +260,7 @@ BsdfSample Bsdf::sample_other(const Vec3& wo, Real u_lobe, const Vec2& u) const 
 
 BsdfSample Bsdf::draw(const Vec3& wo_world, Real u_lobe, const Vec2& u) const {
     if (kind_ == Kind::black || kind_ == Kind::pass_through) return {};
-    if (kind_ == Kind::phase) {
-        const PhaseSample phase = sample_phase(phase_g_, -wo_world, u);
-        BsdfSample result;
-        result.wi = phase.wi;
-        result.weight = Rgb(1);
-        result.pdf = phase.pdf;
-        result.lobes.add(lobes::diffuse, Rgb(phase.pdf));
-        return result;
-    }
+    if (kind_ == Kind::phase) return draw_phase(phase_g_, wo_world, u);
     const Vec3 wo = frame_.to_local(wo_world);
     switch (kind_) {
         case Kind::conductor:
