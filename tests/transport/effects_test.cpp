@@ -101,6 +101,12 @@ std::vector<Example> examples(const std::string& image) {
          effects_scene(lamp + "\nObjectBegin \"ball\"\n" + plain_shape +
                        "\nObjectEnd\nAttributeBegin\nTranslate 1 0.5 0\nObjectInstance \"ball\"\nAttributeEnd\n"),
          effects_scene(lamp)},
+        {Effect::motion,
+         replaced(effects_scene(lamp), plain_camera,
+                  std::string("ActiveTransform StartTime Translate -0.125 0 0 ActiveTransform EndTime Translate 0.125 "
+                              "0 0 ActiveTransform All\n") +
+                      plain_camera),
+         effects_scene(lamp)},
     };
 }
 
@@ -175,9 +181,9 @@ TEST_CASE("effects: the catalogue is in the order of Effect, and names are found
     REQUIRE_FALSE(slip.ok());
     CHECK(contains(slip.error().to_string(), "job.toml:3:5"));
     CHECK(contains(slip.error().to_string(), "did you mean 'media'?"));
-    const auto absent = effect_named("motion", {"job.toml", 3, 5});
+    const auto absent = effect_named("dispersion", {"job.toml", 3, 5});
     REQUIRE_FALSE(absent.ok());
-    CHECK(contains(absent.error().message, "does not simulate 'motion'"));
+    CHECK(contains(absent.error().message, "does not simulate 'dispersion'"));
 }
 
 TEST_CASE("effects: forced off, the scene renders as it is written without the effect, bit for bit", "[effects]") {

@@ -54,11 +54,6 @@ std::vector<Row> camera_rows() {
     geometry.push_back({"coordinatesystem", {}, plain});
     for (const char* name : {"nbuckets", "lambdamin", "lambdamax"}) spectrum.push_back({name, {}, plain});
     return {
-        {camera,
-         "perspective",
-         {},
-         {{"shutteropen", {"0"}, "nothing moves, and " + plain},
-          {"shutterclose", {"1"}, "nothing moves, and " + plain}}},
         {film, "gbuffer", every_film, geometry},
         {film, "rgb", every_film, sensor},
         {film, "spectral", every_film, spectrum},
@@ -202,7 +197,9 @@ Status ParameterChecker::check(EntityKind kind, const std::string& type, Paramet
     if (entry != nullptr)
         for (const ParameterDescription& each : *entry) read.push_back(each.name);
     if (row != nullptr) read.insert(read.end(), row->taken.begin(), row->taken.end());
-    if (kind == EntityKind::shape) read.emplace_back("alpha");      // of every shape: make_shapes()
+    if (kind == EntityKind::shape) read.emplace_back("alpha");  // of every shape: make_shapes()
+    if (kind == EntityKind::camera)                             // of every camera: shutter_span()
+        for (const char* name : {"shutteropen", "shutterclose"}) read.emplace_back(name);
     if (kind == EntityKind::material && takes_normal_detail(type))  // of a plugin's material too
         for (const ParameterDescription& each : normal_detail_parameters())
             if (!holds(read, each.name)) read.push_back(each.name);

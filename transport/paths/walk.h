@@ -44,7 +44,7 @@ struct WalkVisitor {
     /// The subpath has reached vertex j, a surface. False: it ends there.
     bool arrives(std::size_t /*j*/) { return true; }
     /// The densities of a subpath's first vertex are those of `sums`, but for what depends on how it began.
-    void first_vertex(std::uint32_t /*row*/, const SurfacePoint& /*point*/, StrategySums& /*sums*/) {}
+    void first_vertex(std::uint32_t /*row*/, const SurfacePoint& /*point*/, Real /*time*/, StrategySums& /*sums*/) {}
     /// `emitted` is the light that the medium sends back along a ray of a camera subpath.
     void volume_emits(std::uint32_t /*row*/, const Rgb& /*emitted*/) {}
     /// Whether what the medium around the ray scatters could count at all: if not, it only takes light away.
@@ -124,7 +124,7 @@ class Walk {
     template <class Visitor>
     bool crosses_medium(std::uint32_t row, const Ray& ray, Real distance, Visitor& visitor);
     template <class Visitor>
-    void arrive(std::uint32_t row, const SurfacePoint& point, Visitor& visitor);
+    void arrive(std::uint32_t row, const SurfacePoint& point, Real time, Visitor& visitor);
     template <class Visitor>
     void append_collisions(Visitor& visitor);
     bool fails_alpha_test(std::size_t j) const;
@@ -209,14 +209,14 @@ bool Walk<mode>::crosses_medium(std::uint32_t row, const Ray& ray, Real distance
 /// (strategies.h).
 template <TransportMode mode>
 template <class Visitor>
-void Walk<mode>::arrive(std::uint32_t row, const SurfacePoint& point, Visitor& visitor) {
+void Walk<mode>::arrive(std::uint32_t row, const SurfacePoint& point, Real time, Visitor& visitor) {
     if (!options_.densities) return;
     const Subpath& path = paths_[row];
     const double near = path.from_infinity ? 1 : 1 / static_cast<double>(length_squared(point.position - path.from));
     const double pdf = path.specular ? 1 : static_cast<double>(path.pdf);
     sums_[row].arrive(pdf * static_cast<double>(point.cosine(point.wo)) * near,
                       path.from_infinity ? 1 : static_cast<double>(path.cosine) * near);
-    if (path.depth == 0) visitor.first_vertex(row, point, sums_[row]);
+    if (path.depth == 0) visitor.first_vertex(row, point, time, sums_[row]);
 }
 
 template <TransportMode mode>
@@ -237,7 +237,7 @@ void Walk<mode>::append_collisions(Visitor& visitor) {
         v.hits[j].time = collision.time;
         v.hits[j].cone = collision.cone;
         v.bsdfs[j].set_phase((*scene_.media)[medium].g);
-        arrive(collision.row, point, visitor);
+        arrive(collision.row, point, collision.time, visitor);
     }
 }
 
@@ -276,7 +276,7 @@ void Walk<mode>::advance(display::DisplayServices& display, Visitor& visitor) {
         const std::uint32_t row = v.rows[j];
         Subpath& path = paths_[row];
         SurfacePoint& point = v.points[j];
-        arrive(row, point, visitor);
+        arrive(row, point, v.hits[j].time, visitor);
         if (cutouts && shapes[v.hits[j].shape].alpha >= 0) {
             const ShapeGeometry& shape = shapes[v.hits[j].shape];
             if (shape.interface && shape.first_light != Hit::none) visitor.interface_emits(j);

@@ -23,6 +23,7 @@ namespace raylex::transport {
 struct CameraSampling {
     FilmSettings film;
     std::unique_ptr<Camera> camera;
+    bool times = false;  ///< each sample draws one
     std::unique_ptr<display::PixelFilter> filter;
     SourceLocation filter_location;    ///< for errors
     bool splat = false;                ///< RenderSettings::splat
