@@ -56,8 +56,10 @@ std::vector<Example> examples(const std::string& image) {
     const std::string shining = "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [9 8 7]\nTranslate 0 2 0\n" +
                                 std::string(plain_shape) + "\nAttributeEnd\n";
     const std::string dark = "AttributeBegin\nTranslate 0 2 0\n" + std::string(plain_shape) + "\nAttributeEnd\n";
-    const std::string with_texture = "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"" + image +
-                                     "\" \"string encoding\" \"linear\"\n" + lamp;
+    const std::string with_texture =
+        "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"" + image +
+        "\" \"string encoding\" \"linear\" \"string filter\" \"unfiltered\" \"float uscale\" 40 \"float vscale\" 40\n" +
+        lamp;
     const std::string textured = "Material \"diffuse\" \"texture reflectance\" \"t\"";
     const auto material = [&](const std::string& text) { return replaced(effects_scene(lamp), plain_material, text); };
     const auto shape = [&](const std::string& text) { return replaced(effects_scene(lamp), plain_shape, text); };
@@ -71,6 +73,9 @@ std::vector<Example> examples(const std::string& image) {
         {Effect::image_textures, replaced(effects_scene(with_texture), plain_material, textured),
          // The image is black and white in halves of a quarter and three quarters.
          replaced(effects_scene(lamp), plain_material, "Material \"diffuse\" \"rgb reflectance\" [0.25 0.25 0.25]")},
+        {Effect::texture_filtering,
+         replaced(replaced(effects_scene(with_texture), plain_material, textured), "unfiltered", "trilinear"),
+         replaced(effects_scene(with_texture), plain_material, textured)},
         {Effect::alpha, shape(std::string(plain_shape) + " \"float alpha\" 0.6"), effects_scene(lamp)},
         {Effect::shading_normals, shape(mesh + " \"normal N\" [0 1 1 0 1 0 1 1 0]"), shape(mesh)},
         {Effect::bump,

@@ -2,6 +2,7 @@
 #include "tests/transport/replicates.h"
 #include "transport/export/pbrt_writer.h"
 #include "transport/import/pbrt_importer.h"
+#include "transport/scene/effects.h"
 #include "transport/scene/scene_hash.h"
 
 using namespace render_test;

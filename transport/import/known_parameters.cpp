@@ -94,7 +94,6 @@ std::vector<Row> method_rows() {
 
 std::vector<Row> content_rows() {
     using enum EntityKind;
-    const std::string bilinear = "images are interpolated without regard to the footprint of a pixel";
     return {
         {area_light, "diffuse", {"power", "filename"}, {}},
         {light, "infinite", {"portal"}, {}},
@@ -102,7 +101,6 @@ std::vector<Row> content_rows() {
         {shape, "bilinearmesh", {"faceIndices", "emissionfilename"}, {}},
         {shape, "trianglemesh", {"faceIndices"}, {{"S", {}, "anisotropic materials follow the texture coordinates"}}},
         {shape, "curve", {}, {{"splitdepth", {"3"}, "Embree cuts curves as it needs"}}},
-        {texture, "imagemap", {"maxanisotropy"}, {{"filter", {"bilinear", "point"}, bilinear}}},
     };
 }
 

@@ -223,6 +223,10 @@ Status SceneReader::option(const Directive& directive) {
         return error_at(parameter.location, "unknown option '" + parameter.name + "'",
                         near.empty() ? "" : "did you mean '" + near + "'?");
     }
+    if (parameter.name == "disabletexturefiltering" && parameter.booleans.size() == 1) {
+        if (parameter.booleans.front() != 0) scene_.disable_texture_filtering();
+        return success();
+    }
     scene_.warn(error_at(parameter.location, "option '" + parameter.name + "' has no effect here"));
     return success();
 }

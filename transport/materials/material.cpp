@@ -5,6 +5,7 @@
 
 #include "transport/materials/material_inputs.h"
 #include "transport/materials/pattern.h"
+#include "transport/scene/used_surfaces.h"
 
 namespace raylex::transport {
 
@@ -33,6 +34,8 @@ Registry<MaterialFactory>& material_registry() {
 Result<MaterialTable> MaterialTable::build(const SceneDescription& scene, TextureTable& textures) {
     MaterialTable table;
     table.materials_.resize(scene.materials.size());
+    table.filtered_ = materials_with_filtered_images(scene);
+    table.filters_images_ = std::count(table.filtered_.begin(), table.filtered_.end(), 1) > 0;
     // As pbrt-v4: a named material may use those before it, one without a name any.
     for (const bool named : {true, false})
         for (std::size_t i = 0; i < scene.materials.size(); ++i)

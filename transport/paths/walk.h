@@ -19,6 +19,7 @@
 #include "transport/media/medium.h"
 #include "transport/paths/counters.h"
 #include "transport/paths/event_table.h"
+#include "transport/paths/footprints.h"
 #include "transport/paths/scattering.h"
 #include "transport/paths/strategies.h"
 #include "transport/paths/subpath.h"
@@ -67,10 +68,16 @@ class Walk {
     static constexpr const SubpathDimensions& dimensions = subpath_dimensions<mode>;
 
     Walk(const SceneView& scene, const EventTable& events, const WalkOptions& options, std::size_t capacity)
-        : scene_(scene), events_(events), options_(options), in_media_(scene.asks_for_media()), paths_(capacity) {
+        : scene_(scene),
+          events_(events),
+          options_(options),
+          in_media_(scene.asks_for_media()),
+          has_footprints_(mode == TransportMode::radiance && scene.materials->filters_images()),
+          paths_(capacity) {
         if (options.densities) sums_.resize(capacity);
         queue_.reserve(capacity);
         vertices_.reserve(capacity);
+        if (has_footprints_) vertices_.footprints.resize(capacity);
         first_entries_.resize(capacity);
         if (in_media_) collisions_.resize(capacity);
     }
@@ -128,13 +135,14 @@ class Walk {
     template <class Visitor>
     void append_collisions(Visitor& visitor);
     bool fails_alpha_test(std::size_t j) const;
+    void lay_footprints();
     void turn_normals();
     bool survives_roulette(std::uint32_t row, std::uint32_t dimension);
 
     const SceneView scene_;
     const EventTable& events_;
     const WalkOptions options_;
-    const bool in_media_;
+    const bool in_media_, has_footprints_;
     std::span<const PixelSampler> samplers_;  // by row
     IntegratorCounters* counters_ = nullptr;
     std::vector<Subpath> paths_;      // by row
@@ -251,6 +259,19 @@ bool Walk<mode>::fails_alpha_test(std::size_t j) const {
     return !(u < scene_.textures->real(alpha, {point.u, point.v, point.position, -1, point.geometric_normal}));
 }
 
+/// What images are filtered over, where there are any.
+template <TransportMode mode>
+void Walk<mode>::lay_footprints() {
+    for (std::size_t j = 0; j < vertices_.surfaces; ++j) {
+        SurfacePoint& point = vertices_.points[j];
+        point.footprint = nullptr;
+        if (!scene_.materials->filters_images(point.material)) continue;
+        const Hit& hit = vertices_.hits[j];
+        vertices_.footprints[j] = footprint_of(scene_.geometry->tangents(hit, point), point, hit.cone.width);
+        point.footprint = &vertices_.footprints[j];
+    }
+}
+
 /// Bump and normal maps. What stands in points from here on is what everyone sees: closures, lights, AOVs.
 template <TransportMode mode>
 void Walk<mode>::turn_normals() {
@@ -304,6 +325,7 @@ void Walk<mode>::advance(display::DisplayServices& display, Visitor& visitor) {
         v.keep(j, kept++);
     }
     v.surfaces = v.count = kept;
+    if (has_footprints_) lay_footprints();
     if (scene_.materials->turns_normals()) turn_normals();
     if (kept > 0) scene_.materials->shade(*scene_.textures, {v.points.data(), kept}, {v.bsdfs.data(), kept}, &display);
     if (in_media_) append_collisions(visitor);
@@ -379,7 +401,9 @@ void Walk<mode>::scatter(Visitor& visitor) {
             path.cosine = point.cosine(s.wi);
         }
         if (in_media_) path.medium = medium_towards(j, s.wi);
-        queue_.push(row, ray_from(v, j, s.wi));
+        Ray onward = ray_from(v, j, s.wi);
+        if (has_footprints_) onward.cone = scattered_cone(*scene_.geometry, v.hits[j], point, s);
+        queue_.push(row, onward);
     }
     counters_->scattering_rays += queue_.count - passed_on;
 }

@@ -95,6 +95,7 @@ Result<CameraSampling> resolve_sampling(const BuiltScene& scene, const RenderSet
     if (!camera) return camera.error();
     sampling.camera = *std::move(camera);
     sampling.times = scene.view().asks_for_times();
+    sampling.cones = scene.view().materials->filters_images();
     const SceneEntity& filter = settings.filter ? *settings.filter : scene.filter;
     if (Status s = resolve_filter(filter, sampling, warnings); !s) return s.error();
     if (Status s = resolve_splat(settings, sampling); !s) return s.error();

@@ -20,9 +20,10 @@ enum class Effect : std::uint8_t {
     delta_lights,
     environment,
     instances,
-    motion
+    motion,
+    texture_filtering
 };
-inline constexpr std::size_t effect_count = 14;
+inline constexpr std::size_t effect_count = 15;
 
 class EffectSet {
   public:

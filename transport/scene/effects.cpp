@@ -32,6 +32,8 @@ constexpr std::array<EffectInfo, effect_count> catalogue{{
     {Effect::instances, "instances", "an object is placed by instances", "nothing where they stood", ""},
     {Effect::motion, "motion", "an object, a shape or the camera moves while the shutter is open",
      "all stands where it is halfway through the shutter's time", "each sample draws a time, which its rays carry"},
+    {Effect::texture_filtering, "texture-filtering", "an image in use is filtered by what a pixel sees of it",
+     "its texels as they are", ""},
 }};
 
 constexpr std::array<AbsentEffect, 1> not_simulated{{
@@ -89,6 +91,13 @@ EffectFinding find_images(const UsedSurfaces& used) {
     const auto& textures = used.textures();
     const auto images = std::count_if(textures.begin(), textures.end(),
                                       [](const SceneTexture* each) { return each->type == "imagemap"; });
+    return finding(static_cast<std::size_t>(images), textures.size(), "textures in use");
+}
+
+EffectFinding find_filters(const UsedSurfaces& used) {
+    const auto& textures = used.textures();
+    const auto images = std::count_if(textures.begin(), textures.end(),
+                                      [](const SceneTexture* each) { return is_filtered_image(*each); });
     return finding(static_cast<std::size_t>(images), textures.size(), "textures in use");
 }
 
@@ -181,6 +190,7 @@ EffectFindings analyse_effects(const SceneDescription& scene) {
                                        : std::to_string(instances) + " of " + std::to_string(objects) +
                                              (objects == 1 ? " object" : " different objects")});
     put(Effect::motion, find_motion(scene));
+    put(Effect::texture_filtering, find_filters(used));
     return found;
 }
 

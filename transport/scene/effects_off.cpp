@@ -171,6 +171,9 @@ Status leave_out(SceneDescription& scene, Effect effect) {
             scene.objects.clear();
             scene.moved_to.clear();
             break;
+        case Effect::texture_filtering:
+            read_images_unfiltered(scene);
+            break;
         case Effect::motion:
             return stop_motion(scene);
     }

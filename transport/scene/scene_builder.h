@@ -169,6 +169,9 @@ class SceneBuilder {
     Status add_moving_instance(ObjectHandle object, const Transform& to_world, const Transform& moved_to,
                                const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
 
+    /// All images are read as they are, whatever their textures' "filter" says.
+    void disable_texture_filtering() { unfiltered_ = true; }
+
     /// What the scene's reader should hear of: SceneDescription::warnings.
     void warn(Error warning) { scene_.warnings.push_back(std::move(warning)); }
 
@@ -205,6 +208,7 @@ class SceneBuilder {
     ParameterChecker parameters_;
     std::vector<Reference> material_references_, object_references_;
     std::size_t moving_shapes_ = 0;
+    bool unfiltered_ = false;
     std::map<std::string, int> named_materials_, named_media_, named_objects_, object_reference_of_;
     std::map<std::string, std::size_t> named_textures_[2];  // float, spectrum
 };
