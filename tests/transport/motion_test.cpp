@@ -247,3 +247,31 @@ TEST_CASE("motion: stopped, all stands halfway", "[motion][effects]") {
     const std::vector<double> image = output.frame_buffer.resolve(output.beauty);
     for (int x = 0; x < 16; ++x) CHECK(hidden(image, 16, x, 3) == (x < 6 ? 1 : 0));  // the edge at -0.25
 }
+
+TEST_CASE("motion: positions and normals are those at each sample's time", "[motion][render][aovs]") {
+    // A wall that goes away from the camera by 2 and turns about the view's axis.
+    const std::string everywhere =
+        "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" "
+        "[-9 -9 0 9 -9 0 9 9 0 -9 9 0]\n";
+    const int samples = 256;
+    transport::RenderSettings settings;
+    settings.channels = {aov("Pw"), aov("Nn")};
+    const transport::RenderOutput output = render_of(
+        scene_of(silhouette(moving("Translate 0 0 1", "Translate 0 0 3 Rotate 170 0 0 1", everywhere), {}, 8, samples)),
+        settings);
+    const auto channel = [&](const std::string& name) {
+        for (std::size_t i = 0; i < output.frame_buffer.channels().size(); ++i)
+            if (output.frame_buffer.channels()[i].name == name)
+                return output.frame_buffer.resolve(static_cast<display::ChannelId>(i));
+        FAIL(name);
+        return std::vector<double>();
+    };
+    const std::vector<double> position = channel("Pw"), normal = channel("Nn");
+    double depth = 0;
+    for (std::size_t i = 0; i < position.size(); i += 3) {
+        depth += position[i + 2] / 64;
+        CHECK(std::abs(normal[i + 2] + 1) < 1e-6);  // towards the camera, whatever the time
+    }
+    // Times are even: a mean of 2 with a variance of 2^2 / 12 a sample.
+    CHECK(std::abs(depth - 2) <= quantile * 2 / std::sqrt(12.0 * 64 * samples));
+}
