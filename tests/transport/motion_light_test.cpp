@@ -162,14 +162,14 @@ TEST_CASE("motion: scenes that move come back from files as they were", "[motion
 }
 
 TEST_CASE("motion: scenes made in code move as those of files", "[motion][scene-builder]") {
-    using namespace raylex::transport::typed;
+    namespace typed = raylex::transport::typed;
     using transport::Transform;
     const Transform view = Transform::translate(0, 0, 5), later = Transform::translate(0.5, 0, 4);
     const Transform here = Transform::translate(1, 2, 3), there = Transform::rotate(30, 0, 1, 0);
     transport::SceneBuilder scene("made.pbrt");
     REQUIRE(scene.set_transform_times(0.25, 0.75).ok());
-    REQUIRE(scene.set_moving_camera("perspective", {real("shutterclose", 0.5)}, view, later).ok());
-    REQUIRE(scene.add_shape("sphere", {real("radius", 2)}, {.to_world = here, .moved_to = there}).ok());
+    REQUIRE(scene.set_moving_camera("perspective", {typed::real("shutterclose", 0.5)}, view, later).ok());
+    REQUIRE(scene.add_shape("sphere", {typed::real("radius", 2)}, {.to_world = here, .moved_to = there}).ok());
     const auto object = scene.add_object("ball");
     REQUIRE(object.ok());
     REQUIRE(scene.add_shape("sphere", {}, {.object = *object}).ok());

@@ -51,12 +51,13 @@ Ray Camera::generate(const CameraSample& sample) const {
     return ray;
 }
 
-bool Camera::connect_at_rest(const Vec3& point, const Vec2& lens, CameraConnection& connection) const {
+[[gnu::always_inline]] inline bool Camera::connect_at_rest(const Vec3& point, const Vec2& lens,
+                                                           CameraConnection& connection) const {
     return perspective_ != nullptr ? perspective_->connect_to(point, lens, connection)
                                    : connect_to(point, lens, connection);
 }
 
-Real Camera::importance_at_rest(const Vec3& point, const Vec3& position) const {
+[[gnu::always_inline]] inline Real Camera::importance_at_rest(const Vec3& point, const Vec3& position) const {
     return perspective_ != nullptr ? perspective_->importance_of(point, position) : importance_of(point, position);
 }
 

@@ -162,12 +162,12 @@ void place(const Placement& placement, double growth, SurfacePoint& point, Offse
 
 void EmbreeScene::surfaces(std::span<const Ray> rays, std::span<const Hit> hits, std::span<SurfacePoint> points,
                            std::span<SurfaceSource> sources) const {
+    std::optional<Placement> room;
     for (std::size_t i = 0; i < hits.size(); ++i) {
         const Hit& hit = hits[i];
         const ShapeGeometry& shape = shapes_[hit.shape];
         SurfacePoint& point = points[i];
         SurfaceSource& source = sources[i];
-        std::optional<Placement> room;
         const Placement* const placement = placement_of(hit, room);
         if (shape.kind == ShapeKind::triangle_mesh) {
             triangle_surface(shape, hit, point, source.offset);
@@ -184,7 +184,8 @@ void EmbreeScene::surfaces(std::span<const Ray> rays, std::span<const Hit> hits,
         source.object_id = static_cast<std::int32_t>(hit.shape) + 1;
         if (placement != nullptr) {
             const ShapeInstance& instance = instances_[hit.instance];
-            place(*placement, room ? InstanceMotion::rounding_growth(placement->to_world) : 1, point, source.offset);
+            const double growth = instance.motion < 0 ? 1 : InstanceMotion::rounding_growth(placement->to_world);
+            place(*placement, growth, point, source.offset);
             if (instance.label >= 0) source.label = instance.label;
             source.object_id = static_cast<std::int32_t>(top_level_shapes_ + hit.instance) + 1;
         }
