@@ -46,7 +46,7 @@ class Studies(Case):
         self.assertEqual({row["method"] for row in cells}, {"path", "lights"})
         self.assertFalse(any(row["failed"] for row in cells))
         errors = rows(results.errors())
-        self.assertEqual(len(errors), len(cells) * 2)  # beauty and direct
+        self.assertEqual(len(errors), len(cells) * 3)  # beauty, direct and rest
         self.assertTrue(all(row["relmse_mean"] > 0 for row in errors))
         self.assertEqual(results.mean(cells[0]["id"]).shape, (16, 16, 3))
         self.assertEqual({row["variant"] for row in rows(results.bias())}, {"path", "lights"})

@@ -22,7 +22,7 @@ class Proofs(Case):
         self.assertFalse(lpe.match("C<RD>[DS]+L", path))
 
     def test_an_overlap_names_its_channels(self):
-        check = lpe.check({"a": "CD+L", "b": "CDL", "c": "CL"})
+        check = lpe.check({"a": "CD+L", "b": "CDL", "c": "CL"}, what="disjoint")
         self.assertEqual(check.verdict, "counted_twice")
         self.assertEqual(check.channels, ["a", "b"])
         self.assertTrue(lpe.match("CD+L", check.counterexample) and lpe.match("CDL", check.counterexample))

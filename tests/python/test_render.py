@@ -8,7 +8,7 @@ import unittest
 import numpy as np
 
 import raylex
-from support import CORNELL, Case, run_program, white_furnace
+from support import CORNELL, SCENES, Case, run_program, white_furnace
 
 
 class SameAsTheProgram(Case):
@@ -74,11 +74,15 @@ class Asking(Case):
         self.assertIn("nothing was rendered", str(error))
 
     def test_further_tables_of_a_job(self):
-        image = raylex.render(CORNELL, spp=2, job={"render": {"resolution": [20, 10]},
-                                                   "label": [{"material": "*", "label": "all"}],
-                                                   "display_filter": [{"type": "grade", "exposure": 1}]})
-        plain = raylex.render(CORNELL, spp=2, resolution=(20, 10))
-        self.assertSameBits(image["beauty"], 2 * plain["beauty"])
+        scene = str(SCENES / "still-life" / "scene.pbrt")
+        image = raylex.render(scene, spp=2, lpe={"ground": "C<.D'ground'>.*"},
+                              job={"render": {"resolution": [20, 10]},
+                                   "label": [{"material": "floor", "label": "ground"}],
+                                   "display_filter": [{"type": "grade", "exposure": 1}]})
+        plain = raylex.render(scene, spp=2, resolution=(20, 10), lpe={"ground": "C<.D'floor'>.*"})
+        self.assertGreater(plain["ground"].max(), 0)
+        for name in ("beauty", "ground"):
+            self.assertSameBits(image[name], 2 * plain[name])
 
     def test_bad_arguments(self):
         error = self.assertRaylexError("spp", raylex.render, CORNELL, spp=-3)

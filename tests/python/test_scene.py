@@ -1,18 +1,25 @@
 """Scenes: loaded, inspected, built from arrays, and what is refused."""
 
+import json
 import unittest
 
 import numpy as np
 
 import raylex
-from support import CORNELL, Case, quad, white_furnace
+from support import CORNELL, Case, quad, run_program, white_furnace
 
 
 class Loaded(Case):
     def test_info_is_what_the_program_says(self):
         scene = raylex.Scene(CORNELL)
         facts = scene.info()
-        self.assertGreater(facts["width"], 0)
+        told = self.folder / "info.json"
+        done = run_program("scene", "info", CORNELL, "--json", told)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        theirs = json.loads(told.read_text())
+        self.assertEqual(set(facts), set(theirs))
+        for key in set(facts) - {"read_seconds", "build_seconds", "peak_bytes"}:
+            self.assertEqual(facts[key], theirs[key], key)
         self.assertEqual(facts["labels"], scene.info(build=False)["labels"])
 
     def test_labels_make_another_scene(self):

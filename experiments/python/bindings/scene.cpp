@@ -84,8 +84,9 @@ void add_scene(py::module_& module) {
         .def("info", &facts_of, "build"_a = true,
              "What the scene holds, as `raylex scene info --json` says it: shapes, primitives, materials, lights, "
              "labels,\n"
-             "light_groups, width, height (pixels), and with build=True bounds (world units), memory and times "
-             "(seconds).")
+             "light_groups, film (type, width and height in pixels), and with build=True bounds (world units), memory "
+             "and\n"
+             "times (seconds).")
         .def("words", &words_of, "The light paths that the scene can produce: lpe.Words.")
         .def("label", &with_rule, "selector"_a, "pattern"_a, "label"_a,
              "The scene with this LPE label on objects by 'material', 'mesh' or 'instance', or this light group on "
