@@ -1,5 +1,5 @@
-"""Builds the module by CMake, as everything else of raylex, and packs it. RAYLEX_BUILD names a folder to build in, so that
-what is there already is taken; by default setuptools' own."""
+"""Builds the module by CMake, as everything else of raylex, and packs it. RAYLEX_BUILD names a folder to build in, so
+that what is there already is taken; by default setuptools' own."""
 
 import os
 import pathlib

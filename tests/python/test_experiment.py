@@ -84,9 +84,10 @@ class Verdicts(Case):
     def test_a_mistake_is_found_and_named_and_the_right_one_passes(self):
         judged = dict(resolution=(32, 32), spp=(16,), replicates=8, reference_spp=4096, max_depth=3)
         right = raylex.experiment.verdict(CORNELL, "test_path", self.folder / "right", **judged)
-        self.assertFalse(any(row["differs"] for row in rows(right.bias()) if row["variant"] == "judged"), right.bias())
-        wrong = raylex.experiment.verdict(CORNELL, {"type": "test_path", "mistake": True}, self.folder / "wrong", **judged)
-        found = {row["channel"] for row in rows(wrong.bias()) if row["variant"] == "judged" and row["differs"]}
+        self.assertFalse(any(row["convicts"] for row in rows(right.bias()) if row["variant"] == "judged"), right.bias())
+        mistaken = {"type": "test_path", "mistake": True}
+        wrong = raylex.experiment.verdict(CORNELL, mistaken, self.folder / "wrong", **judged)
+        found = {row["channel"] for row in rows(wrong.bias()) if row["variant"] == "judged" and row["convicts"]}
         self.assertIn("bounce2", found)  # a tenth of the light of two scatterings is missing
         self.assertNotIn("bounce1", found)
         self.assertEqual(rows(wrong.first_words())[0]["channel"], "bounce2")

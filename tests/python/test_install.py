@@ -1,5 +1,5 @@
-"""The package as it is installed: its types as declared; by `cmake --install`; by pip, offline, in a venv. The latter of
---full: pip compiles nothing that the build has not, yet it links."""
+"""The package as it is installed: its types as declared; by `cmake --install`; by pip, offline, in a venv, which is of
+--full."""
 
 import ast
 import os
@@ -48,7 +48,8 @@ class Declared(Case):
 class Installed(Case):
     def test_cmake_installs_it(self):
         prefix = self.folder / "prefix"
-        done = subprocess.run(["cmake", "--install", BUILD, "--prefix", prefix], capture_output=True, text=True, check=False)
+        done = subprocess.run(["cmake", "--install", BUILD, "--prefix", prefix], capture_output=True, text=True,
+                              check=False)
         self.assertEqual(done.returncode, 0, done.stderr)
         package, = prefix.glob("lib/python*/dist-packages/raylex/__init__.py")
         environment = clean_environment(PYTHONPATH=str(package.parents[1]))
@@ -61,7 +62,8 @@ class Installed(Case):
     def test_pip_installs_it_offline(self):
         venv = self.folder / "venv"
         for command in ([sys.executable, "-m", "venv", "--system-site-packages", venv],
-                        [venv / "bin" / "pip", "install", "--no-build-isolation", "--no-index", ROOT / "experiments" / "python"],
+                        [venv / "bin" / "pip", "install", "--no-build-isolation", "--no-index",
+                         ROOT / "experiments" / "python"],
                         [venv / "bin" / "python", "-c", TRY]):
             done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=self.folder,
                                   env=clean_environment(RAYLEX_BUILD=str(BUILD)))

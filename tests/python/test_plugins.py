@@ -48,8 +48,9 @@ class Integrators(Case):
                       aovs=["Nn", "z"])
         mine = raylex.render(CORNELL, spp=256, integrator="test_path", **layers)
         right = raylex.render(CORNELL, spp=4096, integrator="path", **layers)
-        # The mean of a layer over 256 pixels x 256 samples has a standard error of what single renders spread: eight of them
-        # tell it. 4.5 of these is chance in 1 of 10^4 with seven degrees of freedom... for the mean of one more render.
+        # Eight renders of 64 samples tell the standard error of a layer's mean, by sqrt(64 / 256) that of 256 samples,
+        # and more than that of the reference (64 / 4096 of the variance, taken as 1 / 16). 6 of them is chance in 1 of
+        # 2000 by Student's t with 7 degrees of freedom; the seeds are fixed.
         for name in ("beauty", "one", "two"):
             means = [raylex.render(CORNELL, spp=64, seed=9 + i, integrator="test_path", **layers)[name].mean()
                      for i in range(8)]
@@ -165,8 +166,8 @@ class Textures(Case):
         image = raylex.render(striped("test_stripes", count=2), spp=4, max_depth=1)
         beauty = image["beauty"]
         self.assertTrue(np.all(beauty[..., 2] == 0))
-        # u runs from 0 at x = -2 to 1 at x = 2, and stripes change in the middle of the image alone; the pixels on both sides of
-        # it have samples beyond it.
+        # u runs from 0 at x = -2 to 1 at x = 2, and stripes change in the middle of the image alone; the pixels on both
+        # sides of it have samples beyond it.
         left, right = beauty[:, :3], beauty[:, 5:]
         self.assertTrue((left[..., 0] == 0).all() != (left[..., 1] == 0).all())
         self.assertTrue((right[..., 0] == 0).all() != (right[..., 1] == 0).all())
@@ -179,8 +180,8 @@ class Textures(Case):
             def evaluate(self, at):
                 return np.zeros((len(at), 2))
 
-        self.assertRaylexError(r"texture 'test_wrong' returned has shape \(\d+, 2\); expected \(\d+, 3\)", raylex.render,
-                               striped("test_wrong"), spp=1)
+        self.assertRaylexError(r"texture 'test_wrong' returned has shape \(\d+, 2\); expected \(\d+, 3\)",
+                               raylex.render, striped("test_wrong"), spp=1)
 
         @raylex.texture("test_wrong")
         class Raises:
@@ -205,7 +206,8 @@ class Filters(Case):
                     samples[name][...] *= self.factor
 
         plain = raylex.render(CORNELL, spp=4, resolution=(16, 16), lpe={"direct": "CDL"})
-        double = raylex.render(CORNELL, spp=4, resolution=(16, 16), lpe={"direct": "CDL"}, sample_filters=["test_double"])
+        double = raylex.render(CORNELL, spp=4, resolution=(16, 16), lpe={"direct": "CDL"},
+                               sample_filters=["test_double"])
         for name in ("beauty", "direct", "rest"):
             self.assertSameBits(double[name], 2 * plain[name])  # a power of two: exact
         self.assertTrue(all(double.verify()))

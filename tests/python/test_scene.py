@@ -79,13 +79,15 @@ class Built(Case):
         self.assertTrue(error.file.endswith("support.py") or error.file.endswith("test_scene.py"), error.file)
         self.assertGreater(error.line, 0)
         triangle = np.zeros((3, 3))
-        self.assertRaylexError(r"positions has shape \(3, 2\); expected \(3, 3\)", builder.mesh, np.zeros((3, 2)), [[0, 1, 2]])
+        self.assertRaylexError(r"positions has shape \(3, 2\); expected \(3, 3\)", builder.mesh, np.zeros((3, 2)),
+                               [[0, 1, 2]])
         self.assertRaylexError("indices has 3", builder.mesh, triangle, [[0, 1, 3]])
         self.assertRaylexError(r"indices has shape \(1, 2\)", builder.mesh, triangle, [[0, 1]])
         self.assertRaylexError("no array of numbers", builder.mesh, "mesh", [[0, 1, 2]])
         self.assertRaylexError("no inverse", builder.shape, "sphere", to_world=np.zeros((4, 4)))
         self.assertRaylexError("'up' lies along", builder.camera, "perspective", eye=(0, 0, 0), look=(0, 1, 0))
-        self.assertRaylexError("expected float, integer", builder.material, "diffuse", reflectance=("colour", (1, 1, 1)))
+        self.assertRaylexError("expected float, integer", builder.material, "diffuse",
+                               reflectance=("colour", (1, 1, 1)))
         builder.shape("sphere", material="nobody")
         self.assertRaylexError("nobody", builder.finish)
 

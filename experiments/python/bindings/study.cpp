@@ -18,13 +18,15 @@ using namespace pybind11::literals;
 namespace {
 
 py::dict run(const std::string& config, const std::string& directory, const std::vector<std::string>& overrides,
-             bool resume, bool retry) {
+             bool resume, bool retry, bool verbose) {
     const auto control = std::make_shared<RunControl>();
     const experiments::RunOutcome outcome = watched(control, [&] {
         const auto read = take(experiments::read_experiment_config(config, overrides));
         // In this process: a copy of it would have Python's lock and the threads of earlier renders in an unknown
         // state.
-        const experiments::RunRequest request{directory, resume, retry, {}, false};
+        experiments::RunRequest request{directory, resume, retry, {}};
+        request.isolated = false;
+        request.quiet = !verbose;
         return take(experiments::run_experiment(read, request, &control->stop_flag()));
     });
     control->rethrow();
@@ -76,7 +78,7 @@ py::list cells(const std::string& directory) {
 }  // namespace
 
 void add_study(py::module_& module) {
-    module.def("_run_experiment", &run, "config"_a, "directory"_a, "overrides"_a, "resume"_a, "retry"_a);
+    module.def("_run_experiment", &run, "config"_a, "directory"_a, "overrides"_a, "resume"_a, "retry"_a, "verbose"_a);
     module.def("_study", &study, "directory"_a);
     module.def("_cells", &cells, "directory"_a);
     module.def("_cell_mean", &cell_mean, "directory"_a, "channel"_a);

@@ -8,8 +8,8 @@
 True
 
 All light is scene-linear in the rendering space of the scene; rows of images run from the top; lengths are world units.
-``raylex.lpe`` is the algebra of expressions, ``raylex.experiment`` runs studies, ``raylex.plugins`` says how integrators,
-textures and sample filters are written in Python.
+``raylex.lpe`` is the algebra of expressions, ``raylex.experiment`` runs studies, ``raylex.plugins`` says how
+integrators, textures and sample filters are written in Python.
 """
 
 import os as _os

@@ -16,8 +16,8 @@ class Results:
     def cells(self):
         """Every cell, done or failed, a row each: a pandas frame where pandas is installed, else a list of dicts.
 
-        Columns: id, scene, method, budget_kind, budget, replicate, seed, failed, failure, samples_per_pixel, wall_seconds,
-        cpu_seconds, rays, directory, and the swept settings.
+        Columns: id, scene, method, budget_kind, budget, replicate, seed, failed, failure, samples_per_pixel,
+        wall_seconds, cpu_seconds, rays, directory, and the swept settings.
         """
         return _frame(_raylex._cells(self.directory))
 
@@ -29,14 +29,15 @@ class Results:
         return _frame([{key: _number(value) for key, value in row.items()} for row in rows])
 
     def records(self, kind):
-        """What results.jsonl says of this kind, a list of dicts: 'bias', 'slope', 'time_to_error', 'split', 'budget', ..."""
+        """What results.jsonl says of this kind, a list of dicts: 'bias', 'slope', 'time_to_error', 'split', ..."""
         rows = [json.loads(line) for line in self._study()["jsonl"].splitlines()]
         return [row for row in rows if row["kind"] == kind]
 
     def bias(self):
-        """Whether each method converges to the reference, channel by channel: as cells(). 'differs' says it does not, at
-        the level of 1 % for all tests together; 'detectable_whole' is the smallest relative bias that would have been
-        found."""
+        """Whether each method converges to the reference, channel by channel: as cells(). 'convicts' says that it does
+        not: its images differ, at the level of 1 % for all tests together, and neither rare bright samples
+        ('heavy_tail') nor paths that it says it leaves out ('omitted') are why. 'detectable_whole' is the smallest
+        relative bias that would have been found."""
         return _frame(self.records("bias"))
 
     def first_words(self):
@@ -66,7 +67,6 @@ class Results:
         :param error: a column of errors(); the root of a squared one is drawn as it is
         :param against: 'wall_seconds', 'cpu_seconds' or 'samples_per_pixel'
         """
-        from matplotlib.figure import Figure
         rows = self.errors()
         rows = rows.to_dict("records") if hasattr(rows, "to_dict") else rows
         scenes = list(dict.fromkeys(row["scene"] for row in rows))
@@ -74,7 +74,7 @@ class Results:
         rows = [row for row in rows if row["scene"] == scene and row["channel"] == channel and not row["region"]]
         if not rows:
             raise _raylex_error(f"nothing was measured of scene {scene!r}, channel {channel!r}; scenes: {scenes}")
-        figure = Figure(figsize=(6, 4), layout="constrained")
+        figure = _figure()
         axes = figure.subplots()
         for variant in dict.fromkeys(row["variant"] for row in rows):
             points = {}
@@ -97,6 +97,20 @@ class Results:
         return f"Results({self.directory!r})"
 
 
+def _figure():
+    """A figure of no window, which notebooks show by themselves."""
+    import io
+    from matplotlib.figure import Figure
+
+    class Shown(Figure):
+        def _repr_png_(self):
+            file = io.BytesIO()
+            self.savefig(file, format="png", dpi=100)
+            return file.getvalue()
+
+    return Shown(figsize=(6, 4), layout="constrained")
+
+
 def _raylex_error(text):
     from .errors import RaylexError
     return RaylexError(text)
@@ -117,7 +131,7 @@ def _frame(rows):
     return pandas.DataFrame(rows)
 
 
-def run(config, directory, *, overrides=(), resume=False, retry=False):
+def run(config, directory, *, overrides=(), resume=False, retry=False, verbose=False):
     """Runs a study and keeps every image and its statistics.
 
     In this process, so that methods written in Python take part: a scene that ends the process ends Python with it;
@@ -126,14 +140,17 @@ def run(config, directory, *, overrides=(), resume=False, retry=False):
     :param config: a TOML file; experiments/README.md lists its keys
     :param directory: of the results; what is there already is an error unless `resume`
     :param overrides: KEY=VALUE, as --set has them
+    :param verbose: prints what the program prints
     :returns: Results
     :raises RaylexError: a config that cannot be used, cells that failed
     """
-    outcome = _raylex._run_experiment(os.fspath(config), os.fspath(directory), list(overrides), resume, retry)
+    outcome = _raylex._run_experiment(os.fspath(config), os.fspath(directory), list(overrides), resume, retry,
+                                      verbose)
     results = Results(directory)
     if outcome["failed"] + outcome["references_failed"] > 0:
         reasons = [f"{row['id']}: {row['failure']}" for row in _raylex._cells(results.directory) if row["failed"]]
-        raise _raylex_error("\n".join([f"{outcome['failed']} cells failed, {outcome['references_failed']} references", *reasons]))
+        told = f"{outcome['failed']} cells failed, {outcome['references_failed']} references"
+        raise _raylex_error("\n".join([told, *reasons]))
     return results
 
 
@@ -144,7 +161,7 @@ def verdict(scene, integrator, directory, *, against="path", resolution=(128, 12
     :param scene: a pbrt-v4 file in which both must agree
     :param integrator: a registered type, or {"type": ..., parameter: value}
     :param against: what is held to be right, and makes the reference
-    :param lpe: {channel: expression} judged beside the beauty; by default one for each number of scatterings up to three
+    :param lpe: {channel: expression} judged beside the beauty; by default one for each number of scatterings to three
     :returns: Results; ``.bias()`` has the verdicts, ``.first_words()`` the shortest path that is wrong
     """
     from .rendering import _channels, _entity

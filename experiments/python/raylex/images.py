@@ -71,8 +71,8 @@ def _to_xarray(self, names=None):
 def _verify(self, of="", sums=(), preset="", tolerance=(0.0, 0.0)):
     """Whether layers sum to what they split, pixel by pixel: a list of :class:`Verdict`, true where it holds.
 
-    By default of every partition that the image declares; with ``sums=['diffuse_*', 'emission']`` of these against `of`;
-    with ``preset='cycles'`` (renderman, arnold, vray) of another renderer's layers.
+    By default of every partition that the image declares; with ``sums=['diffuse_*', 'emission']`` of these against
+    `of`; with ``preset='cycles'`` (renderman, arnold, vray) of another renderer's layers.
 
     :param tolerance: (absolute, relative) beyond rounding
     """
@@ -105,7 +105,7 @@ def error_image(image, reference, metric="relmse", *, layer="beauty"):
 
 
 def picture(image, layer="beauty", *, exposure=0.0, largest_side=0):
-    """The layer as people look at it: uint8 (height, width, 3), through the display and view; false colour for normals etc.
+    """The layer as people look at it: uint8 (height, width, 3), through the display and view; geometry in false colour.
 
     :param exposure: stops
     :param largest_side: pixels; 0: as it is

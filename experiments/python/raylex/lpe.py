@@ -1,8 +1,8 @@
 """The algebra of light path expressions: proofs, counterexamples, meanings. No scene and no image is needed.
 
 Channels are given as ``{name: expression}``, as pairs, or as bare expressions. An expression may begin with ``osl:`` or
-``renderman:`` to say its own dialect. Every proof is relative to the light paths that a scene can produce: all of them, or
-with ``scene=`` (a file, a :class:`raylex.Scene`) or ``words=`` (:class:`Words`) those that remain.
+``renderman:`` to say its own dialect. Every proof is relative to the light paths that a scene can produce: all of them,
+or with ``scene=`` (a file, a :class:`raylex.Scene`) or ``words=`` (:class:`Words`) those that remain.
 """
 
 from . import _raylex
@@ -60,7 +60,7 @@ def check(channels, of=None, *, what="partition", words=None, scene=None, dialec
     """Proves that the channels are a partition, or finds the shortest light path that shows the contrary.
 
     :param of: what is split, an expression; by default the beauty, every path
-    :param what: 'partition' (every path in exactly one channel), 'disjoint' (none in two), 'covers' (each in one at least)
+    :param what: 'partition' (each path in exactly one channel), 'disjoint' (none in two), 'covers' (each in some)
     :returns: Check; it is true when proved, else ``.counterexample`` is a :class:`Path`
     :raises RaylexError: an expression that cannot be read, with its column
 
@@ -74,8 +74,8 @@ def check(channels, of=None, *, what="partition", words=None, scene=None, dialec
 def overview(channels, of=None, *, words=None, scene=None, dialect="renderman"):
     """Every pair of channels that share a path, every kind of path that none has, every channel that goes outside.
 
-    :returns: dict: overlaps [(first, second, Path)], holes [(kind, Path, [Path])], outside [(channel, Path)], empty [name],
-        unknown (why holes were not looked for, '' else)
+    :returns: dict: overlaps [(first, second, Path)], holes [(kind, Path, [Path])], outside [(channel, Path)],
+        empty [name], unknown (why holes were not looked for, '' else)
     """
     whole = None if of is None else _channel(of, "of", dialect)
     return _raylex._overview(_channels(channels, dialect), whole, _words(words, scene))

@@ -15,7 +15,8 @@ LARGEST_SIDE = 480
 _STYLE = """<style>
 .raylex{font:13px sans-serif;color:#222;background:#fff;padding:6px;display:inline-block}
 .raylex input{position:absolute;opacity:0}
-.raylex label{display:inline-block;padding:2px 8px;margin:0 2px 4px 0;border:1px solid #bbb;border-radius:3px;cursor:pointer}
+.raylex label{display:inline-block;padding:2px 8px;margin:0 2px 4px 0;border:1px solid #bbb}
+.raylex label{border-radius:3px;cursor:pointer}
 .raylex input:checked+label{background:#235;color:#fff}
 .raylex input:focus-visible+label{outline:2px solid #58f}
 .raylex .panel{display:none}.raylex code{background:#eee;padding:0 3px}

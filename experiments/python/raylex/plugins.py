@@ -1,10 +1,10 @@
 """Integrators, textures and sample filters written in Python.
 
 They stand behind the same registries as plugins in C++: scenes and jobs ask for them by name, light path expressions,
-studies and every output work with them. They are called with arrays of a batch at a time, some hundred rows, one thread at
-a time: expect a hundredth of the speed of C++ and less. They are for trying an idea before it is written in C++
-(experiments/docs/extending.md). Same seed, same bits holds when they draw all numbers from the batch and keep nothing
-between calls.
+studies and every output work with them. They are called with arrays of a batch at a time, some hundred rows, one thread
+at a time, and are slow: experiments/docs/measured.md says how slow. They are for trying an idea before it is written in
+C++ (experiments/docs/extending.md). Same seed, same bits holds when they draw all numbers from the batch and keep
+nothing between calls.
 
 >>> @raylex.integrator("direct")
 ... class Direct:
@@ -50,7 +50,7 @@ def _defaults(made):
     defaults = {}
     for name, parameter in list(inspect.signature(made.__init__).parameters.items())[1:]:
         if parameter.default is inspect.Parameter.empty:
-            raise TypeError(f"{made.__name__}.__init__ takes {name!r} without a default; expected one, which says its type")
+            raise TypeError(f"{made.__name__}.__init__ takes {name!r} without a default; expected one, for its type")
         defaults[name] = parameter.default
     return defaults
 
@@ -66,20 +66,21 @@ def _decorator(register, name, method):
 
 
 def integrator(name):
-    """Registers a class as an integrator. ``integrate(self, batch)`` answers a :class:`Batch`; what ``__init__`` takes by
-    name, each with a default, are its parameters. A parameter ``maxdepth`` is what max_depth= sets. Registering the name
+    """Registers a class as an integrator. ``integrate(self, batch)`` answers a :class:`Batch`; what ``__init__`` takes,
+    each with a default, are its parameters. A parameter ``maxdepth`` is what max_depth= sets. Registering the name
     again replaces it."""
     return _decorator(_raylex._register_integrator, name, "integrate")
 
 
 def texture(name):
     """Registers a class as a texture, for scenes: ``Texture "x" "spectrum" "NAME"``. ``evaluate(self, at)`` gets
-    :class:`TexturePoints` and returns (points, 3) for "spectrum" textures (in the rendering space, not clamped), (points,) for
-    "float" ones."""
+    :class:`TexturePoints` and returns (points, 3) for "spectrum" textures (in the rendering space, not clamped),
+    (points,) for "float" ones."""
     return _decorator(_raylex._register_texture, name, "evaluate")
 
 
 def sample_filter(name):
-    """Registers a class as a sample filter. ``apply(self, samples)`` changes :class:`Samples` in place. A class attribute
-    ``keeps_splits = True`` says that it scales the beauty and all its layers alike; else partitions are not declared."""
+    """Registers a class as a sample filter. ``apply(self, samples)`` changes :class:`Samples` in place. A class
+    attribute ``keeps_splits = True`` says that it scales the beauty and all its layers alike; else partitions are not
+    declared."""
     return _decorator(_raylex._register_sample_filter, name, "apply")

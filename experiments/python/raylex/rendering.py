@@ -34,9 +34,9 @@ def _seconds(time):
 
 def job_text(scene, *, spp=None, seed=None, threads=None, resolution=None, crop=None, max_depth=None, integrator=None,
              sampler=None, filter=None, lpe=None, dialect="renderman", aovs=(), light_groups=False, shipped=False,
-             partitions=None, beauty=None, statistics=None, sample_filters=(), cryptomatte=(), time=None, until_error=None,
-             plugins=(), output=None, job=None):
-    """The job, as TOML, that :func:`render` reads; the same arguments. ``raylex render`` takes the same text in a file."""
+             partitions=None, beauty=None, statistics=None, sample_filters=(), cryptomatte=(), time=None,
+             until_error=None, plugins=(), output=None, job=None):
+    """The job, as TOML, that :func:`render` reads; the same arguments. ``raylex render`` takes this text in a file."""
     file = scene.file if isinstance(scene, _raylex.Scene) else os.fspath(scene)
     tables = {
         "plugins": list(plugins) or None,
@@ -77,8 +77,8 @@ def render(scene, *, progress=None, **arguments):
     :param aovs: geometric AOVs by name: 'Nn', 'P', 'z', 'albedo', ...
     :param light_groups: a layer for each light group
     :param shipped: the layers of the shipped partition
-    :param partitions: {name: [channels]} or {name: {"channels": [...], "rest": layer, "of": channel}}; proved before a ray
-        is traced
+    :param partitions: {name: [channels]} or {name: {"channels": [...], "rest": layer, "of": channel}}; proved before a
+        ray is traced
     :param beauty: False: only what the layers need is simulated
     :param statistics: {channel: ['mse', 'variance', 'even', 'odd']}: layers CHANNEL_mse ...
     :param sample_filters: types, or {"type": ..., parameter: value}
