@@ -4,7 +4,8 @@
 #
 #   bash tests/run.sh                 everything short
 #   bash tests/run.sh NAME            only what matches, Release; builds only the programs that hold it. NAME is
-#                                       a part: lpe, services, display, geoaovs, transport, experiments, endtoend, python
+#                                       a part: lpe, services, display, geoaovs, transport, experiments, endtoend,
+#                                       python
 #                                       a test file: tests/lpe/rest_test.cpp, lpe/rest_test, rest_test, test_render.py
 #                                       a tag: [law5]
 #                                       words of a test case's name; * is a wildcard
@@ -252,7 +253,8 @@ run_python() {
     grep -oE '^[^ ]+ .* skipped .*' "$log" | sed 's/^/SKIPPED /'
     passed=$((passed + ran - left_out - bad))
     skipped=$((skipped + left_out))
-    printf '%-22s %-10s %4d passed %4d failed %4d skipped\n' python release "$((ran - left_out - bad))" "$bad" "$left_out"
+    printf '%-22s %-10s %4d passed %4d failed %4d skipped\n' \
+        python release "$((ran - left_out - bad))" "$bad" "$left_out"
     [ "$status" -eq 0 ] && return
     sed -n '/^=====/,$p' "$log" | head -n 80
     failed=$((failed + (bad > 0 ? bad : 1)))

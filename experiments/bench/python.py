@@ -60,17 +60,6 @@ def handing_over():
     print(f"{len(arrays)} layers of {image.width}x{image.height}, {size / 1e6:.0f} MB: {taken * 1e3:.3f} ms")
 
 
-@raylex.integrator("bench_direct")
-class Direct:
-    def integrate(self, batch):
-        points = batch.trace()
-        batch.add_emission(points, 1)
-        light = points.sample_light(batch.numbers(0, points.rows), batch.numbers_2d(1, points.rows))
-        f = points.evaluate(light.wi)
-        arrives = (light.visible() / np.maximum(light.pdf, 1e-30))[:, None]
-        batch.add_light(points, f, light, f.value * light.radiance * arrives)
-
-
 @raylex.texture("bench_checks")
 class Checks:
     def evaluate(self, at):
@@ -93,18 +82,22 @@ def floor(kind):
 
 def rate(scene, **more):
     def work():
-        return raylex.render(scene, spp=32, max_depth=1, **more)
+        return raylex.render(scene, spp=32, **more)
 
     samples = work().statistics["camera_samples"]
     return samples / min(spent(work, resource.RUSAGE_SELF) for _ in range(3)) / 1e6
 
 
 def plugins():
-    in_cpp = rate(SCENE, resolution=(128, 128), integrator={"type": "path", "strategy": "light"})
-    in_python = rate(SCENE, resolution=(128, 128), integrator="bench_direct")
-    print(f"direct light: C++ {in_cpp:.2f}, NumPy {in_python:.3f} M samples a CPU second: 1 / {in_cpp / in_python:.0f}")
-    plain, own = rate(floor("checkerboard")), rate(floor("bench_checks"))
-    print(f"a checkerboard: C++ {plain:.2f}, NumPy {own:.3f} M samples a CPU second: 1 / {plain / own:.0f}")
+    sys.path.insert(0, str(ROOT / "tests" / "python"))
+    import test_plugins  # noqa: F401  registers test_path, a path tracer in NumPy
+    for depth in (1, 5):
+        more = {"resolution": (128, 128), "max_depth": depth}
+        in_cpp, in_python = (rate(SCENE, integrator=each, **more) for each in ("path", "test_path"))
+        share = in_python / in_cpp
+        print(f"paths of {depth}: C++ {in_cpp:.2f}, NumPy {in_python:.2f} M samples a CPU second: {share:.2f}")
+    plain, own = (rate(floor(each), max_depth=1) for each in ("checkerboard", "bench_checks"))
+    print(f"a checkerboard: C++ {plain:.2f}, NumPy {own:.2f} M samples a CPU second: {own / plain:.2f}")
 
 
 if __name__ == "__main__":

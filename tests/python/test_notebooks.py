@@ -60,7 +60,9 @@ class Notebooks(Case):
         self.assertNotIn("True", cells[2])
         self.assertIn("bounce2", cells[3])
 
-    def test_they_are_kept_without_outputs(self):
+
+class Kept(Case):
+    def test_without_outputs(self):
         for notebook in NOTEBOOKS.glob("*.ipynb"):
             for cell in json.loads(notebook.read_text())["cells"]:
                 self.assertFalse(cell.get("outputs"), notebook.name)
