@@ -101,9 +101,22 @@ struct Buckets {
 
 }  // namespace
 
+namespace {
+
+void look_ahead(const TextureTable& textures, std::span<const SurfacePoint> points) {
+    thread_local std::vector<TexturePoint> at;
+    at.clear();
+    for (const SurfacePoint& point : points) at.push_back(texture_point(point));
+    textures.look_ahead(at);
+}
+
+}  // namespace
+
 void MaterialTable::shade(const TextureTable& textures, std::span<const SurfacePoint> points, std::span<Bsdf> closures,
                           display::DisplayServices* display) const {
     const ShadingScope scope(display);
+    if (textures.looks_ahead()) [[unlikely]]
+        look_ahead(textures, points);
     thread_local Buckets buckets;
     buckets.fit(materials_.size(), points.size());
     for (std::size_t i = points.size(); i-- > 0;) {  // backwards, so that lists come out ascending

@@ -11,6 +11,7 @@
 
 #include <functional>
 #include <memory>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -64,6 +65,9 @@ class TextureTable {
     [[nodiscard]] bool is_constant(TextureId id) const;
     [[nodiscard]] Rgb rgb(TextureId id, const TexturePoint& at) const;
     [[nodiscard]] Real real(TextureId id, const TexturePoint& at) const;
+    /// Whether any pattern wants look_ahead() (pattern.h).
+    [[nodiscard]] bool looks_ahead() const;
+    void look_ahead(std::span<const TexturePoint> points) const;
 
   private:
     struct Storage;

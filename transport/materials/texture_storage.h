@@ -83,6 +83,7 @@ struct TextureTable::Storage final : TextureLookup {
     std::vector<LookupCost> costs;  // parallel to nodes
     std::vector<std::unique_ptr<Pattern>> patterns;
     std::vector<LookupCost> pattern_costs;  // parallel to patterns
+    bool looks_ahead = false;               // some pattern does
     std::vector<TextureMapping> mappings;
     std::vector<ImageStage> stages;
     std::deque<Image> images;                                                   // addresses stay

@@ -136,7 +136,6 @@ class Walk {
     void append_collisions(Visitor& visitor);
     bool fails_alpha_test(std::size_t j) const;
     void lay_footprints();
-    void turn_normals();
     bool survives_roulette(std::uint32_t row, std::uint32_t dimension);
 
     const SceneView scene_;
@@ -153,6 +152,16 @@ class Walk {
     std::vector<Collision> collisions_;
     std::size_t first_count_ = 0, collision_count_ = 0;
 };
+
+/// Bump and normal maps. What stands in points from here on is what everyone sees: closures, lights, AOVs. The points
+/// need their random_key.
+inline void turn_normals(const SceneView& scene, std::span<const Hit> hits, std::span<SurfacePoint> points) {
+    for (std::size_t j = 0; j < hits.size(); ++j) {
+        const NormalDetail& detail = scene.materials->normal_detail(*scene.textures, points[j]);
+        if (detail.empty()) continue;
+        detail.apply(*scene.textures, scene.geometry->tangents(hits[j], points[j]), hits[j].cone.width, points[j]);
+    }
+}
 
 /// Closest hits become vertices, all but their closures.
 template <TransportMode mode>
@@ -272,18 +281,6 @@ void Walk<mode>::lay_footprints() {
     }
 }
 
-/// Bump and normal maps. What stands in points from here on is what everyone sees: closures, lights, AOVs.
-template <TransportMode mode>
-void Walk<mode>::turn_normals() {
-    for (std::size_t j = 0; j < vertices_.surfaces; ++j) {
-        SurfacePoint& point = vertices_.points[j];
-        const NormalDetail& detail = scene_.materials->normal_detail(*scene_.textures, point);
-        if (detail.empty()) continue;
-        const Hit& hit = vertices_.hits[j];
-        detail.apply(*scene_.textures, scene_.geometry->tangents(hit, point), hit.cone.width, point);
-    }
-}
-
 template <TransportMode mode>
 template <class Visitor>
 void Walk<mode>::advance(display::DisplayServices& display, Visitor& visitor) {
@@ -326,7 +323,7 @@ void Walk<mode>::advance(display::DisplayServices& display, Visitor& visitor) {
     }
     v.surfaces = v.count = kept;
     if (has_footprints_) lay_footprints();
-    if (scene_.materials->turns_normals()) turn_normals();
+    if (scene_.materials->turns_normals()) turn_normals(scene_, {v.hits.data(), v.surfaces}, v.points);
     if (kept > 0) scene_.materials->shade(*scene_.textures, {v.points.data(), kept}, {v.bsdfs.data(), kept}, &display);
     if (in_media_) append_collisions(visitor);
 }
