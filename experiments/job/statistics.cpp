@@ -23,7 +23,7 @@ double cpu_now() {
 
 Json phases_json(const RunRecord& record) {
     Json phases;
-    for (const char* name : {"load", "plan", "build", "render", "write"}) {
+    for (const char* name : {"load", "plan", "build", "prepare", "render", "write"}) {
         const auto found = record.phases.find(name);
         const PhaseTime time = found != record.phases.end() ? found->second : PhaseTime{};
         phases[name] = {{"wall_seconds", time.wall_seconds}, {"cpu_seconds", time.cpu_seconds}};
@@ -129,6 +129,7 @@ std::string statistics_json(const RunRecord& record) {
                     {"scattering", statistics.scattering_rays},
                     {"shadow", statistics.shadow_rays},
                     {"total", rays}};
+    json["branches"] = statistics.branches;
     json["effects"] = effects_json(record.effects, record.job->effects);
     const auto pruned = [&](transport::Pruned cause) { return statistics.pruned[static_cast<std::size_t>(cause)]; };
     json["pruned"] = {{"paths", pruned(transport::Pruned::paths)},

@@ -32,7 +32,8 @@ struct PathParameters {
     LightSelection light_selection = LightSelection::receiver;
     bool roulette = true;
     std::uint32_t first_depth =
-        0;  ///< light found before so many scattering events is left to others (not a parameter)
+        0;               ///< light found before so many scattering events is left to others (not a parameter)
+    bool splits = true;  ///< paths, where that pays (not a parameter)
 };
 
 /// The integrator itself, for others that are made of it.

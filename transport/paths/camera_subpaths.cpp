@@ -1,9 +1,16 @@
 #include "transport/paths/camera_subpaths.h"
 
+#include <algorithm>
+
 namespace raylex::transport {
 
 void CameraSubpaths::begin(std::span<const Ray> rays, std::span<const PixelSampler> samplers, display::LpeServices& lpe,
                            IntegratorCounters& counters) {
+    levels_in_use_ = 0;
+    if (options_.splits.any()) {
+        std::copy(samplers.begin(), samplers.end(), branch_samplers_.begin());
+        samplers = {branch_samplers_.data(), samplers.size()};
+    }
     walk_.begin(samplers, counters);
     record_.begin(lpe, rays.size());
     for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -91,7 +98,21 @@ struct CameraSubpaths::Scatterer : WalkVisitor {
     }
 };
 
+struct CameraSubpaths::SplitScatterer : Scatterer {
+    static constexpr bool splits = true;
+    std::uint32_t branch;
+};
+
+void CameraSubpaths::scatter_branch(std::uint32_t branch) {
+    SplitScatterer scatterer{{{}, *this}, branch};
+    walk_.scatter(scatterer);
+}
+
 void CameraSubpaths::scatter() {
+    if (options_.splits.any()) {
+        keep_split_vertices();
+        return scatter_branch(0);
+    }
     Scatterer scatterer{{}, *this};
     walk_.scatter(scatterer);
 }

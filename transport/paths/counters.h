@@ -22,6 +22,7 @@ using PrunedCounts = std::array<std::uint64_t, pruned_causes>;
 /// Work done, for statistics. Added up over threads at the end.
 struct IntegratorCounters {
     std::uint64_t camera_rays = 0, scattering_rays = 0, shadow_rays = 0;
+    std::uint64_t branches = 0;               ///< beside the first, of split paths
     PrunedCounts pruned{};                    ///< [Pruned]
     std::vector<std::uint64_t> path_lengths;  ///< [scattering events]
     void count(Pruned cause) { ++pruned[static_cast<std::size_t>(cause)]; }
@@ -34,6 +35,7 @@ inline void IntegratorCounters::add(const IntegratorCounters& other) {
     camera_rays += other.camera_rays;
     scattering_rays += other.scattering_rays;
     shadow_rays += other.shadow_rays;
+    branches += other.branches;
     for (std::size_t i = 0; i < pruned_causes; ++i) pruned[i] += other.pruned[i];
     if (path_lengths.size() < other.path_lengths.size()) path_lengths.resize(other.path_lengths.size());
     for (std::size_t i = 0; i < other.path_lengths.size(); ++i) path_lengths[i] += other.path_lengths[i];

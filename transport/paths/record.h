@@ -135,6 +135,10 @@ class Record {
     }
     void add(const display::Tracker& at_light, display::Technique technique, const Arrival& arrival) const;
 
+    // Where the subpath of a row stands, to go on from there another time.
+    [[nodiscard]] const display::Tracker& tracker(std::uint32_t row) const { return trackers_[row]; }
+    void go_back(std::uint32_t row, const display::Tracker& tracker) { trackers_[row] = tracker; }
+
     [[nodiscard]] const EventTable& events() const { return *events_; }
 
   private:
