@@ -98,7 +98,8 @@ std::string statistics_table(const std::string& record) {
         {"Light samples not drawn: no light counts there", "/pruned/light_samples"},
         {"Shadow rays not traced: no layer takes their light", "/pruned/shadow_rays"},
         {"Last rays left to light samples", "/pruned/rays_left_to_light_samples"},
-        {"Last light samples left to rays", "/pruned/light_samples_left_to_rays"}};
+        {"Last light samples left to rays", "/pruned/light_samples_left_to_rays"},
+        {"Lobes not drawn: no layer takes that side of a surface", "/pruned/lobes"}};
     for (const auto& [label, place] : pruned)
         if (const double count = number_at(json, place); count > 0) text += row(label, counted(count));
     text += row("Merged attributions", counted(number_at(json, "/attribution_overflow")));

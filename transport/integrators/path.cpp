@@ -43,7 +43,8 @@ class PathIntegrator final : public Integrator, private SplitTrials {
         can_sample_lights_ = !lights_[LiveLights::all].empty();
         if (can_sample_lights_ && parameters_.strategy == PathStrategy::mis && parameters_.roulette)
             at_last_ = choose_techniques(context, lights_);
-        if (may_split()) splits_ = choose_splits(context, *this);
+        if (may_prune() && parameters_.splits && parameters_.strategy == PathStrategy::mis)
+            splits_ = choose_splits(context, *this);
         return success();
     }
     [[nodiscard]] std::unique_ptr<IntegratorThread> make_thread_state() const override;
@@ -52,7 +53,8 @@ class PathIntegrator final : public Integrator, private SplitTrials {
   private:
     struct Ends;
     void sample_light(PathThread& thread, std::size_t j) const;
-    [[nodiscard]] bool may_split() const;
+    /// Whether channels alone decide what is drawn; beauty's numbers do not depend on them (Law 2).
+    [[nodiscard]] bool may_prune() const { return !context_.beauty && context_.events->prunes(); }
     [[nodiscard]] std::unique_ptr<Integrator> trial(const SplitPlan& plan, std::uint32_t most_depth) const override;
     /// Whether light sampling finds the emitter too to which `light_pdf` belongs.
     [[nodiscard]] bool sampled_too(const Subpath& path, Real light_pdf) const {
@@ -73,12 +75,6 @@ class PathIntegrator final : public Integrator, private SplitTrials {
     SplitPlan splits_;
 };
 
-/// Where beauty takes all, its numbers are those of a path a sample (Law 2).
-bool PathIntegrator::may_split() const {
-    return parameters_.splits && parameters_.strategy == PathStrategy::mis && !context_.beauty &&
-           context_.events->prunes();
-}
-
 std::unique_ptr<Integrator> PathIntegrator::trial(const SplitPlan& plan, std::uint32_t most_depth) const {
     auto trial = std::make_unique<PathIntegrator>(*this);
     trial->parameters_.max_depth = std::min(parameters_.max_depth, most_depth);
@@ -89,6 +85,7 @@ std::unique_ptr<Integrator> PathIntegrator::trial(const SplitPlan& plan, std::ui
 std::unique_ptr<IntegratorThread> PathIntegrator::make_thread_state() const {
     CameraSubpathOptions options =
         camera_subpath_options(context_, {parameters_.max_depth, parameters_.roulette, false});
+    options.live_lobes = may_prune();
     options.splits = splits_;
     return std::make_unique<PathThread>(context_.scene, *context_.events, options,
                                         static_cast<std::size_t>(context_.batch_capacity));
@@ -206,6 +203,9 @@ Result<std::unique_ptr<Integrator>> make_path(const SceneEntity& entity, std::op
     auto roulette = entity.parameters.boolean_or("roulette", true);
     if (!roulette) return roulette.error();
     p.roulette = *roulette;
+    auto splits = entity.parameters.boolean_or("splits", true);
+    if (!splits) return splits.error();
+    p.splits = *splits;
     auto regularize = entity.parameters.boolean_or("regularize", false);
     if (!regularize) return regularize.error();
     if (*regularize)
@@ -238,6 +238,9 @@ Registry<IntegratorFactory>::Entry path_integrator_entry() {
         {{"maxdepth", T::integer, "5", "scattering events at most; emission seen after the last still counts"},
          {"strategy", T::string, "mis", "how emitters are found: mis, light or scattering"},
          {"roulette", T::boolean, "true", "end weak paths at random from the second bounce"},
+         {"splits", T::boolean, "true",
+          "without beauty: follow several rays from a path's first diffuse or glossy vertex, and both lobes of glass "
+          "behind it, where a pilot says that it pays"},
          {"lightsampler", T::string, "bvh",
           "which light a sample goes to: bvh, by what each can send to the point where more than 32 stand somewhere "
           "and by power else; power; uniform; exhaustive of pbrt is bvh here"},

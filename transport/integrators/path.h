@@ -31,15 +31,15 @@ struct PathParameters {
     PathStrategy strategy = PathStrategy::mis;
     LightSelection light_selection = LightSelection::receiver;
     bool roulette = true;
+    bool splits = true;  ///< paths that beauty does not take, where that pays (strategy mis)
     std::uint32_t first_depth =
-        0;               ///< light found before so many scattering events is left to others (not a parameter)
-    bool splits = true;  ///< paths, where that pays (not a parameter)
+        0;  ///< light found before so many scattering events is left to others (not a parameter)
 };
 
 /// The integrator itself, for others that are made of it.
 std::unique_ptr<Integrator> make_path_integrator(const PathParameters& parameters);
 
-/// The registry's entry: parameters maxdepth, strategy, roulette, lightsampler.
+/// The registry's entry: parameters maxdepth, strategy, roulette, splits, lightsampler.
 Registry<IntegratorFactory>::Entry path_integrator_entry();
 
 }  // namespace raylex::transport

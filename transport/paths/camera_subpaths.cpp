@@ -67,6 +67,19 @@ void CameraSubpaths::report_surfaces() {
     }
 }
 
+void CameraSubpaths::keep_live_lobes() {
+    const VertexBatch& v = vertices();
+    for (std::size_t j = 0; j < v.surfaces; ++j) {
+        const std::optional<SideLobes> lobes = v.bsdfs[j].side_lobes();
+        if (!lobes || record_.takes_all(v.rows[j])) continue;
+        const auto live = [&](LobeId lobe) { return record_.worth_scattering(v.rows[j], v.sources[j].label, lobe); };
+        const bool reflected = live(lobes->reflected), passed = live(lobes->passed[0]) || live(lobes->passed[1]);
+        if (reflected == passed) continue;
+        walk_.counters().count(Pruned::lobes);
+        walk_.closure(j).keep_side(reflected ? Sides::reflection : Sides::transmission);
+    }
+}
+
 void CameraSubpaths::report_hidden_environments(const LightChooser& sampled, std::size_t j) const {
     const std::uint32_t row = vertices().rows[j];
     const Subpath& subpath = path(row);

@@ -25,6 +25,7 @@ struct CameraSubpathOptions {
     bool shade_first_hits =
         false;  ///< somebody reads AOVs or patterns there: the first hit is shaded whatever the light
     bool light_can_be_hit = true;     ///< by a ray: if not, a path's last scattering need not be traced
+    bool live_lobes = false;          ///< closures draw no side that no channel takes; not for `densities`
     SplitPlan splits;                 ///< none for samplers of chains
     CameraView view;                  ///< for densities
     Real world_to_camera[3][4] = {};  ///< rigid part, for surfaces that say their normal
@@ -58,6 +59,7 @@ class CameraSubpaths {
         Visitor<Ends> visitor{{}, *this, display, ends};
         walk_.advance(display, visitor);
         if (record_.events().wants_user()) report_surfaces();
+        if (options_.live_lobes) keep_live_lobes();
     }
     void scatter();
 
@@ -100,6 +102,7 @@ class CameraSubpaths {
     /// From vertices that were kept, when nothing goes on. False: all is done.
     bool go_back();
     void report_surfaces();
+    void keep_live_lobes();
     void pass(display::DisplayServices& display, std::size_t j);
     /// Distance, opacity and surface of a camera ray.
     void record_first_hit(display::DisplayServices& display, std::size_t j);

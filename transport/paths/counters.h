@@ -14,9 +14,10 @@ enum class Pruned : std::uint8_t {
     light_samples,               ///< not drawn: no light ends a word there
     shadow_rays,                 ///< of light samples and joins that no channel accepts
     rays_left_to_light_samples,  ///< last vertices where light samples find more for less,
-    light_samples_left_to_rays   ///< and the other way round
+    light_samples_left_to_rays,  ///< and the other way round
+    lobes                        ///< not drawn: no channel takes that side of an interface
 };
-inline constexpr std::size_t pruned_causes = 5;
+inline constexpr std::size_t pruned_causes = 6;
 using PrunedCounts = std::array<std::uint64_t, pruned_causes>;
 
 /// Work done, for statistics. Added up over threads at the end.

@@ -96,6 +96,8 @@ class Walk {
     void scatter(Visitor& visitor);
 
     [[nodiscard]] const VertexBatch& vertices() const { return vertices_; }
+    /// The closure of vertex j, to be narrowed down.
+    [[nodiscard]] Bsdf& closure(std::size_t j) { return vertices_.bsdfs[j]; }
     /// Puts other vertices in the place of the current ones, whose subpaths go on from there.
     void exchange_vertices(VertexBatch& other) { std::swap(vertices_, other); }
     /// Entries of vertices() that are the first of their subpaths, surfaces only.
