@@ -41,7 +41,7 @@ class PathIntegrator final : public Integrator, private SplitTrials {
         lights_ = LiveLights(context.scene, *context.events, choice(),
                              parameters_.light_selection == LightSelection::receiver);
         can_sample_lights_ = !lights_[LiveLights::all].empty();
-        if (can_sample_lights_ && parameters_.strategy == PathStrategy::mis && parameters_.roulette)
+        if (can_sample_lights_ && parameters_.strategy == PathStrategy::mis && parameters_.roulette_below > 0)
             at_last_ = choose_techniques(context, lights_);
         if (may_prune() && parameters_.splits && parameters_.strategy == PathStrategy::mis)
             splits_ = choose_splits(context, *this);
@@ -84,7 +84,7 @@ std::unique_ptr<Integrator> PathIntegrator::trial(const SplitPlan& plan, std::ui
 
 std::unique_ptr<IntegratorThread> PathIntegrator::make_thread_state() const {
     CameraSubpathOptions options =
-        camera_subpath_options(context_, {parameters_.max_depth, parameters_.roulette, false});
+        camera_subpath_options(context_, {parameters_.max_depth, parameters_.roulette_below, false});
     options.live_lobes = may_prune();
     options.splits = splits_;
     return std::make_unique<PathThread>(context_.scene, *context_.events, options,
@@ -200,9 +200,9 @@ Result<std::unique_ptr<Integrator>> make_path(const SceneEntity& entity, std::op
         return error_at(entity.location, "'strategy' is '" + *strategy + "'; expected mis, light or scattering",
                         nearest_name(*strategy, names));
     p.strategy = static_cast<PathStrategy>(found - names.begin());
-    auto roulette = entity.parameters.boolean_or("roulette", true);
+    auto roulette = read_roulette(entity);
     if (!roulette) return roulette.error();
-    p.roulette = *roulette;
+    p.roulette_below = *roulette;
     auto splits = entity.parameters.boolean_or("splits", true);
     if (!splits) return splits.error();
     p.splits = *splits;
@@ -237,7 +237,8 @@ Registry<IntegratorFactory>::Entry path_integrator_entry() {
         "path tracing with light sampling, multiple importance sampling and Russian roulette",
         {{"maxdepth", T::integer, "5", "scattering events at most; emission seen after the last still counts"},
          {"strategy", T::string, "mis", "how emitters are found: mis, light or scattering"},
-         {"roulette", T::boolean, "true", "end weak paths at random from the second bounce"},
+         describe_roulette("paths"),
+         describe_roulette_threshold(),
          {"splits", T::boolean, "true",
           "without beauty: follow several rays from a path's first diffuse or glossy vertex, and both lobes of glass "
           "behind it, where a pilot says that it pays"},
