@@ -128,6 +128,16 @@ class Integrators(Case):
         self.assertRaylexError("over", lambda: points.emitted)
         self.assertRaylexError("over", points.go_on, points.sample(np.zeros(len(points)), np.zeros((len(points), 2))))
 
+    def test_plugins_in_cpp(self):
+        right = raylex.render(CORNELL, spp=4, resolution=(16, 16), plugins=["planted_error"],
+                              integrator={"type": "plantederror", "mistake": False})
+        wrong = raylex.render(CORNELL, spp=4, resolution=(16, 16), integrator="plantederror")
+        # Its mistake: what survives roulette does not count for what does not.
+        self.assertLess(wrong["beauty"].mean(), right["beauty"].mean())
+        self.assertRaylexError("no-such.so", raylex.load_plugin, self.folder / "no-such.so")
+        (self.folder / "text.so").write_text("no library")
+        self.assertRaylexError("text.so", raylex.load_plugin, self.folder / "text.so")
+
     def test_names(self):
         self.assertRaylexError("'path' in raylex", raylex.integrator("path"), Path)
         self.assertRaises(TypeError, raylex.integrator("test_none"), object)

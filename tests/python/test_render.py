@@ -25,7 +25,7 @@ class SameAsTheProgram(Case):
         for name in ("beauty", "alpha", "direct", "rest", "z", "directDiffuse"):
             self.assertSameBits(ours[name], theirs[name])
         # What the render wrote afterwards is that file too, pixel by pixel.
-        ours.write(str(self.folder / "python.exr"))
+        ours.write(self.folder / "python.exr")
         again = raylex.read(self.folder / "python.exr")
         for name in theirs.names:
             self.assertSameBits(again[name], theirs[name])

@@ -89,6 +89,7 @@ Pssmlt::Pssmlt(const PssmltParameters& parameters) : parameters_(parameters) {
     found.max_depth = parameters.max_depth;
     found.first_depth = 1;
     found.roulette_below = parameters.roulette_below;
+    seen.splits = found.splits = false;  // a chain's numbers are of one path
     path_ = parameters.bidirectional ? make_bdpt_integrator({{parameters.max_depth, parameters.roulette_below}, 1})
                                      : make_path_integrator(found);
 }

@@ -14,6 +14,7 @@
 #pragma once
 
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "transport/media/medium.h"
@@ -21,6 +22,7 @@
 #include "transport/paths/event_table.h"
 #include "transport/paths/footprints.h"
 #include "transport/paths/scattering.h"
+#include "transport/paths/splits.h"
 #include "transport/paths/strategies.h"
 #include "transport/paths/subpath.h"
 #include "transport/paths/vertex.h"
@@ -36,6 +38,8 @@ struct WalkOptions {
 
 /// What a walk tells and asks, with defaults that do nothing. Derive and hide what matters.
 struct WalkVisitor {
+    /// Whether subpaths may be split (splits.h).
+    static constexpr bool splits = false;
     /// A ray has hit nothing: its subpath ends.
     void escapes(std::uint32_t /*row*/, const Ray& /*ray*/) {}
     /// Vertex j is an interface with alpha, which no ray stops at, and a light.
@@ -99,6 +103,10 @@ class Walk {
     void scatter(Visitor& visitor);
 
     [[nodiscard]] const VertexBatch& vertices() const { return vertices_; }
+    /// The closure of vertex j, to be narrowed down.
+    [[nodiscard]] Bsdf& closure(std::size_t j) { return vertices_.bsdfs[j]; }
+    /// Puts other vertices in the place of the current ones, whose subpaths go on from there.
+    void exchange_vertices(VertexBatch& other) { std::swap(vertices_, other); }
     /// Entries of vertices() that are the first of their subpaths, surfaces only.
     [[nodiscard]] std::span<const std::uint32_t> first_entries() const { return {first_entries_.data(), first_count_}; }
     [[nodiscard]] Subpath& path(std::uint32_t row) { return paths_[row]; }
@@ -137,6 +145,7 @@ class Walk {
     bool fails_alpha_test(std::size_t j) const;
     void lay_footprints();
     bool survives_roulette(std::uint32_t row, std::uint32_t dimension);
+    static std::uint32_t take_branch(Subpath& path, const BsdfSample& s);
 
     const SceneView scene_;
     const EventTable& events_;
@@ -350,6 +359,23 @@ bool Walk<mode>::survives_roulette(std::uint32_t row, std::uint32_t dimension) {
     return true;
 }
 
+/// What a branch carries on; roulette is to take it for as strong as the path was. Returns how many there are that
+/// may find the same.
+template <TransportMode mode>
+std::uint32_t Walk<mode>::take_branch(Subpath& path, const BsdfSample& s) {
+    const std::uint32_t rays = path.rays;
+    if (path.all_lobes) {  // none is left out, so none counts for others
+        path.beta *= s.pdf;
+        path.roulette_scale /= s.pdf;
+    } else if (rays > 1) {
+        path.beta *= 1 / static_cast<Real>(rays);
+        path.roulette_scale *= static_cast<Real>(rays);
+    }
+    path.rays = 1;
+    path.all_lobes = false;
+    return rays;
+}
+
 template <TransportMode mode>
 template <class Visitor>
 void Walk<mode>::scatter(Visitor& visitor) {
@@ -364,11 +390,18 @@ void Walk<mode>::scatter(Visitor& visitor) {
             counters_->count_length(path.depth + kept_back);
             continue;
         }
+        if constexpr (Visitor::splits)
+            if (path.rays == 0) {
+                finish(row);
+                continue;
+            }
         const PixelSampler& sampler = samplers_[row];
         const Bsdf& bsdf = v.bsdfs[j];
         const SurfacePoint& point = v.points[j];
         const std::uint32_t depth = path.depth;
-        const Real u_lobe = bsdf.chooses_lobes() ? sampler.get_1d(dimensions.of(depth, dimensions.lobe)) : 0.0f;
+        Real u_lobe = bsdf.chooses_lobes() ? sampler.get_1d(dimensions.of(depth, dimensions.lobe)) : 0.0f;
+        if constexpr (Visitor::splits)
+            if (path.all_lobes) u_lobe = lobe_number(visitor.branch);
         const BsdfSample s =
             sample_scattering<mode>(bsdf, point, u_lobe, sampler.get_2d(dimensions.of(depth, dimensions.scatter)));
         if (!(s.pdf > 0) || s.weight.is_black()) {
@@ -376,6 +409,8 @@ void Walk<mode>::scatter(Visitor& visitor) {
             continue;
         }
         path.beta *= s.weight;
+        std::uint32_t rays = 1;
+        if constexpr (Visitor::splits) rays = take_branch(path, s);
         ++path.depth;
         ++path.segment;
         if (mode == TransportMode::radiance && s.transmitted) path.roulette_scale *= s.eta * s.eta;
@@ -395,6 +430,7 @@ void Walk<mode>::scatter(Visitor& visitor) {
             finish(row);
             continue;
         }
+        if (rays > 1 && !path.specular) path.pdf *= static_cast<Real>(rays);
         if (options_.densities) {
             sums_[row].leave(s.delta, s.delta ? 1.0 : static_cast<double>(bsdf.pdf(s.wi, point.wo)));
             path.cosine = point.cosine(s.wi);

@@ -7,6 +7,7 @@
 #include "experiments/python/bindings/arrays.h"
 
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
 namespace raylex::python {
 
@@ -115,12 +116,12 @@ std::map<std::string, std::string> expressions_of(const Image& image) {
     return expressions;
 }
 
-void write_image(const Image& image, const std::string& path) {
+void write_image(const Image& image, const std::filesystem::path& path) {
     if (!image.write)
         fail("the image was read from '" + image.path() + "'; only what was rendered here can be written");
-    if (std::filesystem::path(path).extension() != ".exr")
-        fail("'" + path + "' has no name ending in .exr; expected an OpenEXR file name");
-    unlocked([&] { take(image.write(path)); });
+    if (path.extension() != ".exr")
+        fail("'" + path.string() + "' has no name ending in .exr; expected an OpenEXR file name");
+    unlocked([&] { take(image.write(path.string())); });
 }
 
 std::string describe(const Image& image) {

@@ -1,4 +1,6 @@
 // Plugins: C++ ones loaded, and the kinds that Python may register.
+#include <pybind11/stl/filesystem.h>
+
 #include "experiments/python/bindings/bindings.h"
 #include "experiments/python/bindings/plugin_parts.h"
 #include "transport/plugins/plugin_loader.h"
@@ -10,7 +12,8 @@ using namespace pybind11::literals;
 void add_plugins(py::module_& module) {
     module.def(
         "load_plugin",
-        [](const std::string& path) {
+        [](const std::filesystem::path& file) {
+            const std::string path = file.string();
             take(transport::load_plugin(path, {}));
             py::list entries;
             for (const transport::LoadedPlugin& plugin : transport::loaded_plugins())

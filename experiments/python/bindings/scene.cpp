@@ -2,6 +2,7 @@
 #include "experiments/python/bindings/scene.h"
 
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
 #include <array>
 
@@ -28,9 +29,9 @@ transport::SceneDescription labelled(const Scene& scene) {
 
 namespace {
 
-Scene load(const std::string& path) {
+Scene load(const std::filesystem::path& path) {
     return unlocked([&] {
-        auto description = take(transport::import_pbrt(path));
+        auto description = take(transport::import_pbrt(path.string()));
         return Scene{std::make_shared<const transport::SceneDescription>(std::move(description))};
     });
 }
@@ -94,8 +95,8 @@ void add_scene(py::module_& module) {
              "'light' (\"area:0\", \"spot\") or 'area_light_material'; * and ? match; the first rule wins.")
         .def(
             "write",
-            [](const Scene& scene, const std::string& path) {
-                return unlocked([&] { return take(transport::write_pbrt(labelled(scene), path)); });
+            [](const Scene& scene, const std::filesystem::path& path) {
+                return unlocked([&] { return take(transport::write_pbrt(labelled(scene), path.string())); });
             },
             "path"_a,
             "Writes the scene as a pbrt-v4 file, which reads back as the same scene; returns what such a file cannot "
