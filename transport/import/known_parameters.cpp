@@ -101,8 +101,7 @@ std::vector<Row> content_rows() {
     using enum EntityKind;
     const std::string bilinear = "images are interpolated without regard to the footprint of a pixel";
     return {
-        {area_light, "diffuse", {"power", "filename"}, {}},
-        {light, "infinite", {"portal"}, {}},
+
         {material, "diffuse", {}, {{"sigma", {"0"}, "the surface is Lambert's"}}},
         {shape, "bilinearmesh", {"faceIndices", "emissionfilename"}, {}},
         {shape, "trianglemesh", {"faceIndices"}, {{"S", {}, "anisotropic materials follow the texture coordinates"}}},

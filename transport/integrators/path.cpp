@@ -84,7 +84,7 @@ struct PathIntegrator::Ends : CameraEnds {
         const VertexBatch& v = camera.vertices();
         const SceneView& scene = self.context_.scene;
         const std::uint32_t light = scene.geometry->shapes()[v.hits[j].shape].first_light + v.hits[j].primitive;
-        const Rgb emitted = scene.lights->emitted(light, v.points[j].geometric_normal, v.points[j].wo);
+        const Rgb emitted = scene.lights->emitted(light, v.points[j], v.points[j].wo);
         if (emitted.is_black()) return;
         const Subpath& path = camera.path(v.rows[j]);
         add(v.rows[j], light, emitted,
@@ -97,10 +97,10 @@ struct PathIntegrator::Ends : CameraEnds {
         const LightTable& lights = *self.context_.scene.lights;
         const Subpath& path = camera.path(row);
         for (const std::uint32_t light : lights.environments())
-            add(row, light, lights.environment_radiance(light, ray.direction),
-                path.specular
-                    ? 0.0f
-                    : path.light_share * lights.environment_density(self.lights_[path.lights], light, ray.direction));
+            add(row, light, lights.environment_radiance(light, path.from, ray.direction),
+                path.specular ? 0.0f
+                              : path.light_share * lights.environment_density(self.lights_[path.lights], light,
+                                                                              path.from, ray.direction));
     }
     void volume_emits(std::uint32_t row, const Rgb& emitted) {
         const Subpath& path = camera.path(row);

@@ -67,8 +67,8 @@ void CameraSubpaths::report_hidden_environments(const LightChooser& sampled, std
     const LightTable& lights = *scene_.lights;
     const Vec3& direction = vertices().rays[j].direction;
     for (const std::uint32_t light : lights.environments()) {
-        if (lights.environment_density(sampled, light, direction) > 0) continue;
-        const Rgb emitted = lights.environment_radiance(light, direction);
+        if (lights.environment_density(sampled, light, subpath.from, direction) > 0) continue;
+        const Rgb emitted = lights.environment_radiance(light, subpath.from, direction);
         record_.arrive(row, record_.events().terminal(light), {0, subpath.depth + 2},
                        {Rgb(), emitted, subpath.beta * emitted, 0});
     }

@@ -5,9 +5,11 @@
 // exactly proportional to the luminance, and every pixel covers the same solid angle.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "transport/geometry/matrix34.h"
+#include "transport/lights/images/pixel_distribution.h"
 #include "transport/math/real.h"
 
 namespace raylex::transport {
@@ -15,6 +17,11 @@ namespace raylex::transport {
 /// Unit direction to the unit square and back; the square's (0, 0) is the image's top left corner.
 Vec2 octahedral_from_direction(const Vec3& direction);
 Vec3 direction_from_octahedral(const Vec2& uv);
+
+/// What a pixel is sampled by: the mean of its channels serves every primary alike.
+inline Real sampling_weight(const Rgb& c) {
+    return std::max(c.average(), Real(0));
+}
 
 class EnvironmentImage {
   public:
@@ -30,11 +37,8 @@ class EnvironmentImage {
 
   private:
     [[nodiscard]] std::size_t pixel_of(const Vec3& world_direction) const;
-    [[nodiscard]] Real density(std::size_t pixel) const;
-    int resolution_ = 0;
     std::vector<Rgb> pixels_;
-    std::vector<Real> rows_;     // [resolution + 1] cumulative share of the rows
-    std::vector<Real> columns_;  // [resolution][resolution + 1] cumulative share within a row
+    PixelDistribution distribution_;
     Placement placement_;
     double mean_ = 0;
 };
