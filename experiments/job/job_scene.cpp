@@ -28,7 +28,7 @@ Result<std::unique_ptr<JobScene>> load_job_scene(const Job& job) {
     if (!color) return color.error();
     loaded->color = std::move(*color);
     if (!loaded->color.warning.empty()) loaded->warnings.push_back(loaded->color.warning);
-    auto scene = transport::import_pbrt(job.scene_file);
+    auto scene = transport::import_pbrt(job.scene_file, {job.missing});
     if (!scene) return scene.error();
     loaded->scene = std::move(*scene);
     for (const Error& warning : loaded->scene.warnings) loaded->warnings.push_back(warning.to_string());
@@ -59,6 +59,11 @@ display::ImageDescription image_description(const Job& job, const JobScene& scen
                                             const std::map<std::string, std::string>& attributes) {
     display::ImageDescription description;
     description.attributes = attributes;
+    if (const std::vector<std::string>& missing = scene.scene.placeholders; !missing.empty()) {
+        std::string& list = description.attributes["raylex/placeholders"];
+        list = std::to_string(missing.size()) + " files are missing:";
+        for (const std::string& file : missing) list += "\n" + file;
+    }
     description.partitions = partitions;
     description.chromaticities = scene.primaries;
     for (const geoaovs::Cryptomatte& matte : output.cryptomatte)
@@ -69,7 +74,7 @@ display::ImageDescription image_description(const Job& job, const JobScene& scen
     description.complete = output.complete;
     description.storage = job.outputs.storage;
     description.single_part = job.outputs.single_part;
-    description.data_window = job.settings.crop;
+    description.data_window = output.crop;
     return description;
 }
 

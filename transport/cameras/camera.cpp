@@ -43,6 +43,12 @@ Real Camera::importance(const Vec3& point, const Vec3& position) const {
     return perspective_ != nullptr ? perspective_->importance_of(point, position) : importance_of(point, position);
 }
 
+void Camera::generate_weighed(std::span<const CameraSample> samples, std::span<Ray> rays,
+                              std::span<Real> weights) const {
+    generate(samples, rays);
+    std::fill(weights.begin(), weights.end(), Real(1));
+}
+
 void Camera::rigid_world_to_camera(Real (&matrix)[3][4]) const {
     const Matrix34 m(world_to_camera_);
     const double scale = 1 / elementary::cbrt(std::abs(m.determinant()));
@@ -65,6 +71,7 @@ Result<std::unique_ptr<Camera>> make_camera(const SceneEntity& entity, const Cam
                         "another unit of length brings it into range");
     auto camera = (*entry)->factory(entity, placement);
     if (!camera) return camera.error();
+    warnings.insert(warnings.end(), (*camera)->warnings_.begin(), (*camera)->warnings_.end());
     for (const Parameter* p : entity.parameters.unused())
         warnings.push_back(
             error_at(p->location, "camera '" + type + "' has no parameter '" + p->name + "'; it is ignored"));

@@ -33,6 +33,7 @@ struct CameraSample {
 };
 
 class PerspectiveCamera;
+struct CameraPlacement;
 
 class Camera {
   public:
@@ -43,6 +44,13 @@ class Camera {
     /// rays[i] is the ray of samples[i], in world space, its direction a unit vector; its cone spreads by a pixel's
     /// angle in the middle of the image where it is known. Called once a batch.
     virtual void generate(std::span<const CameraSample> samples, std::span<Ray> rays) const = 0;
+    /// The same for a camera with weighs_rays(): weights[i] is what light along rays[i] counts for; of one that no
+    /// light comes along it is 0, and the ray meets nothing (t_max is 0).
+    virtual void generate_weighed(std::span<const CameraSample> samples, std::span<Ray> rays,
+                                  std::span<Real> weights) const;
+    /// Whether light counts differently along its rays. Such a camera is nothing that light paths can be connected to:
+    /// connect() and importance() do not ask it, and integrators without the trait camera_weights refuse it.
+    [[nodiscard]] virtual bool weighs_rays() const { return false; }
     /// One ray. These three are asked for every vertex of a path: the in-tree camera is called without indirection.
     [[nodiscard]] Ray generate(Real x, Real y, const Vec2& lens) const;
     /// How the camera sees a point in world space through `lens` in [0, 1)^2; false for what is not in front of it.
@@ -65,8 +73,10 @@ class Camera {
   protected:
     /// `camera_to_screen` as world_to_screen(), from camera space.
     Camera(const Transform& camera_to_world, const Matrix4& camera_to_screen, const Vec2& pixel_size, bool has_lens);
+    std::vector<Error> warnings_;  ///< of what was read; make_camera() passes them on
 
   private:
+    friend Result<std::unique_ptr<Camera>> make_camera(const SceneEntity&, const CameraPlacement&, std::vector<Error>&);
     friend class PerspectiveCamera;
     [[nodiscard]] virtual bool connect_to(const Vec3& point, const Vec2& lens, CameraConnection& connection) const = 0;
     [[nodiscard]] virtual Real importance_of(const Vec3& point, const Vec3& position) const = 0;
@@ -82,11 +92,12 @@ struct CameraPlacement {
     Transform camera_to_world;  ///< invertible
     int width = 0, height = 0;  ///< of the image, pixels
     bool lens_code = false;     ///< a pinhole goes the way of a lens of radius 0, to the same bits
+    double film_diagonal = 35;  ///< millimetres; of cameras whose film has a size
 };
 
 /// Errors name the directive, or the parameter.
 using CameraFactory = std::function<Result<std::unique_ptr<Camera>>(const SceneEntity&, const CameraPlacement&)>;
-/// perspective; plugins add theirs.
+/// perspective, orthographic, spherical, realistic; plugins add theirs.
 Registry<CameraFactory>& camera_registry();
 
 /// The camera of a scene; an empty type means perspective. Errors: a type nobody knows, a transform without inverse, a

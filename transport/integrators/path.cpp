@@ -33,7 +33,10 @@ class PathIntegrator final : public Integrator {
                 true,
                 parameters_.max_depth,
                 true,
-                SavedState::none};
+                SavedState::none,
+                false,
+                false,
+                true};
     }
     Status prepare(const IntegratorContext& context) override {
         context_ = context;
@@ -129,6 +132,7 @@ void PathIntegrator::integrate(const CameraBatch& batch, IntegratorThread& state
     CameraSubpaths& camera = thread.camera;
     Ends ends{{}, *this, camera};
     camera.begin(batch.rays, batch.samplers, services.lpe, thread.counters);
+    if (!batch.weights.empty()) camera.weigh(batch.weights);
     while (camera.going() && !services.leaving()) {
         camera.advance(services.display, ends);
         write_first_hits(context_, camera.vertices(), camera.first_entries(), thread.first_hits, services.display);
@@ -185,10 +189,6 @@ Result<std::unique_ptr<Integrator>> make_path(const SceneEntity& entity, std::op
     auto roulette = entity.parameters.boolean_or("roulette", true);
     if (!roulette) return roulette.error();
     p.roulette = *roulette;
-    auto regularize = entity.parameters.boolean_or("regularize", false);
-    if (!regularize) return regularize.error();
-    if (*regularize)
-        return error_at(entity.location, "'regularize' is not supported: it would blur specular lobes; remove it");
     auto selection = entity.parameters.string_or("lightsampler", "bvh");
     if (!selection) return selection.error();
     // pbrt's "exhaustive" is its bvh without the tree, for reference.
@@ -219,8 +219,7 @@ Registry<IntegratorFactory>::Entry path_integrator_entry() {
          {"roulette", T::boolean, "true", "end weak paths at random from the second bounce"},
          {"lightsampler", T::string, "bvh",
           "which light a sample goes to: bvh, by what each can send to the point where more than 32 stand somewhere "
-          "and by power else; power; uniform; exhaustive of pbrt is bvh here"},
-         {"regularize", T::boolean, "false", "not supported"}},
+          "and by power else; power; uniform; exhaustive of pbrt is bvh here"}},
         make_path};
 }
 

@@ -97,6 +97,7 @@ Result<Sky> read_sky(const SceneLight& source, const std::string& file, double i
         factor_for(source, "illuminance", *scale, illuminance, illuminance > 0 ? illuminance_of(sky.image) : 0);
     if (!factor) return factor.error();
     sky.factor = *factor;
+    record_image(sky.image, context);
     return sky;
 }
 
@@ -119,14 +120,13 @@ Result<RgbImage> read_light_image(const SceneEntity& source, const std::string& 
     RgbImage result{image->width, image->height, std::vector<Rgb>(count)};
     for (std::size_t i = 0; i < count; ++i) {
         const float* p = image->pixels.data() + i * static_cast<std::size_t>(image->channels);
-        const Rgb c = grey ? Rgb(p[0]) : Rgb(p[0], p[1], p[2]);
-        const auto& m = context.scene.color.rendering_from_scene;
-        for (int r = 0; r < 3; ++r) {
-            const auto& row = m[static_cast<std::size_t>(r)];
-            result.pixels[i][r] = std::max(Real(0), static_cast<Real>(row[0] * c.r + row[1] * c.g + row[2] * c.b));
-        }
+        result.pixels[i] = grey ? Rgb(p[0]) : Rgb(p[0], p[1], p[2]);
     }
     return result;
+}
+
+void record_image(RgbImage& image, const LightContext& context) {
+    for (Rgb& pixel : image.pixels) pixel = recorded_light(pixel, context.scene.color);
 }
 
 Result<Light> make_infinite(const SceneLight& source, LightContext& context) {
@@ -200,9 +200,11 @@ Result<Light> make_projection(const SceneLight& source, LightContext& context) {
     auto image = read_light_image(source, *file, context);
     if (!image) return image.error();
     const Placement placement(source.to_world);
-    auto shown = IntensityImage::projection(std::move(*image), *fov, placement);
-    const auto factor = factor_for(source, "power", *scale, *power, shown.flux());
+    const auto factor = factor_for(source, "power", *scale, *power,
+                                   *power > 0 ? IntensityImage::projection(*image, *fov, placement).flux() : 0);
     if (!factor) return factor.error();
+    record_image(*image, context);
+    auto shown = IntensityImage::projection(std::move(*image), *fov, placement);
     light.emission = Rgb(*factor);
     light.position = placement.to_world.point({0, 0, 0}).to_real();
     light.direction = normalize(placement.to_world.vector({0, 0, 1})).to_real();
@@ -227,7 +229,9 @@ Result<AreaEmission> make_diffuse_area(const SceneAreaLight& source, LightContex
     if (!two_sided) return two_sided.error();
     auto power = source.parameters.real_or("power", -1);
     if (!power) return power.error();
-    emission.radiance = *radiance;
+    auto scale = source.parameters.real_or("scale", 1);
+    if (!scale) return scale.error();
+    emission.radiance = file->empty() ? *radiance : Rgb(static_cast<Real>(*scale));
     emission.two_sided = *two_sided;
     emission.power = std::max(*power, 0.0);
     if (file->empty()) return emission;
@@ -235,6 +239,7 @@ Result<AreaEmission> make_diffuse_area(const SceneAreaLight& source, LightContex
     if (!image) return image.error();
     const double mean = image->mean_luminance();
     if (const auto factor = factor_for(source, "power", 1, emission.power, mean); !factor) return factor.error();
+    record_image(*image, context);
     emission.image = static_cast<std::int32_t>(context.images.emissions.size());
     context.images.emissions.push_back({std::move(*image), mean});
     return emission;

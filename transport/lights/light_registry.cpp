@@ -157,7 +157,8 @@ Registry<LightFactory> make_lights() {
 }  // namespace
 
 Result<Rgb> scaled_emission(const SceneEntity& light, std::string_view name, const LightContext& context) {
-    auto emission = spectrum_or(light.parameters, name, Rgb(1), SpectrumRole::illuminant, context.scene.color);
+    auto emission = spectrum_or(light.parameters, name, recorded_light(Rgb(1), context.scene.color),
+                                SpectrumRole::illuminant, context.scene.color);
     if (!emission) return emission;
     auto scale = light.parameters.real_or("scale", 1);
     if (!scale) return scale.error();

@@ -20,6 +20,14 @@ void CameraSubpaths::begin(std::span<const Ray> rays, std::span<const PixelSampl
     }
 }
 
+void CameraSubpaths::weigh(std::span<const Real> weights) {
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+        Subpath& path = walk_.path(static_cast<std::uint32_t>(i));
+        path.beta = Rgb(weights[i]);
+        if (weights[i] > 0) path.roulette_scale = 1 / weights[i];  // a factor of the whole image makes no path weak
+    }
+}
+
 void CameraSubpaths::pass(display::DisplayServices& display, std::size_t j) {
     const VertexBatch& v = vertices();
     const std::uint32_t row = v.rows[j];

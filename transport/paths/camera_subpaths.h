@@ -47,6 +47,8 @@ class CameraSubpaths {
 
     void begin(std::span<const Ray> rays, std::span<const PixelSampler> samplers, display::LpeServices& lpe,
                IntegratorCounters& counters);
+    /// After begin(): rays that count differently.
+    void weigh(std::span<const Real> weights);
     [[nodiscard]] bool going() const { return walk_.going(); }
     template <class Ends>
     void advance(display::DisplayServices& display, Ends& ends) {

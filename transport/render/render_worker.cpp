@@ -55,6 +55,7 @@ RenderWorker::RenderWorker(const PreparedJob& prepared, RenderTarget& target, Ti
       rows_(batch_capacity),
       camera_samples_(batch_capacity),
       rays_(batch_capacity),
+      weights_(job_.sampling.camera->weighs_rays() ? batch_capacity : 0),
       samplers_(batch_capacity),
       leave_(leave) {}
 
@@ -115,12 +116,15 @@ void RenderWorker::flush() {
         count_ = 0;
         return;
     }
-    job_.sampling.camera->generate({camera_samples_.data(), count_}, {rays_.data(), count_});
+    const Camera& camera = *job_.sampling.camera;
+    const std::span<Real> weights(weights_.data(), weights_.empty() ? 0 : count_);
+    if (weights.empty()) camera.generate({camera_samples_.data(), count_}, {rays_.data(), count_});
+    else camera.generate_weighed({camera_samples_.data(), count_}, {rays_.data(), count_}, weights);
     table_.begin({rows_.data(), count_});
     const double begin = aovs_.wants_time() ? thread_cpu_seconds() : 0;
     ThreadServices services{display_, lpe_, raster_.get(), &leave_};
     job_.integrator().integrate(
-        {{rays_.data(), count_}, {samplers_.data(), count_}, {rows_.data(), count_}, tile_, startup_}, *state_,
+        {{rays_.data(), count_}, {samplers_.data(), count_}, {rows_.data(), count_}, tile_, startup_, weights}, *state_,
         services);
     if (services.left) {
         left_ = true;

@@ -1,5 +1,5 @@
-// Image environments: radiance from every direction, in pbrt-v4's equal-area octahedral layout (P. Clarberg 2008, "Fast
-// Equal-Area Mapping of the (Hemi)Sphere using SIMD"), importance-sampled.
+// Image environments: radiance from every direction, in pbrt-v4's equal-area octahedral layout (math/octahedral.h),
+// importance-sampled.
 //
 // Look-ups take the nearest pixel, as pbrt-v4's image light does, so a piecewise-constant density over the pixels is
 // exactly proportional to the luminance, and every pixel covers the same solid angle.
@@ -10,13 +10,10 @@
 
 #include "transport/geometry/matrix34.h"
 #include "transport/lights/images/pixel_distribution.h"
+#include "transport/math/octahedral.h"
 #include "transport/math/real.h"
 
 namespace raylex::transport {
-
-/// Unit direction to the unit square and back; the square's (0, 0) is the image's top left corner.
-Vec2 octahedral_from_direction(const Vec3& direction);
-Vec3 direction_from_octahedral(const Vec2& uv);
 
 /// What a pixel is sampled by: the mean of its channels serves every primary alike.
 inline Real sampling_weight(const Rgb& c) {
