@@ -52,7 +52,7 @@ class LightTracer final : public Integrator {
     [[nodiscard]] std::vector<std::string> omissions() const override;
     [[nodiscard]] std::unique_ptr<IntegratorThread> make_thread_state() const override {
         LightSubpathOptions options;
-        options.walk = {parameters_.max_depth, parameters_.roulette, false};
+        options.walk = {parameters_.max_depth, parameters_.roulette_below, false};
         options.language = language_ ? &*language_ : nullptr;
         options.media_of_lights = media_of_lights_;
         auto thread = std::make_unique<LightTracerThread>(context_.scene, *context_.events, options,
@@ -144,7 +144,7 @@ Registry<IntegratorFactory>::Entry light_tracer_entry() {
     return {
         "lighttracer",
         "paths from the lights, connected to the camera; finds caustics, but nothing seen in mirrors or through glass",
-        describe_depth_parameters("end weak paths at random from the second bounce"),
+        describe_depth_parameters("paths"),
         [](const SceneEntity& entity, std::optional<std::int64_t> max_depth) -> Result<std::unique_ptr<Integrator>> {
             auto parameters = read_depth_parameters(entity, max_depth);
             if (!parameters) return parameters.error();

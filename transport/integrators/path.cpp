@@ -43,7 +43,7 @@ class PathIntegrator final : public Integrator {
         lights_ = LiveLights(context.scene, *context.events, choice(),
                              parameters_.light_selection == LightSelection::receiver);
         can_sample_lights_ = !lights_[LiveLights::all].empty();
-        if (can_sample_lights_ && parameters_.strategy == PathStrategy::mis && parameters_.roulette)
+        if (can_sample_lights_ && parameters_.strategy == PathStrategy::mis && parameters_.roulette_below > 0)
             at_last_ = choose_techniques(context, lights_);
         return success();
     }
@@ -74,7 +74,7 @@ class PathIntegrator final : public Integrator {
 std::unique_ptr<IntegratorThread> PathIntegrator::make_thread_state() const {
     return std::make_unique<PathThread>(
         context_.scene, *context_.events,
-        camera_subpath_options(context_, {parameters_.max_depth, parameters_.roulette, false}),
+        camera_subpath_options(context_, {parameters_.max_depth, parameters_.roulette_below, false}),
         static_cast<std::size_t>(context_.batch_capacity));
 }
 
@@ -186,9 +186,9 @@ Result<std::unique_ptr<Integrator>> make_path(const SceneEntity& entity, std::op
         return error_at(entity.location, "'strategy' is '" + *strategy + "'; expected mis, light or scattering",
                         nearest_name(*strategy, names));
     p.strategy = static_cast<PathStrategy>(found - names.begin());
-    auto roulette = entity.parameters.boolean_or("roulette", true);
+    auto roulette = read_roulette(entity);
     if (!roulette) return roulette.error();
-    p.roulette = *roulette;
+    p.roulette_below = *roulette;
     auto selection = entity.parameters.string_or("lightsampler", "bvh");
     if (!selection) return selection.error();
     // pbrt's "exhaustive" is its bvh without the tree, for reference.
@@ -216,7 +216,8 @@ Registry<IntegratorFactory>::Entry path_integrator_entry() {
         "path tracing with light sampling, multiple importance sampling and Russian roulette",
         {{"maxdepth", T::integer, "5", "scattering events at most; emission seen after the last still counts"},
          {"strategy", T::string, "mis", "how emitters are found: mis, light or scattering"},
-         {"roulette", T::boolean, "true", "end weak paths at random from the second bounce"},
+         describe_roulette("paths"),
+         describe_roulette_threshold(),
          {"lightsampler", T::string, "bvh",
           "which light a sample goes to: bvh, by what each can send to the point where more than 32 stand somewhere "
           "and by power else; power; uniform; exhaustive of pbrt is bvh here"}},

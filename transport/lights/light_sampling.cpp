@@ -91,6 +91,10 @@ bool sample_sphere(const Light& light, const Quadric& quadric, bool cut_out, con
     return true;
 }
 
+EnvironmentImage::By drawn_by(const LightChooser& chooser) {
+    return chooser.compensates() ? EnvironmentImage::By::excess : EnvironmentImage::By::radiance;
+}
+
 }  // namespace
 
 bool LightTable::sample_at_point(const Light& light, const Vec3& from, LightSample& s) const {
@@ -109,7 +113,8 @@ bool LightTable::sample_at_point(const Light& light, const Vec3& from, LightSamp
     return true;
 }
 
-bool LightTable::sample_infinite(const Light& light, const Vec3& from, const Vec2& u, LightSample& s) const {
+bool LightTable::sample_infinite(const LightChooser& chooser, const Light& light, const Vec3& from, const Vec2& u,
+                                 LightSample& s) const {
     s.infinite = true;
     if (light.kind == LightKind::distant) {
         s.wi = light.direction;
@@ -125,8 +130,9 @@ bool LightTable::sample_infinite(const Light& light, const Vec3& from, const Vec
     }
     Real pdf = 0;
     Rgb radiance;
-    const bool any = light.kind == LightKind::portal_environment ? portal_of(light).sample(from, u, s.wi, radiance, pdf)
-                                                                 : environment_of(light).sample(u, s.wi, radiance, pdf);
+    const bool any = light.kind == LightKind::portal_environment
+                         ? portal_of(light).sample(from, u, s.wi, radiance, pdf)
+                         : environment_of(light).sample(u, s.wi, radiance, pdf, drawn_by(chooser));
     if (!any) return false;
     s.radiance = radiance * light.emission;
     s.pdf *= pdf;
@@ -182,7 +188,7 @@ bool LightTable::sample(const LightChooser& chooser, const EmbreeScene& geometry
         case LightKind::spot:
             return sample_at_point(light, from, s);
         default:
-            return sample_infinite(light, from, u, s);
+            return sample_infinite(chooser, light, from, u, s);
     }
 }
 
@@ -230,8 +236,9 @@ Real LightTable::environment_density(const LightChooser& chooser, std::uint32_t 
     const Real chosen = chooser.probability(Vec3(), index);  // wherever it is seen from
     if (!(chosen > 0)) return 0;
     if (light.kind == LightKind::uniform_environment) return chosen * uniform_sphere_pdf();
-    return chosen * (light.kind == LightKind::portal_environment ? portal_of(light).pdf(from, direction)
-                                                                 : environment_of(light).pdf(direction));
+    return chosen * (light.kind == LightKind::portal_environment
+                         ? portal_of(light).pdf(from, direction)
+                         : environment_of(light).pdf(direction, drawn_by(chooser)));
 }
 
 Rgb LightTable::environment_radiance(std::uint32_t index, const Vec3& from, const Vec3& direction) const {

@@ -133,7 +133,8 @@ class LightTable {
     }
     bool sample_image_light(const Light& light, const EmbreeScene& geometry, const Vec3& from, const Vec2& u,
                             LightSample& s) const;
-    bool sample_infinite(const Light& light, const Vec3& from, const Vec2& u, LightSample& s) const;
+    bool sample_infinite(const LightChooser& chooser, const Light& light, const Vec3& from, const Vec2& u,
+                         LightSample& s) const;
     bool sample_at_point(const Light& light, const Vec3& from, LightSample& s) const;
     bool emit_from_point(const Light& light, const Vec2& u, EmissionSample& s) const;
     bool emit_through_portal(const Light& light, const EmbreeScene& geometry, const Vec2& u_position,

@@ -29,8 +29,8 @@ namespace raylex::transport {
 
 struct WalkOptions {
     std::uint32_t max_depth = 5;  ///< scattering events of a whole path; of a light subpath its connection's among them
-    bool roulette = true;
-    bool densities = false;  ///< keep sums()
+    Real roulette_below = default_roulette_below;  ///< 0: paths do not end at random
+    bool densities = false;                        ///< keep sums()
 };
 
 /// What a walk tells and asks, with defaults that do nothing. Derive and hide what matters.
@@ -313,9 +313,11 @@ template <TransportMode mode>
 bool Walk<mode>::survives_roulette(std::uint32_t row, std::uint32_t dimension) {
     Subpath& path = paths_[row];
     Real keep = 1;
-    if (options_.roulette && path.depth >= 2)
-        keep = std::min(keep, mode == TransportMode::radiance ? path.beta.max() * path.roulette_scale
-                                                              : path.beta.max() / path.roulette_scale);
+    if (path.depth >= 2) {
+        const Real throughput = mode == TransportMode::radiance ? path.beta.max() * path.roulette_scale
+                                                                : path.beta.max() / path.roulette_scale;
+        if (throughput < options_.roulette_below) keep = throughput / options_.roulette_below;
+    }
     if (!path.specular) {  // a specular direction no other technique finds
         keep *= path.ray_share;
         path.pdf *= path.ray_share;

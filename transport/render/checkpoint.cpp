@@ -124,7 +124,7 @@ RecordIdentity render_identity(const ResolvedJob& job) {
                         std::to_string(job.grid.region.x1) + "," + std::to_string(job.grid.region.y1));
     add("seed", std::to_string(sampling.seed));
     add("samples per pixel", std::to_string(job.budget.samples_per_pixel));
-    add("sampler", sampling.sampler == SamplerKind::sobol ? "sobol" : "independent");
+    add("sampler", sampling.sampler_name);
     add("pixel filter",
         sampling.filter->name() + (settings.filter ? " " + entity_text(*settings.filter) : std::string()));
     add("filter mode", sampling.splat ? "splat" : "importance");

@@ -87,7 +87,7 @@ void RenderWorker::add_pixel(int x, int y, std::uint64_t first, int count, std::
     const bool lens = from.camera->has_lens();
     for (int k = 0; k < count; ++k) {
         const std::uint64_t sample = first + static_cast<std::uint64_t>(k);
-        const PixelSampler sampler(from.sampler, from.seed, x, y, sample);
+        const PixelSampler sampler(from.sampler, from.seed, x, y, sample, from.arrangement_bits);
         const Vec2 u = sampler.get_2d(filter_dimension);
         const display::FilterSample offset = from.splat
                                                  ? display::FilterSample{to_float(u.x) - 0.5f, to_float(u.y) - 0.5f, 1}

@@ -74,6 +74,7 @@ Status resolve_sampler(const SceneEntity& entity, const RenderSettings& settings
         warnings.push_back(
             error_at(p->location, "sampler '" + entity.type + "' has no parameter '" + p->name + "'; it is ignored"));
     sampling.sampler = choice->kind;
+    sampling.arrangement_bits = choice->arrangement_bits;
     sampling.seed = settings.seed + choice->seed;
     sampling.samples_per_pixel = settings.samples_per_pixel.value_or(choice->samples_per_pixel);
     if (sampling.samples_per_pixel == 0) return error_at({}, "0 samples per pixel; expected at least 1");

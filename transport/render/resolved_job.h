@@ -28,6 +28,7 @@ struct CameraSampling {
     bool splat = false;                ///< RenderSettings::splat
     int padding_x = 0, padding_y = 0;  ///< pixels around the image whose samples reach into it
     SamplerKind sampler = SamplerKind::sobol;
+    std::uint32_t arrangement_bits = 4;  ///< SamplerChoice has it
     std::string sampler_name;
     std::uint64_t seed = 0;
     std::uint64_t samples_per_pixel = 0;  ///< as settings or the scene's sampler say
