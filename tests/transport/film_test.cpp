@@ -59,7 +59,7 @@ TEST_CASE("crops of the film are rendered as the whole image has them", "[film][
     std::vector<Error> warnings;
     for (const auto& [name, values] : {std::pair{"cropwindow", std::vector<double>{0.5, 0.5, 0, 1}},
                                        {"cropwindow", {0, 1, 0}},
-                                       {"pixelbounds", {20, 30, 0, 8}}}) {
+                                       {"pixelbounds", {2000, 3000, 0, 8}}}) {
         SceneEntity entity;
         entity.location = {"test.pbrt", 1, 1};
         entity.parameters.parameters = {typed::numbers(name, ParameterType::real, values)};

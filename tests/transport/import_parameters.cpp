@@ -20,7 +20,7 @@ const ParameterCase unknown[] = {
     {"Accelerator \"bvh\"\n\"integer maxnodeprim\" 4 WorldBegin", "accelerator 'bvh' has no parameter 'maxnodeprim'",
      "'maxnodeprims'"},
     {"WorldBegin AreaLightSource \"diffuse\"\n\"bool twosides\" true",
-     "area light 'diffuse' has no parameter 'twosides'; expected one of: L, scale, twosided, power, filename",
+     "area light 'diffuse' has no parameter 'twosides'; expected one of: L, scale, filename, power, twosided",
      "did you mean 'twosided'?"},
     {"Camera \"perspective\"\n\"float fovy\" 30 WorldBegin",
      "camera 'perspective' has no parameter 'fovy'; expected one of: fov, lensradius, focaldistance, "
@@ -57,8 +57,8 @@ const ParameterCase unknown[] = {
 
 // Each of them where pbrt-v4 reads it and raylex does not; `hint` is a value with which nothing is lost.
 const ParameterCase ignored[] = {
-    {"Film \"rgb\"\n\"float maxcomponentvalue\" 10 WorldBegin", "parameter 'maxcomponentvalue' of film 'rgb' is ignored",
-     ""},
+    {"Film \"rgb\"\n\"float maxcomponentvalue\" 10 WorldBegin",
+     "parameter 'maxcomponentvalue' of film 'rgb' is ignored", ""},
     {"Integrator \"path\"\n\"bool regularize\" true WorldBegin",
      "parameter 'regularize' of integrator 'path' is ignored: specular lobes are never blurred", "false"},
     {"Film \"spectral\"\n\"integer nbuckets\" 30 WorldBegin", "parameter 'nbuckets' of film 'spectral' is ignored", ""},
