@@ -162,7 +162,9 @@ class RenderRun {
                                              std::vector<display::SampleSink*>& sinks) {
             at_once_.reset();
             progress.begin(plan);
-            return outputs_.begin(plan, sinks, loaded_->primaries, partitions_);
+            Status begun = outputs_.begin(plan, sinks, loaded_->primaries, partitions_);
+            if (begun) print_memory(outputs_, job_.outputs.memory_limit);
+            return begun;
         };
         auto output = transport::render(
             loaded_->scene, job_.settings,

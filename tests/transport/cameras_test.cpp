@@ -81,25 +81,25 @@ TEST_CASE("cameras see a point of their ray where it began, and know how much ra
                 const PixelSampler numbers(SamplerKind::sobol, 1, 0, 0, i);
                 const Vec2 at = numbers.get_2d(0), lens = camera->has_lens() ? numbers.get_2d(1) : Vec2{0, 0};
                 const Vec2 raster{2 + 60 * at.x, 2 + 44 * at.y};
-                const Ray ray = camera->generate(raster.x, raster.y, lens);
+                const Ray ray = camera->generate({raster.x, raster.y, lens});
                 const Real distance = 1 + 4 * numbers.get_1d(2);
                 const Vec3 point = ray.origin + ray.direction * distance;
                 CameraConnection seen;
-                REQUIRE(camera->connect(point, lens, seen));
+                REQUIRE(camera->connect(point, lens, 0, seen));
                 // 1e-4 of a pixel a unit: positions of float's rounding; at poles angles are loose by the sine.
-                const Vec3 back = camera->generate(seen.x, seen.y, lens).direction;
+                const Vec3 back = camera->generate({seen.x, seen.y, lens}).direction;
                 CHECK(length(back - ray.direction) < 2e-5);
                 CHECK(length(seen.position - ray.origin) < 2e-5f * (1 + length(point)));
-                CHECK(camera->importance(point, seen.position) ==
+                CHECK(camera->importance(point, seen.position, 0) ==
                       Approx(seen.importance).epsilon(1e-4));  // the position was rounded
                 // Two steps across the ray: the raster area that their parallelogram covers.
                 const Frame frame = Frame::from_normal(ray.direction);
                 const Real step = 0.01f;
                 CameraConnection s1, s2, t1, t2;
-                if (!camera->connect(point + frame.s * step, lens, s2) ||
-                    !camera->connect(point - frame.s * step, lens, s1) ||
-                    !camera->connect(point + frame.t * step, lens, t2) ||
-                    !camera->connect(point - frame.t * step, lens, t1))
+                if (!camera->connect(point + frame.s * step, lens, 0, s2) ||
+                    !camera->connect(point - frame.s * step, lens, 0, s1) ||
+                    !camera->connect(point + frame.t * step, lens, 0, t2) ||
+                    !camera->connect(point - frame.t * step, lens, 0, t1))
                     continue;
                 const double sx = s2.x - s1.x, sy = s2.y - s1.y, tx = t2.x - t1.x, ty = t2.y - t1.y;
                 // Folds of the octahedral layout and the seam of the other lie within some steps.
@@ -119,9 +119,9 @@ TEST_CASE("cameras see a point of their ray where it began, and know how much ra
             }
             CameraConnection seen;
             if (kind.type == "orthographic") {
-                const Ray ray = camera->generate(20, 20, {0.5f, 0.5f});
-                CHECK_FALSE(camera->connect(ray.origin - ray.direction, {0.5f, 0.5f}, seen));
-                CHECK(camera->importance(ray.origin - ray.direction, ray.origin) == 0);
+                const Ray ray = camera->generate({20, 20, {0.5f, 0.5f}});
+                CHECK_FALSE(camera->connect(ray.origin - ray.direction, {0.5f, 0.5f}, 0, seen));
+                CHECK(camera->importance(ray.origin - ray.direction, ray.origin, 0) == 0);
             }
         }
 }
@@ -135,12 +135,13 @@ TEST_CASE("spherical cameras look where pbrt's do, and cover the sphere", "[came
                                           {20.f, 10.f, Vec3{-1, 0, 0}},
                                           {0.f, 0.f, Vec3{0, 1, 0}},
                                           {5.f, 20.f, Vec3{0, -1, 0}}})
-        CHECK(length(equirectangular->generate(x, y, {}).direction - direction) < 1e-6f);
+        CHECK(length(equirectangular->generate({x, y, {}}).direction - direction) < 1e-6f);
     const auto equal_area = made(camera_of("spherical", {}), {{}, 32, 32});
-    CHECK(length(equal_area->generate(16, 16, {}).direction - Vec3{0, 1, 0}) < 1e-6f);
-    CHECK(length(equal_area->generate(0, 0, {}).direction - Vec3{0, -1, 0}) < 1e-3f);
+    CHECK(length(equal_area->generate({16, 16, {}}).direction - Vec3{0, 1, 0}) < 1e-6f);
+    CHECK(length(equal_area->generate({0, 0, {}}).direction - Vec3{0, -1, 0}) < 1e-3f);
     // Beside the image it goes on: over the left edge at a quarter is the left edge at three quarters.
-    CHECK(length(equal_area->generate(-0.5f, 8, {}).direction - equal_area->generate(0.5f, 24, {}).direction) < 1e-5f);
+    CHECK(length(equal_area->generate({-0.5f, 8, {}}).direction - equal_area->generate({0.5f, 24, {}}).direction) <
+          1e-5f);
     // The mean of pixels / importance over the raster is the whole solid angle.
     for (const Camera* camera : {equirectangular.get(), equal_area.get()}) {
         const double width = camera == equal_area.get() ? 32 : 40, height = camera == equal_area.get() ? 32 : 20;
@@ -148,8 +149,8 @@ TEST_CASE("spherical cameras look where pbrt's do, and cover the sphere", "[came
         constexpr int count = 4096;
         for (std::uint64_t i = 0; i < count; ++i) {
             const Vec2 at = PixelSampler(SamplerKind::sobol, 1, 0, 0, i).get_2d(0);
-            const Ray ray = camera->generate(at.x * static_cast<Real>(width), at.y * static_cast<Real>(height), {});
-            sum += width * height / double{camera->importance(ray.origin + ray.direction, ray.origin)};
+            const Ray ray = camera->generate({at.x * static_cast<Real>(width), at.y * static_cast<Real>(height), {}});
+            sum += width * height / double{camera->importance(ray.origin + ray.direction, ray.origin, 0)};
         }
         CHECK(sum / count == Approx(4 * pi_d).epsilon(1e-3));  // 4096 Sobol' points of a smooth function
     }
@@ -192,7 +193,7 @@ TEST_CASE("a film behind a hole has the irradiance of its solid angle", "[camera
     // So a weak lens stands before the hole: 2 mm of index 1.0001, flat but for a radius of 100 m.
     const TextFile weak("100000 2 1.0001 60\n0 1 1 20\n0 40 1 200\n");
     CHECK(LensSystem::read(weak.path(), 0, {}, {"test.pbrt", 1, 1}, warnings).ok());
-    for (const std::string& shape : {"circular", "square", "pentagon", "star", "gaussian"}) {
+    for (const char* shape : {"circular", "square", "pentagon", "star", "gaussian"}) {
         const auto aperture = Aperture::named(shape, {"test.pbrt", 1, 1});
         REQUIRE(aperture.ok());
         double sum = 0;
@@ -243,7 +244,7 @@ TEST_CASE("a realistic camera's film has the lens's irradiance, and its pupils m
     const SceneEntity entity = camera_of(
         "realistic",
         {typed::text("lensfile", file.path()), typed::real("aperturediameter", 12), typed::real("focusdistance", 2)});
-    const auto camera = made(entity, {crooked(), 60, 40, false, 30});
+    const auto camera = made(entity, {crooked(), 60, 40, false, {}, 30});
     REQUIRE(camera->weighs_rays());
     std::vector<Error> warnings;
     auto lens = LensSystem::read(file.path(), 12e-3, {}, {"test.pbrt", 1, 1}, warnings);

@@ -100,8 +100,7 @@ void RealisticCamera::generate(std::span<const CameraSample> samples, std::span<
     for (std::size_t i = 0; i < samples.size(); ++i) rays[i] = ray(samples[i], unused);
 }
 
-void RealisticCamera::generate_weighed(std::span<const CameraSample> samples, std::span<Ray> rays,
-                                       std::span<Real> weights) const {
+void RealisticCamera::weigh(std::span<const CameraSample> samples, std::span<Ray> rays, std::span<Real> weights) const {
     for (std::size_t i = 0; i < samples.size(); ++i) rays[i] = ray(samples[i], weights[i]);
 }
 

@@ -17,12 +17,11 @@ class RealisticCamera final : public Camera {
 
     using Camera::generate;
     void generate(std::span<const CameraSample> samples, std::span<Ray> rays) const override;
-    void generate_weighed(std::span<const CameraSample> samples, std::span<Ray> rays,
-                          std::span<Real> weights) const override;
     [[nodiscard]] bool weighs_rays() const override { return true; }
 
   private:
     RealisticCamera(const CameraPlacement& placement, const Vec2& pixel_size, LensSystem lens);
+    void weigh(std::span<const CameraSample> samples, std::span<Ray> rays, std::span<Real> weights) const override;
     [[nodiscard]] bool connect_to(const Vec3& point, const Vec2& lens, CameraConnection& connection) const override;
     [[nodiscard]] Real importance_of(const Vec3& point, const Vec3& position) const override;
     Ray ray(const CameraSample& sample, Real& weight) const;

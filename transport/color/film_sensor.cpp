@@ -38,15 +38,20 @@ Matrix3 balance(double kelvin, ColorSpace space) {
     return multiply(rgb_from_xyz(space), multiply(in_xyz, xyz_from_rgb(space)));
 }
 
-Result<double> exposure_time(const SceneEntity& film, const SceneEntity& camera) {
+/// A shutter that opens for an instant lets in nothing, at which pbrt-v4 stops; here it means a moment in time.
+Result<double> exposure_time(const SceneEntity& film, const SceneEntity& camera, std::vector<Error>& warnings) {
     auto open = camera.parameters.real_or("shutteropen", 0), close = camera.parameters.real_or("shutterclose", 1);
     if (!open) return open.error();
     if (!close) return close.error();
-    auto time = film.parameters.real_or("exposuretime", *close - *open);
+    double span = std::abs(*close - *open);
+    if (span == 0 && film.parameters.find("exposuretime") == nullptr) {
+        span = 1;
+        warnings.push_back(
+            error_at(camera.location, "the shutter opens for an instant; the film is exposed as if for a second"));
+    }
+    auto time = film.parameters.real_or("exposuretime", span);
     if (time && !(*time > 0))
-        return error_at(
-            film.parameters.find("exposuretime") != nullptr ? film.location : camera.location,
-            "the film is exposed for " + std::to_string(*time) + " s; expected a shutter that closes after it opens");
+        return error_at(film.location, "'exposuretime' is " + std::to_string(*time) + "; expected seconds above 0");
     return time;
 }
 
@@ -55,7 +60,7 @@ Result<double> exposure_time(const SceneEntity& film, const SceneEntity& camera)
 Result<Matrix3> read_sensor(const SceneEntity& film, const SceneEntity& camera, ColorSpace space,
                             std::vector<Error>& warnings) {
     auto iso = film.parameters.real_or("iso", 100), kelvin = film.parameters.real_or("whitebalance", 0);
-    const auto time = exposure_time(film, camera);
+    const auto time = exposure_time(film, camera, warnings);
     auto sensor = film.parameters.string_or("sensor", "cie1931");
     if (!iso) return iso.error();
     if (!kelvin) return kelvin.error();

@@ -54,11 +54,9 @@ std::vector<Row> camera_rows() {
     for (const char* name : {"nbuckets", "lambdamin", "lambdamax"}) spectrum.push_back({name, {}, in_rgb});
     Names geometry = every_film;
     geometry.emplace_back("coordinatesystem");
-    const Names shutter{"shutteropen", "shutterclose"};  // the film's exposure time
     return {
-        {camera, "perspective", shutter, {}},     {camera, "orthographic", shutter, {}},
-        {camera, "spherical", shutter, {}},       {camera, "realistic", shutter, {}},
-        {film, "gbuffer", geometry, values},      {film, "rgb", every_film, values},
+        {film, "gbuffer", geometry, values},
+        {film, "rgb", every_film, values},
         {film, "spectral", every_film, spectrum},
     };
 }
@@ -103,14 +101,12 @@ std::vector<Row> method_rows() {
 
 std::vector<Row> content_rows() {
     using enum EntityKind;
-    const std::string bilinear = "images are interpolated without regard to the footprint of a pixel";
     return {
 
         {material, "diffuse", {}, {{"sigma", {"0"}, "the surface is Lambert's"}}},
         {shape, "bilinearmesh", {"faceIndices", "emissionfilename"}, {}},
         {shape, "trianglemesh", {"faceIndices"}, {{"S", {}, "anisotropic materials follow the texture coordinates"}}},
         {shape, "curve", {}, {{"splitdepth", {"3"}, "Embree cuts curves as it needs"}}},
-        {texture, "imagemap", {"maxanisotropy"}, {{"filter", {"bilinear", "point"}, bilinear}}},
     };
 }
 
@@ -205,7 +201,9 @@ Status ParameterChecker::check(EntityKind kind, const std::string& type, Paramet
     if (entry != nullptr)
         for (const ParameterDescription& each : *entry) read.push_back(each.name);
     if (row != nullptr) read.insert(read.end(), row->taken.begin(), row->taken.end());
-    if (kind == EntityKind::shape) read.emplace_back("alpha");      // of every shape: make_shapes()
+    if (kind == EntityKind::shape) read.emplace_back("alpha");  // of every shape: make_shapes()
+    if (kind == EntityKind::camera)                             // of every camera: shutter_span()
+        for (const char* name : {"shutteropen", "shutterclose"}) read.emplace_back(name);
     if (kind == EntityKind::material && takes_normal_detail(type))  // of a plugin's material too
         for (const ParameterDescription& each : normal_detail_parameters())
             if (!holds(read, each.name)) read.push_back(each.name);

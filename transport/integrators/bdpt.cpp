@@ -72,7 +72,7 @@ bool Bdpt::trace_light(const CameraBatch& batch, BdptThread& thread, ThreadServi
     std::fill_n(thread.last_vertex.begin(), batch.rays.size(), LightVertex::none);
     if (!can_emit_) return true;
     LightSubpaths& light = thread.light;
-    light.begin(batch.samplers, services.lpe, thread.counters);
+    light.begin(batch.rays, batch.samplers, services.lpe, thread.counters);
     while (light.going()) {
         if (services.leaving()) return false;
         light.advance(services.display);

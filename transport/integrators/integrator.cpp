@@ -33,7 +33,7 @@ void reject_power(ThreadServices& services, const display::CameraRow& row, const
 }
 
 Vec3 camera_position(const IntegratorContext& context) {
-    return context.camera->generate(0, 0, {0.5f, 0.5f}).origin;
+    return context.camera->generate({0, 0, {0.5f, 0.5f}}).origin;
 }
 
 Result<std::uint32_t> read_max_depth(const SceneEntity& entity, std::optional<std::int64_t> max_depth) {

@@ -82,7 +82,7 @@ void LightTracer::integrate(const CameraBatch& batch, IntegratorThread& state, T
     thread.camera->counters.path_lengths.assign(1, 0);
     if (!can_emit_ || services.left) return;
     LightSubpaths& subpaths = thread.subpaths;
-    subpaths.begin(batch.samplers, services.lpe, thread.counters);
+    subpaths.begin(batch.rays, batch.samplers, services.lpe, thread.counters);
     // Splats that were handed on cannot be taken back, and a batch that is left with such leaves no checkpoint. So a
     // batch is finished unless its paths go on for long: this many scatterings take milliseconds.
     constexpr int soon = 64;
@@ -107,7 +107,7 @@ void LightTracer::connect(const CameraBatch& batch, LightTracerThread& thread, T
         const bool holdout = j < v.surfaces && geometry.has_holdouts() && geometry.is_holdout(v.hits[j]);
         thread.connections.add(view_,
                                {row, path.depth, &v.points[j], &v.bsdfs[j], v.sources[j].offset, holdout, path.beta,
-                                thread.subpaths.end(j), nullptr},
+                                thread.subpaths.end(j), nullptr, v.hits[j].time},
                                lens);
     }
     if (!context_.beauty && !geometry.has_alpha()) {

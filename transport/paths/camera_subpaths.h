@@ -18,6 +18,12 @@
 
 namespace raylex::transport {
 
+/// The time of a sample's rays, its camera subpath's and its light subpath's; 0 where nothing moves.
+inline Real sample_time(const SceneView& scene, const PixelSampler& sampler) {
+    if (!scene.asks_for_times()) return 0;
+    return static_cast<Real>(scene.geometry->shutter().time_of(static_cast<double>(sampler.get_1d(time_dimension))));
+}
+
 struct CameraSubpathOptions {
     WalkOptions walk;
     bool shade_first_hits =
@@ -126,10 +132,10 @@ struct CameraSubpaths::Visitor : WalkVisitor {
         ends.arrives(j);
         return self.worth_shading(j);
     }
-    void first_vertex(std::uint32_t row, const SurfacePoint& point, StrategySums& sums) {
+    void first_vertex(std::uint32_t row, const SurfacePoint& point, Real time, StrategySums& sums) {
         const CameraView& view = self.options_.view;
         sums.forward =
-            view.density(view.camera->importance(point.position, self.path(row).from), point.cosine(point.wo));
+            view.density(view.camera->importance(point.position, self.path(row).from, time), point.cosine(point.wo));
     }
     void volume_emits(std::uint32_t row, const Rgb& emitted) { ends.volume_emits(row, emitted); }
     bool worth_colliding(std::uint32_t row) {

@@ -1,6 +1,7 @@
 // At the end of a scene: every name that was used must have been defined somewhere.
 #include "transport/color/film_sensor.h"
 #include "transport/scene/scene_builder.h"
+#include "transport/scene/used_surfaces.h"
 
 namespace raylex::transport {
 
@@ -21,6 +22,7 @@ Result<SceneDescription> SceneBuilder::finish() {
     const auto sensor = read_sensor(scene_.film, scene_.camera, scene_.color.scene_space, scene_.warnings);
     if (!sensor) return sensor.error();
     scene_.color.sensor = *sensor;
+    if (unfiltered_) read_images_unfiltered(scene_);
     return std::move(scene_);
 }
 
