@@ -194,6 +194,11 @@ Result<Job> assemble(const CLI::App& command, const RenderOptions& options) {
         if (!crop) return crop.error();
         job.settings.crop = *crop;
     }
+    if (!options.missing.empty()) {
+        auto missing = parse_missing(options.missing, flag("--missing"));
+        if (!missing) return missing.error();
+        job.missing = *missing;
+    }
     override_entity(options.integrator, "--integrator", job.settings.integrator);
     override_entity(options.sampler, "--sampler", job.settings.sampler);
     override_entity(options.filter, "--filter", job.settings.filter);

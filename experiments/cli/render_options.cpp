@@ -63,6 +63,10 @@ void add_image_options(const OptionGroup& group, RenderOptions& options) {
         "renders these pixels alone, to the bits that they have in the whole image: the file's data window in its "
         "display window");
     group.add("--filter", options.filter, "NAME", "pixel filter; default: as the scene says");
+    group.add(
+        "--missing", options.missing, "error|placeholder",
+        "what a texture, light's image or mesh does whose file is missing: error (default), or placeholder, which "
+        "renders with magenta in its place, counted in warnings and in the image's header");
     group
         .add("--filter-mode", options.filter_mode, "MODE",
              "importance (default): samples are drawn as the pixel filter says and belong to one pixel; splat: they "

@@ -12,7 +12,7 @@ namespace raylex::experiments {
 
 struct RenderOptions {
     std::string input, output, statistics, resolution, integrator, sampler, filter, partition, techniques;
-    std::string crop, ocio, rendering_space, isa, until_error, time, checkpoint, replay, filter_mode, prune;
+    std::string missing, crop, ocio, rendering_space, isa, until_error, time, checkpoint, replay, filter_mode, prune;
     std::optional<std::uint64_t> spp, seed;
     std::optional<int> threads;
     std::optional<std::int64_t> max_depth;

@@ -47,7 +47,7 @@ Result<std::unique_ptr<JobScene>> finish_job_scene(const Job& job, std::unique_p
 Result<std::unique_ptr<JobScene>> load_job_scene(const Job& job) {
     auto loaded = begin_job_scene(job);
     if (!loaded) return loaded;
-    auto scene = transport::import_pbrt(job.scene_file);
+    auto scene = transport::import_pbrt(job.scene_file, {job.missing});
     if (!scene) return scene.error();
     (*loaded)->scene = std::move(*scene);
     return finish_job_scene(job, *std::move(loaded));
@@ -77,6 +77,11 @@ display::ImageDescription image_description(const Job& job, const JobScene& scen
                                             const std::map<std::string, std::string>& attributes) {
     display::ImageDescription description;
     description.attributes = attributes;
+    if (const std::vector<std::string>& missing = scene.scene.placeholders; !missing.empty()) {
+        std::string& list = description.attributes["raylex/placeholders"];
+        list = std::to_string(missing.size()) + " files are missing:";
+        for (const std::string& file : missing) list += "\n" + file;
+    }
     description.partitions = partitions;
     description.chromaticities = scene.primaries;
     for (const geoaovs::Cryptomatte& matte : output.cryptomatte)
@@ -87,7 +92,7 @@ display::ImageDescription image_description(const Job& job, const JobScene& scen
     description.complete = output.complete;
     description.storage = job.outputs.storage;
     description.single_part = job.outputs.single_part;
-    description.data_window = job.settings.crop;
+    description.data_window = output.crop;
     return description;
 }
 

@@ -49,8 +49,8 @@ class PlantedError final : public Integrator {
             if (!hit->valid()) {
                 if (specular_bounce)
                     for (const std::uint32_t light : scene.lights->environments())
-                        add(throughput * scene.lights->environment_radiance(light, ray.direction), light, path,
-                            services);
+                        add(throughput * scene.lights->environment_radiance(light, ray.origin, ray.direction), light,
+                            path, services);
                 return;
             }
             scene.geometry->surfaces({&ray, 1}, hit, point, source);
@@ -61,8 +61,7 @@ class PlantedError final : public Integrator {
             const ShapeGeometry& shape = scene.geometry->shapes()[hit->shape];
             if (specular_bounce && shape.first_light != Hit::none) {
                 const std::uint32_t light = shape.first_light + hit->primitive;
-                add(throughput * scene.lights->emitted(light, point->geometric_normal, point->wo), light, path,
-                    services);
+                add(throughput * scene.lights->emitted(light, *point, point->wo), light, path, services);
             }
             if (depth == max_depth_) return;
             point->random_key = sampler.key(first);

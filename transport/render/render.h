@@ -153,6 +153,7 @@ struct RenderOutput {
     RenderStatistics statistics;
     bool complete = true;  ///< false after an interrupt: fewer samples than asked for
     int width = 0, height = 0, threads = 0;
+    std::optional<display::PixelRegion> crop;           ///< what was rendered, where that is not all
     std::uint64_t samples_per_pixel = 0;                ///< asked for, or reached under a limit; the most when adaptive
     std::optional<display::AdaptiveProgress> adaptive;  ///< as it stood in the end; of a limit by error too
     std::uint64_t unconverged_pixels = 0;  ///< adaptive: with all the samples they may have, above the tolerance

@@ -14,7 +14,7 @@ RenderPlan plan_of(const ResolvedJob& job, const display::FrameBufferLayout& lay
                     .samples_per_pixel = job.budget.samples_per_pixel,
                     .channels = job.channels.list,
                     .beauty = job.channels.beauty,
-                    .crop = settings.crop.value_or(display::PixelRegion{0, 0, width, height}),
+                    .crop = job.sampling.film.crop.value_or(display::PixelRegion{0, 0, width, height}),
                     .filter = job.sampling.filter.get(),
                     .splat = job.sampling.splat,
                     .raster = job.raster(),

@@ -56,6 +56,7 @@ RenderWorker::RenderWorker(const PreparedJob& prepared, RenderTarget& target, Ti
       rows_(batch_capacity),
       camera_samples_(batch_capacity),
       rays_(batch_capacity),
+      weights_(job_.sampling.camera->weighs_rays() ? batch_capacity : 0),
       samplers_(batch_capacity),
       leave_(leave) {}
 
@@ -119,7 +120,9 @@ void RenderWorker::flush() {
         return;
     }
     const Camera& camera = *job_.sampling.camera;
-    if (job_.sampling.times) camera.generate_in_time({camera_samples_.data(), count_}, {rays_.data(), count_});
+    const std::span<Real> weights(weights_.data(), weights_.empty() ? 0 : count_);
+    if (!weights.empty()) camera.generate_weighed({camera_samples_.data(), count_}, {rays_.data(), count_}, weights);
+    else if (job_.sampling.times) camera.generate_in_time({camera_samples_.data(), count_}, {rays_.data(), count_});
     else camera.generate({camera_samples_.data(), count_}, {rays_.data(), count_});
     if (job_.sampling.cones)
         for (std::size_t i = 0; i < count_; ++i) rays_[i].cone.spread *= pixel_share(rows_[i].sample);
@@ -127,7 +130,7 @@ void RenderWorker::flush() {
     const double begin = aovs_.wants_time() ? thread_cpu_seconds() : 0;
     ThreadServices services{display_, lpe_, raster_.get(), &leave_};
     job_.integrator().integrate(
-        {{rays_.data(), count_}, {samplers_.data(), count_}, {rows_.data(), count_}, tile_, startup_}, *state_,
+        {{rays_.data(), count_}, {samplers_.data(), count_}, {rows_.data(), count_}, tile_, startup_, weights}, *state_,
         services);
     if (services.left) {
         left_ = true;

@@ -93,6 +93,7 @@ class RenderWorker {
     std::vector<display::CameraRow> rows_;
     std::vector<CameraSample> camera_samples_;
     std::vector<Ray> rays_;
+    std::vector<Real> weights_;      // of `rays_`; empty where all count alike
     geoaovs::RayBatch camera_rays_;  // of `rays_`, when an AOV asks for depth
     std::vector<PixelSampler> samplers_;
     std::size_t count_ = 0;

@@ -30,6 +30,14 @@ Status check_traits(const ChosenIntegrator& chosen, const SceneView& scene, cons
     return success();
 }
 
+Status check_camera(const ChosenIntegrator& chosen, const SceneEntity& entity, const Camera& camera) {
+    if (!camera.weighs_rays() || chosen.integrator->traits().camera_weights) return success();
+    return error_at(entity.location,
+                    "camera '" + entity.type + "' does not go with integrator '" + chosen.name +
+                        "': where light paths would meet its film cannot be told, nor what its rays count for",
+                    "choose another integrator, such as path, or another camera");
+}
+
 /// What needs samples that belong to a pixel is refused for light that lands anywhere.
 Status check_raster(const RenderSettings& settings, const ChosenIntegrator& chosen, const CameraSampling& sampling,
                     const JobChannels& channels, std::vector<Error>& warnings) {
