@@ -221,12 +221,8 @@ void PathAtlas::resolve(std::size_t pixel, std::uint64_t light_paths, std::vecto
     words.resize(kept);
 }
 
-std::array<double, PathAtlas::parts> PathAtlas::shares(std::size_t pixel) const {
-    std::array<double, parts> shares{};
-    double all = 0;
-    for (const std::uint32_t samples : pixels_[pixel].samples) all += samples;
-    for (std::size_t k = 0; k < parts && all > 0; ++k) shares[k] = pixels_[pixel].samples[k] / all;
-    return shares;
+std::span<const std::uint32_t, PathAtlas::parts> PathAtlas::samples(std::size_t pixel) const {
+    return pixels_[pixel].samples;
 }
 
 std::size_t PathAtlas::expected_bytes() const {

@@ -63,8 +63,8 @@ class PathAtlas final : public SampleSink {
     };
     /// What the words of a pixel come to, in ascending order of their numbers; `light_paths`: FrameBuffer's.
     void resolve(std::size_t pixel, std::uint64_t light_paths, std::vector<Light>& words) const;
-    /// Which share of the pixel's samples each part had; all 0 without samples.
-    [[nodiscard]] std::array<double, parts> shares(std::size_t pixel) const;
+    /// How many of the pixel's samples each part had.
+    [[nodiscard]] std::span<const std::uint32_t, parts> samples(std::size_t pixel) const;
 
     [[nodiscard]] const WordTree& words() const { return words_; }
     /// [column] whether some word had light through this event.

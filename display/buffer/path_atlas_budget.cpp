@@ -53,11 +53,11 @@ struct Candidate {
 bool PathAtlas::merge_round(std::uint64_t most_entries) {
     const std::vector<double> light = light_of_words();
     std::vector<Candidate> candidates;
-    std::vector<std::uint8_t> alive(words_.size(), 0);
+    std::vector<bool> alive(words_.size(), false);
     for (const Pixel& pixel : pixels_)
-        for (const Entry& entry : pixel.entries) alive[entry.word >> 1] = 1;
+        for (const Entry& entry : pixel.entries) alive[entry.word >> 1] = true;
     for (std::uint32_t word = 0; word < alive.size(); ++word) {
-        if (alive[word] == 0) continue;
+        if (!alive[word]) continue;
         if (const std::uint32_t merged = class_above(word); merged != word)
             candidates.push_back({light[word], words_.letters(word), word, merged});
     }

@@ -3,7 +3,7 @@
 //   part `words`   deep: word (UINT), R G B (FLOAT), one sample a word that the pixel has light of, by ascending number
 //   part `parts`   deep, the same samples: p0 ... p7 (HALF), what share of the word's luminance, (R + G + B) / 3, the
 //                  samples of each eighth brought; 0 where the luminance is 0
-//   part `rgba`    flat: R G B A of the render, and n0 ... n7 (FLOAT), what share of the pixel's samples each eighth had
+//   part `rgba`    flat: R G B A of the render, and n0 ... n7 (FLOAT), how many of the pixel's samples each eighth had
 //
 // Deep parts without Z: samples are no surfaces. The header of `words` holds the table, as text:
 //
@@ -61,7 +61,7 @@ struct AtlasRow {
     std::vector<std::uint32_t> begin;  ///< [pixel + 1] into samples
     std::vector<WordSample> samples;
     std::vector<std::array<float, 4>> rgba;                 ///< of the render
-    std::vector<std::array<float, PathAtlas::parts>> shares;  ///< of the pixel's samples
+    std::vector<std::array<float, PathAtlas::parts>> counts;  ///< of the pixel's samples
 };
 
 /// Whatever rows come from: a render, files to be merged.

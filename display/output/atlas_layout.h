@@ -13,11 +13,11 @@ struct AtlasLayout {
     static constexpr const char* word = "word";
     static constexpr const char* colors[] = {"R", "G", "B"};
     static std::string part(std::size_t k) { return "p" + std::to_string(k); }
-    static std::string share(std::size_t k) { return "n" + std::to_string(k); }
-    /// In the order of AtlasRow: rgba, then shares.
+    static std::string count(std::size_t k) { return "n" + std::to_string(k); }
+    /// In the order of AtlasRow: rgba, then counts.
     static std::vector<std::string> flat_planes() {
         std::vector<std::string> planes{"R", "G", "B", "A"};
-        for (std::size_t k = 0; k < PathAtlas::parts; ++k) planes.push_back(share(k));
+        for (std::size_t k = 0; k < PathAtlas::parts; ++k) planes.push_back(count(k));
         return planes;
     }
 };

@@ -53,13 +53,14 @@ class RenderAtlas final : public AtlasSource {
         row.begin.assign(1, 0);
         row.samples.clear();
         row.rgba.resize(columns);
-        row.shares.resize(columns);
+        row.counts.resize(columns);
         for (std::size_t x = 0; x < columns; ++x) {
             const std::size_t pixel = static_cast<std::size_t>(y) * columns + x;
             for (std::size_t c = 0; c < 3; ++c) row.rgba[x][c] = static_cast<float>(beauty[3 * x + c]);
             row.rgba[x][3] = static_cast<float>(alpha[x]);
-            const auto shares = atlas_.shares(pixel);
-            std::copy(shares.begin(), shares.end(), row.shares[x].begin());
+            const auto counts = atlas_.samples(pixel);
+            std::transform(counts.begin(), counts.end(), row.counts[x].begin(),
+                           [](std::uint32_t count) { return static_cast<float>(count); });
             atlas_.resolve(pixel, image_.light_path_count(), light_);
             const auto first = static_cast<std::ptrdiff_t>(row.samples.size());
             for (const PathAtlas::Light& light : light_) add(light, row);

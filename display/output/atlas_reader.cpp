@@ -21,11 +21,11 @@
 namespace raylex::display {
 namespace {
 
-constexpr int rows_at_once = 32;
+constexpr int atlas_rows_read = 32;
 /// A damaged count must not ask for memory that no band of rows needs.
 constexpr std::size_t most_band_samples = std::size_t{1} << 28;
 
-std::map<std::string, std::string> strings_of(const Imf::Header& header) {
+std::map<std::string, std::string> header_strings(const Imf::Header& header) {
     std::map<std::string, std::string> strings;
     for (auto i = header.begin(); i != header.end(); ++i)
         if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&i.attribute()))
@@ -157,7 +157,7 @@ void AtlasFile::Impl::read_flat(int first, int last) {
 
 /// The band that begins with row `y` of the image.
 void AtlasFile::Impl::read_band(int y) {
-    const int first = min_y + y, last = min_y + std::min(y + rows_at_once, height) - 1;
+    const int first = min_y + y, last = min_y + std::min(y + atlas_rows_read, height) - 1;
     band_begin = first;
     band_end = last + 1;
     pointers.clear();
@@ -185,7 +185,7 @@ Result<std::unique_ptr<AtlasFile>> AtlasFile::open(const std::string& path) {
         impl->height = window.max.y - window.min.y + 1;
         impl->min_x = window.min.x;
         impl->min_y = window.min.y;
-        auto table = read_table(strings_of(words), path);
+        auto table = read_table(header_strings(words), path);
         if (!table) return table.error();
         impl->table = *std::move(table);
         read_description(impl->file.header(indices[0]), impl->description);
@@ -228,12 +228,12 @@ Status AtlasFile::row(int y, AtlasRow& row) {
     const std::size_t first = static_cast<std::size_t>(line - impl.band_begin) * width;
     row.begin.assign(1, 0);
     row.rgba.resize(width);
-    row.shares.resize(width);
+    row.counts.resize(width);
     for (std::size_t x = 0; x < width; ++x) {
         row.begin.push_back(static_cast<std::uint32_t>(impl.begin[first + x + 1] - impl.begin[first]));
         const float* const flat = impl.flat.data() + (first + x) * (4 + PathAtlas::parts);
         std::copy_n(flat, 4, row.rgba[x].begin());
-        std::copy_n(flat + 4, PathAtlas::parts, row.shares[x].begin());
+        std::copy_n(flat + 4, PathAtlas::parts, row.counts[x].begin());
     }
     row.samples.resize(row.begin.back());
     for (std::size_t i = 0; i < row.samples.size(); ++i) {

@@ -9,9 +9,9 @@
 namespace raylex::display {
 namespace {
 
-constexpr const char* version = "1";
+constexpr const char* table_version = "1";
 
-Error damaged(const std::string& path, const std::string& what) {
+Error damaged_table(const std::string& path, const std::string& what) {
     Error error;
     error.file = path;
     error.message = "the atlas's header is damaged: " + what + "; expected an atlas as raylex render --atlas writes it";
@@ -58,7 +58,7 @@ Status check_words(const WordTable& table, const std::string& path) {
         bool good = !word.empty() && terminals.count(word.back()) > 0;
         for (std::size_t i = 0; good && i + 1 < word.size(); ++i)
             good = word[i] == WordAlphabet::open ? i + 2 == word.size() : scatterings.count(word[i]) > 0;
-        if (!good) return damaged(path, "'" + letters_text(word) + "' in atlas/words is no word of its events");
+        if (!good) return damaged_table(path, "'" + letters_text(word) + "' in atlas/words is no word of its events");
     }
     return success();
 }
@@ -72,7 +72,7 @@ void restore_labels(lpe::Event& event) {
 
 std::map<std::string, std::string> table_attributes(const WordTable& table) {
     std::map<std::string, std::string> attributes;
-    attributes["atlas/version"] = version;
+    attributes["atlas/version"] = table_version;
     attributes["atlas/by"] = to_string(table.rules);
     attributes["atlas/length"] = std::to_string(table.rules.length);
     attributes["atlas/events"] = lpe::to_text(table.events);
@@ -91,10 +91,10 @@ Result<WordTable> read_table(const std::map<std::string, std::string>& attribute
         const auto found = attributes.find(name);
         return found == attributes.end() ? std::string() : found->second;
     };
-    if (text("atlas/version") != version) {
+    if (text("atlas/version") != table_version) {
         Error error;
         error.file = path;
-        error.message = "this atlas is of version '" + text("atlas/version") + "'; expected version " + version;
+        error.message = "this atlas is of version '" + text("atlas/version") + "'; expected version " + table_version;
         return error;
     }
     WordTable table;
@@ -103,19 +103,19 @@ Result<WordTable> read_table(const std::map<std::string, std::string>& attribute
     table.rules = *rules;
     const std::string length = text("atlas/length");
     if (std::from_chars(length.data(), length.data() + length.size(), table.rules.length).ec != std::errc())
-        return damaged(path, "'" + length + "' in atlas/length is no number");
+        return damaged_table(path, "'" + length + "' in atlas/length is no number");
     auto events = lpe::parse_events(text("atlas/events"));
-    if (!events) return damaged(path, "atlas/events does not read: " + events.error().message);
+    if (!events) return damaged_table(path, "atlas/events does not read: " + events.error().message);
     table.events = *std::move(events);
     for (lpe::Event& event : table.events) restore_labels(event);
     if (!read_letters(text("atlas/letters"), table.letters) || table.letters.size() != table.events.size())
-        return damaged(path, "atlas/letters does not have a number for each event");
+        return damaged_table(path, "atlas/letters does not have a number for each event");
     const std::string words = text("atlas/words");
     for (std::size_t begin = 0; begin < words.size();) {
         const std::size_t end = words.find('\n', begin);
-        if (end == std::string::npos) return damaged(path, "atlas/words does not end in the end of a line");
+        if (end == std::string::npos) return damaged_table(path, "atlas/words does not end in the end of a line");
         if (!read_letters(std::string_view(words).substr(begin, end - begin), table.words.emplace_back()))
-            return damaged(path, "'" + words.substr(begin, end - begin) + "' in atlas/words is no word");
+            return damaged_table(path, "'" + words.substr(begin, end - begin) + "' in atlas/words is no word");
         begin = end + 1;
     }
     table.dropped_straight = text("atlas/straight") == "dropped";

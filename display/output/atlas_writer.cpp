@@ -18,13 +18,13 @@
 namespace raylex::display {
 namespace {
 
-constexpr int rows_at_once = 16;
+constexpr int atlas_rows_written = 16;
 
-void add_attributes(Imf::Header& header, const std::map<std::string, std::string>& attributes) {
+void add_atlas_attributes(Imf::Header& header, const std::map<std::string, std::string>& attributes) {
     for (const auto& [name, value] : attributes) header.insert(name, Imf::StringAttribute(value));
 }
 
-std::vector<Imf::Header> headers_of(const AtlasSource& source, const ImageDescription& description) {
+std::vector<Imf::Header> atlas_headers(const AtlasSource& source, const ImageDescription& description) {
     std::vector<Imf::Header> headers;
     for (const char* name : AtlasLayout::parts) {
         Imf::Header header = base_header(name, source.width(), source.height(), description);
@@ -39,17 +39,17 @@ std::vector<Imf::Header> headers_of(const AtlasSource& source, const ImageDescri
     for (const char* plane : AtlasLayout::colors) headers[1].channels().insert(plane, Imf::Channel(Imf::FLOAT));
     for (std::size_t k = 0; k < PathAtlas::parts; ++k)
         headers[2].channels().insert(AtlasLayout::part(k), Imf::Channel(Imf::HALF));
-    add_attributes(headers[0], description.attributes);
+    add_atlas_attributes(headers[0], description.attributes);
     if (!description.complete) headers[0].insert("raylex/incomplete", Imf::StringAttribute("true"));
     headers[0].insert("colorInteropID", Imf::StringAttribute(color_interop_id(description.chromaticities)));
-    add_attributes(headers[1], table_attributes(source.table()));
+    add_atlas_attributes(headers[1], table_attributes(source.table()));
     return headers;
 }
 
 /// A band of rows as OpenEXR wants it.
-class Band {
+class AtlasBand {
   public:
-    Band(AtlasSource& source, int y0, int y1) : width_(source.width()), y0_(y0) {
+    AtlasBand(AtlasSource& source, int y0, int y1) : width_(source.width()), y0_(y0) {
         AtlasRow row;
         for (int y = y0; y < y1 && status_; ++y) {
             status_ = source.row(y, row);
@@ -59,7 +59,7 @@ class Band {
             for (const WordSample& sample : row.samples) add(sample);
             for (std::size_t x = 0; x < static_cast<std::size_t>(width_); ++x) {
                 flat_.insert(flat_.end(), row.rgba[x].begin(), row.rgba[x].end());
-                flat_.insert(flat_.end(), row.shares[x].begin(), row.shares[x].end());
+                flat_.insert(flat_.end(), row.counts[x].begin(), row.counts[x].end());
             }
         }
     }
@@ -135,15 +135,15 @@ Status write_atlas(const std::string& path, AtlasSource& source, const ImageDesc
     if (!file) return std::move(file).error();
     try {
         start_encoder_threads();
-        const std::vector<Imf::Header> headers = headers_of(source, description);
+        const std::vector<Imf::Header> headers = atlas_headers(source, description);
         HeaderRecorder stream(*file);
         stream.stop_recording();
         Imf::MultiPartOutputFile output(stream, headers.data(), static_cast<int>(headers.size()));
         Imf::OutputPart flat(output, 0);
         Imf::DeepScanLineOutputPart words(output, 1), parts(output, 2);
-        for (int y = 0; y < source.height(); y += rows_at_once) {
-            const int end = std::min(y + rows_at_once, source.height());
-            Band band(source, y, end);
+        for (int y = 0; y < source.height(); y += atlas_rows_written) {
+            const int end = std::min(y + atlas_rows_written, source.height());
+            AtlasBand band(source, y, end);
             if (!band.status()) return band.status();
             band.write(flat, words, parts, end - y);
         }

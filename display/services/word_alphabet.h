@@ -25,6 +25,7 @@ struct WordRules {
     bool lobes = true;      ///< names and numbers of lobes; type and scatter letter always are
     bool groups = true;     ///< of lights; L, B and O always are
     bool straight = false;  ///< light straight through cutouts, which only the osl dialect sees
+    static constexpr int most_length = 1000;
     int length = 4;         ///< scatterings of the longest word kept whole
 };
 
