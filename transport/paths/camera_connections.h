@@ -37,6 +37,7 @@ struct LightSubpathEnd {
     Rgb power;
     LightEnd end;                        ///< its lobes are filled in here
     const StrategySums* sums = nullptr;  ///< null: this is the only strategy
+    Real time = 0;                       ///< its subpath's
 };
 
 class CameraConnections {

@@ -90,9 +90,13 @@ Result<CameraSampling> resolve_sampling(const BuiltScene& scene, const RenderSet
     sampling.film = *film;
     const bool lens_code = scene.view().general_code.contains(Effect::depth_of_field);
     auto camera = make_camera(
-        scene.camera, {scene.space().placed(scene.camera_to_world), film->width, film->height, lens_code}, warnings);
+        scene.camera,
+        {scene.space().placed(scene.camera_to_world), film->width, film->height, lens_code, scene.camera_motion},
+        warnings);
     if (!camera) return camera.error();
     sampling.camera = *std::move(camera);
+    sampling.times = scene.view().asks_for_times();
+    sampling.cones = scene.view().materials->filters_images();
     const SceneEntity& filter = settings.filter ? *settings.filter : scene.filter;
     if (Status s = resolve_filter(filter, sampling, warnings); !s) return s.error();
     if (Status s = resolve_splat(settings, sampling); !s) return s.error();

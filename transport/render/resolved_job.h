@@ -23,6 +23,8 @@ namespace raylex::transport {
 struct CameraSampling {
     FilmSettings film;
     std::unique_ptr<Camera> camera;
+    bool times = false;  ///< each sample draws one
+    bool cones = false;  ///< somebody filters by them: each as wide as its sample's pixel_share()
     std::unique_ptr<display::PixelFilter> filter;
     SourceLocation filter_location;    ///< for errors
     bool splat = false;                ///< RenderSettings::splat

@@ -108,6 +108,17 @@ class PixelSampler {
     explicit PixelSampler(PrimarySamples& chain)
         : key_(reinterpret_cast<std::uintptr_t>(&chain)), source_(Source::chain) {}
 
+    /// The numbers of the k-th of n branches that a path is split into: independent of its own, and of those of other
+    /// n. Branches of all samples are one sequence: n samples would be no better spread. Not of chains.
+    [[nodiscard]] PixelSampler branch(std::uint32_t k, std::uint32_t n) const {
+        const std::uint64_t index = std::uint64_t{sampler_detail::reverse_bits(reversed_index_)} * n + k;
+        PixelSampler numbers = *this;
+        const std::uint64_t copy = source_ == Source::sobol ? index >> 32 : index;
+        numbers.key_ = sampler_detail::mix(key_ + n * 0xd6e8feb86659fd93ull) + copy * 0x9e3779b97f4a7c15ull;
+        numbers.reversed_index_ = sampler_detail::reverse_bits(static_cast<std::uint32_t>(index));
+        return numbers;
+    }
+
     /// `dimension` names a use (lens, light choice of the third vertex, ...): the same name, the same number.
     [[nodiscard]] Real get_1d(std::uint32_t dimension) const {
         if (source_ != Source::sobol) [[unlikely]]

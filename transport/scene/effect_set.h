@@ -19,9 +19,11 @@ enum class Effect : std::uint8_t {
     emissive_meshes,
     delta_lights,
     environment,
-    instances
+    instances,
+    motion,
+    texture_filtering
 };
-inline constexpr std::size_t effect_count = 13;
+inline constexpr std::size_t effect_count = 15;
 
 class EffectSet {
   public:
