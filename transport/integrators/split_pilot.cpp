@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "transport/cameras/camera.h"
+#include "transport/paths/camera_subpaths.h"
 
 namespace raylex::transport {
 namespace {
@@ -126,7 +127,10 @@ void SplitPilot::make_rays(std::uint32_t round) {
             row.pixel_x = static_cast<std::int32_t>(row.screen_x);
             row.pixel_y = static_cast<std::int32_t>(row.screen_y);
             row.sample = round;
-            rays_.push_back(context_.camera->generate(row.screen_x, row.screen_y, numbers.get_2d(lens_dimension)));
+            const Real time = sample_time(context_.scene, numbers);
+            row.shutter_time = to_float(time);
+            rays_.push_back(
+                context_.camera->generate({row.screen_x, row.screen_y, numbers.get_2d(lens_dimension), time}));
             samplers_.push_back(numbers);
         }
 }
