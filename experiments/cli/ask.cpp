@@ -21,6 +21,7 @@
 #include "experiments/cli/judge.h"
 #include "experiments/job/channel_plan.h"
 #include "experiments/job/provenance.h"
+#include "experiments/program/columns.h"
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
 #include "experiments/program/tint.h"
@@ -79,11 +80,6 @@ std::string triple(const std::array<float, 3>& rgb) {
 
 std::string with_error(double value, double error) {
     return number_text(value) + (std::isfinite(error) ? " +- " + number_text(error, 2) : " +- unknown");
-}
-
-std::string padded(std::string text, std::size_t width) {
-    text.resize(std::max(text.size(), width), ' ');
-    return text;
 }
 
 int tell_pixel(display::AtlasFile& atlas, const AskOptions& options) {
