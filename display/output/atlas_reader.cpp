@@ -55,6 +55,13 @@ int part_named(const Imf::MultiPartInputFile& file, const char* name, bool deep)
     return -1;
 }
 
+/// A new frame buffer makes OpenEXR forget the counts that it read for the last one.
+void read_deep(Imf::DeepScanLineInputPart& part, const Imf::DeepFrameBuffer& buffer, int first, int last) {
+    part.setFrameBuffer(buffer);
+    part.readPixelSampleCounts(first, last);
+    part.readPixels(first, last);
+}
+
 }  // namespace
 
 struct AtlasFile::Impl {
@@ -121,8 +128,7 @@ void AtlasFile::Impl::read_words(int first, int last) {
     }
     insert(buffer, AtlasLayout::word, Imf::UINT, words);
     for (std::size_t c = 0; c < 3; ++c) insert(buffer, AtlasLayout::colors[c], Imf::FLOAT, colors[c]);
-    part.setFrameBuffer(buffer);
-    part.readPixels(first, last);
+    read_deep(part, buffer, first, last);
     const std::size_t known = table.words.size();
     for (std::size_t i = 0; i < begin.back(); ++i)
         if (words[i] >= known) throw std::runtime_error("it names a word that its table does not have");
@@ -136,8 +142,7 @@ void AtlasFile::Impl::read_parts(int first, int last) {
     part.readPixelSampleCounts(first, last);
     if (counts != of_words) throw std::runtime_error("its parts 'words' and 'parts' differ in their samples");
     for (std::size_t k = 0; k < PathAtlas::parts; ++k) insert(buffer, AtlasLayout::part(k), Imf::FLOAT, parts[k]);
-    part.setFrameBuffer(buffer);
-    part.readPixels(first, last);
+    read_deep(part, buffer, first, last);
 }
 
 void AtlasFile::Impl::read_flat(int first, int last) {

@@ -140,7 +140,7 @@ TEST_CASE("words of light subpaths are those of the whole path", "[path_words][l
         std::vector<std::vector<LobePart>> vertices;
         for (int i = 0; i < length; ++i) {
             std::vector<LobePart>& parts = vertices.emplace_back();
-            for (int k = 0; k <= i % 3; ++k)
+            for (int k = 0; k <= 1 + i % 3; ++k)
                 parts.push_back({classes.scattering[static_cast<std::size_t>(random.below(5))],
                                  Rgb(random.uniform_float(), random.uniform_float(), random.uniform_float())});
         }
@@ -224,7 +224,8 @@ TEST_CASE("what is not told apart shares a letter", "[path_words]") {
     const auto letters = [](const std::string& by) {
         auto rules = parse_word_rules(by, {"--atlas-by", 0, 0});
         REQUIRE(rules);
-        auto alphabet = WordAlphabet::build(events_of("R,D,floor,diffuse R,D,wall,diffuse R,D2,wall,coat L,-,key L,-"), *rules);
+        auto alphabet =
+            WordAlphabet::build(events_of("R,D,floor,diffuse R,D,wall,diffuse R,D2,wall,coat L,-,key L,-"), *rules);
         REQUIRE(alphabet);
         return alphabet->letter_count();
     };
