@@ -233,7 +233,7 @@ TEST_CASE("labels, lobes and groups that an atlas did not keep are not answered"
     CHECK(run_raylex(folder, "ask plain.atlas.exr --lpe key=\"C.*<L.'key'>\" -o g.exr").code == 0);
     check_refused(folder, "render job.toml -o n.exr --atlas n.atlas.exr --atlas-by labels", {"did you mean 'label'?"});
     check_refused(folder, "render job.toml -o n.exr --atlas-length 4", {"--atlas FILE.exr"});
-    check_refused(folder, "render job.toml -o n.exr --atlas n.atlas.exr --no-beauty",
+    check_refused(folder, "render job.toml -o n.exr --atlas n.atlas.exr --no-beauty --lpe d=CDL",
                   {"expected a render with beauty"});
     check_refused(folder, "render job.toml -o n.exr --atlas n.atlas.exr --integrator pssmlt", {"keeps no path atlas"});
 }
@@ -308,7 +308,7 @@ TEST_CASE("questions to no atlas end in a message", "[atlas][law7]") {
     // Cut anywhere: within the header, the tables, the pixels.
     for (const double part : {0.02, 0.1, 0.3, 0.6, 0.9}) {
         folder.write("cut.exr", bytes.substr(0, static_cast<std::size_t>(part * static_cast<double>(bytes.size()))));
-        check_refused(folder, "ask cut.exr --lpe d=CDL -o d.exr", {"cut.exr"});
+        check_refused(folder, "ask cut.exr --errors --lpe d=CDL -o d.exr", {"cut.exr"});
     }
     std::string other = bytes;
     const std::size_t version = other.find("atlas/version");
