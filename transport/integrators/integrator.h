@@ -123,6 +123,8 @@ struct IntegratorTraits {
     std::optional<std::int64_t> max_depth;  ///< scattering events of a path at most
     bool media = false;                     ///< takes paths through participating media
     SavedState saved_state = SavedState::unknown;
+    /// Every contribution comes with its word: what a path atlas needs. False of those that sum them up by channels.
+    bool tells_words = true;
     /// Light lands at raster positions of its own (ThreadServices::raster). What needs samples that belong to a pixel
     /// is refused then: layers of statistics, adaptive sampling, sample filters, deep images, other rules than the
     /// pixel filter for light. Moments (ChannelDefinition::statistics) are not kept.

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -20,6 +21,7 @@
 #include "display/services/channel_settings.h"
 #include "display/services/display_services.h"
 #include "display/services/lpe_services.h"
+#include "display/services/word_alphabet.h"
 #include "geoaovs/cryptomatte.h"
 #include "lpe/channels/lobe_slots.h"
 #include "lpe/result.h"
@@ -38,6 +40,7 @@ struct RenderPlan {
     const display::PixelFilter* filter = nullptr;
     bool splat = false;
     bool raster = false;                      ///< the integrator's light lands anywhere on the image
+    std::shared_ptr<const display::WordAlphabet> words;  ///< what RenderSettings::words came to
     std::vector<display::ChannelId> altered;  ///< by sample filters: partitions with these do not sum
     std::vector<display::MemoryItem> memory;  ///< of the frame buffer, layer by layer, and cryptomattes
 };
@@ -95,6 +98,8 @@ struct RenderSettings {
     /// Called once before memory is taken; an Error ends the render. It may add to `sinks`, which get every finished
     /// batch beside the frame buffer; they must outlive the render.
     std::function<Status(const RenderPlan&, std::vector<display::SampleSink*>& sinks)> before_rendering;
+    /// Has the words of all light told apart by these rules and kept: for a path atlas, which is among the sinks.
+    std::optional<display::WordRules> words;
     std::vector<geoaovs::MatteKind> cryptomatte;  ///< which sets of mattes to make; not with negative pixel filters
     int cryptomatte_ranks = geoaovs::Cryptomatte::default_ranks;  ///< even, at most Cryptomatte::most_ranks
     /// Samples go where the error is above a tolerance, instead of samples_per_pixel everywhere.

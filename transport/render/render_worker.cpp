@@ -34,7 +34,8 @@ void SplatGate::take(const display::SampleTable& table) {
         const std::uint64_t number = order_[begin].first / 2;
         TileLocks::Group adding = locks_.group(number, grid_, order_[begin].first % 2 != 0);
         const std::lock_guard lock(adding);
-        frame_buffer_.splat(table, rows_);
+        target_.frame_buffer.splat(table, rows_);
+        for (display::SampleSink* sink : target_.sinks) sink->splat(table, rows_);
     }
 }
 
@@ -47,7 +48,7 @@ RenderWorker::RenderWorker(const PreparedJob& prepared, RenderTarget& target, Ti
       table_(job_.channels.list, batch_capacity, job_.has_extra_rows ? 4 * batch_capacity : 0, target.splat_sets.get()),
       display_(table_),
       lpe_(*job_.channels.lpe, table_, job_.sampling.seed, job_.channels.attribution),
-      gate_(job_, locks, target.frame_buffer),
+      gate_(job_, locks, target),
       raster_(job_.raster()
                   ? std::make_unique<display::RasterSplats>(*job_.channels.lpe, job_.channels.list, job_.sampling.seed,
                                                             job_.channels.attribution, gate_)

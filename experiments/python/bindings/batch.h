@@ -82,7 +82,7 @@ class Points : public std::enable_shared_from_this<Points> {
   public:
     std::shared_ptr<Batch> batch;
     std::vector<std::uint32_t> rows, missed;  ///< of the batch: with a point, and those whose ray hit nothing
-    std::vector<transport::Vec3> missed_directions;
+    std::vector<transport::Ray> missed_rays;
     std::vector<transport::Ray> rays;  ///< that found the points
     std::vector<transport::Hit> hits;
     std::vector<transport::SurfacePoint> points;
