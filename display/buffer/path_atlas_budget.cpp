@@ -49,7 +49,7 @@ struct Candidate {
 
 }  // namespace
 
-/// Merges as few words as will do, by one scattering each. False when none has one left.
+/// Merges as few words as will do, by one scattering each, and at most half of them. False when none has one left.
 bool PathAtlas::merge_round(std::uint64_t most_entries) {
     const std::vector<double> light = light_of_words();
     std::vector<Candidate> candidates;
@@ -80,11 +80,13 @@ bool PathAtlas::merge_round(std::uint64_t most_entries) {
         }
         return count;
     };
-    std::size_t few = 0, enough = candidates.size();  // `few` do not do; `enough` do, or all there are
-    while (enough - few > 1) {
-        const std::size_t middle = few + (enough - few) / 2;
-        (entries_with(middle) <= most_entries ? enough : few) = middle;
-    }
+    // Of words that are many, the darker half at a time: what they come to may be bright, and is then left alone.
+    std::size_t few = 0, enough = (candidates.size() + 1) / 2;
+    if (entries_with(enough) <= most_entries)
+        while (enough - few > 1) {
+            const std::size_t middle = few + (enough - few) / 2;
+            (entries_with(middle) <= most_entries ? enough : few) = middle;
+        }
     for (std::size_t i = 0; i < enough; ++i) merged_into_[candidates[i].word] = candidates[i].merged;
     merged_words_ += enough;
     apply_merges();
@@ -98,8 +100,7 @@ void PathAtlas::apply_merges() {
         pixel.slots.clear();
         for (const Entry& entry : before) {
             Entry& to = pixel.entry(2 * survivor(entry.word >> 1) + (entry.word & 1));
-            for (std::size_t i = 0; i < entry.sums.size(); ++i)
-                static_cast<void>(add_fixed(to.sums[i], entry.sums[i]));
+            for (std::size_t i = 0; i < entry.sums.size(); ++i) static_cast<void>(add_fixed(to.sums[i], entry.sums[i]));
         }
     }
 }

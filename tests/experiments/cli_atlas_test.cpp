@@ -290,7 +290,7 @@ TEST_CASE("atlases of several seeds are one, in any order", "[atlas]") {
     }
     check_refused(folder, "ask --merge a.atlas.exr a.atlas.exr -o n.exr", {"both have seed 1", "--seed"});
     folder.render_atlas("d", "--seed 4 --atlas-length 2");
-    check_refused(folder, "ask --merge a.atlas.exr d.atlas.exr -o n.exr", {"length 4", "length 2"});
+    check_refused(folder, "ask --merge a.atlas.exr d.atlas.exr -o n.exr", {"length 8", "length 2"});
     check_refused(folder, "ask --merge a.atlas.exr -o n.exr", {"at least two"});
 }
 
