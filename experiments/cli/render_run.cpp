@@ -24,7 +24,6 @@
 #include "experiments/program/exit_codes.h"
 #include "experiments/program/interrupt.h"
 #include "experiments/program/tint.h"
-#include "transport/render/film.h"
 
 namespace raylex::experiments {
 namespace {
@@ -93,7 +92,7 @@ class RenderRun {
         auto loaded = load_job_scene(job_);
         if (!loaded) return report_error(loaded.error());
         loaded_ = std::move(*loaded);
-        ask_for_film_layers();
+        ask_for_film_layers(loaded_->scene.film, job_);
         for (const std::string& warning : loaded_->warnings) warn(warning);
         for (const std::string& line : job_.show_effects ? effect_table(loaded_->effects, job_.effects)
                                                          : effect_summary(loaded_->effects, job_.effects))
@@ -102,14 +101,6 @@ class RenderRun {
             if (Status made = outputs_.make(job_, loaded_->color); !made) return report_error(made.error());
         phases_["load"] = clock.elapsed();
         return interrupted_early();
-    }
-
-    /// What the scene's film would write beside the image.
-    void ask_for_film_layers() {
-        for (const std::string& layer : transport::gbuffer_layers(loaded_->scene.film))
-            if (std::none_of(job_.aovs.begin(), job_.aovs.end(),
-                             [&](const AovRequest& each) { return each.name == layer; }))
-                job_.aovs.push_back({layer, loaded_->scene.film.location});
     }
 
     Step plan() {

@@ -1,5 +1,6 @@
 #include "experiments/job/job_scene.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -10,6 +11,7 @@
 #include "experiments/job/provenance.h"
 #include "transport/import/pbrt_importer.h"
 #include "transport/plugins/plugin_loader.h"
+#include "transport/render/film.h"
 
 namespace raylex::experiments {
 namespace {
@@ -58,6 +60,14 @@ Result<std::unique_ptr<JobScene>> prepare_job_scene(const Job& job, transport::S
     if (!loaded) return loaded;
     (*loaded)->scene = std::move(scene);
     return finish_job_scene(job, *std::move(loaded));
+}
+
+void ask_for_film_layers(const transport::SceneEntity& film, Job& job) {
+    const auto has = [](const auto& requests, const std::string& name) {
+        return std::any_of(requests.begin(), requests.end(), [&](const auto& each) { return each.name == name; });
+    };
+    for (const std::string& layer : transport::gbuffer_layers(film))
+        if (!has(job.aovs, layer) && !has(job.expressions, layer)) job.aovs.push_back({layer, film.location});
 }
 
 display::RecordIdentity checkpoint_identity(const Job& job, const ColorSetup& color) {

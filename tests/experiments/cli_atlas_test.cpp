@@ -17,7 +17,7 @@ using raylex::display::ExrImage;
 namespace {
 
 /// A glass ball and a glossy wall over a labelled floor; a lamp of group key, a point light without one and a sky.
-const char* const scene = R"(Film "rgb" "integer xresolution" 14 "integer yresolution" 10
+const char* const glass_over_floor = R"(Film "rgb" "integer xresolution" 14 "integer yresolution" 10
 Sampler "independent" "integer pixelsamples" 8
 PixelFilter "box"
 Integrator "path" "integer maxdepth" 6
@@ -48,7 +48,7 @@ AttributeEnd
 /// With that scene as scene.pbrt, and a job that names a light group.
 struct AtlasFolder : Folder {
     AtlasFolder() {
-        write("scene.pbrt", scene);
+        write("scene.pbrt", glass_over_floor);
         write("job.toml",
               "[scene]\nfile = \"scene.pbrt\"\n[[light_group]]\narea_light_material = \"lamp\"\ngroup = \"key\"\n");
     }

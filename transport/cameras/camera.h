@@ -57,7 +57,7 @@ class Camera {
     /// Whether light counts differently along its rays. Such a camera is nothing that light paths can be connected to:
     /// connect() and importance() do not ask it, and integrators without the trait camera_weights refuse it.
     [[nodiscard]] virtual bool weighs_rays() const { return false; }
-    /// One ray, at its time. These three are asked for every vertex of a path: the in-tree camera is called without
+    /// One ray, at its time. These three are asked for every vertex of a path: the perspective camera is called without
     /// indirection.
     [[nodiscard]] Ray generate(const CameraSample& sample) const;
     /// How the camera sees a point in world space through `lens` in [0, 1)^2 at `time`; false for what is not in front

@@ -126,7 +126,7 @@ void RenderWorker::flush() {
     else if (job_.sampling.times) camera.generate_in_time({camera_samples_.data(), count_}, {rays_.data(), count_});
     else camera.generate({camera_samples_.data(), count_}, {rays_.data(), count_});
     if (job_.sampling.cones)
-        for (std::size_t i = 0; i < count_; ++i) rays_[i].cone.spread *= pixel_share(rows_[i].sample);
+        for (std::size_t i = 0; i < count_; ++i) rays_[i].cone = cone_of_sample(rays_[i].cone, rows_[i].sample);
     table_.begin({rows_.data(), count_});
     const double begin = aovs_.wants_time() ? thread_cpu_seconds() : 0;
     ThreadServices services{display_, lpe_, raster_.get(), &leave_};

@@ -274,6 +274,7 @@ py::array_t<bool> visible(const LightSamples& lights) {
             if (!(lights.samples[i].pdf > 0)) continue;
             shadow.push_back(transport::shadow_ray(from.points[i].position, from.points[i].geometric_normal,
                                                    from.sources[i].offset.here, lights.samples[i]));
+            shadow.back().time = from.hits[i].time;
             which.push_back(i);
         }
         std::vector<std::uint8_t> found(shadow.size());
