@@ -28,16 +28,12 @@ class PathIntegrator final : public Integrator, private SplitTrials {
   public:
     explicit PathIntegrator(const PathParameters& parameters) : parameters_(parameters) {}
     [[nodiscard]] IntegratorTraits traits() const override {
-        return {true,
-                parameters_.strategy != PathStrategy::scattering,
-                true,
-                true,
-                parameters_.max_depth,
-                true,
-                SavedState::none,
-                false,
-                false,
-                true};
+        IntegratorTraits traits;
+        traits.emitter_samples = traits.holdouts = traits.user_events = traits.media = traits.camera_weights = true;
+        traits.light_samples = parameters_.strategy != PathStrategy::scattering;
+        traits.max_depth = parameters_.max_depth;
+        traits.saved_state = SavedState::none;
+        return traits;
     }
     Status prepare(const IntegratorContext& context) override {
         context_ = context;
