@@ -9,6 +9,7 @@
 #include "transport/paths/counters.h"
 #include "transport/paths/record.h"
 #include "transport/paths/strategies.h"
+#include "transport/paths/subpath.h"
 
 namespace raylex::transport {
 
@@ -37,7 +38,14 @@ struct LightSubpathEnd {
     Rgb power;
     LightEnd end;                        ///< its lobes are filled in here
     const StrategySums* sums = nullptr;  ///< null: this is the only strategy
+    std::uint32_t key = 0;               ///< of what its ray draws in grids; no matter where there are none
 };
+
+/// LightSubpathEnd::key of a vertex with so many scattering events before it.
+inline std::uint32_t connection_key(const SceneView& scene, const PixelSampler& sampler, std::uint32_t depth) {
+    if (!scene.media->any_grids()) return 0;
+    return sampler.key(subpath_dimensions<TransportMode::importance>.connections + depth);
+}
 
 class CameraConnections {
   public:
@@ -58,6 +66,7 @@ class CameraConnections {
         std::uint32_t light_vertices = 0;
         bool holdout = false;
         Rgb value, unweighted;
+        std::uint32_t key = 0;
         LightEnd end;
         Ray from_camera;  ///< for cutouts, which come in the order in which its word reads them
     };
