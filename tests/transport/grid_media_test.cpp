@@ -169,7 +169,7 @@ TEST_CASE("flights, transmittance and emission have their means, whatever the ma
     const std::string colours = " \"rgb sigma_a\"" + list(numbers(3 * nx * ny * nz, 6, 0.2)) + " \"rgb sigma_s\"" +
                                 list(numbers(3 * nx * ny * nz, 7, 0.2)) + " \"rgb Le\"" +
                                 list(numbers(3 * nx * ny * nz, 8, 0.2)) + counts + box;
-    for (const std::string& factor :
+    for (const std::string factor :
          {" \"float raylex:majorant\" 1", " \"float raylex:majorant\" 10", " \"float raylex:majorant\" 100"}) {
         CAPTURE(factor);
         for (const std::string& medium : {"\"string type\" \"uniformgrid\" \"rgb sigma_a\" [.3 .3 .3] \"rgb sigma_s\" "

@@ -119,7 +119,7 @@ Result<NanoVdbGrid> TreeReader<Build>::read() {
     const auto fill = [&](int cell_x, int cell_y, int cell_z, float* to) {
         auto accessor = grid->getAccessor();
         BadValues passed_over;  // counted leaf by leaf
-        VoxelGrid::for_each_point(cell_x, cell_y, cell_z, [&](int x, int y, int z) {
+        VoxelGrid::for_each_point(cells_.side, cell_x, cell_y, cell_z, [&](int x, int y, int z) {
             const auto value = static_cast<float>(accessor.getValue({first[0] + x, first[1] + y, first[2] + z}));
             *to++ = passed_over.checked(value, may_be_negative_, x, y, z);
         });
@@ -133,7 +133,7 @@ template <class Build>
 Status TreeReader<Build>::read_box(const Root& root) {
     const auto& box = root.bbox();
     constexpr int farthest = 1 << 29;
-    std::uint64_t count = 1;
+    std::array<int, 3> steps{};
     std::array<double, 3> lower{}, upper{};
     for (int a = 0; a < 3; ++a) {
         const int least = box.min()[a], most = box.max()[a];
@@ -142,28 +142,30 @@ Status TreeReader<Build>::read_box(const Root& root) {
         if (least < -farthest || most > farthest) return damaged(path_, "its box of voxels has no bounds");
         // Zeros stand around the box, and leaves begin at multiples of 8: so do cells.
         result_.origin[i] = (least - 1) & ~7;
-        cells_.size[i] = (most + 1 - result_.origin[i] + VoxelGrid::side - 1) / VoxelGrid::side;
-        count *= static_cast<std::uint64_t>(cells_.size[i]);
-        if (count > budget(Budget::volume_cells))
-            return over_budget(Budget::volume_cells, "the grid's box has more cells of 4 x 4 x 4 voxels", path_);
+        steps[i] = most + 1 - result_.origin[i];
         lower[i] = least;
         upper[i] = most + 1;
     }
     result_.lower = {lower[0], lower[1], lower[2]};
     result_.upper = {upper[0], upper[1], upper[2]};
-    occupied_.assign(static_cast<std::size_t>(count), 0);
+    cells_ = CellBox::holding(steps);
+    if (cells_.count() > budget(Budget::volume_cells))
+        return over_budget(Budget::volume_cells,
+                           "the box of the grid's voxels has " + std::to_string(cells_.count()) + " cells", path_);
+    occupied_.assign(cells_.count(), 0);
     return success();
 }
 
 template <class Build>
 void TreeReader<Build>::mark(const nanovdb::Coord& origin, int edge) {
     std::array<int, 3> first{}, last{};
+    const int shift = cells_.side == 4 ? 2 : 3;
     for (int a = 0; a < 3; ++a) {
         const auto i = static_cast<std::size_t>(a);
         // A point on a border belongs to the cell before, too. Shifts round down.
         const std::int64_t from = std::int64_t{origin[a]} - result_.origin[i];
-        first[i] = static_cast<int>(std::clamp<std::int64_t>((from - 1) >> 2, 0, cells_.size[i]));
-        last[i] = static_cast<int>(std::clamp<std::int64_t>((from + edge - 1) >> 2, -1, cells_.size[i] - 1));
+        first[i] = static_cast<int>(std::clamp<std::int64_t>((from - 1) >> shift, 0, cells_.size[i]));
+        last[i] = static_cast<int>(std::clamp<std::int64_t>((from + edge - 1) >> shift, -1, cells_.size[i] - 1));
     }
     for (int z = first[2]; z <= last[2]; ++z)
         for (int y = first[1]; y <= last[1]; ++y)

@@ -2,7 +2,8 @@
 
 #include <tbb/parallel_for.h>
 
-#include "transport/geometry/ray.h"
+#include <limits>
+
 #include "transport/materials/noise.h"
 
 namespace raylex::transport {
@@ -41,49 +42,51 @@ Real CloudDensity::at(const Vec3& p) const {
     return std::clamp(std::clamp(raised(p), Real(0), Real(1)) + base, Real(0), Real(1));
 }
 
+/// raised() at points that stand half a cell apart, the box's ends included.
+CellBox CloudDensity::points_of(const CellBox& box) {
+    return {{box.size[0] * 2 + 1, box.size[1] * 2 + 1, box.size[2] * 2 + 1}, 1};
+}
+
+std::vector<float> CloudDensity::raised_at_points(const CellBox& box) const {
+    const CellBox points = points_of(box);
+    std::vector<float> found(points.count());
+    tbb::parallel_for(0, points.size[2], [&](int z) {
+        for (int y = 0; y < points.size[1]; ++y)
+            for (int x = 0; x < points.size[0]; ++x) {
+                const auto along = [](Real from, Real size, int i) { return from + size * static_cast<Real>(i) / 2; };
+                const Vec3 p{along(lower.x, cell.x, x), along(lower.y, cell.y, y), along(lower.z, cell.z, z)};
+                found[points.index(x, y, z)] = to_float(raised(p));
+            }
+    });
+    return found;
+}
+
 std::vector<CellBounds> CloudDensity::bounds(const CellBox& box) const {
-    // Points stand half a cell apart. The margin is of what the finest octaves and the warp move between them.
-    constexpr int per_cell = 2;
+    // What the finest octaves and the warp move between the points.
     constexpr Real margin = Real(0.3);
-    std::vector<CellBounds> result(box.count(), CellBounds{0, 1});
-    const Real coarsest = frequency * std::max({cell.x, cell.y, cell.z});
-    const bool resolved = coarsest <= Real(0.2);
-    const std::array<int, 3> n{box.size[0] * per_cell + 1, box.size[1] * per_cell + 1, box.size[2] * per_cell + 1};
-    const CellBox points{n};
-    std::vector<float> found(resolved ? points.count() : 0);
-    if (resolved)
-        tbb::parallel_for(0, n[2], [&](int z) {
-            for (int y = 0; y < n[1]; ++y)
-                for (int x = 0; x < n[0]; ++x)
-                    found[points.index(x, y, z)] =
-                        to_float(raised(lower + Vec3(cell.x * static_cast<Real>(x), cell.y * static_cast<Real>(y),
-                                                     cell.z * static_cast<Real>(z)) *
-                                                    (1 / Real(per_cell))));
-        });
+    const CellBox points = points_of(box);
+    const bool resolved = frequency * std::max({cell.x, cell.y, cell.z}) <= Real(0.2);
+    const std::vector<float> found = resolved ? raised_at_points(box) : std::vector<float>();
+    /// The largest in and one point around a cell.
+    const auto largest = [&](int cx, int cy, int cz) {
+        const auto first = [](int c) { return std::max(2 * c - 1, 0); };
+        const auto last = [&](std::size_t a, int c) { return std::min(2 * c + 3, points.size[a] - 1); };
+        float most = -std::numeric_limits<float>::infinity();
+        for (int z = first(cz); z <= last(2, cz); ++z)
+            for (int y = first(cy); y <= last(1, cy); ++y)
+                for (int x = first(cx); x <= last(0, cx); ++x) most = std::max(most, found[points.index(x, y, z)]);
+        return static_cast<Real>(most);
+    };
+    std::vector<CellBounds> result(box.count());
     for (int z = 0; z < box.size[2]; ++z)
         for (int y = 0; y < box.size[1]; ++y)
             for (int x = 0; x < box.size[0]; ++x) {
-                CellBounds& bounds = result[box.index(x, y, z)];
                 const Real low = lower.y + cell.y * static_cast<Real>(y), high = low + cell.y;
-                Real most = 1;
-                if (resolved) {
-                    most = -infinity;
-                    const auto each = [&](int axis, int at) {
-                        const auto a = static_cast<std::size_t>(axis);
-                        return std::pair(std::max(at * per_cell - 1, 0), std::min((at + 1) * per_cell + 1, n[a] - 1));
-                    };
-                    const auto [x0, x1] = each(0, x);
-                    const auto [y0, y1] = each(1, y);
-                    const auto [z0, z1] = each(2, z);
-                    for (int k = z0; k <= z1; ++k)
-                        for (int j = y0; j <= y1; ++j)
-                            for (int i = x0; i <= x1; ++i)
-                                most = std::max(most, static_cast<Real>(found[points.index(i, j, k)]));
-                    most =
-                        std::clamp(most + margin * std::min(std::abs((1 - low) * density), Real(1)), Real(0), Real(1));
-                }
-                bounds.most = to_float(std::min(most + bottom(low), Real(1)));
-                bounds.least = to_float(std::min(bottom(high), Real(1)));
+                const Real varies =
+                    margin * std::min(std::max(std::abs(1 - low), std::abs(1 - high)) * density, Real(1));
+                const Real most = resolved ? std::clamp(largest(x, y, z) + varies, Real(0), Real(1)) : 1;
+                result[box.index(x, y, z)] = {to_float(std::min(bottom(high), Real(1))),
+                                              to_float(std::min(most + bottom(low), Real(1)))};
             }
     return result;
 }

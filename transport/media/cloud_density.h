@@ -23,6 +23,8 @@ struct CloudDensity {
   private:
     /// Before it is cut to [0, 1] and added to the bottom.
     [[nodiscard]] Real raised(const Vec3& p) const;
+    static CellBox points_of(const CellBox& box);
+    [[nodiscard]] std::vector<float> raised_at_points(const CellBox& box) const;
 };
 
 }  // namespace raylex::transport

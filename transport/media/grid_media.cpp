@@ -14,17 +14,13 @@ struct GridShape {
     std::array<int, 3> values{1, 1, 1};
     DVec3 p0, p1{1, 1, 1};
 
-    [[nodiscard]] std::size_t count() const { return CellBox{values}.count(); }
+    [[nodiscard]] std::size_t count() const { return CellBox{values, 1}.count(); }
     [[nodiscard]] std::string text() const {
         return "nx x ny x nz = " + std::to_string(values[0]) + " x " + std::to_string(values[1]) + " x " +
                std::to_string(values[2]) + " = " + std::to_string(count());
     }
     /// Of the lattice with a border of zeros around it.
-    [[nodiscard]] CellBox cells() const {
-        CellBox box;
-        for (std::size_t a = 0; a < 3; ++a) box.size[a] = (values[a] + 1 + VoxelGrid::side - 1) / VoxelGrid::side;
-        return box;
-    }
+    [[nodiscard]] CellBox cells() const { return CellBox::holding({values[0] + 1, values[1] + 1, values[2] + 1}); }
 };
 
 Status read_box(const SceneMedium& entity, DVec3& p0, DVec3& p1) {
@@ -76,10 +72,11 @@ Matrix34 cells_from_render(const SceneMedium& entity, const MediumContext& conte
 /// As pbrt has it: values stand in the middle of voxels, and beyond the outermost ones they fall to 0 over a voxel, of
 /// which the box has half.
 CellFrame frame_of(const SceneMedium& entity, const MediumContext& context, const GridShape& shape) {
-    constexpr double half = 0.5 / VoxelGrid::side;
-    const auto cells = [](int n) { return static_cast<double>(n) / VoxelGrid::side; };
+    const CellBox box = shape.cells();
+    const double half = 0.5 / box.side;
+    const auto cells = [&](int n) { return static_cast<double>(n) / box.side; };
     const DVec3 size{cells(shape.values[0]), cells(shape.values[1]), cells(shape.values[2])}, lower{half, half, half};
-    return {cells_from_render(entity, context, shape.p0, shape.p1, lower, size), lower, lower + size, shape.cells()};
+    return {cells_from_render(entity, context, shape.p0, shape.p1, lower, size), lower, lower + size, box};
 }
 
 /// The numbers of a grid's parameter, or null where there is none. Errors: another type, another count.
@@ -102,7 +99,7 @@ Result<const Parameter*> find_grid(const SceneMedium& entity, const char* name, 
 VoxelGrid grid_of(const Parameter& parameter, const GridShape& shape, int channels, bool may_be_negative,
                   const SceneMedium& entity, std::vector<Error>& warnings) {
     BadValues bad;
-    const CellBox voxels{shape.values};
+    const CellBox voxels{shape.values, 1}, cells = shape.cells();
     std::vector<float> values(parameter.numbers.size());
     std::size_t i = 0;
     for (int z = 0; z < shape.values[2]; ++z)
@@ -112,7 +109,7 @@ VoxelGrid grid_of(const Parameter& parameter, const GridShape& shape, int channe
                     values[i] = bad.checked(static_cast<float>(parameter.numbers[i]), may_be_negative, x, y, z);
     warn_of(bad, entity, parameter.location, parameter.name, warnings);
     const auto fill = [&](int cell_x, int cell_y, int cell_z, float* to) {
-        VoxelGrid::for_each_point(cell_x, cell_y, cell_z, [&](int x, int y, int z) {
+        VoxelGrid::for_each_point(cells.side, cell_x, cell_y, cell_z, [&](int x, int y, int z) {
             const bool inside =
                 x > 0 && y > 0 && z > 0 && x <= shape.values[0] && y <= shape.values[1] && z <= shape.values[2];
             const float* from =
@@ -120,13 +117,13 @@ VoxelGrid grid_of(const Parameter& parameter, const GridShape& shape, int channe
             for (int c = 0; c < channels; ++c) *to++ = inside ? from[c] : 0.0f;
         });
     };
-    return VoxelGrid::build(shape.cells(), channels, fill);
+    return VoxelGrid::build(cells, channels, fill);
 }
 
-/// One value everywhere, on the border too.
+/// One grey everywhere, on the border too.
 VoxelGrid constant_grid(const GridShape& shape, float value) {
-    return VoxelGrid::build(shape.cells(), 1,
-                            [value](int, int, int, float* to) { std::fill_n(to, VoxelGrid::points, value); });
+    const CellBox cells = shape.cells();
+    return VoxelGrid::build(cells, 3, [&](int, int, int, float* to) { std::fill_n(to, 3 * cells.points(), value); });
 }
 
 /// "Le", "Lescale" and "temperature" of a uniformgrid.

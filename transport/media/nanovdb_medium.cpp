@@ -10,7 +10,7 @@ namespace {
 
 /// From the space of the medium to a grid's cells.
 Transform cells_of(const NanoVdbGrid& grid) {
-    constexpr double per_voxel = 1.0 / VoxelGrid::side;
+    const double per_voxel = 1.0 / grid.values.box().side;
     return Transform::scale(per_voxel, per_voxel, per_voxel) *
            Transform::translate(-grid.origin[0], -grid.origin[1], -grid.origin[2]) *
            Transform(grid.world_from_index).inverse();
@@ -18,7 +18,7 @@ Transform cells_of(const NanoVdbGrid& grid) {
 
 DVec3 in_cells(const NanoVdbGrid& grid, const DVec3& index) {
     const DVec3 origin(grid.origin[0], grid.origin[1], grid.origin[2]);
-    return (index - origin) * (1.0 / VoxelGrid::side);
+    return (index - origin) * (1.0 / grid.values.box().side);
 }
 
 Error at_parameter(Error error, const Parameter& parameter) {

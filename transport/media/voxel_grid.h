@@ -1,8 +1,8 @@
 // Numbers on a lattice, linear in between: what the densities, temperatures and colours of media come as.
 //
-// The lattice is cut into cells of 4^3 steps. A cell where something varies keeps its (4 + 1)^3 points side by side,
-// those on its faces twice, so that a look-up touches one stretch of memory and knows the bounds of what it may find;
-// a cell that is the same everywhere, as empty space is, keeps that value alone.
+// The lattice is cut into cells of 4^3 steps, large ones of 8^3. A cell where something varies keeps its points side by
+// side, those on its faces twice, so that a look-up touches one stretch of memory and knows the bounds of what it may
+// find; a cell that is the same everywhere, as empty space is, keeps that value alone.
 #pragma once
 
 #include <algorithm>
@@ -19,6 +19,18 @@ namespace raylex::transport {
 /// How far a lattice reaches, in cells, and which of them is where.
 struct CellBox {
     std::array<int, 3> size{1, 1, 1};
+    int side = 4;  ///< steps of the lattice along one side of a cell
+
+    /// That holds so many steps: in cells of 4 if these are not too many to walk through and to keep, of 8 else.
+    static CellBox holding(const std::array<int, 3>& steps) {
+        constexpr std::size_t many = std::size_t{1} << 21;
+        CellBox box;
+        for (box.side = 4;; box.side = 8) {
+            for (std::size_t a = 0; a < 3; ++a) box.size[a] = (steps[a] - 1) / box.side + 1;
+            if (box.count() <= many || box.side == 8) return box;
+        }
+    }
+    [[nodiscard]] int points() const { return (side + 1) * (side + 1) * (side + 1); }
 
     [[nodiscard]] std::size_t count() const {
         return static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) *
@@ -38,21 +50,16 @@ struct CellBounds {
 
 class VoxelGrid {
   public:
-    /// Steps of the lattice along one side of a cell.
-    static constexpr int side = 4;
-    static constexpr int points = (side + 1) * (side + 1) * (side + 1);
-    static constexpr int most_channels = 3;
-
-    /// Fills in all points of cell (x, y, z): those of the lattice from `side` (x, y, z) to `side` (x + 1, y + 1, z +
-    /// 1), ends included, x running fastest, the channels of a point side by side. Called for all cells, twice for
-    /// some, by several threads. Values must be finite.
+    /// Fills in all points of cell (x, y, z): those of the lattice from side (x, y, z) to side (x + 1, y + 1, z + 1),
+    /// ends included, x running fastest, the channels of a point side by side. Called for all cells, twice for some, by
+    /// several threads. Values must be finite.
     using Fill = std::function<void(int x, int y, int z, float* values)>;
     /// Whether anything but 0 can stand in a cell or on its faces. Empty: anywhere.
     using Occupied = std::function<bool(int x, int y, int z)>;
     static VoxelGrid build(const CellBox& cells, int channels, const Fill& fill, const Occupied& occupied = {});
     /// For a Fill: calls `visit(x, y, z)` with all points of a cell.
     template <class Visit>
-    static void for_each_point(int cell_x, int cell_y, int cell_z, const Visit& visit) {
+    static void for_each_point(int side, int cell_x, int cell_y, int cell_z, const Visit& visit) {
         for (int z = 0; z <= side; ++z)
             for (int y = 0; y <= side; ++y)
                 for (int x = 0; x <= side; ++x) visit(cell_x * side + x, cell_y * side + y, cell_z * side + z);
@@ -83,15 +90,16 @@ class VoxelGrid {
     };
     template <int channels>
     [[nodiscard]] Real interpolate(const Cell& cell, const Vec3& where, int channel) const {
-        constexpr int row = side + 1;
-        const auto split = [](Real x, int& whole) {
-            const Real scaled = x * side;
+        const int side = box_.side, row = side + 1;
+        const auto split = [side](Real x, int& whole) {
+            const Real scaled = x * static_cast<Real>(side);
             whole = std::clamp(static_cast<int>(scaled), 0, side - 1);
             return scaled - static_cast<Real>(whole);
         };
         int x = 0, y = 0, z = 0;
         const Real fx = split(where.x, x), fy = split(where.y, y), fz = split(where.z, z);
-        const float* v = values_.data() + static_cast<std::size_t>(cell.values) * (points * channels) +
+        const float* v = values_.data() +
+                         static_cast<std::size_t>(cell.values) * static_cast<std::size_t>(box_.points() * channels) +
                          (x + row * (y + row * z)) * channels + channel;
         const auto along_x = [&](int offset) {
             const auto a = static_cast<Real>(v[offset]), b = static_cast<Real>(v[offset + channels]);

@@ -19,9 +19,10 @@ enum class Effect : std::uint8_t {
     emissive_meshes,
     delta_lights,
     environment,
-    instances
+    instances,
+    varying_media
 };
-inline constexpr std::size_t effect_count = 13;
+inline constexpr std::size_t effect_count = 14;
 
 class EffectSet {
   public:

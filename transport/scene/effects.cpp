@@ -29,6 +29,8 @@ constexpr std::array<EffectInfo, effect_count> catalogue{{
     {Effect::delta_lights, "delta-lights", "there is a point, spot or distant light", "they are dark", ""},
     {Effect::environment, "environment", "there is an infinite light", "black", ""},
     {Effect::instances, "instances", "an object is placed by instances", "nothing where they stood", ""},
+    {Effect::varying_media, "varying-media", "a medium in use differs from place to place",
+     "the same everywhere, dark: a density of 1, of an rgbgrid the mean", ""},
 }};
 
 constexpr std::array<AbsentEffect, 2> not_simulated{{
@@ -54,7 +56,8 @@ EffectFinding find_materials(const UsedSurfaces& used, const Test& test) {
     return finding(static_cast<std::size_t>(count), used.materials().size(), "materials in use");
 }
 
-EffectFinding find_media(const SceneDescription& scene, const UsedSurfaces& used) {
+/// [medium] Whether something refers to it.
+std::vector<std::uint8_t> used_media(const SceneDescription& scene, const UsedSurfaces& used) {
     std::vector<std::uint8_t> found(scene.media.size(), 0);
     const auto take = [&](int index) {
         if (index >= 0 && static_cast<std::size_t>(index) < found.size()) found[static_cast<std::size_t>(index)] = 1;
@@ -64,6 +67,18 @@ EffectFinding find_media(const SceneDescription& scene, const UsedSurfaces& used
         take(shape->inside_medium);
         take(shape->outside_medium);
     }
+    return found;
+}
+
+EffectFinding find_varying_media(const SceneDescription& scene, const UsedSurfaces& used) {
+    const std::vector<std::uint8_t> found = used_media(scene, used);
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < found.size(); ++i) count += found[i] != 0 && is_grid(scene.media[i]) ? 1 : 0;
+    return finding(count, scene.media.size(), "media");
+}
+
+EffectFinding find_media(const SceneDescription& scene, const UsedSurfaces& used) {
+    const std::vector<std::uint8_t> found = used_media(scene, used);
     const auto count = static_cast<std::size_t>(std::count(found.begin(), found.end(), 1));
     EffectFinding result = finding(count, scene.media.size(), "media");
     if (scene.camera_medium >= 0) result.why += ", one around the camera";
@@ -166,6 +181,7 @@ EffectFindings analyse_effects(const SceneDescription& scene) {
         {instances > 0, instances == 0 ? std::string("no instances")
                                        : std::to_string(instances) + " of " + std::to_string(objects) +
                                              (objects == 1 ? " object" : " different objects")});
+    put(Effect::varying_media, find_varying_media(scene, used));
     return found;
 }
 
