@@ -252,7 +252,7 @@ constexpr std::array motion_names{"dPdtime", "dPcameradtime", "motionFore", "mot
 Error unknown_name(std::string_view name) {
     if (std::find(motion_names.begin(), motion_names.end(), name) != motion_names.end())
         return error_at({}, "the geometric AOV '" + std::string(name) +
-                                "' tells how things move during the exposure, and raylex renders no motion yet; "
+                                "' tells how things move during the exposure, and raylex does not work that out yet; "
                                 "expected an AOV of the still scene, such as P or z");
     std::string known;
     for (const std::string& each : channel_names()) known += (known.empty() ? "" : ", ") + each;

@@ -4,12 +4,14 @@
 #
 #   bash tests/run.sh                 everything short
 #   bash tests/run.sh NAME            only what matches, Release; builds only the programs that hold it. NAME is
-#                                       a part: lpe, services, display, geoaovs, transport, experiments, endtoend
-#                                       a test file: tests/lpe/rest_test.cpp, lpe/rest_test, rest_test
+#                                       a part: lpe, services, display, geoaovs, transport, experiments, endtoend,
+#                                       python
+#                                       a test file: tests/lpe/rest_test.cpp, lpe/rest_test, rest_test, test_render.py
 #                                       a tag: [law5]
 #                                       words of a test case's name; * is a wildcard
 #   bash tests/run.sh NAME --sanitize the same under the address and undefined sanitizers too
-#   bash tests/run.sh --full          adds the long half: statistical figures, reference images, exhaustive comparison, fuzzing
+#   bash tests/run.sh --full          adds the long half: statistical figures, reference images, exhaustive comparison,
+#                                       fuzzing, notebooks, installing by pip
 #   bash tests/run.sh --release-only  skips the sanitizer build
 #   bash tests/run.sh --benchmark lpe|exr|rays [GOOGLE BENCHMARK'S OPTIONS]   builds and runs one benchmark
 #   bash tests/run.sh --instructions [--renew] [CASE...]   counts by valgrind what the inner loops of a Release build
@@ -120,13 +122,17 @@ while [ $# -gt 0 ]; do
 done
 
 # What a name stands for: the parts whose programs are built and run, and what these are asked to run of their cases.
-parts=() cases=()
+parts=() cases=() python_tests="test_*.py"
 choose() {
     local part stem=${name##*/}
     stem=${stem%.cpp}
-    for part in lpe services display geoaovs transport experiments endtoend; do
+    for part in lpe services display geoaovs transport experiments endtoend python; do
         [ "$name" = "$part" ] && { parts=("$part"); return; }
     done
+    if [ -f "tests/python/${stem%.py}.py" ]; then
+        parts=(python) python_tests="${stem%.py}.py"
+        return
+    fi
     local files
     files=$(ls tests/*/"$stem".cpp 2>/dev/null | grep -F -- "${name%.cpp}.cpp")
     if [ -n "$files" ]; then
@@ -152,6 +158,11 @@ choose() {
 [ -n "$name" ] && [ "$sanitize" = 1 ] && sanitize=0
 
 bash "$root/experiments/install_packages.sh" || exit 2
+# What the notebooks use beside the module; without them their tests are skipped, and those of frames and plots.
+if [ "$full" = 1 ]; then
+    bash "$root/experiments/install_packages.sh" python3-pandas python3-matplotlib python3-xarray jupyter-nbconvert \
+        python3-ipykernel python3-pip python3-venv python3-setuptools python3-wheel || exit 2
+fi
 
 results=$(mktemp -d)
 trap 'rm -rf "$results"' EXIT
@@ -221,6 +232,35 @@ run_programs() {
     done
 }
 
+# run_python: the tests of the Python module, with unittest's own counts.
+run_python() {
+    [ ${#parts[@]} = 0 ] || [[ " ${parts[*]} " == *" python "* ]] || return 0
+    say "Python"
+    local log="$results/python.log" ran bad left_out
+    PYTHONPATH=build/release/python PYTHONDONTWRITEBYTECODE=1 RAYLEX_FULL=$full \
+        RAYLEX_BUILD="$root/build/release" RAYLEX_PROGRAM="$root/build/release/raylex" \
+        /usr/bin/python3 -m unittest discover -v -s tests/python -p "$python_tests" >"$log" 2>&1
+    local status=$?
+    ran=$(sed -n 's/^Ran \([0-9]*\) tests\{0,1\} in .*/\1/p' "$log" | tail -n 1)
+    if [ -z "$ran" ] || [ "$ran" = 0 ]; then
+        tail -n 40 "$log"
+        fail "the Python module's tests (status $status)"
+        return
+    fi
+    left_out=$(tail -n 1 "$log" | sed -n 's/.*skipped=\([0-9]*\).*/\1/p')
+    bad=$(tail -n 1 "$log" | grep -oE '(failures|errors)=[0-9]+' | cut -d= -f2 | awk '{ sum += $1 } END { print sum }')
+    left_out=${left_out:-0} bad=${bad:-0}
+    grep -oE '^[^ ]+ .* skipped .*' "$log" | sed 's/^/SKIPPED /'
+    passed=$((passed + ran - left_out - bad))
+    skipped=$((skipped + left_out))
+    printf '%-22s %-10s %4d passed %4d failed %4d skipped\n' \
+        python release "$((ran - left_out - bad))" "$bad" "$left_out"
+    [ "$status" -eq 0 ] && return
+    sed -n '/^=====/,$p' "$log" | head -n 80
+    failed=$((failed + (bad > 0 ? bad : 1)))
+    failures+=("python")
+}
+
 # The gate's alone: 34 MB of packages and 3 s for the format; clang-tidy where a mistake costs most, --tidy all by hand.
 check_sources() {
     bash experiments/install_packages.sh clang-format-14 clang-tidy-14 || exit 2
@@ -238,6 +278,7 @@ selection=("${cases[@]}")
 if configure_and_build release "${warnings[@]}"; then
     say "Release tests"
     run_programs release release "${selection[@]}"
+    run_python
     if [ "$full" = 1 ]; then
         say "Long tests (Release)"
         run_programs release full "[.full]"
@@ -252,7 +293,7 @@ fi
 # Whole renders have no sanitizer build: transport's own tests take the same code through it.
 if [ "$sanitize" = 2 ]; then
     kept=()
-    for part in "${parts[@]}"; do [ "$part" = endtoend ] || kept+=("$part"); done
+    for part in "${parts[@]}"; do [ "$part" = endtoend ] || [ "$part" = python ] || kept+=("$part"); done
     parts=("${kept[@]}")
     [ ${#parts[@]} -gt 0 ] || sanitize=0
 fi

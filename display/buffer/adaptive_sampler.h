@@ -43,7 +43,7 @@ struct AdaptiveChannel {
 
 struct AdaptiveSettings {
     double error = 0.01;                    ///< tolerance, above 0
-    std::vector<AdaptiveChannel> channels;  ///< light or kernel-filtered; empty: the beauty
+    std::vector<AdaptiveChannel> channels;  ///< light or kernel-filtered; empty: beauty, or all light
     std::uint64_t min_samples = 64;         ///< of a pixel; rounded up to whole blocks
     std::uint64_t max_samples = 65536;
     double floor = 0.1;     ///< f above, from 0

@@ -78,6 +78,19 @@ std::optional<AnyMetric> find_metric(std::string_view name) {
     return std::nullopt;
 }
 
+Result<AnyMetric> require_metric(const std::string& name, const SourceLocation& where,
+                                 const std::vector<std::string>& beside) {
+    if (auto found = find_metric(name)) return *std::move(found);
+    std::vector<std::string> names;
+    for (const AnyMetric& each : all_metrics()) names.push_back(each.name);
+    names.insert(names.end(), beside.begin(), beside.end());
+    std::string list;
+    for (const std::string& each : names) list += (list.empty() ? "" : ", ") + each;
+    const std::string near = nearest_name(name, names);
+    return error_at(where, "unknown metric '" + name + "'; expected one of: " + list,
+                    near.empty() ? std::string() : "did you mean '" + near + "'?");
+}
+
 Result<LayerPair> LayerPair::make(const ExrImage& image, const ExrImage& reference, const std::string& layer) {
     if (image.width != reference.width || image.height != reference.height)
         return compare_error(image.path, "the image has " + std::to_string(image.width) + " x " +

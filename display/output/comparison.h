@@ -10,6 +10,7 @@
 #include "display/output/error_metrics.h"
 #include "display/output/exr_reader.h"
 #include "display/output/image_metrics.h"
+#include "display/services/parameters.h"
 #include "lpe/result.h"
 
 namespace raylex::display {
@@ -23,6 +24,9 @@ struct AnyMetric {
 /// Those of error_metrics(), then those of image_metrics().
 std::vector<AnyMetric> all_metrics();
 std::optional<AnyMetric> find_metric(std::string_view name);
+/// The same, or an Error at `where` with the near miss; `beside` are further names that one may say there.
+Result<AnyMetric> require_metric(const std::string& name, const SourceLocation& where,
+                                 const std::vector<std::string>& beside = {});
 
 /// [3 * width * height] R G B of these primaries, as metrics of whole images take them.
 LinearImage in_rec709(int width, int height, std::vector<double> rgb, const Chromaticities& from);

@@ -36,15 +36,37 @@ void fill(FilePart& file, const PlannedPart& part, const PixelImage& frame_buffe
         file.channels[components].values.push_back(static_cast<float>(each));
 }
 
-}  // namespace
-
-Result<ExrImage> image_in_memory(const PixelImage& frame_buffer, ChannelId beauty, const ImageDescription& description,
-                                 const std::string& layer) {
-    const std::vector<PlannedPart> parts = plan_parts(frame_buffer.channels(), beauty, description);
+ExrImage empty_image(const PixelImage& frame_buffer, const ImageDescription& description) {
     ExrImage image;
     image.width = frame_buffer.layout().width;
     image.height = frame_buffer.layout().height;
     image.chromaticities = description.chromaticities;
+    return image;
+}
+
+}  // namespace
+
+ExrImage image_in_memory(const PixelImage& frame_buffer, ChannelId beauty, const ImageDescription& description) {
+    ExrImage image = empty_image(frame_buffer, description);
+    std::vector<FilePart> all;
+    for (const PlannedPart& part : plan_parts(frame_buffer.channels(), beauty, description)) {
+        fill(all.emplace_back(named_part(part)), part, frame_buffer);
+        for (const auto& [name, text] : part.attributes) image.attributes.emplace(name, text);
+    }
+    image.layers = name_layers(std::move(all));
+    for (ImageLayer& layer : image.layers)
+        for (ImagePlane& plane : layer.planes)
+            if (plane.stored == StoredType::half_float) plane.stored = StoredType::single_float;
+    for (const PartitionDeclaration& partition : description.partitions)
+        if (is_declared(frame_buffer.channels(), beauty, partition)) image.partitions.push_back(partition);
+    for (const auto& [name, text] : description.attributes) image.attributes.emplace(name, text);
+    return image;
+}
+
+Result<ExrImage> image_in_memory(const PixelImage& frame_buffer, ChannelId beauty, const ImageDescription& description,
+                                 const std::string& layer) {
+    const std::vector<PlannedPart> parts = plan_parts(frame_buffer.channels(), beauty, description);
+    ExrImage image = empty_image(frame_buffer, description);
     std::vector<FilePart> all;
     for (const PlannedPart& part : parts) all.push_back(named_part(part));
     image.layers = name_layers(std::move(all));

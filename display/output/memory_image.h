@@ -1,4 +1,4 @@
-// A layer of a frame buffer as a reader would find it in the file, without the file.
+// A frame buffer, or a layer of one, as a reader would find it in the file, without the file.
 #pragma once
 
 #include <string>
@@ -13,5 +13,8 @@ namespace raylex::display {
 /// Errors: no such layer, with near misses.
 Result<ExrImage> image_in_memory(const PixelImage& frame_buffer, ChannelId beauty, const ImageDescription& description,
                                  const std::string& layer);
+
+/// All of it, but not rounded to what the file stores: every plane is float (or an integer) and has lost nothing.
+ExrImage image_in_memory(const PixelImage& frame_buffer, ChannelId beauty, const ImageDescription& description);
 
 }  // namespace raylex::display

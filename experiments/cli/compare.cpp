@@ -26,23 +26,12 @@ struct CompareOptions {
     [[nodiscard]] char component() const { return channel.empty() ? 'A' : channel.front(); }
 };
 
-std::vector<std::string> metric_names() {
-    std::vector<std::string> names;
-    for (const display::AnyMetric& each : display::all_metrics()) names.push_back(each.name);
-    names.emplace_back("all");
-    return names;
-}
-
 /// The metrics that are asked for; an Error for a name that is none.
 Result<std::vector<display::AnyMetric>> chosen_metrics(const std::string& name) {
     if (name == "all") return display::all_metrics();
-    if (auto found = display::find_metric(name)) return std::vector{std::move(*found)};
-    const std::vector<std::string> names = metric_names();
-    std::string list;
-    for (const std::string& each : names) list += (list.empty() ? "" : ", ") + each;
-    const std::string near = nearest_name(name, names);
-    return error_at({"--metric", 0, 0}, "unknown metric '" + name + "'; expected one of: " + list,
-                    near.empty() ? std::string() : "did you mean '" + near + "'?");
+    auto metric = display::require_metric(name, {"--metric", 0, 0}, {"all"});
+    if (!metric) return metric.error();
+    return std::vector{*std::move(metric)};
 }
 
 struct Measured {

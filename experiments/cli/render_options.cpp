@@ -40,9 +40,11 @@ std::string effect_names() {
 void add_sampling_options(const OptionGroup& group, RenderOptions& options) {
     group.add("--spp", options.spp, "N", "samples per pixel; default: as the scene says")
         ->check(CLI::Range(1, 2147483647));
-    group.add("--until-error", options.until_error, "E",
-              "samples each pixel until its standard error is at most E of its value, such as 1%; --spp is then the "
-              "most that a pixel may have, default 65536; [adaptive] in a job says more");
+    group.add(
+        "--until-error", options.until_error, "E",
+        "samples each pixel until its standard error is at most E of its value, such as 1%: of the beauty, without one "
+        "of every layer of light; --spp is then the "
+        "most that a pixel may have, default 65536; [adaptive] in a job says more");
     group.add("--time", options.time, "TIME",
               "renders for so long, such as 30s, 5m or 1h, to within a second; --spp is then the most. The "
               "samples reached are printed: --spp with their number gives the same bits");

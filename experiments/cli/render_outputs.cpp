@@ -27,8 +27,12 @@ display::DriverRequest main_image(const Job& job) {
     return request;
 }
 
+}  // namespace
+
 /// Layers of equal size share a line; the largest come first.
-void print_memory(const std::vector<display::MemoryItem>& items, std::size_t layers, std::uint64_t limit) {
+void print_memory(const RenderOutputs& outputs, std::uint64_t limit) {
+    const std::vector<display::MemoryItem>& items = outputs.memory();
+    const std::size_t layers = outputs.layers();
     std::map<std::uint64_t, std::vector<std::string>, std::greater<>> by_size;
     for (const display::MemoryItem& item : items)
         if (item.bytes > 0) by_size[item.bytes].push_back(item.name);  // layers of statistics are in their sources
@@ -43,8 +47,6 @@ void print_memory(const std::vector<display::MemoryItem>& items, std::size_t lay
     }
 }
 
-}  // namespace
-
 std::vector<std::string> requested_files(const Job& job) {
     std::vector<std::string> files{job.output, job.preview, job.statistics, job.outputs.deep.file};
     for (const display::DriverRequest& request : job.outputs.drivers) files.push_back(file_of(request));
@@ -57,7 +59,8 @@ Status RenderOutputs::make(const Job& job, const ColorSetup& color) {
     register_png_driver();
     const display::DriverContext context{color.manager ? &*color.manager : nullptr, job.display, job.view,
                                          job.exposure};
-    std::vector<display::DriverRequest> requests{main_image(job)};
+    std::vector<display::DriverRequest> requests;
+    if (!job.output.empty()) requests.push_back(main_image(job));
     if (!job.preview.empty()) requests.push_back(preview_request(job.preview, {"--preview", 0, 0}));
     requests.insert(requests.end(), job.outputs.drivers.begin(), job.outputs.drivers.end());
     for (const display::DriverRequest& request : requests) {
@@ -132,7 +135,6 @@ Status RenderOutputs::begin(const transport::RenderPlan& plan, std::vector<displ
     if (Status deep = make_deep(plan); !deep) return deep;
     if (deep_) memory_.push_back({"deep", deep_->expected_bytes()});
     if (Status fits = display::check_memory(memory_, job_->outputs.memory_limit); !fits) return fits;
-    print_memory(memory_, channels_.size(), job_->outputs.memory_limit);
     if (deep_) sinks.push_back(deep_.get());
     display::DriverImage image;
     image.title = std::filesystem::path(job_->output).filename().string();

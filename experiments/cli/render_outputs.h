@@ -20,12 +20,17 @@ namespace raylex::experiments {
 /// Files that a job asks for, the main image first; for the checks before a render.
 std::vector<std::string> requested_files(const Job& job);
 
+class RenderOutputs;
+/// Prints what the layers will take, of at most `limit` bytes (0: no limit). After RenderOutputs::begin().
+void print_memory(const RenderOutputs& outputs, std::uint64_t limit);
+
 class RenderOutputs {
   public:
-    /// Makes the drivers. Errors: whatever a driver refuses. `color` must outlive this object.
+    /// Makes the drivers; a job without an output has no main image. Errors: whatever a driver refuses. `color` must
+    /// outlive this object.
     Status make(const Job& job, const ColorSetup& color);
 
-    /// Before memory is taken: prints what the layers will take, refuses more than the limit, makes the display
+    /// Before memory is taken: refuses more than the limit, makes the display
     /// filters, opens the drivers and makes the deep buffer one of the render's sinks. Partitions that filters break
     /// are taken out of the list, with a warning.
     Status begin(const transport::RenderPlan& plan, std::vector<display::SampleSink*>& sinks,
@@ -47,6 +52,7 @@ class RenderOutputs {
     /// Beside the main image.
     [[nodiscard]] std::vector<std::string> files() const;
     [[nodiscard]] const std::vector<display::MemoryItem>& memory() const { return memory_; }
+    [[nodiscard]] std::size_t layers() const { return channels_.size(); }
     [[nodiscard]] const display::DeepBuffer* deep() const { return deep_.get(); }
 
   private:

@@ -152,7 +152,9 @@ class RenderRun {
                                              std::vector<display::SampleSink*>& sinks) {
             at_once_.reset();
             progress.begin(plan);
-            return outputs_.begin(plan, sinks, loaded_->primaries, partitions_);
+            Status begun = outputs_.begin(plan, sinks, loaded_->primaries, partitions_);
+            if (begun) print_memory(outputs_, job_.outputs.memory_limit);
+            return begun;
         };
         auto output = transport::render(
             loaded_->scene, job_.settings,
@@ -168,6 +170,7 @@ class RenderRun {
         for (const Error& warning : output_->warnings) warn(warning.to_string());
         const transport::RenderStatistics& statistics = output_->statistics;
         phases_["build"] = {statistics.build_seconds, statistics.build_cpu_seconds};
+        phases_["prepare"] = {statistics.prepare_seconds, statistics.prepare_cpu_seconds};
         phases_["render"] = {statistics.render_seconds, statistics.render_cpu_seconds};
         if (statistics.invalid_samples > 0) warn_of_invalid(statistics);
         if (!output_->complete && statistics.camera_samples == 0) {
@@ -310,8 +313,8 @@ class RenderRun {
         const auto seconds = [this](const char* phase) { return duration_text(phases_.at(phase).wall_seconds); };
         const double cpu = statistics.render_cpu_seconds;
         print_line("load " + seconds("load") + ", plan " + seconds("plan") + ", build " + seconds("build") +
-                   ", render " + seconds("render") + " (" + duration_text(cpu) + " CPU, " +
-                   number_text(cpu > 0 ? static_cast<double>(statistics.camera_samples) / cpu * 1e-6 : 0) +
+                   ", prepare " + seconds("prepare") + ", render " + seconds("render") + " (" + duration_text(cpu) +
+                   " CPU, " + number_text(cpu > 0 ? static_cast<double>(statistics.camera_samples) / cpu * 1e-6 : 0) +
                    " M samples per CPU second), write " + seconds("write"));
     }
 

@@ -28,6 +28,8 @@ SceneDescription moved(SceneDescription scene, const Transform& change) {
     scene.camera_to_world = change * scene.camera_to_world;
     for (SceneShape& shape : scene.shapes) shape.object_to_world = change * shape.object_to_world;
     for (transport::SceneInstance& instance : scene.instances) instance.to_world = change * instance.to_world;
+    if (scene.camera_moved_to) *scene.camera_moved_to = change * *scene.camera_moved_to;
+    for (transport::Transform& last : scene.moved_to) last = change * last;
     for (transport::SceneLight& light : scene.lights) light.to_world = change * light.to_world;
     for (transport::SceneTexture& texture : scene.textures) texture.to_world = change * texture.to_world;
     return scene;

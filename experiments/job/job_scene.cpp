@@ -19,18 +19,18 @@ std::string file_hash(const std::string& path) {
     return hash_text(hash64(std::string{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()}));
 }
 
-}  // namespace
-
-Result<std::unique_ptr<JobScene>> load_job_scene(const Job& job) {
+/// What does not depend on the scene.
+Result<std::unique_ptr<JobScene>> begin_job_scene(const Job& job) {
     if (Status known = check_parameters(job); !known) return known.error();
     auto loaded = std::make_unique<JobScene>();
     auto color = open_color(job);
     if (!color) return color.error();
     loaded->color = std::move(*color);
     if (!loaded->color.warning.empty()) loaded->warnings.push_back(loaded->color.warning);
-    auto scene = transport::import_pbrt(job.scene_file);
-    if (!scene) return scene.error();
-    loaded->scene = std::move(*scene);
+    return loaded;
+}
+
+Result<std::unique_ptr<JobScene>> finish_job_scene(const Job& job, std::unique_ptr<JobScene> loaded) {
     for (const Error& warning : loaded->scene.warnings) loaded->warnings.push_back(warning.to_string());
     if (Status labelled = transport::apply_label_rules(loaded->scene, job.label_rules); !labelled)
         return labelled.error();
@@ -40,6 +40,24 @@ Result<std::unique_ptr<JobScene>> load_job_scene(const Job& job) {
     loaded->effects = transport::analyse_effects(loaded->scene);
     if (Status applied = transport::apply_effects(loaded->scene, job.effects); !applied) return applied.error();
     return loaded;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<JobScene>> load_job_scene(const Job& job) {
+    auto loaded = begin_job_scene(job);
+    if (!loaded) return loaded;
+    auto scene = transport::import_pbrt(job.scene_file);
+    if (!scene) return scene.error();
+    (*loaded)->scene = std::move(*scene);
+    return finish_job_scene(job, *std::move(loaded));
+}
+
+Result<std::unique_ptr<JobScene>> prepare_job_scene(const Job& job, transport::SceneDescription scene) {
+    auto loaded = begin_job_scene(job);
+    if (!loaded) return loaded;
+    (*loaded)->scene = std::move(scene);
+    return finish_job_scene(job, *std::move(loaded));
 }
 
 display::RecordIdentity checkpoint_identity(const Job& job, const ColorSetup& color) {

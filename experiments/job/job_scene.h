@@ -28,6 +28,9 @@ struct JobScene {
 /// nothing.
 Result<std::unique_ptr<JobScene>> load_job_scene(const Job& job);
 
+/// The same of a scene that is there already; the job's file is not read.
+Result<std::unique_ptr<JobScene>> prepare_job_scene(const Job& job, transport::SceneDescription scene);
+
 /// What a checkpoint is of, beyond what the renderer sees: the program, and what colours and lobe numbers come from.
 display::RecordIdentity checkpoint_identity(const Job& job, const ColorSetup& color);
 

@@ -1,5 +1,6 @@
 #include "experiments/job/job_tables.h"
 
+#include <dlfcn.h>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -65,10 +66,22 @@ bool is_shipped_plugin(const std::string& name) {
 std::string shipped_plugin(const std::string& name) {
     namespace fs = std::filesystem;
     std::error_code failed;
-    const fs::path program = fs::read_symlink("/proc/self/exe", failed).parent_path();
     const std::string file = "lib" + name + ".so";
-    const fs::path built = program / "plugins" / file, installed = program.parent_path() / RAYLEX_PLUGIN_FOLDER / file;
-    return (fs::exists(built, failed) ? built : installed).string();
+    const fs::path program = fs::read_symlink("/proc/self/exe", failed).parent_path();
+    const fs::path installed = program.parent_path() / RAYLEX_PLUGIN_FOLDER / file;
+    // This code may stand in a library instead of the program: Python's module,
+    // PREFIX/lib/pythonX.Y/dist-packages/raylex when it is installed, python/raylex in the build, or with its plugins
+    // beside it.
+    Dl_info own{};
+    fs::path library = program;
+    if (dladdr(reinterpret_cast<const void*>(&is_shipped_plugin), &own) != 0)
+        library = fs::weakly_canonical(own.dli_fname, failed).parent_path();
+    const fs::path prefix = library.parent_path().parent_path().parent_path().parent_path();
+    for (const fs::path& found :
+         {program / "plugins" / file, installed, library / "plugins" / file,
+          library.parent_path().parent_path() / "plugins" / file, prefix / RAYLEX_PLUGIN_FOLDER / file})
+        if (fs::exists(found, failed)) return found.string();
+    return installed.string();
 }
 
 void read_color_table(TomlTable& root, const std::string& job_path, Job& job) {

@@ -23,7 +23,7 @@ double cpu_now() {
 
 Json phases_json(const RunRecord& record) {
     Json phases;
-    for (const char* name : {"load", "plan", "build", "render", "write"}) {
+    for (const char* name : {"load", "plan", "build", "prepare", "render", "write"}) {
         const auto found = record.phases.find(name);
         const PhaseTime time = found != record.phases.end() ? found->second : PhaseTime{};
         phases[name] = {{"wall_seconds", time.wall_seconds}, {"cpu_seconds", time.cpu_seconds}};
@@ -129,13 +129,15 @@ std::string statistics_json(const RunRecord& record) {
                     {"scattering", statistics.scattering_rays},
                     {"shadow", statistics.shadow_rays},
                     {"total", rays}};
+    json["branches"] = statistics.branches;
     json["effects"] = effects_json(record.effects, record.job->effects);
     const auto pruned = [&](transport::Pruned cause) { return statistics.pruned[static_cast<std::size_t>(cause)]; };
     json["pruned"] = {{"paths", pruned(transport::Pruned::paths)},
                       {"light_samples", pruned(transport::Pruned::light_samples)},
                       {"shadow_rays", pruned(transport::Pruned::shadow_rays)},
                       {"rays_left_to_light_samples", pruned(transport::Pruned::rays_left_to_light_samples)},
-                      {"light_samples_left_to_rays", pruned(transport::Pruned::light_samples_left_to_rays)}};
+                      {"light_samples_left_to_rays", pruned(transport::Pruned::light_samples_left_to_rays)},
+                      {"lobes", pruned(transport::Pruned::lobes)}};
     json["samples"] = {{"camera", statistics.camera_samples},
                        {"per_pixel", output.samples_per_pixel},
                        {"per_cpu_second", cpu > 0 ? static_cast<double>(statistics.camera_samples) / cpu : 0.0}};

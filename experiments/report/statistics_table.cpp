@@ -51,7 +51,7 @@ std::string effects(const Json& json) {
 std::string phases(const Json& json) {
     std::string table =
         "<div class=\"wide\"><table>\n<tr><th>Phase</th><th>Wall seconds</th><th>CPU seconds</th></tr>\n";
-    for (const std::string phase : {"load", "plan", "build", "render", "write"}) {
+    for (const std::string phase : {"load", "plan", "build", "prepare", "render", "write"}) {
         const std::string at = "/phases/" + phase;
         table += "<tr><td>" + phase + "</td><td class=\"number\">" +
                  text_of("%.3f", number_at(json, (at + "/wall_seconds").c_str())) + "</td><td class=\"number\">" +
@@ -91,12 +91,15 @@ std::string statistics_table(const std::string& record) {
     text += row("Camera rays", counted(number_at(json, "/rays/camera")));
     text += row("Scattering rays", counted(number_at(json, "/rays/scattering")));
     text += row("Shadow rays", counted(number_at(json, "/rays/shadow")));
+    if (const double count = number_at(json, "/branches"); count > 0)
+        text += row("Further rays of split paths", counted(count));
     const std::pair<const char*, const char*> pruned[] = {
         {"Paths ended: no layer takes what they could become", "/pruned/paths"},
         {"Light samples not drawn: no light counts there", "/pruned/light_samples"},
         {"Shadow rays not traced: no layer takes their light", "/pruned/shadow_rays"},
         {"Last rays left to light samples", "/pruned/rays_left_to_light_samples"},
-        {"Last light samples left to rays", "/pruned/light_samples_left_to_rays"}};
+        {"Last light samples left to rays", "/pruned/light_samples_left_to_rays"},
+        {"Lobes not drawn: no layer takes that side of a surface", "/pruned/lobes"}};
     for (const auto& [label, place] : pruned)
         if (const double count = number_at(json, place); count > 0) text += row(label, counted(count));
     text += row("Merged attributions", counted(number_at(json, "/attribution_overflow")));

@@ -19,7 +19,7 @@ TEST_CASE("raylex render says what it simulates and what not, and takes choices 
     CAPTURE(outcome.out, outcome.err);
     REQUIRE(outcome.code == 0);
     CHECK(outcome.out.find("media                on, forced") != std::string::npos);
-    CHECK(outcome.out.find("motion               never") != std::string::npos);
+    CHECK(outcome.out.find("dispersion           never") != std::string::npos);
     const std::string statistics = folder.read("s.json");
     CHECK(statistics.find("\"effects\"") != std::string::npos);
     CHECK(statistics.find("\"depth-of-field\"") != std::string::npos);

@@ -51,7 +51,7 @@ TEST_CASE("a render writes a verified file, a preview and statistics") {
     CHECK(run_raylex(folder, "verify room.exr").code == 0);
 
     const auto json = raylex::experiments::parse_json(folder.read("s.json"));
-    for (const char* phase : {"load", "plan", "build", "render", "write"}) {
+    for (const char* phase : {"load", "plan", "build", "prepare", "render", "write"}) {
         CAPTURE(phase);
         CHECK(json["phases"][phase]["wall_seconds"].get<double>() >= 0);
         CHECK(json["phases"][phase]["cpu_seconds"].get<double>() >= 0);

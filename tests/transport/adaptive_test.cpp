@@ -80,6 +80,23 @@ TEST_CASE("channels outside the metric leave an adaptive beauty alone", "[render
     CHECK(other.statistics.camera_samples > asked.statistics.camera_samples);
 }
 
+TEST_CASE("without a beauty the metric is of all light that is asked for", "[render][adaptive][law4]") {
+    auto scene = scene_of(room);
+    transport::RenderSettings settings = adaptive_settings(0.15);
+    settings.beauty = false;
+    settings.channels = {lpe_channel("direct", "CDL"), lpe_channel("glossy", "C<.G>.*"), sample_count()};
+    const auto all = render_of(scene, settings);
+    settings.adaptive->channels = {{"direct", 1, {}}, {"glossy", 1, {}}};
+    const auto named = render_of(scene, settings);
+    CHECK(all.statistics.camera_samples == named.statistics.camera_samples);
+    CHECK((all.frame_buffer.resolve(0) == named.frame_buffer.resolve(0)));
+    settings.adaptive->channels = {{"direct", 1, {}}};
+    CHECK(render_of(scene, settings).statistics.camera_samples < all.statistics.camera_samples);
+    settings.adaptive->channels.clear();
+    settings.channels = {sample_count()};
+    CHECK_FALSE(transport::render(scene, settings).ok());  // no light has an error
+}
+
 TEST_CASE("any number of threads takes the same decisions", "[render][adaptive][law3]") {
     auto scene = scene_of(room);
     transport::RenderSettings settings = adaptive_settings(0.15);

@@ -44,15 +44,15 @@ TEST_CASE("a camera sees a point of its ray where the ray began, one by one and 
     (*camera)->generate(samples, rays);
     for (std::size_t i = 0; i < samples.size(); ++i) {
         const transport::CameraSample& sample = samples[i];
-        const transport::Ray one = (*camera)->generate(sample.x, sample.y, sample.lens);
+        const transport::Ray one = (*camera)->generate(sample);
         CHECK((one.origin == rays[i].origin && one.direction == rays[i].direction));
         transport::CameraConnection seen;
         const transport::Vec3 point = one.origin + one.direction * 5;
-        REQUIRE((*camera)->connect(point, sample.lens, seen));
+        REQUIRE((*camera)->connect(point, sample.lens, 0, seen));
         CHECK(seen.x == Approx(sample.x).margin(1e-3));
         CHECK(seen.y == Approx(sample.y).margin(1e-3));
-        CHECK((*camera)->importance(point, seen.position) == seen.importance);
-        CHECK_FALSE((*camera)->connect(one.origin - one.direction * 5, sample.lens, seen));
+        CHECK((*camera)->importance(point, seen.position, 0) == seen.importance);
+        CHECK_FALSE((*camera)->connect(one.origin - one.direction * 5, sample.lens, 0, seen));
     }
 }
 

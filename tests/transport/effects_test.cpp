@@ -56,8 +56,10 @@ std::vector<Example> examples(const std::string& image) {
     const std::string shining = "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [9 8 7]\nTranslate 0 2 0\n" +
                                 std::string(plain_shape) + "\nAttributeEnd\n";
     const std::string dark = "AttributeBegin\nTranslate 0 2 0\n" + std::string(plain_shape) + "\nAttributeEnd\n";
-    const std::string with_texture = "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"" + image +
-                                     "\" \"string encoding\" \"linear\"\n" + lamp;
+    const std::string with_texture =
+        "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"" + image +
+        "\" \"string encoding\" \"linear\" \"string filter\" \"unfiltered\" \"float uscale\" 40 \"float vscale\" 40\n" +
+        lamp;
     const std::string textured = "Material \"diffuse\" \"texture reflectance\" \"t\"";
     const auto material = [&](const std::string& text) { return replaced(effects_scene(lamp), plain_material, text); };
     const auto shape = [&](const std::string& text) { return replaced(effects_scene(lamp), plain_shape, text); };
@@ -71,6 +73,9 @@ std::vector<Example> examples(const std::string& image) {
         {Effect::image_textures, replaced(effects_scene(with_texture), plain_material, textured),
          // The image is black and white in halves of a quarter and three quarters.
          replaced(effects_scene(lamp), plain_material, "Material \"diffuse\" \"rgb reflectance\" [0.25 0.25 0.25]")},
+        {Effect::texture_filtering,
+         replaced(replaced(effects_scene(with_texture), plain_material, textured), "unfiltered", "trilinear"),
+         replaced(effects_scene(with_texture), plain_material, textured)},
         {Effect::alpha, shape(std::string(plain_shape) + " \"float alpha\" 0.6"), effects_scene(lamp)},
         {Effect::shading_normals, shape(mesh + " \"normal N\" [0 1 1 0 1 0 1 1 0]"), shape(mesh)},
         {Effect::bump,
@@ -108,6 +113,12 @@ std::vector<Example> examples(const std::string& image) {
         {Effect::instances,
          effects_scene(lamp + "\nObjectBegin \"ball\"\n" + plain_shape +
                        "\nObjectEnd\nAttributeBegin\nTranslate 1 0.5 0\nObjectInstance \"ball\"\nAttributeEnd\n"),
+         effects_scene(lamp)},
+        {Effect::motion,
+         replaced(effects_scene(lamp), plain_camera,
+                  std::string("ActiveTransform StartTime Translate -0.125 0 0 ActiveTransform EndTime Translate 0.125 "
+                              "0 0 ActiveTransform All\n") +
+                      plain_camera),
          effects_scene(lamp)},
     };
 }
@@ -183,9 +194,9 @@ TEST_CASE("effects: the catalogue is in the order of Effect, and names are found
     REQUIRE_FALSE(slip.ok());
     CHECK(contains(slip.error().to_string(), "job.toml:3:5"));
     CHECK(contains(slip.error().to_string(), "did you mean 'media'?"));
-    const auto absent = effect_named("motion", {"job.toml", 3, 5});
+    const auto absent = effect_named("dispersion", {"job.toml", 3, 5});
     REQUIRE_FALSE(absent.ok());
-    CHECK(contains(absent.error().message, "does not simulate 'motion'"));
+    CHECK(contains(absent.error().message, "does not simulate 'dispersion'"));
 }
 
 TEST_CASE("effects: forced off, the scene renders as it is written without the effect, bit for bit", "[effects]") {

@@ -26,15 +26,15 @@ struct Built {
     }
 };
 
-inline std::string scene_text(const std::string& medium, const std::string& transform) {
+inline std::string medium_scene(const std::string& medium, const std::string& transform) {
     return transform + "\nMakeNamedMedium \"fog\" " + medium +
            "\nIdentity MediumInterface \"\" \"fog\"\nCamera \"perspective\"\nWorldBegin\n"
            "MediumInterface \"fog\" \"\" Shape \"sphere\"\n";
 }
 
-inline Built build(const std::string& medium, const std::string& transform = "") {
+inline Built build_medium(const std::string& medium, const std::string& transform = "") {
     Built built;
-    built.scene = import_test::scene_of(scene_text(medium, transform));
+    built.scene = import_test::scene_of(medium_scene(medium, transform));
     built.space = RenderSpace::of(built.scene);
     auto media = MediumTable::build(built.scene, built.warnings, &built.space);
     if (!media) FAIL(media.error().to_string());
@@ -42,8 +42,8 @@ inline Built build(const std::string& medium, const std::string& transform = "")
     return built;
 }
 
-inline raylex::Error refused(const std::string& medium) {
-    const SceneDescription scene = import_test::scene_of(scene_text(medium, ""));
+inline raylex::Error refused_medium(const std::string& medium) {
+    const SceneDescription scene = import_test::scene_of(medium_scene(medium, ""));
     const RenderSpace space = RenderSpace::of(scene);
     std::vector<raylex::Error> warnings;
     auto media = MediumTable::build(scene, warnings, &space);

@@ -132,12 +132,12 @@ void check_estimates(const Built& built, const DVec3& from, const DVec3& to) {
 
 TEST_CASE("grids are looked up as in pbrt, and majorants bound them", "[media][grids]") {
     const std::vector<double> density = numbers(nx * ny * nz, 1, 0.3), colours = numbers(3 * nx * ny * nz, 2, 0);
-    const Built grey =
-        build("\"string type\" \"uniformgrid\" \"rgb sigma_a\" [1 2 3] \"rgb sigma_s\" [0 0 0] \"float density\"" +
-              list(density) + counts + box);
+    const Built grey = build_medium(
+        "\"string type\" \"uniformgrid\" \"rgb sigma_a\" [1 2 3] \"rgb sigma_s\" [0 0 0] \"float density\"" +
+        list(density) + counts + box);
     const Built coloured =
-        build("\"string type\" \"rgbgrid\" \"float scale\" 2 \"rgb sigma_s\"" + list(colours) + counts + box,
-              "Translate 100 0 0 Rotate 90 0 0 1");
+        build_medium("\"string type\" \"rgbgrid\" \"float scale\" 2 \"rgb sigma_s\"" + list(colours) + counts + box,
+                     "Translate 100 0 0 Rotate 90 0 0 1");
     std::mt19937 generator(3);
     std::uniform_real_distribution<double> uniform;
     for (int i = 0; i < 2000; ++i) {
@@ -179,20 +179,20 @@ TEST_CASE("flights, transmittance and emission have their means, whatever the ma
                                           "[.6 0.1 1.5] \"rgb Le\" [2 1 3]" +
                                               density,
                                           "\"string type\" \"rgbgrid\" \"float Lescale\" 0.01" + colours}) {
-            const Built built = build(medium + factor);
+            const Built built = build_medium(medium + factor);
             check_estimates(built, {-3, -0.3, 0.4}, {3, 0.1, 3.1});
             check_estimates(built, {0.4, -0.6, 2}, {0.4, -0.6, 3.2});  // along an axis, from and to the inside
         }
     }
 }
 
-TEST_CASE("clouds stay below their majorants", "[media][grids]") {
+TEST_CASE("clouds stay within the bounds of their cells", "[media][grids]") {
     for (const std::string& parameters :
          {std::string(), std::string("\"float density\" 3 \"float wispiness\" 2"),
           std::string("\"float frequency\" 2 \"float density\" 0.5 \"point3 p1\" [3 1 2]"),
           std::string("\"float frequency\" 40")}) {
         CAPTURE(parameters);
-        const Built built = build("\"string type\" \"cloud\" \"rgb sigma_a\" [0 0 0] " + parameters);
+        const Built built = build_medium("\"string type\" \"cloud\" \"rgb sigma_a\" [0 0 0] " + parameters);
         CloudDensity cloud;
         if (contains(parameters, "density\" 3")) cloud.density = 3, cloud.wispiness = 2;
         if (contains(parameters, "frequency\" 2")) cloud.frequency = 2, cloud.density = Real(0.5);
@@ -200,29 +200,31 @@ TEST_CASE("clouds stay below their majorants", "[media][grids]") {
         const bool wide = contains(parameters, "p1");
         std::mt19937 generator(9);
         std::uniform_real_distribution<double> uniform;
-        int above = 0, empty = 0;
-        double mean = 0, worst = 0;
+        int beyond = 0;
+        double mean = 0, majorants = 0, cut_off = 0;
         constexpr int points = 200000;
         for (int i = 0; i < points; ++i) {
             const double x = uniform(generator) * (wide ? 3 : 1), y = uniform(generator),
                          z = uniform(generator) * (wide ? 2 : 1);
             const auto density = double(cloud.at(Vec3(float(x), float(y), float(z))));
-            const auto majorant = double(built.medium().grid->majorant(built.here(x, y, z)));
-            if (density > majorant + 1e-6) ++above, worst = std::max(worst, density - majorant);
-            if (majorant == 0) ++empty;
+            const double cut = std::abs(density - double(built.at(x, y, z).sigma_s.r));
+            // Places are floats, 1e-7 off, and densities change by less than 1,000 to a unit of length.
+            if (cut > 1e-3) ++beyond, cut_off += cut / points;
+            majorants += double(built.medium().grid->majorant(built.here(x, y, z))) / points;
             mean += density / points;
         }
-        CAPTURE(above, worst, mean, empty);
+        CAPTURE(beyond, cut_off, mean, majorants);
         // What is cut off: nothing of a thousandth of the points, and less than a hundred-thousandth of the cloud.
-        CHECK(above <= points / 1000);
-        CHECK(static_cast<double>(above) * worst / points <= 1e-5 * mean);
-        if (cloud.frequency <= 5) CHECK(empty > points / 20);
+        CHECK(beyond <= points / 1000);
+        CHECK(cut_off <= 1e-5 * mean);
+        // One for the whole box would be 2.1 to 3.2 times the mean.
+        if (cloud.frequency <= 5) CHECK(majorants < 1.9 * mean);
     }
 }
 
 TEST_CASE("black bodies in a grid shine as Planck says", "[media][grids]") {
     std::vector<double> heat(27, 30), dense(27, 1);
-    const Built built = build(
+    const Built built = build_medium(
         "\"string type\" \"uniformgrid\" \"rgb sigma_a\" [1 1 1] \"rgb sigma_s\" [0 0 0] \"integer nx\" 3 \"integer "
         "ny\" 3 "
         "\"integer nz\" 3 \"point3 p0\" [-3 -3 -3] \"point3 p1\" [3 3 3] \"float temperatureoffset\" 5 "
@@ -237,7 +239,7 @@ TEST_CASE("black bodies in a grid shine as Planck says", "[media][grids]") {
     CHECK(expected.r > expected.g);
     CHECK(expected.g > expected.b);
     const Built cold =
-        build("\"string type\" \"uniformgrid\" \"integer nx\" 1 \"float density\" 1 \"float temperature\" 99");
+        build_medium("\"string type\" \"uniformgrid\" \"integer nx\" 1 \"float density\" 1 \"float temperature\" 99");
     CHECK(cold.medium().emits);
     CHECK(cold.at(0.5, 0.5, 0.5).emission.is_black());
     Mean sum;
@@ -249,7 +251,7 @@ TEST_CASE("black bodies in a grid shine as Planck says", "[media][grids]") {
 
 TEST_CASE("values that are no number count as 0, and are counted", "[media][grids]") {
     const Built built =
-        build("\"string type\" \"uniformgrid\" \"integer nx\" 2 \"integer ny\" 2 \"float density\" [1 -1 -2 1]");
+        build_medium("\"string type\" \"uniformgrid\" \"integer nx\" 2 \"integer ny\" 2 \"float density\" [1 -1 -2 1]");
     REQUIRE(built.warnings.size() == 1);
     CHECK(contains(built.warnings[0].message,
                    "2 values of 'density' are negative or no numbers and count as 0; the first is voxel (1, 0, 0)"));
@@ -285,7 +287,7 @@ TEST_CASE("grids that cannot be are refused where they are written", "[media][gr
         {"\"string type\" \"nanovdb\"", "has no 'filename'"},
     };
     for (const auto& [medium, message] : slips) {
-        const raylex::Error error = refused(medium);
+        const raylex::Error error = refused_medium(medium);
         CAPTURE(medium, error.message);
         CHECK(contains(error.message, message));
         CHECK(error.file == "test.pbrt");

@@ -145,6 +145,56 @@ TEST_CASE("an image environment is sampled by its luminance, and pdf() says so",
         Approx((62 * 0.1 + 50) / 64 * 4 * 3.14159265358979).epsilon(1e-4));  // radiance / pdf is constant but for black
 }
 
+TEST_CASE("beside scattering an image environment is sampled by what stands out, and pdf() says so", "[lights]") {
+    // By max(L - mean, 0) + L / 10 with mean (61 x 1 + 50 + 8) / 64: in closed form, pixel by pixel.
+    constexpr int n = 8, count = 1 << 16;
+    std::vector<Rgb> pixels(n * n, Rgb(1));
+    pixels[19] = Rgb(50);
+    pixels[40] = Rgb(0);
+    pixels[41] = Rgb(8);
+    const auto by = EnvironmentImage::By::excess;
+    const EnvironmentImage image(n, pixels, Placement(Transform()));
+    const double mean = 119.0 / 64, total = (50 - mean) + (8 - mean) + 11.9;
+    std::vector<int> drawn(n * n, 0);
+    for (std::uint64_t i = 0; i < count; ++i) {
+        const PixelSampler sampler(SamplerKind::independent, 3, 0, 0, i);
+        Vec3 d;
+        Rgb radiance;
+        float pdf = 0;
+        REQUIRE(image.sample(sampler.get_2d(1), d, radiance, pdf, by));
+        const Vec2 uv = octahedral_from_direction(d);
+        const auto pixel = static_cast<std::size_t>(uv.y * n) * n + static_cast<std::size_t>(uv.x * n);
+        ++drawn[std::min(pixel, drawn.size() - 1)];
+    }
+    double chi_squared = 0;
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+        const double value = double{pixels[i].g}, share = (std::max(value - mean, 0.0) + value / 10) / total;
+        const Vec3 center =
+            direction_from_octahedral({(static_cast<float>(i % n) + 0.5f) / n, (static_cast<float>(i / n) + 0.5f) / n});
+        // Shares are differences of cumulative floats, each rounded by 2^-25 or less, of at least 8e-4 of one.
+        CHECK(static_cast<double>(image.pdf(center, by)) ==
+              Approx(share * n * n / (4 * 3.14159265358979)).epsilon(1e-3).margin(1e-9));
+        CHECK((image.pdf(center, by) > 0) == (value > 0));  // nothing that shines is left to scattering alone
+        if (value > 0) chi_squared += std::pow(drawn[i] - share * count, 2) / (share * count);
+        else CHECK(drawn[i] == 0);
+    }
+    // 62 degrees of freedom: 62 + 5 sqrt(124). Rounding at the borders of pixels moves some 1e-6 of the samples.
+    CHECK(chi_squared < 118);
+
+    // A sky without features has nothing that stands out: as without.
+    const EnvironmentImage even(n, std::vector<Rgb>(n * n, Rgb(1)), Placement(Transform()));
+    CHECK(even.pdf({0, 0, 1}, by) == Approx(double{even.pdf({0, 0, 1})}).epsilon(1e-5));
+}
+
+TEST_CASE("skies are sampled by what stands out by path's weighed light samples alone", "[lights]") {
+    const Lit scene = build(R"(LightSource "point" "rgb I" [1 1 1])");
+    const auto lights = scene.lights.lights();
+    CHECK(LightChooser::by_receiver(lights, scene.geometry, LightChoice::mis).compensates());
+    CHECK_FALSE(LightChooser::by_receiver(lights, scene.geometry, LightChoice::light_sampling).compensates());
+    for (std::size_t i = 0; i < light_choices; ++i)  // bdpt, light paths
+        CHECK_FALSE(scene.lights.chooser(static_cast<LightChoice>(i)).compensates());
+}
+
 TEST_CASE("weak lights keep a share of the choices and black ones get none", "[lights]") {
     const Lit scene = build(R"(
 LightSource "point" "rgb I" [1e6 1e6 1e6]

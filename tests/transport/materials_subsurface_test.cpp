@@ -73,7 +73,7 @@ TEST_CASE("scatterings inside a subsurface body are not held against maxdepth, b
     settings.max_depth = 3;
     settings.samples_per_pixel = 64;
     settings.resolution = {{12, 12}};
-    compare_with_path(body("", material), settings, integrator_named(integrator), 12, 96,
+    compare_with_path(body("", material), settings, integrator_named(integrator), 12, 384,
                       {"C<TD>V*<TD>[LB]", "C<RG>[LB]", "C.*[LB]"});
     const auto mean_of_depth = [&](const std::string& depth) {
         transport::RenderSettings path;

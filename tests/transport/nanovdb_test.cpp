@@ -5,6 +5,7 @@
 #include <nanovdb/util/IO.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "transport/color/spectrum.h"
 #include "transport/import/nanovdb_file.h"
@@ -68,7 +69,7 @@ TEST_CASE("nanovdb files are read as the library wrote them, packed or not", "[m
     for (const auto codec : {nanovdb::io::Codec::NONE, nanovdb::io::Codec::ZIP}) {
         const std::string path = folder.path("smoke.nvdb");
         write(path, handles(density_grid()), codec);
-        const Built built = build(medium(path), "Translate 0 0 5");
+        const Built built = build_medium(medium(path), "Translate 0 0 5");
         CHECK(built.warnings.empty());
         CHECK_FALSE(built.medium().emits);
         for (int z = -3; z < 13; ++z)
@@ -96,7 +97,7 @@ TEST_CASE("nanovdb grids of few bits are grids of numbers too", "[media][grids][
     const auto check = [&](Handle handle, double most_off) {
         const std::string path = folder.path("smoke.nvdb");
         write(path, handles(std::move(handle)));
-        const Built built = build(medium(path));
+        const Built built = build_medium(medium(path));
         for (int x = 60; x < 75; ++x) {
             const DVec3 p = place(x, 2, 3);
             CHECK(std::abs(built.at(p.x, p.y, p.z).sigma_a.r - density_at(x, 2, 3)) <= most_off);
@@ -113,8 +114,8 @@ TEST_CASE("a grid of temperatures in a nanovdb file makes black bodies", "[media
     std::vector<Handle> both = handles(density_grid());
     both.push_back(temperature_grid());
     write(path, std::move(both));
-    const Built built =
-        build(medium(path, "\"float Lescale\" 0.5 \"float temperaturecutoff\" 2 \"float temperaturescale\" 100"));
+    const Built built = build_medium(
+        medium(path, "\"float Lescale\" 0.5 \"float temperaturecutoff\" 2 \"float temperaturescale\" 100"));
     CHECK(built.medium().emits);
     const DVec3 p = place(66, 3, 4);  // (1, 1.5, 3) of the world: (4, 1.5, 4) of the temperatures
     const Rgb expected = blackbody_radiance((20 + 4 - 2) * 100, built.scene.color);
@@ -122,7 +123,32 @@ TEST_CASE("a grid of temperatures in a nanovdb file makes black bodies", "[media
     // The table of black bodies: 1e-4; the place in the grid of densities: 2e-4.
     for (int c = 0; c < 3; ++c)
         CHECK(here.emission[c] == Approx(double(here.sigma_a[c] * expected[c]) * 0.5).epsilon(5e-4));
-    CHECK_FALSE(build(medium(path, "\"float LeScale\" 0")).medium().emits);
+    CHECK_FALSE(build_medium(medium(path, "\"float LeScale\" 0")).medium().emits);
+}
+
+TEST_CASE("nanovdb tiles and backgrounds that reach far are neither looked up voxel by voxel nor kept",
+          "[media][grids][nanovdb]") {
+    const Folder folder;
+    const std::string path = folder.path("tiles.nvdb");
+    nanovdb::GridBuilder<float> tiles(0.0f, nanovdb::GridClass::FogVolume);
+    tiles([](const nanovdb::Coord&) { return 3.0f; }, nanovdb::CoordBBox({0, 0, 0}, {127, 127, 255}));
+    write(path, handles(tiles.getHandle(1.0, nanovdb::Vec3d(0, 0, 0), "density")));
+    CHECK(std::filesystem::file_size(path) < 1'000'000);  // 4,194,304 voxels: nodes that are tiles
+    const Built block = build_medium(medium(path));
+    CHECK(block.at(64, 64, 100).sigma_a.r == 3);
+    CHECK(block.at(64, 64, 128.5).sigma_a.r == 3);                            // where two tiles meet
+    CHECK(block.at(127.25, 64, 100).sigma_a.r == Approx(2.25).margin(1e-4));  // and where they end
+    CHECK(block.at(127.5, 127.5, 255.5).sigma_a.r == Approx(0.375).margin(1e-4));
+
+    nanovdb::GridBuilder<float> wide(0.5f, nanovdb::GridClass::FogVolume);
+    wide.getAccessor().setValue({0, 0, 0}, 1.0f);
+    wide.getAccessor().setValue({790, 790, 790}, 2.0f);
+    write(path, handles(wide.getHandle(1.0, nanovdb::Vec3d(0, 0, 0), "density")));
+    const Built sea = build_medium(medium(path));
+    CHECK(sea.at(0, 0, 0).sigma_a.r == 1);
+    CHECK(sea.at(400, 300, 200).sigma_a.r == 0.5f);
+    CHECK(sea.at(790, 790, 790).sigma_a.r == Approx(2).margin(1e-4));
+    CHECK(sea.media.grid_bytes() < 100 * 100 * 100 * 24);  // a million cells, no voxels
 }
 
 TEST_CASE("nanovdb files that cannot be read say why", "[media][grids][nanovdb][law7]") {
@@ -130,17 +156,25 @@ TEST_CASE("nanovdb files that cannot be read say why", "[media][grids][nanovdb][
     write(folder.path("smoke.nvdb"), handles(density_grid()));
     write(folder.path("other.nvdb"), handles(density_grid("heat")));
     const std::string whole = folder.read("smoke.nvdb");
-    CHECK(contains(refused(medium(folder.path("other.nvdb"))).message, "has no grid 'density'; it has: 'heat'"));
+    CHECK(contains(refused_medium(medium(folder.path("other.nvdb"))).message, "has no grid 'density'; it has: 'heat'"));
     folder.write("text.nvdb", "this is no grid");
-    CHECK(contains(refused(medium(folder.path("text.nvdb"))).message, "not a readable NanoVDB file"));
-    const raylex::Error missing = import_test::error_of(scene_text(medium("nowhere.nvdb"), ""));
+    CHECK(contains(refused_medium(medium(folder.path("text.nvdb"))).message, "not a readable NanoVDB file"));
+    const raylex::Error missing = import_test::error_of(medium_scene(medium("nowhere.nvdb"), ""));
     CHECK(contains(missing.message, "nowhere.nvdb"));
     CHECK(missing.line == 2);
-    // Files that end anywhere, and bytes that are wrong anywhere: a message or a medium, and no signal. Offsets of nodes
-    // stand in the tables, values in leaves.
+    // A file of 300 KB whose tables name one node 32,768 times would have 69 thousand million voxels.
+    Handle looped = density_grid();
+    auto& upper = *const_cast<nanovdb::NanoTree<float>&>(looped.grid<float>()->tree()).getFirstNode<2>()->data();
+    const std::int64_t child = upper.mTable[*upper.mChildMask.beginOn()].child;
+    for (auto& entry : upper.mTable) entry.child = child;
+    upper.mChildMask.setOn();
+    write(folder.path("looped.nvdb"), handles(std::move(looped)));
+    CHECK(contains(refused_medium(medium(folder.path("looped.nvdb"))).message, "its nodes overlap"));
+    // Files that end anywhere, and bytes that are wrong anywhere: a message or a medium, and no signal. Offsets of
+    // nodes stand in the tables, values in leaves.
     for (std::size_t i = 1; i < 40; ++i) {
         folder.write("short.nvdb", whole.substr(0, whole.size() * i / 40));
-        CHECK(refused(medium(folder.path("short.nvdb"))).line == 2);
+        CHECK(refused_medium(medium(folder.path("short.nvdb"))).line == 2);
     }
     std::uint64_t state = 1;
     int read = 0;

@@ -82,6 +82,7 @@ TEST_CASE("pruned channels keep their means", "[render][pruning][law4]") {
 TEST_CASE("what no channel takes is not traced", "[render][pruning][law4]") {
     const auto statistics = [](const std::string& expression, bool prune = true) {
         transport::RenderSettings settings = asking_for(expression);
+        settings.integrator = path_with(flag_parameter("splits", false));  // as many paths as samples, to compare
         settings.prune = prune;
         return render_of(grouped(scene_of(corner())), settings).statistics;
     };

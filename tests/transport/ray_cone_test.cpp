@@ -43,7 +43,7 @@ TEST_CASE("camera rays begin with a pixel's angle", "[camera]") {
     std::vector<Error> warnings;
     const auto camera = transport::make_camera({}, {transport::Transform(), 64, 64}, warnings);
     REQUIRE(camera.ok());
-    const transport::Ray ray = (*camera)->generate(32, 32, {0.5f, 0.5f});
+    const transport::Ray ray = (*camera)->generate({32, 32, {0.5f, 0.5f}});
     CHECK(ray.cone.width == 0);
     CHECK(ray.cone.spread == Approx(2.0 / 64));
     CHECK(ray.time == 0);

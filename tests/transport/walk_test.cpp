@@ -36,7 +36,7 @@ TEST_CASE("roulette takes the radiance scaling of glass for no loss: a glass bal
     // Clear glass under a sky of 1 shows 1 along every path. Inside, radiance is divided by eta^2 = 2.25 until it
     // leaves; roulette that took this for weakness would end paths there.
     const auto scene = scene_of(film + R"(
-Integrator "path" "integer maxdepth" 200
+Integrator "path" "integer maxdepth" 200 "float rrthreshold" 1
 LookAt 0 0 4  0 0 0  0 1 0
 Camera "perspective" "float fov" 20
 WorldBegin
@@ -51,6 +51,40 @@ Shape "sphere" "float radius" 1
     // Each interface multiplies by floats whose product is 1 but for some ulp. Roulette may find 1 - 1e-7 too weak and
     // end one path in 10^7, which the 37,000 here would show once in 300 seeds.
     for (const double value : output.frame_buffer.resolve(0)) CHECK(value == Approx(1).epsilon(1e-5));
+}
+
+TEST_CASE("roulette is played below rrthreshold, from the second bounce on", "[render][walk]") {
+    // Walls of 0.5 leave 0.5^k, and what survives below a threshold goes on with it: half of it at every bounce.
+    struct {
+        const char* threshold;
+        double rays;  // 1 of the first bounce, then the shares that go on
+    } const of[] = {{"\"float rrthreshold\" 1", 1 + 0.25 * 2},
+                    {"\"float rrthreshold\" 0.5", 1 + 0.5 * 2},
+                    {"\"float rrthreshold\" 0.25", 1 + 1 + 0.5 * 2},
+                    {"", 1 + 1 + 0.5 * 2}};
+    for (const auto& [threshold, rays] : of) {
+        CAPTURE(threshold);
+        transport::RenderSettings settings;
+        settings.samples_per_pixel = 16;
+        const auto output = render_of(scene_of(film + R"(
+Integrator "path" "integer maxdepth" 60 )" + threshold +
+                                               R"(
+LookAt 0 0 0.3  0 0 -1  0 1 0
+Camera "perspective" "float fov" 60
+WorldBegin
+AreaLightSource "diffuse" "rgb L" [1 1 1]
+Material "diffuse" "rgb reflectance" [0.5 0.5 0.5]
+ReverseOrientation
+Shape "sphere" "float radius" 2
+)"),
+                                      settings);
+        constexpr double paths = 24 * 24 * 16;
+        // Bounces after the first are geometric numbers of 1/2 but for some that never begin: a variance of at most 2
+        // + 1, five deviations.
+        CHECK(double(output.statistics.scattering_rays) / paths == Approx(rays).margin(5 * std::sqrt(3 / paths)));
+        const Estimate e = estimate(output);
+        CHECK(std::abs(e.mean - 2) <= 4.5 * e.error + 1e-5);  // 1 / (1 - 0.5); some tens of roundings
+    }
 }
 
 TEST_CASE("roulette on light paths compares with the strongest colour of the light", "[lighttracer][render][walk]") {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "display/services/elementary.h"
+#include "transport/cameras/camera_motion.h"
 #include "transport/cameras/perspective.h"
 #include "transport/geometry/matrix34.h"
 
@@ -26,21 +27,68 @@ Camera::Camera(const Transform& camera_to_world, const Matrix4& camera_to_screen
       pixel_size_(pixel_size),
       has_lens_(has_lens) {}
 
-Ray Camera::generate(Real x, Real y, const Vec2& lens) const {
-    if (perspective_ != nullptr) return perspective_->ray(x, y, lens);
-    const CameraSample sample{x, y, lens};
+Camera::~Camera() = default;
+
+void Camera::generate_in_time(std::span<const CameraSample> samples, std::span<Ray> rays) const {
+    generate(samples, rays);
+    for (std::size_t i = 0; i < samples.size(); ++i) rays[i].time = samples[i].time;
+    if (motion_ == nullptr) return;
+    for (Ray& ray : rays) {
+        const Matrix34 carry = motion_->at(ray.time).to_world;
+        ray.origin = carry.point(DVec3(ray.origin)).to_real();
+        ray.direction = normalize(carry.vector(DVec3(ray.direction))).to_real();
+    }
+}
+
+Ray Camera::generate(const CameraSample& sample) const {
     Ray ray;
-    generate({&sample, 1}, {&ray, 1});
+    if (perspective_ == nullptr || motion_ != nullptr) {
+        generate_in_time({&sample, 1}, {&ray, 1});
+    } else {
+        ray = perspective_->ray(sample.x, sample.y, sample.lens);
+        ray.time = sample.time;
+    }
     return ray;
 }
 
-bool Camera::connect(const Vec3& point, const Vec2& lens, CameraConnection& connection) const {
+[[gnu::always_inline]] inline bool Camera::connect_at_rest(const Vec3& point, const Vec2& lens,
+                                                           CameraConnection& connection) const {
     return perspective_ != nullptr ? perspective_->connect_to(point, lens, connection)
                                    : connect_to(point, lens, connection);
 }
 
-Real Camera::importance(const Vec3& point, const Vec3& position) const {
+[[gnu::always_inline]] inline Real Camera::importance_at_rest(const Vec3& point, const Vec3& position) const {
     return perspective_ != nullptr ? perspective_->importance_of(point, position) : importance_of(point, position);
+}
+
+// The camera at rest sees what it does when everything is carried back to it by C = W^-1. A solid angle around the
+// direction w becomes |det C| / |C w|^3 of itself, and with the distances d and d |C w| areas that face the camera give
+// I = I_rest |det C| / |C w|.
+Real Camera::carried_importance(const Placement& carry, const Vec3& first_point, const Vec3& first_position,
+                                Real importance) const {
+    const DVec3 way = DVec3(first_point) - DVec3(first_position);
+    const double stretch = length(way) / length(carry.to_world.vector(way));
+    return static_cast<Real>(static_cast<double>(importance) * std::abs(carry.to_object.determinant()) / stretch);
+}
+
+bool Camera::connect(const Vec3& point, const Vec2& lens, Real time, CameraConnection& connection) const {
+    if (motion_ == nullptr) [[likely]]
+        return connect_at_rest(point, lens, connection);
+    const Placement carry = motion_->at(time);
+    const Vec3 first = carry.to_object.point(DVec3(point)).to_real();
+    if (!connect_at_rest(first, lens, connection)) return false;
+    connection.importance = carried_importance(carry, first, connection.position, connection.importance);
+    connection.position = carry.to_world.point(DVec3(connection.position)).to_real();
+    return true;
+}
+
+Real Camera::importance(const Vec3& point, const Vec3& position, Real time) const {
+    if (motion_ == nullptr) [[likely]]
+        return importance_at_rest(point, position);
+    const Placement carry = motion_->at(time);
+    const Vec3 first = carry.to_object.point(DVec3(point)).to_real(),
+               from = carry.to_object.point(DVec3(position)).to_real();
+    return carried_importance(carry, first, from, importance_at_rest(first, from));
 }
 
 void Camera::rigid_world_to_camera(Real (&matrix)[3][4]) const {
@@ -65,6 +113,7 @@ Result<std::unique_ptr<Camera>> make_camera(const SceneEntity& entity, const Cam
                         "another unit of length brings it into range");
     auto camera = (*entry)->factory(entity, placement);
     if (!camera) return camera.error();
+    (*camera)->motion_ = placement.motion;
     for (const Parameter* p : entity.parameters.unused())
         warnings.push_back(
             error_at(p->location, "camera '" + type + "' has no parameter '" + p->name + "'; it is ignored"));

@@ -30,33 +30,43 @@ struct CameraConnection {
 struct CameraSample {
     Real x = 0, y = 0;  ///< raster position
     Vec2 lens;          ///< in [0, 1)^2; (0, 0) for cameras without a lens
+    Real time = 0;      ///< the ray's
 };
 
+class CameraMotion;
+struct CameraPlacement;
 class PerspectiveCamera;
+struct Placement;
 
+/// A camera stands where it does when the shutter opens: kinds of cameras know of no motion, which is this class's
+/// business (camera_motion.h).
 class Camera {
   public:
-    virtual ~Camera() = default;
+    virtual ~Camera();
     Camera(const Camera&) = delete;
     Camera& operator=(const Camera&) = delete;
 
     /// rays[i] is the ray of samples[i], in world space, its direction a unit vector; its cone spreads by a pixel's
     /// angle in the middle of the image where it is known. Called once a batch.
     virtual void generate(std::span<const CameraSample> samples, std::span<Ray> rays) const = 0;
-    /// One ray. These three are asked for every vertex of a path: the in-tree camera is called without indirection.
-    [[nodiscard]] Ray generate(Real x, Real y, const Vec2& lens) const;
-    /// How the camera sees a point in world space through `lens` in [0, 1)^2; false for what is not in front of it.
-    [[nodiscard]] bool connect(const Vec3& point, const Vec2& lens, CameraConnection& connection) const;
-    /// CameraConnection::importance of `point` as seen from `position`, where a camera ray began. 0 for what is not in
-    /// front of the camera.
-    [[nodiscard]] Real importance(const Vec3& point, const Vec3& position) const;
+    /// The same with each ray at its sample's time, from where the camera is then.
+    void generate_in_time(std::span<const CameraSample> samples, std::span<Ray> rays) const;
+    /// One ray, at its time. These three are asked for every vertex of a path: the in-tree camera is called without
+    /// indirection.
+    [[nodiscard]] Ray generate(const CameraSample& sample) const;
+    /// How the camera sees a point in world space through `lens` in [0, 1)^2 at `time`; false for what is not in front
+    /// of it.
+    [[nodiscard]] bool connect(const Vec3& point, const Vec2& lens, Real time, CameraConnection& connection) const;
+    /// CameraConnection::importance of `point` as seen from `position`, where a camera ray began at `time`. 0 for what
+    /// is not in front of the camera.
+    [[nodiscard]] Real importance(const Vec3& point, const Vec3& position, Real time) const;
     /// Whether rays through one raster position begin in different places.
     [[nodiscard]] bool has_lens() const { return has_lens_; }
 
     /// Width and height of a pixel on the plane at distance 1 before the camera; what wireframes take them for at every
     /// depth in proportion.
     [[nodiscard]] Vec2 pixel_size() const { return pixel_size_; }
-    /// World to camera space without its scale (a mirroring stays).
+    /// World to camera space without its scale (a mirroring stays); of a moving camera, when the shutter opens.
     void rigid_world_to_camera(Real (&matrix)[3][4]) const;
     [[nodiscard]] const Matrix4& world_to_camera() const { return world_to_camera_; }
     /// World to [-1, 1]^2 over the image, y up, after division by w.
@@ -68,6 +78,11 @@ class Camera {
 
   private:
     friend class PerspectiveCamera;
+    friend Result<std::unique_ptr<Camera>> make_camera(const SceneEntity&, const CameraPlacement&, std::vector<Error>&);
+    [[nodiscard]] bool connect_at_rest(const Vec3& point, const Vec2& lens, CameraConnection& connection) const;
+    [[nodiscard]] Real importance_at_rest(const Vec3& point, const Vec3& position) const;
+    [[nodiscard]] Real carried_importance(const Placement& carry, const Vec3& first_point, const Vec3& first_position,
+                                          Real importance) const;
     [[nodiscard]] virtual bool connect_to(const Vec3& point, const Vec2& lens, CameraConnection& connection) const = 0;
     [[nodiscard]] virtual Real importance_of(const Vec3& point, const Vec3& position) const = 0;
 
@@ -75,13 +90,15 @@ class Camera {
     Vec2 pixel_size_;
     bool has_lens_ = false;
     const PerspectiveCamera* perspective_ = nullptr;  // this object, when it is one
+    std::shared_ptr<const CameraMotion> motion_;      // null: it stands still
 };
 
 /// Where a camera stands and what it fills.
 struct CameraPlacement {
-    Transform camera_to_world;  ///< invertible
-    int width = 0, height = 0;  ///< of the image, pixels
-    bool lens_code = false;     ///< a pinhole goes the way of a lens of radius 0, to the same bits
+    Transform camera_to_world;                     ///< invertible
+    int width = 0, height = 0;                     ///< of the image, pixels
+    bool lens_code = false;                        ///< a pinhole goes the way of a lens of radius 0, to the same bits
+    std::shared_ptr<const CameraMotion> motion{};  ///< null: it stands still
 };
 
 /// Errors name the directive, or the parameter.

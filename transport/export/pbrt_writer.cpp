@@ -43,8 +43,10 @@ class PbrtWriter {
             line("AttributeEnd");
         }
         for (const SceneInstance& instance : scene_.instances) {
-            under(instance.to_world,
-                  "ObjectInstance " + quoted(scene_.objects[static_cast<std::size_t>(instance.object)].name));
+            const std::string directive =
+                "ObjectInstance " + quoted(scene_.objects[static_cast<std::size_t>(instance.object)].name);
+            if (instance.motion < 0) under(instance.to_world, directive);
+            else under_motion(instance, directive);
             if (!instance.label.empty()) leave_out("labels of instances");
             if (instance.holdout) leave_out("holdouts");
         }
@@ -75,6 +77,15 @@ class PbrtWriter {
         line(directive);
         line("AttributeEnd");
     }
+    void under_motion(const SceneInstance& instance, const std::string& directive) {
+        line("AttributeBegin");
+        line("Transform " + matrix_text(instance.to_world.matrix()));
+        line("ActiveTransform EndTime");
+        line("Transform " + matrix_text(scene_.moved_to[static_cast<std::size_t>(instance.motion)].matrix()));
+        line("ActiveTransform All");
+        line(directive);
+        line("AttributeEnd");
+    }
     void entity(const char* directive, const SceneEntity& entity) {
         if (!entity.type.empty())
             line(std::string(directive) + " " + quoted(entity.type) + parameters_text(entity.parameters));
@@ -99,17 +110,28 @@ class PbrtWriter {
         }
         if (scene_.camera_medium >= 0) line("MediumInterface \"\" " + medium_name(scene_.camera_medium));
         if (!scene_.camera.type.empty()) {
-            camera_place();
+            if (scene_.transform_times != std::array<double, 2>{0, 1}) {
+                std::string text = "TransformTimes ";
+                for (const double time : scene_.transform_times) append_number(text, time);
+                line(text);
+            }
+            camera_place(scene_.camera_to_world);
+            if (scene_.camera_moved_to) {
+                line("ActiveTransform EndTime");
+                if (scene_.camera_moved_to->is_identity()) line("Identity");
+                camera_place(*scene_.camera_moved_to);
+                line("ActiveTransform All");
+            }
             entity("Camera", scene_.camera);
         }
         line("WorldBegin");
     }
 
     /// As SceneBuilder has it: a linear map after a translation, so that the camera's place is exact.
-    void camera_place() {
-        Matrix4 matrix = scene_.camera_to_world.inverse().matrix();
-        const Matrix4& place = scene_.camera_to_world.matrix();
-        if (scene_.camera_to_world.is_identity()) return;
+    void camera_place(const Transform& camera_to_world) {
+        Matrix4 matrix = camera_to_world.inverse().matrix();
+        const Matrix4& place = camera_to_world.matrix();
+        if (camera_to_world.is_identity()) return;
         const std::array<double, 4> last{0, 0, 0, 1};
         const bool affine = matrix[3] == last && place[3] == last;
         if (affine)

@@ -215,8 +215,8 @@ Status EmbreeScene::add_shape(const SceneShape& shape, const Transform& placemen
 }
 
 /// Before instances are made.
-Status EmbreeScene::check_placements(const SceneDescription& scene,
-                                     const std::function<Transform(std::size_t)>& placement, double extent) {
+Status EmbreeScene::check_placements(const SceneDescription& scene, const InstancePlacements& placements,
+                                     double extent) {
     std::vector<std::optional<Bounds>> objects;
     for (RTCScene object : device_->objects) {
         RTCBounds b{};
@@ -226,7 +226,7 @@ Status EmbreeScene::check_placements(const SceneDescription& scene,
             empty ? std::nullopt
                   : std::optional<Bounds>({{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}}));
     }
-    auto limit = limit_of_rays(scene, {shapes_, objects, placement}, extent);
+    auto limit = limit_of_rays(scene, {shapes_, objects, placements}, extent);
     if (!limit) return limit.error();
     ray_limit_ = *limit;
     return success();
@@ -292,14 +292,18 @@ void EmbreeScene::attach(RTCSceneTy* target, std::size_t first, std::size_t coun
 
 /// After those before it; `surfaces` counts the shapes of all.
 Status EmbreeScene::add_instance(const SceneDescription& scene, std::span<const PlacedObject> objects,
-                                 const SceneInstance& instance, const Transform& placement, std::uint64_t& surfaces) {
+                                 const SceneInstance& instance, const Transform& placement, std::int32_t motion,
+                                 std::uint64_t& surfaces) {
     if (instance.object < 0 || static_cast<std::size_t>(instance.object) >= objects.size())
         return error_at(instance.location, "instance of an object that is not defined");
     if (!instance.to_world.invertible()) return error_at(instance.location, "the instance's transform has no inverse");
     const auto object = static_cast<std::size_t>(instance.object);
-    ShapeInstance placed{Placement(placement), objects[object].first_shape,
-                         instance.label.empty() ? -1 : label_index(instance.label), instance.holdout,
-                         static_cast<std::uint32_t>(surfaces)};
+    ShapeInstance placed{Placement(placement),
+                         objects[object].first_shape,
+                         instance.label.empty() ? -1 : label_index(instance.label),
+                         instance.holdout,
+                         static_cast<std::uint32_t>(surfaces),
+                         motion};
     surfaces += scene.objects[object].shapes.size();
     if (surfaces > most_surfaces)
         return error_at(instance.location, "the instances hold more than " + std::to_string(most_surfaces) +
@@ -307,10 +311,19 @@ Status EmbreeScene::add_instance(const SceneDescription& scene, std::span<const 
     has_holdouts_ = has_holdouts_ || instance.holdout.value_or(false);
     RTCGeometry geometry = rtcNewGeometry(device_->device, RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(geometry, device_->objects[object]);
-    float columns[12];
-    for (std::size_t c = 0; c < 4; ++c)
-        for (std::size_t r = 0; r < 3; ++r) columns[3 * c + r] = static_cast<float>(placed.placement.to_world.m[r][c]);
-    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
+    const auto set_transform = [&](std::size_t step, const Matrix34& to_world) {
+        float columns[12];
+        for (std::size_t c = 0; c < 4; ++c)
+            for (std::size_t r = 0; r < 3; ++r) columns[3 * c + r] = static_cast<float>(to_world.m[r][c]);
+        rtcSetGeometryTransform(geometry, static_cast<unsigned>(step), RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
+    };
+    if (motion >= 0) {
+        const std::vector<Matrix34>& keys = motions_[static_cast<std::size_t>(motion)].keys();
+        rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(keys.size()));
+        for (std::size_t step = 0; step < keys.size(); ++step) set_transform(step, keys[step]);
+    } else {
+        set_transform(0, placed.placement.to_world);
+    }
     rtcSetGeometryMask(geometry, any_mask);
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(device_->scene, geometry, static_cast<unsigned>(top_level_shapes_ + instances_.size()));
@@ -319,27 +332,60 @@ Status EmbreeScene::add_instance(const SceneDescription& scene, std::span<const 
     return success();
 }
 
+/// Of instances, indices into motions_, or -1; none at all where nothing moves.
+Result<std::vector<std::int32_t>> EmbreeScene::add_motions(const SceneDescription& scene,
+                                                           std::span<const PlacedObject> objects) {
+    std::vector<std::int32_t> motions;
+    if (std::none_of(scene.instances.begin(), scene.instances.end(),
+                     [](const SceneInstance& each) { return each.motion >= 0; }))
+        return motions;
+    motions.assign(scene.instances.size(), -1);
+    for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+        const SceneInstance& instance = scene.instances[i];
+        const auto object = static_cast<std::size_t>(instance.object);
+        if (instance.motion < 0 || instance.object < 0 || object >= objects.size()) continue;
+        const auto motion = motion_of(scene, instance);
+        if (!motion) return motion.error();
+        RTCBounds b{};
+        rtcGetSceneBounds(device_->objects[object], &b);
+        const DBounds box{{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}};
+        motions[i] = static_cast<std::int32_t>(motions_.size());
+        motions_.emplace_back(
+            [&](double time) { return space_.placed((*motion)->at(shutter_.way(time)), objects[object].pivot); }, box);
+    }
+    return motions;
+}
+
 /// Where they stand is checked before any is made.
 Status EmbreeScene::add_instances(const SceneDescription& scene, std::span<const PlacedObject> objects) {
     double extent = extent_without_shapes(scene, space_);
     for (std::size_t i = 0; i < top_level_shapes_; ++i) extent = std::max(extent, shapes_[i].extent());
-    const auto placement = [&](std::size_t i) {
+    const auto motions = add_motions(scene, objects);
+    if (!motions) return motions.error();
+    const auto motion = [&](std::size_t i) { return motions->empty() ? -1 : (*motions)[i]; };
+    const auto placement = [&](std::size_t i, std::size_t step) {
+        if (motion(i) >= 0) return motions_[static_cast<std::size_t>(motion(i))].keys()[step].transform();
         const SceneInstance& instance = scene.instances[i];
         const auto object = static_cast<std::size_t>(instance.object);
         const bool defined = instance.object >= 0 && object < objects.size();
         return space_.placed(instance.to_world, defined ? objects[object].pivot : DVec3());
     };
-    if (Status s = check_placements(scene, placement, extent); !s) return s;
+    const auto count = [&](std::size_t i) {
+        return motion(i) < 0 ? 1 : motions_[static_cast<std::size_t>(motion(i))].keys().size();
+    };
+    if (Status s = check_placements(scene, {placement, count}, extent); !s) return s;
     std::uint64_t surfaces = top_level_shapes_;
     instances_.reserve(scene.instances.size());
     for (std::size_t i = 0; i < scene.instances.size(); ++i)
-        if (Status s = add_instance(scene, objects, scene.instances[i], placement(i), surfaces); !s) return s;
+        if (Status s = add_instance(scene, objects, scene.instances[i], placement(i, 0), motion(i), surfaces); !s)
+            return s;
     return success();
 }
 
 Result<EmbreeScene> EmbreeScene::build(const SceneDescription& scene, TextureTable& textures, const Options& options) {
     EmbreeScene result;
     result.space_ = options.space;
+    result.shutter_ = options.shutter;
     if (Status s = result.start_device(options); !s) return s.error();
     std::vector<PlacedObject> objects;
     if (Status s = result.add_shapes(scene, textures, objects); !s) return s.error();

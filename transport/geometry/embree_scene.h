@@ -18,12 +18,14 @@
 #include "lpe/result.h"
 #include "transport/geometry/bilinear.h"
 #include "transport/geometry/curve.h"
+#include "transport/geometry/instance_motion.h"
 #include "transport/geometry/quadric.h"
 #include "transport/geometry/ray.h"
 #include "transport/geometry/render_space.h"
 #include "transport/geometry/surface_point.h"
 #include "transport/geometry/triangle.h"
 #include "transport/materials/texture.h"
+#include "transport/scene/motion.h"
 #include "transport/scene/scene_description.h"
 
 struct RTCGeometryTy;  // Embree's
@@ -83,6 +85,7 @@ struct ShapeInstance {
     int label = -1;                   ///< overrides the shapes' own unless -1
     std::optional<bool> holdout{};    ///< overrides the shapes' own
     std::uint32_t first_surface = 0;  ///< surface number of the object's first shape, less 1
+    std::int32_t motion = -1;         ///< index into the scene's motions: `placement` is then that of time 0
 };
 
 /// Where a surface point came from: what integrators need beside the SurfacePoint.
@@ -123,12 +126,15 @@ struct RayLog {
     }
 };
 
+struct InstancePlacements;  // scene_limits.h
+
 class EmbreeScene {
   public:
     struct Options {
         std::string isa;  ///< "sse2", "sse4.2", "avx", "avx2", "avx512"; "" = the widest of them that this machine has
         int threads = 0;  ///< for building; 0 = all
         RenderSpace space{};  ///< where everything is placed; this class's "world"
+        ShutterSpan shutter{};
     };
 
     /// Vertices that are not finite or beyond largest_coordinate, indices out of range, transforms that are singular or
@@ -188,6 +194,7 @@ class EmbreeScene {
     [[nodiscard]] const Bounds& bounds() const { return bounds_; }
     [[nodiscard]] const std::string& isa() const { return isa_; }
     [[nodiscard]] const RenderSpace& space() const { return space_; }
+    [[nodiscard]] const ShutterSpan& shutter() const { return shutter_; }
     /// What building left out.
     [[nodiscard]] const std::vector<Error>& warnings() const { return warnings_; }
 
@@ -211,12 +218,20 @@ class EmbreeScene {
     Status add_shapes(const SceneDescription& scene, TextureTable& textures, std::vector<PlacedObject>& objects);
     void attach(RTCSceneTy* target, std::size_t first, std::size_t count);
     Status add_instance(const SceneDescription& scene, std::span<const PlacedObject> objects,
-                        const SceneInstance& instance, const Transform& placement, std::uint64_t& surfaces);
+                        const SceneInstance& instance, const Transform& placement, std::int32_t motion,
+                        std::uint64_t& surfaces);
     Status add_instances(const SceneDescription& scene, std::span<const PlacedObject> objects);
-    Status check_placements(const SceneDescription& scene, const std::function<Transform(std::size_t)>& placement,
-                            double extent);
+    Result<std::vector<std::int32_t>> add_motions(const SceneDescription& scene, std::span<const PlacedObject> objects);
+    Status check_placements(const SceneDescription& scene, const InstancePlacements& placements, double extent);
+    /// Where the instance of a hit stands at its time; null at the top level. `room` is for what moves.
+    [[nodiscard]] const Placement* placement_of(const Hit& hit, std::optional<Placement>& room) const {
+        if (hit.instance == Hit::none) return nullptr;
+        const ShapeInstance& instance = instances_[hit.instance];
+        if (instance.motion < 0) [[likely]]
+            return &instance.placement;
+        return &room.emplace(motions_[static_cast<std::size_t>(instance.motion)].at(hit.time));
+    }
     [[nodiscard]] bool traceable(const Ray& ray) const;
-    [[nodiscard]] double rounding_at(const Hit& hit, const DVec3& point) const;
     void finish_hits(std::span<const Ray> rays, std::span<Hit> hits) const;
     void finish_hit(const Ray& ray, Hit& hit) const;
     void finish_triangles(const std::array<const Ray*, 2>& rays, const std::array<Hit*, 2>& hits) const;
@@ -224,6 +239,7 @@ class EmbreeScene {
     std::unique_ptr<Device> device_;
     std::vector<ShapeGeometry> shapes_;  // top level, then those of every object in turn
     std::vector<ShapeInstance> instances_;
+    std::vector<InstanceMotion> motions_;  // of some instances
     std::vector<std::string> labels_;
     std::size_t top_level_shapes_ = 0;
     Bounds bounds_;
@@ -231,6 +247,7 @@ class EmbreeScene {
         largest_coordinate;  // of a ray's numbers, so that they stay in range in every instance's own space
     std::string isa_;
     RenderSpace space_;
+    ShutterSpan shutter_;
     std::vector<Error> warnings_;
     mutable RayLog* log_ = nullptr;  // one test a batch; never part of a result
     bool has_alpha_ = false, has_holdouts_ = false;

@@ -40,28 +40,28 @@ void finish_curve(const CurveSegment& segment, const DVec3& origin, const DVec3&
     place.h = std::clamp(place.h, -1.0, 1.0);
 }
 
-}  // namespace
-
 /// How far from where it should be a point may come to lie by rounding, in the space of its shape's vertices: 4 units
 /// in the last place, where the shape stands and, of an instance, in the world.
-double EmbreeScene::rounding_at(const Hit& hit, const DVec3& point) const {
+double rounding_at(const Placement* placement, const DVec3& point) {
     double reach = std::max({std::abs(point.x), std::abs(point.y), std::abs(point.z)});
-    if (hit.instance != Hit::none) {
-        const Placement& placement = instances_[hit.instance].placement;
-        const DVec3 world = placement.to_world.point(point);
-        for (const auto& row : placement.to_object.m)
+    if (placement != nullptr) {
+        const DVec3 world = placement->to_world.point(point);
+        for (const auto& row : placement->to_object.m)
             reach += std::abs(row[0] * world.x) + std::abs(row[1] * world.y) + std::abs(row[2] * world.z);
     }
     return 0x1p-21 * reach;
 }
 
+}  // namespace
+
 /// A hit called by our own numbers.
 void EmbreeScene::finish_hit(const Ray& ray, Hit& hit) const {
     DVec3 origin(ray.origin), direction(ray.direction);
-    if (hit.instance != Hit::none) {
-        const Matrix34& to_object = instances_[hit.instance].placement.to_object;
-        origin = to_object.point(origin);
-        direction = to_object.vector(direction);
+    std::optional<Placement> room;
+    const Placement* const placement = placement_of(hit, room);
+    if (placement != nullptr) {
+        origin = placement->to_object.point(origin);
+        direction = placement->to_object.vector(direction);
     }
     const ShapeGeometry& shape = shapes_[hit.shape];
     if (shape.kind == ShapeKind::triangle_mesh) {
@@ -71,7 +71,7 @@ void EmbreeScene::finish_hit(const Ray& ray, Hit& hit) const {
         TriangleHit found = meet_triangle(origin, direction, p0, p1, p2);
         // What single precision does to the point, and to its weights.
         keep_off_edges(found, p0, p1, p2,
-                       rounding_at(hit, p0 + e1 * found.u + e2 * found.v) + 0x1p-23 * (length(e1) + length(e2)));
+                       rounding_at(placement, p0 + e1 * found.u + e2 * found.v) + 0x1p-23 * (length(e1) + length(e2)));
         set_place(ray, hit, found.t, found.u, found.v);
         return;
     }

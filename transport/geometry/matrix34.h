@@ -36,6 +36,13 @@ struct Matrix34 {
         for (std::size_t r = 0; r < 3; ++r)
             for (std::size_t c = 0; c < 4; ++c) m[r][c] = full[r][c];
     }
+    [[nodiscard]] Transform transform() const {
+        Matrix4 full{};
+        for (std::size_t r = 0; r < 3; ++r)
+            for (std::size_t c = 0; c < 4; ++c) full[r][c] = m[r][c];
+        full[3][3] = 1;
+        return Transform(full);
+    }
     [[nodiscard]] DVec3 vector(const DVec3& v) const {
         return {m[0][0] * v.x + m[0][1] * v.y + m[0][2] * v.z, m[1][0] * v.x + m[1][1] * v.y + m[1][2] * v.z,
                 m[2][0] * v.x + m[2][1] * v.y + m[2][2] * v.z};
@@ -49,6 +56,19 @@ struct Matrix34 {
     [[nodiscard]] double determinant() const {
         return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
                m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+    }
+    /// By the adjoint; of a matrix that has one.
+    [[nodiscard]] Matrix34 inverse() const {
+        const double scale = 1 / determinant();
+        Matrix34 result;
+        for (int r = 0; r < 3; ++r)
+            for (int c = 0; c < 3; ++c) {
+                const int a = (c + 1) % 3, b = (c + 2) % 3, d = (r + 1) % 3, e = (r + 2) % 3;
+                result.m[r][c] = (m[a][d] * m[b][e] - m[a][e] * m[b][d]) * scale;
+            }
+        const DVec3 back = result.vector({m[0][3], m[1][3], m[2][3]});
+        result.m[0][3] = -back.x, result.m[1][3] = -back.y, result.m[2][3] = -back.z;
+        return result;
     }
 };
 

@@ -178,11 +178,13 @@ Result<Real> limit_of_rays(const SceneDescription& scene, const PlacedShapes& pl
         if (!usable(instance)) continue;  // an error of its own
         const std::optional<Bounds>& bounds = placed.object_bounds[static_cast<std::size_t>(instance.object)];
         if (!bounds) continue;
-        const double reach = reach_of(Matrix34(placed.placement(i).matrix()), *bounds);
-        if (!(reach <= most))
-            return error_at(instance.location, "the instance reaches to " + short_number(reach) +
-                                                   " from the origin; expected at most " + short_number(most));
-        extent = std::max(extent, reach);
+        for (std::size_t step = 0; step < placed.instances.steps(i); ++step) {
+            const double reach = reach_of(Matrix34(placed.instances.at(i, step).matrix()), *bounds);
+            if (!(reach <= most))
+                return error_at(instance.location, "the instance reaches to " + short_number(reach) +
+                                                       " from the origin; expected at most " + short_number(most));
+            extent = std::max(extent, reach);
+        }
     }
     // Light from infinity begins within three extents, and a shadow ray is as long as two.
     const double rays = 4 * extent;
@@ -207,10 +209,12 @@ Result<Real> limit_of_rays(const SceneDescription& scene, const PlacedShapes& pl
     for (std::size_t i = 0; i < scene.instances.size(); ++i) {
         const SceneInstance& instance = scene.instances[i];
         if (!usable(instance)) continue;
-        auto reach =
-            limit_in_world(instance, placed.placement(i), rays, reaches[static_cast<std::size_t>(instance.object)]);
-        if (!reach) return reach.error();
-        limit = std::min(limit, *reach);
+        for (std::size_t step = 0; step < placed.instances.steps(i); ++step) {
+            auto reach = limit_in_world(instance, placed.instances.at(i, step), rays,
+                                        reaches[static_cast<std::size_t>(instance.object)]);
+            if (!reach) return reach.error();
+            limit = std::min(limit, *reach);
+        }
     }
     return limit;
 }

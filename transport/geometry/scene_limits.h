@@ -24,10 +24,16 @@ Status check_extent(const SceneShape& shape, const std::vector<StoredVec3>& posi
 /// How far from the origin rays of this scene begin, beside those that begin on shapes.
 double extent_without_shapes(const SceneDescription& scene, const RenderSpace& space);
 
+/// Where instances stand, one after the other in time; made anew, as they are many.
+struct InstancePlacements {
+    const std::function<Transform(std::size_t instance, std::size_t step)>& at;
+    const std::function<std::size_t(std::size_t instance)>& steps;  ///< 1 for what stands still
+};
+
 struct PlacedShapes {
-    std::span<const ShapeGeometry> shapes;                   ///< top level, then those of every object in turn
-    std::span<const std::optional<Bounds>> object_bounds;    ///< nothing: an empty object
-    const std::function<Transform(std::size_t)>& placement;  ///< where an instance stands; made anew, as they are many
+    std::span<const ShapeGeometry> shapes;                 ///< top level, then those of every object in turn
+    std::span<const std::optional<Bounds>> object_bounds;  ///< nothing: an empty object
+    const InstancePlacements& instances;
 };
 /// That each instance lies in range, and that rays of the scene do in the instances' own spaces. What no number of a
 /// ray may exceed. `extent`: how far from the origin rays begin, instances apart.

@@ -130,8 +130,9 @@ void curve_surface(const CurveBatch& curves, const LocalRay& ray, const Hit& hit
 }
 
 /// Takes a point from its object's space to the world. Embree brings rays there in float: that rounding, seen along the
-/// normal, joins the bound, and both scale with the transform.
-void place(const Placement& placement, SurfacePoint& point, OffsetBound& offset) {
+/// normal, joins the bound, and both scale with the transform. `growth` is InstanceMotion::rounding_growth() of what
+/// moves, else 1.
+void place(const Placement& placement, double growth, SurfacePoint& point, OffsetBound& offset) {
     const DVec3 local_normal(point.geometric_normal);
     const DVec3 world = placement.to_world.point(DVec3(point.position));
     const DVec3 normal = placement.to_object.normal_of_inverse(local_normal);
@@ -151,39 +152,40 @@ void place(const Placement& placement, SurfacePoint& point, OffsetBound& offset)
     point.dpdu = placement.to_world.vector(DVec3(point.dpdu)).to_real();
     // 6: the inverse's own rounding to float, the product's three terms and the sum. A ray from afar has coordinates
     // that are larger by the distance: 6 u `turned` a unit of it, of 16 u.
-    offset.here = static_cast<Real>((offset.here + gamma_bound(6) * rounding) / stretch) +
+    offset.here = static_cast<Real>((offset.here + gamma_bound(6) * growth * rounding) / stretch) +
                   gamma_bound(3) * dot(absolute(point.geometric_normal), absolute(point.position));
-    offset.per_distance = offset_per_distance(offset.per_distance * 0x1p20f + static_cast<Real>(turned / stretch));
+    offset.per_distance =
+        offset_per_distance(offset.per_distance * 0x1p20f + static_cast<Real>(growth * turned / stretch));
 }
 
 }  // namespace
 
 void EmbreeScene::surfaces(std::span<const Ray> rays, std::span<const Hit> hits, std::span<SurfacePoint> points,
                            std::span<SurfaceSource> sources) const {
+    std::optional<Placement> room;
     for (std::size_t i = 0; i < hits.size(); ++i) {
         const Hit& hit = hits[i];
         const ShapeGeometry& shape = shapes_[hit.shape];
         SurfacePoint& point = points[i];
         SurfaceSource& source = sources[i];
-        const bool instanced = hit.instance != Hit::none;
+        const Placement* const placement = placement_of(hit, room);
         if (shape.kind == ShapeKind::triangle_mesh) {
             triangle_surface(shape, hit, point, source.offset);
         } else if (shape.kind == ShapeKind::bilinear_mesh) {
             patch_surface(shape, hit, point, source.offset);
         } else {
             LocalRay ray{DVec3(rays[i].origin), DVec3(rays[i].direction)};
-            if (instanced) {
-                const Matrix34& inverse = instances_[hit.instance].placement.to_object;
-                ray = {inverse.point(ray.origin), inverse.vector(ray.direction)};
-            }
+            if (placement != nullptr)
+                ray = {placement->to_object.point(ray.origin), placement->to_object.vector(ray.direction)};
             if (shape.kind == ShapeKind::curves) curve_surface(shape.curves, ray, hit, point, source.offset);
             else quadric_surface(shape.quadric, ray, hit, point, source.offset);
         }
         source.label = shape.label;
         source.object_id = static_cast<std::int32_t>(hit.shape) + 1;
-        if (instanced) {
+        if (placement != nullptr) {
             const ShapeInstance& instance = instances_[hit.instance];
-            place(instance.placement, point, source.offset);
+            const double growth = instance.motion < 0 ? 1 : InstanceMotion::rounding_growth(placement->to_world);
+            place(*placement, growth, point, source.offset);
             if (instance.label >= 0) source.label = instance.label;
             source.object_id = static_cast<std::int32_t>(top_level_shapes_ + hit.instance) + 1;
         }

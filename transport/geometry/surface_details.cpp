@@ -160,7 +160,8 @@ struct DetailBuilder {
 SurfaceDetails EmbreeScene::details(const Hit& hit, const SurfacePoint& point) const {
     SurfaceDetails details;
     const ShapeGeometry& shape = shapes_[hit.shape];
-    const Placement* instance = hit.instance == Hit::none ? nullptr : &instances_[hit.instance].placement;
+    std::optional<Placement> room;
+    const Placement* const instance = placement_of(hit, room);
     const DetailBuilder builder{shape, hit, point, instance, details};
     if (shape.kind == ShapeKind::triangle_mesh) builder.triangle();
     else if (shape.kind == ShapeKind::bilinear_mesh) builder.patch();

@@ -8,6 +8,13 @@
 
 namespace raylex::transport {
 
+/// What a pixel sees of a surface around a point: the sides of a parallelogram, as wide as a pixel, in the world and in
+/// the texture coordinates.
+struct SurfaceFootprint {
+    Vec3 first, second;
+    Vec2 first_uv, second_uv;
+};
+
 /// What geometry knows of a hit; materials turn a batch of these into closures.
 struct SurfacePoint {
     Vec3 position, geometric_normal, shading_normal;  ///< world; normals unit; geometric normal on the shape's outside
@@ -16,8 +23,9 @@ struct SurfacePoint {
     Real u = 0, v = 0;
     static constexpr std::int32_t no_material = -1;  ///< a point in a medium: no surface, the normals are zero
     std::int32_t material = 0;
-    std::uint32_t random_key = 0;  ///< counter-based key for stochastic closures and `mix`
-    std::int32_t row = -1;         ///< of the sample table where a camera ray hit first; else -1
+    std::uint32_t random_key = 0;                 ///< counter-based key for stochastic closures and `mix`
+    std::int32_t row = -1;                        ///< of the sample table where a camera ray hit first; else -1
+    const SurfaceFootprint* footprint = nullptr;  ///< null: images are read as they are
 
     /// |cos| between a direction and the surface; 1 in a medium.
     [[nodiscard]] Real cosine(const Vec3& direction) const {

@@ -136,7 +136,8 @@ SurfaceTangents EmbreeScene::tangents(const Hit& hit, const SurfacePoint& point)
     const ShapeGeometry& shape = shapes_[hit.shape];
     // Heights are small beside a fibre's radius: how its normal turns below them is left out.
     if (shape.kind == ShapeKind::curves) return {point.dpdu, details(hit, point).dpdv, {}, {}};
-    const Placement* instance = hit.instance == Hit::none ? nullptr : &instances_[hit.instance].placement;
+    std::optional<Placement> room;
+    const Placement* const instance = placement_of(hit, room);
     LocalTangents local;
     if (shape.kind == ShapeKind::triangle_mesh) local = triangle_tangents(shape, hit);
     else if (shape.kind == ShapeKind::bilinear_mesh) local = patch_tangents(shape, hit);

@@ -54,11 +54,6 @@ std::vector<Row> camera_rows() {
     geometry.push_back({"coordinatesystem", {}, plain});
     for (const char* name : {"nbuckets", "lambdamin", "lambdamax"}) spectrum.push_back({name, {}, plain});
     return {
-        {camera,
-         "perspective",
-         {},
-         {{"shutteropen", {"0"}, "nothing moves, and " + plain},
-          {"shutterclose", {"1"}, "nothing moves, and " + plain}}},
         {film, "gbuffer", every_film, geometry},
         {film, "rgb", every_film, sensor},
         {film, "spectral", every_film, spectrum},
@@ -99,7 +94,6 @@ std::vector<Row> method_rows() {
 
 std::vector<Row> content_rows() {
     using enum EntityKind;
-    const std::string bilinear = "images are interpolated without regard to the footprint of a pixel";
     return {
         {area_light, "diffuse", {"power", "filename"}, {}},
         {light, "infinite", {"portal"}, {}},
@@ -107,7 +101,6 @@ std::vector<Row> content_rows() {
         {shape, "bilinearmesh", {"faceIndices", "emissionfilename"}, {}},
         {shape, "trianglemesh", {"faceIndices"}, {{"S", {}, "anisotropic materials follow the texture coordinates"}}},
         {shape, "curve", {}, {{"splitdepth", {"3"}, "Embree cuts curves as it needs"}}},
-        {texture, "imagemap", {"maxanisotropy"}, {{"filter", {"bilinear", "point"}, bilinear}}},
     };
 }
 
@@ -202,7 +195,9 @@ Status ParameterChecker::check(EntityKind kind, const std::string& type, Paramet
     if (entry != nullptr)
         for (const ParameterDescription& each : *entry) read.push_back(each.name);
     if (row != nullptr) read.insert(read.end(), row->taken.begin(), row->taken.end());
-    if (kind == EntityKind::shape) read.emplace_back("alpha");      // of every shape: make_shapes()
+    if (kind == EntityKind::shape) read.emplace_back("alpha");  // of every shape: make_shapes()
+    if (kind == EntityKind::camera)                             // of every camera: shutter_span()
+        for (const char* name : {"shutteropen", "shutterclose"}) read.emplace_back(name);
     if (kind == EntityKind::material && takes_normal_detail(type))  // of a plugin's material too
         for (const ParameterDescription& each : normal_detail_parameters())
             if (!holds(read, each.name)) read.push_back(each.name);

@@ -3,6 +3,7 @@
 #include <nanovdb/util/GridHandle.h>
 #include <nanovdb/util/IO.h>
 
+#include <cmath>
 #include <cstring>
 #include <exception>
 #include <filesystem>
@@ -40,6 +41,7 @@ Result<std::vector<MetaData>> read_meta_data(const std::string& path) {
         return over_budget(Budget::file_bytes, "the NanoVDB file has " + std::to_string(size) + " bytes", path);
     Result<std::vector<MetaData>> grids = guarded(path, [&] { return nanovdb::io::readGridMetaData(path); });
     if (!grids) return grids;
+    if (grids->empty()) return Error{"not a readable NanoVDB file: it has no grid", path, 0, 0, {}, {}};
     for (const MetaData& grid : *grids) {
         const bool packed = grid.codec != nanovdb::io::Codec::NONE;
         const std::uint64_t most =
@@ -79,8 +81,18 @@ class TreeReader {
     Status visit(const Upper& node, const nanovdb::Coord& origin);
     Status visit(const Lower& node, const nanovdb::Coord& origin);
     Status visit(const Leaf& leaf, const nanovdb::Coord& origin);
-    /// Cells that a cube of values touches.
-    void mark(const nanovdb::Coord& origin, int edge);
+    /// No nodes share memory, so that all of them fit into the grid: work is bounded by the file's size.
+    Status count(std::uint64_t bytes) {
+        visited_ += bytes;
+        return visited_ <= size_ ? success() : damaged(path_, "its nodes overlap");
+    }
+    /// A cube of voxels that have one value.
+    Status take_tile(float value, const nanovdb::Coord& origin, int edge) {
+        const float taken = checked(value, origin);
+        return taken == background_ ? success() : mark(origin, edge, taken);
+    }
+    /// Of the cells that a cube touches, those within it have `value`; NaN: they vary, as those on its border do.
+    Status mark(const nanovdb::Coord& origin, int edge, float value);
     float checked(float value, const nanovdb::Coord& at) {
         return result_.bad.checked(value, may_be_negative_, at[0], at[1], at[2]);
     }
@@ -91,7 +103,9 @@ class TreeReader {
     bool may_be_negative_;
     NanoVdbGrid result_;
     CellBox cells_;
-    std::vector<std::uint8_t> occupied_;
+    std::vector<float> constant_;  // [cell]; NaN: it varies
+    float background_ = 0;
+    std::uint64_t visited_ = 0, marked_ = 0;  // bytes of nodes, cells
 };
 
 template <class Build>
@@ -125,7 +139,7 @@ Result<NanoVdbGrid> TreeReader<Build>::read() {
         });
     };
     result_.values =
-        VoxelGrid::build(cells_, 1, fill, [&](int x, int y, int z) { return occupied_[cells_.index(x, y, z)] != 0; });
+        VoxelGrid::build(cells_, 1, fill, [&](int x, int y, int z) { return constant_[cells_.index(x, y, z)]; });
     return std::move(result_);
 }
 
@@ -152,35 +166,47 @@ Status TreeReader<Build>::read_box(const Root& root) {
     if (cells_.count() > budget(Budget::volume_cells))
         return over_budget(Budget::volume_cells,
                            "the box of the grid's voxels has " + std::to_string(cells_.count()) + " cells", path_);
-    occupied_.assign(cells_.count(), 0);
+    background_ = BadValues().checked(static_cast<float>(root.background()), may_be_negative_, 0, 0, 0);
+    constant_.assign(cells_.count(), background_);
     return success();
 }
 
 template <class Build>
-void TreeReader<Build>::mark(const nanovdb::Coord& origin, int edge) {
+Status TreeReader<Build>::mark(const nanovdb::Coord& origin, int edge, float value) {
     std::array<int, 3> first{}, last{};
+    std::array<std::int64_t, 3> from{};
     const int shift = cells_.side == 4 ? 2 : 3;
-    for (int a = 0; a < 3; ++a) {
-        const auto i = static_cast<std::size_t>(a);
+    std::uint64_t touched = 1;
+    for (std::size_t a = 0; a < 3; ++a) {
         // A point on a border belongs to the cell before, too. Shifts round down.
-        const std::int64_t from = std::int64_t{origin[a]} - result_.origin[i];
-        first[i] = static_cast<int>(std::clamp<std::int64_t>((from - 1) >> shift, 0, cells_.size[i]));
-        last[i] = static_cast<int>(std::clamp<std::int64_t>((from + edge - 1) >> shift, -1, cells_.size[i] - 1));
+        from[a] = std::int64_t{origin[static_cast<int>(a)]} - result_.origin[a];
+        first[a] = static_cast<int>(std::clamp<std::int64_t>((from[a] - 1) >> shift, 0, cells_.size[a]));
+        last[a] = static_cast<int>(std::clamp<std::int64_t>((from[a] + edge - 1) >> shift, -1, cells_.size[a] - 1));
+        touched *= static_cast<std::uint64_t>(std::max(last[a] - first[a] + 1, 0));
     }
+    // Cubes begin at multiples of their edge, of 8 at least: two along each axis meet in a cell.
+    marked_ += touched;
+    if (marked_ > 8 * std::uint64_t{cells_.count()}) return damaged(path_, "its tiles overlap");
+    const auto within = [&](std::size_t a, int cell) {
+        const std::int64_t least = std::int64_t{cell} << shift;
+        return least >= from[a] && least + cells_.side < from[a] + edge;
+    };
     for (int z = first[2]; z <= last[2]; ++z)
-        for (int y = first[1]; y <= last[1]; ++y)
-            for (int x = first[0]; x <= last[0]; ++x) occupied_[cells_.index(x, y, z)] = 1;
+        for (int y = first[1]; y <= last[1]; ++y) {
+            const bool row_within = within(2, z) && within(1, y);
+            for (int x = first[0]; x <= last[0]; ++x)
+                constant_[cells_.index(x, y, z)] = row_within && within(0, x) ? value : NAN;
+        }
+    return success();
 }
 
 template <class Build>
 Status TreeReader<Build>::visit(const Root& root) {
-    if (const auto background = static_cast<float>(root.background()); background != 0)
-        std::fill(occupied_.begin(), occupied_.end(), std::uint8_t{1});
     constexpr int edge = 4096;
     for (std::uint32_t n = 0; n < root.data()->mTableSize; ++n) {
         const auto* tile = root.data()->tile(n);
         if (!tile->isChild()) {
-            if (checked(static_cast<float>(tile->value), tile->origin()) != 0) mark(tile->origin(), edge);
+            if (Status s = take_tile(static_cast<float>(tile->value), tile->origin(), edge); !s) return s;
             continue;
         }
         const Upper& child = *root.data()->getChild(tile);
@@ -192,14 +218,15 @@ Status TreeReader<Build>::visit(const Root& root) {
 
 template <class Build>
 Status TreeReader<Build>::visit(const Upper& node, const nanovdb::Coord& origin) {
+    if (Status s = count(sizeof(Upper)); !s) return s;
     for (std::uint32_t n = 0; n < Upper::SIZE; ++n) {
         const nanovdb::Coord at = origin + (Upper::OffsetToLocalCoord(n) << Lower::TOTAL);
         if (node.data()->mChildMask.isOn(n)) {
             const Lower& child = *node.data()->getChild(n);
             if (!holds(&child, sizeof(Lower))) return damaged(path_, "a lower node lies outside of the grid");
             if (Status s = visit(child, at); !s) return s;
-        } else if (checked(static_cast<float>(node.data()->getValue(n)), at) != 0) {
-            mark(at, 1 << Lower::TOTAL);
+        } else if (Status s = take_tile(static_cast<float>(node.data()->getValue(n)), at, 1 << Lower::TOTAL); !s) {
+            return s;
         }
     }
     return success();
@@ -207,14 +234,15 @@ Status TreeReader<Build>::visit(const Upper& node, const nanovdb::Coord& origin)
 
 template <class Build>
 Status TreeReader<Build>::visit(const Lower& node, const nanovdb::Coord& origin) {
+    if (Status s = count(sizeof(Lower)); !s) return s;
     for (std::uint32_t n = 0; n < Lower::SIZE; ++n) {
         const nanovdb::Coord at = origin + (Lower::OffsetToLocalCoord(n) << Leaf::TOTAL);
         if (node.data()->mChildMask.isOn(n)) {
             const Leaf& child = *node.data()->getChild(n);
             if (!holds(&child, sizeof(Leaf))) return damaged(path_, "a leaf lies outside of the grid");
             if (Status s = visit(child, at); !s) return s;
-        } else if (checked(static_cast<float>(node.data()->getValue(n)), at) != 0) {
-            mark(at, 1 << Leaf::TOTAL);
+        } else if (Status s = take_tile(static_cast<float>(node.data()->getValue(n)), at, 1 << Leaf::TOTAL); !s) {
+            return s;
         }
     }
     return success();
@@ -224,13 +252,13 @@ template <class Build>
 Status TreeReader<Build>::visit(const Leaf& leaf, const nanovdb::Coord& origin) {
     if constexpr (std::is_same_v<Build, nanovdb::FpN>)
         if (!holds(&leaf, leaf.data()->memUsage())) return damaged(path_, "a leaf lies outside of the grid");
+    if (Status s = count(sizeof(Leaf)); !s) return s;
     bool any = false;
     for (std::uint32_t n = 0; n < Leaf::SIZE; ++n) {
         const float value = checked(static_cast<float>(leaf.getValue(n)), origin + Leaf::OffsetToLocalCoord(n));
-        any = any || value != 0;
+        any = any || value != background_;
     }
-    if (any) mark(origin, 1 << Leaf::TOTAL);
-    return success();
+    return any ? mark(origin, 1 << Leaf::TOTAL, NAN) : success();
 }
 
 Result<NanoVdbGrid> read_tree(const Handle& handle, const std::string& path, bool may_be_negative) {
@@ -250,7 +278,8 @@ Result<NanoVdbGrid> read_tree(const Handle& handle, const std::string& path, boo
         default:
             break;
     }
-    const char* type = nanovdb::toStr(handle.gridType());
+    // The library has names of the types it knows, and looks for others beyond the end of its table.
+    const char* type = handle.gridType() < nanovdb::GridType::End ? nanovdb::toStr(handle.gridType()) : nullptr;
     return Error{std::string("the grid is of type ") + (type != nullptr ? type : "unknown") +
                      "; expected numbers: float, double, Fp4, Fp8, Fp16 or FpN",
                  path,

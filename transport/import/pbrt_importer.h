@@ -1,10 +1,9 @@
 // Reads pbrt-v4 scene files as they are.
 //
-// Every directive is understood. Accelerator, TransformTimes and Option have nothing to say here. Motion
-// (transformations that differ between shutter opening and closing), displacement, curves and subdivision surfaces are
-// errors. Relative file names are looked up in the folder of the top-level scene, as pbrt does, then beside the file
-// that holds them; all files may be gzip-compressed. Quadrilaterals of a plymesh stay bilinear patches as in pbrt. Area
-// lights inside ObjectBegin stay dark, with a warning.
+// Every directive is understood; Accelerator and Option have nothing to say here. Relative file names are looked up in
+// the folder of the top-level scene, as pbrt does, then beside the file that holds them; all files may be
+// gzip-compressed. Quadrilaterals of a plymesh stay bilinear patches as in pbrt. Area lights inside ObjectBegin stay
+// dark, with a warning.
 #pragma once
 
 #include <string>

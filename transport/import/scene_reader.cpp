@@ -61,7 +61,8 @@ Status SceneReader::apply(Directive& directive, const SearchPath& search) {
     for (Error& warning : directive.warnings) scene_.warn(std::move(warning));
     scene_.set_search(search);
     switch (directive.id) {
-        case DirectiveId::transform_times:  // without moving transforms its times mean nothing
+        case DirectiveId::transform_times:
+            return scene_.set_transform_times(directive.numbers[0], directive.numbers[1], directive.location);
         case DirectiveId::include:
         case DirectiveId::import:
             return success();
@@ -222,6 +223,10 @@ Status SceneReader::option(const Directive& directive) {
         return error_at(parameter.location, "unknown option '" + parameter.name + "'",
                         near.empty() ? "" : "did you mean '" + near + "'?");
     }
+    if (parameter.name == "disabletexturefiltering" && parameter.booleans.size() == 1) {
+        if (parameter.booleans.front() != 0) scene_.disable_texture_filtering();
+        return success();
+    }
     scene_.warn(error_at(parameter.location, "option '" + parameter.name + "' has no effect here"));
     return success();
 }
@@ -274,11 +279,13 @@ Status SceneReader::settings(Directive& directive) {
 }
 
 Status SceneReader::camera(Directive& directive) {
-    const Result<Transform> world_to_camera = still_transform(directive.location);
-    if (!world_to_camera) return world_to_camera.error();
-    coordinate_systems_["camera"] = {world_to_camera->inverse(), world_to_camera->inverse()};
-    return scene_.set_camera(directive.strings[0], std::move(directive.parameters), *world_to_camera,
-                             state_.outside_medium, directive.location);
+    const auto& [first, last] = state_.ctm;
+    coordinate_systems_["camera"] = {first.inverse(), last.inverse()};
+    if (moves())
+        return scene_.set_moving_camera(directive.strings[0], std::move(directive.parameters), first, last,
+                                        state_.outside_medium, directive.location);
+    return scene_.set_camera(directive.strings[0], std::move(directive.parameters), first, state_.outside_medium,
+                             directive.location);
 }
 
 void convert_colors(ParameterSet& set, ColorSpace to, ColorSpace from, bool light) {

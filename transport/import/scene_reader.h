@@ -53,7 +53,8 @@ class SceneReader {
     Status active_transform(const Directive& directive);
     Status concatenate(const Transform& transform, const SourceLocation& where);
     Status check_invertible(const SourceLocation& where) const;
-    Result<Transform> still_transform(const SourceLocation& where) const;
+    [[nodiscard]] bool moves() const { return state_.ctm[0].matrix() != state_.ctm[1].matrix(); }
+    const Transform& first_transform(const char* what, const SourceLocation& where);
     // scene_reader_world.cpp
     Status world_entity(Directive& directive);
     Status material(Directive& directive);

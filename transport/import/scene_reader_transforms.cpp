@@ -85,9 +85,11 @@ Status SceneReader::check_invertible(const SourceLocation& where) const {
     return success();
 }
 
-Result<Transform> SceneReader::still_transform(const SourceLocation& where) const {
-    if (state_.ctm[0].matrix() != state_.ctm[1].matrix())
-        return error_at(where, "motion blur is not supported yet: the transformations at the start and the end differ");
+/// For what does not move in pbrt either: where it is at the start.
+const Transform& SceneReader::first_transform(const char* what, const SourceLocation& where) {
+    if (moves())
+        scene_.warn(error_at(
+            where, std::string(what) + " under a moving transformation stand still, as in pbrt: where it starts"));
     return state_.ctm[0];
 }
 

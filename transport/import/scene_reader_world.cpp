@@ -89,11 +89,9 @@ Status SceneReader::named_material(Directive& directive) {
 Status SceneReader::named_medium(Directive& directive) {
     const Result<std::string> type = take_type(directive, "medium", "homogeneous");
     if (!type) return type.error();
-    const Result<Transform> transform = still_transform(directive.location);
-    if (!transform) return transform.error();
-    const Result<MediumHandle> made =
-        scene_.add_medium({directive.strings[0], directive.string_locations[0]}, *type,
-                          with_defaults(directive, "medium", true), *transform, directive.location);
+    const Result<MediumHandle> made = scene_.add_medium(
+        {directive.strings[0], directive.string_locations[0]}, *type, with_defaults(directive, "medium", true),
+        first_transform("media", directive.location), directive.location);
     if (!made) return made.error();
     return success();
 }
@@ -103,18 +101,15 @@ Status SceneReader::texture(Directive& directive) {
     if (value != "float" && value != "spectrum")
         return error_at(directive.string_locations[1],
                         "texture '" + name + "' has value type '" + value + "'; expected \"float\" or \"spectrum\"");
-    const Result<Transform> transform = still_transform(directive.location);
-    if (!transform) return transform.error();
     return scene_.add_texture({name, directive.string_locations[0]},
                               value == "spectrum" ? TextureValue::spectrum : TextureValue::real, directive.strings[2],
-                              with_defaults(directive, "texture", false), *transform, directive.location);
+                              with_defaults(directive, "texture", false),
+                              first_transform("textures", directive.location), directive.location);
 }
 
 Status SceneReader::light(Directive& directive) {
-    const Result<Transform> transform = still_transform(directive.location);
-    if (!transform) return transform.error();
-    return scene_.add_light(directive.strings[0], with_defaults(directive, "light", true), *transform, {},
-                            directive.location);
+    return scene_.add_light(directive.strings[0], with_defaults(directive, "light", true),
+                            first_transform("lights", directive.location), {}, directive.location);
 }
 
 Status SceneReader::area_light(Directive& directive) {
@@ -126,13 +121,12 @@ Status SceneReader::area_light(Directive& directive) {
 }
 
 Status SceneReader::shape(Directive& directive) {
-    const Result<Transform> transform = still_transform(directive.location);
-    if (!transform) return transform.error();
     SceneParameters parameters(std::move(directive.parameters));
     if (const auto found = state_.defaults->find("shape"); found != state_.defaults->end())
         for (const DefaultParameter& fallback : found->second) parameters.fallbacks.push_back(fallback.parameter);
     return scene_.add_shape(directive.strings[0], std::move(parameters),
-                            {.to_world = *transform,
+                            {.to_world = state_.ctm[0],
+                             .moved_to = moves() ? std::optional(state_.ctm[1]) : std::nullopt,
                              .material = state_.material,
                              .area_light = state_.area_light,
                              .inside = state_.inside_medium,
@@ -156,10 +150,9 @@ Status SceneReader::object_begin(const Directive& directive) {
 Status SceneReader::instance(const Directive& directive) {
     if (active_object_.reference >= 0)
         return error_at(directive.location, "ObjectInstance inside ObjectBegin; objects cannot be nested");
-    const Result<Transform> transform = still_transform(directive.location);
-    if (!transform) return transform.error();
-    return scene_.add_instance(scene_.object_named({directive.strings[0], directive.string_locations[0]}), *transform,
-                               directive.location);
+    const ObjectHandle object = scene_.object_named({directive.strings[0], directive.string_locations[0]});
+    if (moves()) return scene_.add_moving_instance(object, state_.ctm[0], state_.ctm[1], directive.location);
+    return scene_.add_instance(object, state_.ctm[0], directive.location);
 }
 
 /// `file_end` is where a missing WorldBegin is reported.

@@ -36,7 +36,7 @@ Status Bdpt::prepare(const IntegratorContext& context) {
 }
 
 std::unique_ptr<IntegratorThread> Bdpt::make_thread_state() const {
-    const WalkOptions walk{parameters_.max_depth, parameters_.roulette, true};
+    const WalkOptions walk{parameters_.max_depth, parameters_.roulette_below, true};
     LightSubpathOptions of_light;
     of_light.walk = walk;
     of_light.language = language_ ? &*language_ : nullptr;
@@ -72,7 +72,7 @@ bool Bdpt::trace_light(const CameraBatch& batch, BdptThread& thread, ThreadServi
     std::fill_n(thread.last_vertex.begin(), batch.rays.size(), LightVertex::none);
     if (!can_emit_) return true;
     LightSubpaths& light = thread.light;
-    light.begin(batch.samplers, services.lpe, thread.counters);
+    light.begin(batch.rays, batch.samplers, services.lpe, thread.counters);
     while (light.going()) {
         if (services.leaving()) return false;
         light.advance(services.display);
@@ -105,7 +105,7 @@ std::unique_ptr<Integrator> make_bdpt_integrator(const BdptParameters& parameter
 Registry<IntegratorFactory>::Entry bdpt_entry() {
     return {
         "bdpt", "bidirectional path tracing: subpaths from camera and lights, joined at every vertex",
-        describe_depth_parameters("end weak subpaths at random from the second bounce"),
+        describe_depth_parameters("subpaths"),
         [](const SceneEntity& entity, std::optional<std::int64_t> max_depth) -> Result<std::unique_ptr<Integrator>> {
             auto parameters = read_depth_parameters(entity, max_depth);
             if (!parameters) return parameters.error();

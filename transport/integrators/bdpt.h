@@ -34,7 +34,7 @@ struct BdptParameters {
 /// The integrator itself, for others that are made of it.
 std::unique_ptr<Integrator> make_bdpt_integrator(const BdptParameters& parameters);
 
-/// The registry's entry: parameters maxdepth, roulette.
+/// The registry's entry: parameters maxdepth, roulette, rrthreshold.
 Registry<IntegratorFactory>::Entry bdpt_entry();
 
 }  // namespace raylex::transport

@@ -140,7 +140,7 @@ void Bdpt::connect_to_camera(const CameraBatch& batch, BdptThread& thread, Threa
                               : Vec2{0, 0};
         thread.splats.add(view_,
                           {y.row, y.depth, &y.point, &y.bsdf, y.offset, y.holdout, y.power, y.end, &y.sums,
-                           connection_key(context_.scene, batch.samplers[y.row], y.depth)},
+                           batch.rays[y.row].time, connection_key(context_.scene, batch.samplers[y.row], y.depth)},
                           lens);
     }
     if (!context_.beauty && !context_.scene.geometry->has_alpha()) thread.splats.drop_dead(thread.camera.record());

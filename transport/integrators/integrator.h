@@ -169,14 +169,19 @@ void reject_power(ThreadServices& services, const display::CameraRow& row, const
 /// The parameter "maxdepth" of in-tree integrators, `max_depth` first; 5 without, at most a million.
 Result<std::uint32_t> read_max_depth(const SceneEntity& entity, std::optional<std::int64_t> max_depth);
 
-/// The parameters "maxdepth" and "roulette", for integrators that have no others.
+/// The parameters "roulette" and "rrthreshold": the throughput below which paths end at random, 0 where none does.
+Result<Real> read_roulette(const SceneEntity& entity);
+/// What the registry says of them; `who` ends: "paths", "subpaths".
+ParameterDescription describe_roulette(const std::string& who);
+ParameterDescription describe_roulette_threshold();
+
+/// The parameters "maxdepth", "roulette" and "rrthreshold", for integrators that have no others.
 struct DepthParameters {
     std::uint32_t max_depth = 5;  ///< scattering events at most
-    bool roulette = true;
+    Real roulette_below = default_roulette_below;
 };
 Result<DepthParameters> read_depth_parameters(const SceneEntity& entity, std::optional<std::int64_t> max_depth);
-/// What the registry says of them; `roulette` is the help for that one.
-std::vector<ParameterDescription> describe_depth_parameters(const std::string& roulette);
+std::vector<ParameterDescription> describe_depth_parameters(const std::string& who);
 
 /// The integrator that `asked` names, with the scene's parameters that both have and `asked` does not give: "maxdepth"
 /// most of all. Without `asked`, the scene's own.

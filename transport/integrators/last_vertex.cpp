@@ -103,6 +103,7 @@ class Pilot {
     SurfacePoint point_;
     SurfaceSource source_;
     Bsdf bsdf_;
+    Real time_ = 0;
     bool delta_ = false;
 };
 
@@ -111,9 +112,10 @@ bool Pilot::trace(std::uint32_t x, std::uint32_t y, std::uint32_t s) {
                                static_cast<std::int32_t>(y), s);
     const Vec2 at = numbers.get_2d(filter_dimension);
     const Ray ray =
-        context_.camera->generate((static_cast<Real>(x) + at.x) * static_cast<Real>(context_.width) / pilot_grid,
-                                  (static_cast<Real>(y) + at.y) * static_cast<Real>(context_.height) / pilot_grid,
-                                  numbers.get_2d(lens_dimension));
+        context_.camera->generate({(static_cast<Real>(x) + at.x) * static_cast<Real>(context_.width) / pilot_grid,
+                                   (static_cast<Real>(y) + at.y) * static_cast<Real>(context_.height) / pilot_grid,
+                                   numbers.get_2d(lens_dimension), sample_time(scene_, numbers)});
+    time_ = ray.time;
     PilotPath& path = paths_.emplace_back();
     Hit hit;
     scene_.geometry->intersect({&ray, 1}, {&hit, 1});
@@ -140,7 +142,8 @@ Found Pilot::sample_light(const LightChooser& chooser, const PixelSampler& numbe
     const BsdfEvaluation f = bsdf_.evaluate(point_.wo, sample.wi);
     if (f.value.is_black()) return {};
     delta_ = delta_ || sample.delta;
-    const Ray ray = shadow_ray(point_.position, point_.geometric_normal, source_.offset.here, sample);
+    Ray ray = shadow_ray(point_.position, point_.geometric_normal, source_.offset.here, sample);
+    ray.time = time_;
     std::uint8_t blocked = 0;
     scene_.geometry->occluded({&ray, 1}, {&blocked, 1});
     if (blocked) return {};
@@ -154,6 +157,7 @@ Found Pilot::sample_ray(const LightChooser& chooser, const PixelSampler& numbers
     Ray ray;
     ray.origin = offset_ray_origin(point_.position, point_.geometric_normal, source_.offset.here, s.wi);
     ray.direction = s.wi;
+    ray.time = time_;
     Hit hit;
     scene_.geometry->intersect({&ray, 1}, {&hit, 1});
     const auto counts = [&](std::uint32_t light) {

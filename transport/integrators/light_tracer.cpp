@@ -52,7 +52,7 @@ class LightTracer final : public Integrator {
     [[nodiscard]] std::vector<std::string> omissions() const override;
     [[nodiscard]] std::unique_ptr<IntegratorThread> make_thread_state() const override {
         LightSubpathOptions options;
-        options.walk = {parameters_.max_depth, parameters_.roulette, false};
+        options.walk = {parameters_.max_depth, parameters_.roulette_below, false};
         options.language = language_ ? &*language_ : nullptr;
         options.media_of_lights = media_of_lights_;
         auto thread = std::make_unique<LightTracerThread>(context_.scene, *context_.events, options,
@@ -82,7 +82,7 @@ void LightTracer::integrate(const CameraBatch& batch, IntegratorThread& state, T
     thread.camera->counters.path_lengths.assign(1, 0);
     if (!can_emit_ || services.left) return;
     LightSubpaths& subpaths = thread.subpaths;
-    subpaths.begin(batch.samplers, services.lpe, thread.counters);
+    subpaths.begin(batch.rays, batch.samplers, services.lpe, thread.counters);
     // Splats that were handed on cannot be taken back, and a batch that is left with such leaves no checkpoint. So a
     // batch is finished unless its paths go on for long: this many scatterings take milliseconds.
     constexpr int soon = 64;
@@ -108,7 +108,8 @@ void LightTracer::connect(const CameraBatch& batch, LightTracerThread& thread, T
         thread.connections.add(
             view_,
             {row, path.depth, &v.points[j], &v.bsdfs[j], v.sources[j].offset, holdout, path.beta,
-             thread.subpaths.end(j), nullptr, connection_key(context_.scene, batch.samplers[row], path.depth)},
+             thread.subpaths.end(j), nullptr, v.hits[j].time,
+             connection_key(context_.scene, batch.samplers[row], path.depth)},
             lens);
     }
     if (!context_.beauty && !geometry.has_alpha()) {
@@ -145,7 +146,7 @@ Registry<IntegratorFactory>::Entry light_tracer_entry() {
     return {
         "lighttracer",
         "paths from the lights, connected to the camera; finds caustics, but nothing seen in mirrors or through glass",
-        describe_depth_parameters("end weak paths at random from the second bounce"),
+        describe_depth_parameters("paths"),
         [](const SceneEntity& entity, std::optional<std::int64_t> max_depth) -> Result<std::unique_ptr<Integrator>> {
             auto parameters = read_depth_parameters(entity, max_depth);
             if (!parameters) return parameters.error();

@@ -22,7 +22,7 @@
 
 namespace raylex::transport {
 
-/// The registry's entry: parameters maxdepth, roulette.
+/// The registry's entry: parameters maxdepth, roulette, rrthreshold.
 Registry<IntegratorFactory>::Entry light_tracer_entry();
 
 }  // namespace raylex::transport

@@ -4,6 +4,7 @@
 
 #include "transport/integrators/first_hits.h"
 #include "transport/integrators/last_vertex.h"
+#include "transport/integrators/split_pilot.h"
 #include "transport/math/sampling.h"
 #include "transport/paths/connect.h"
 #include "transport/paths/transmittance.h"
@@ -23,7 +24,7 @@ struct PathThread final : IntegratorThread {
     geoaovs::ShadingBatch first_hits;
 };
 
-class PathIntegrator final : public Integrator {
+class PathIntegrator final : public Integrator, private SplitTrials {
   public:
     explicit PathIntegrator(const PathParameters& parameters) : parameters_(parameters) {}
     [[nodiscard]] IntegratorTraits traits() const override {
@@ -40,8 +41,10 @@ class PathIntegrator final : public Integrator {
         lights_ = LiveLights(context.scene, *context.events, choice(),
                              parameters_.light_selection == LightSelection::receiver);
         can_sample_lights_ = !lights_[LiveLights::all].empty();
-        if (can_sample_lights_ && parameters_.strategy == PathStrategy::mis && parameters_.roulette)
+        if (can_sample_lights_ && parameters_.strategy == PathStrategy::mis && parameters_.roulette_below > 0)
             at_last_ = choose_techniques(context, lights_);
+        if (may_prune() && parameters_.splits && parameters_.strategy == PathStrategy::mis)
+            splits_ = choose_splits(context, *this);
         return success();
     }
     [[nodiscard]] std::unique_ptr<IntegratorThread> make_thread_state() const override;
@@ -50,6 +53,9 @@ class PathIntegrator final : public Integrator {
   private:
     struct Ends;
     void sample_light(PathThread& thread, std::size_t j) const;
+    /// Whether channels alone decide what is drawn; beauty's numbers do not depend on them (Law 2).
+    [[nodiscard]] bool may_prune() const { return !context_.beauty && context_.events->prunes(); }
+    [[nodiscard]] std::unique_ptr<Integrator> trial(const SplitPlan& plan, std::uint32_t most_depth) const override;
     /// Whether light sampling finds the emitter too to which `light_pdf` belongs.
     [[nodiscard]] bool sampled_too(const Subpath& path, Real light_pdf) const {
         return !path.specular && light_pdf > 0 && parameters_.strategy != PathStrategy::scattering;
@@ -66,13 +72,23 @@ class PathIntegrator final : public Integrator {
     LiveLights lights_;
     TechniqueShares at_last_;  // where only light can follow a vertex
     bool can_sample_lights_ = false;
+    SplitPlan splits_;
 };
 
+std::unique_ptr<Integrator> PathIntegrator::trial(const SplitPlan& plan, std::uint32_t most_depth) const {
+    auto trial = std::make_unique<PathIntegrator>(*this);
+    trial->parameters_.max_depth = std::min(parameters_.max_depth, most_depth);
+    trial->splits_ = plan;
+    return trial;
+}
+
 std::unique_ptr<IntegratorThread> PathIntegrator::make_thread_state() const {
-    return std::make_unique<PathThread>(
-        context_.scene, *context_.events,
-        camera_subpath_options(context_, {parameters_.max_depth, parameters_.roulette, false}),
-        static_cast<std::size_t>(context_.batch_capacity));
+    CameraSubpathOptions options =
+        camera_subpath_options(context_, {parameters_.max_depth, parameters_.roulette_below, false});
+    options.live_lobes = may_prune();
+    options.splits = splits_;
+    return std::make_unique<PathThread>(context_.scene, *context_.events, options,
+                                        static_cast<std::size_t>(context_.batch_capacity));
 }
 
 /// Emitters found by scattering.
@@ -132,6 +148,8 @@ void PathIntegrator::integrate(const CameraBatch& batch, IntegratorThread& state
     while (camera.going() && !services.leaving()) {
         camera.advance(services.display, ends);
         write_first_hits(context_, camera.vertices(), camera.first_entries(), thread.first_hits, services.display);
+        if (splits_.any())
+            for (std::size_t j = 0; j < camera.vertices().count; ++j) camera.split(j);
         if (can_sample_lights_)
             for (std::size_t j = 0; j < camera.vertices().count; ++j) sample_light(thread, j);
         thread.connections.report(camera, thread.counters);
@@ -165,7 +183,7 @@ void PathIntegrator::sample_light(PathThread& thread, std::size_t j) const {
     if (f.value.is_black()) return;
     Real weight = 1;
     if (!sample.delta && parameters_.strategy == PathStrategy::mis)
-        weight = power_heuristic(sample.pdf, shares.ray * f.pdf);
+        weight = power_heuristic(sample.pdf, shares.ray * static_cast<Real>(camera.path(row).rays) * f.pdf);
     thread.connections.add_light_sample(camera, j, sample, f, weight);
 }
 
@@ -182,9 +200,12 @@ Result<std::unique_ptr<Integrator>> make_path(const SceneEntity& entity, std::op
         return error_at(entity.location, "'strategy' is '" + *strategy + "'; expected mis, light or scattering",
                         nearest_name(*strategy, names));
     p.strategy = static_cast<PathStrategy>(found - names.begin());
-    auto roulette = entity.parameters.boolean_or("roulette", true);
+    auto roulette = read_roulette(entity);
     if (!roulette) return roulette.error();
-    p.roulette = *roulette;
+    p.roulette_below = *roulette;
+    auto splits = entity.parameters.boolean_or("splits", true);
+    if (!splits) return splits.error();
+    p.splits = *splits;
     auto regularize = entity.parameters.boolean_or("regularize", false);
     if (!regularize) return regularize.error();
     if (*regularize)
@@ -216,7 +237,11 @@ Registry<IntegratorFactory>::Entry path_integrator_entry() {
         "path tracing with light sampling, multiple importance sampling and Russian roulette",
         {{"maxdepth", T::integer, "5", "scattering events at most; emission seen after the last still counts"},
          {"strategy", T::string, "mis", "how emitters are found: mis, light or scattering"},
-         {"roulette", T::boolean, "true", "end weak paths at random from the second bounce"},
+         describe_roulette("paths"),
+         describe_roulette_threshold(),
+         {"splits", T::boolean, "true",
+          "without beauty: follow several rays from a path's first diffuse or glossy vertex, and both lobes of glass "
+          "behind it, where a pilot says that it pays"},
          {"lightsampler", T::string, "bvh",
           "which light a sample goes to: bvh, by what each can send to the point where more than 32 stand somewhere "
           "and by power else; power; uniform; exhaustive of pbrt is bvh here"},

@@ -3,7 +3,7 @@
 // The path integral is estimated from the camera: at each vertex one light sample (next event estimation) and one
 // scattering sample; an emitter can be found by both, and each gets the weight w = p^2 / (p^2 + q^2) of its density p
 // against the other's q, per steradian (Veach 1997, chapter 9). Lights without extent are found by sampling alone,
-// mirrors by scattering alone. Russian roulette from the second bounce on max(beta) eta^2, as pbrt-v4.
+// mirrors by scattering alone. Russian roulette from the second bounce where max(beta) eta^2 is small.
 //
 // Rays of a batch advance together, one vertex at a time; every stage is one loop over plain arrays:
 //
@@ -30,7 +30,8 @@ struct PathParameters {
     std::uint32_t max_depth = 5;  ///< scattering events at most; emission after the last still counts
     PathStrategy strategy = PathStrategy::mis;
     LightSelection light_selection = LightSelection::receiver;
-    bool roulette = true;
+    Real roulette_below = default_roulette_below;  ///< throughput below which paths end at random; 0: none does
+    bool splits = true;                            ///< paths that beauty does not take, where that pays (strategy mis)
     std::uint32_t first_depth =
         0;  ///< light found before so many scattering events is left to others (not a parameter)
 };
@@ -38,7 +39,7 @@ struct PathParameters {
 /// The integrator itself, for others that are made of it.
 std::unique_ptr<Integrator> make_path_integrator(const PathParameters& parameters);
 
-/// The registry's entry: parameters maxdepth, strategy, roulette, lightsampler.
+/// The registry's entry: parameters maxdepth, strategy, roulette, rrthreshold, splits, lightsampler.
 Registry<IntegratorFactory>::Entry path_integrator_entry();
 
 }  // namespace raylex::transport

@@ -7,6 +7,7 @@
 #include "transport/cameras/camera.h"
 #include "transport/integrators/pssmlt_state.h"
 #include "transport/math/sampling.h"
+#include "transport/paths/camera_subpaths.h"
 
 namespace raylex::transport {
 namespace {
@@ -38,8 +39,13 @@ void Pssmlt::begin_path(PssmltThread& thread, std::size_t row, PrimarySamples& n
     camera.pixel_x = static_cast<std::int32_t>(std::floor(camera.screen_x));
     camera.pixel_y = static_cast<std::int32_t>(std::floor(camera.screen_y));
     camera.sample = (std::uint64_t{tile} << 44) + (chain << 32) + numbers.mutations();
-    thread.rays[row] = context_.camera->generate(
-        camera.screen_x, camera.screen_y, context_.camera->has_lens() ? sampler.get_2d(lens_dimension) : Vec2{0, 0});
+    const Real time = sample_time(context_.scene, sampler);
+    camera.shutter_time = to_float(time);
+    thread.rays[row] =
+        context_.camera->generate({camera.screen_x, camera.screen_y,
+                                   context_.camera->has_lens() ? sampler.get_2d(lens_dimension) : Vec2{0, 0}, time});
+    if (context_.scene.materials->filters_images())  // a chain stands for many samples
+        thread.rays[row].cone.spread *= pixel_share(~std::uint64_t{0});
 }
 
 bool Pssmlt::trace(PssmltThread& thread, std::size_t count, ThreadServices& services) const {

@@ -37,14 +37,14 @@ struct PssmltParameters {
     Real sigma = Real(0.01);      ///< standard deviation of a small step
     std::uint32_t chains = 1000;  ///< in all; at least one a tile
     std::uint32_t bootstrap_samples = 100'000;
-    bool roulette = true;
-    bool bidirectional = false;       ///< over bdpt
-    std::vector<std::string> target;  ///< channels; empty: beauty, or all channels where there is none
-    SourceLocation location;          ///< of the directive, for errors
+    Real roulette_below = default_roulette_below;  ///< 0: paths do not end at random
+    bool bidirectional = false;                    ///< over bdpt
+    std::vector<std::string> target;               ///< channels; empty: beauty, or all channels where there is none
+    SourceLocation location;                       ///< of the directive, for errors
 };
 
 /// The registry's entry: parameters maxdepth, largestepprobability, sigma, chains, bootstrapsamples (as pbrt's mlt),
-/// roulette, integrator, target.
+/// roulette, rrthreshold, integrator, target.
 Registry<IntegratorFactory>::Entry pssmlt_entry();
 
 }  // namespace raylex::transport

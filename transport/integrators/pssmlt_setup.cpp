@@ -37,9 +37,9 @@ Result<std::unique_ptr<Integrator>> make_pssmlt(const SceneEntity& entity, std::
                         "'bootstrapsamples' is " + std::to_string(*samples) + "; expected 1 to a thousand million");
     p.chains = static_cast<std::uint32_t>(*chains);
     p.bootstrap_samples = static_cast<std::uint32_t>(*samples);
-    auto roulette = entity.parameters.boolean_or("roulette", true);
+    auto roulette = read_roulette(entity);
     if (!roulette) return roulette.error();
-    p.roulette = *roulette;
+    p.roulette_below = *roulette;
     auto integrator = entity.parameters.string_or("integrator", "path");
     if (!integrator) return integrator.error();
     const std::vector<std::string> known = {"path", "bdpt"};
@@ -74,7 +74,8 @@ Registry<IntegratorFactory>::Entry pssmlt_entry() {
              {"chains", T::integer, "1000", "Markov chains; at least one is run for each 16 x 16 tile"},
              {"bootstrapsamples", T::integer, "100000",
               "paths drawn before the image, for its brightness and where chains begin"},
-             {"roulette", T::boolean, "true", "end weak paths at random from the second bounce"},
+             describe_roulette("paths"),
+             describe_roulette_threshold(),
              {"integrator", T::string, "path", "whose paths the chains walk over: path or bdpt"},
              {"target", T::string, "beauty",
               "what chains spend their steps on: beauty, or channels of light path expressions between commas"}},
@@ -87,8 +88,9 @@ Pssmlt::Pssmlt(const PssmltParameters& parameters) : parameters_(parameters) {
     camera_ = make_path_integrator(seen);
     found.max_depth = parameters.max_depth;
     found.first_depth = 1;
-    found.roulette = parameters.roulette;
-    path_ = parameters.bidirectional ? make_bdpt_integrator({{parameters.max_depth, parameters.roulette}, 1})
+    found.roulette_below = parameters.roulette_below;
+    seen.splits = found.splits = false;  // a chain's numbers are of one path
+    path_ = parameters.bidirectional ? make_bdpt_integrator({{parameters.max_depth, parameters.roulette_below}, 1})
                                      : make_path_integrator(found);
 }
 

@@ -14,6 +14,9 @@ Real weight_of(const Rgb& c) {
     return std::max(c.average(), Real(0));
 }
 
+/// Of a pixel's own radiance in what by_excess_ draws by.
+constexpr Real share_of_all = Real(0.1);
+
 /// Largest i with cumulative[i] <= u, and where u stands within that step.
 std::size_t find_step(const Real* cumulative, std::size_t steps, Real u, Real& within) {
     const Real* upper = std::upper_bound(cumulative, cumulative + steps + 1, u);
@@ -55,21 +58,36 @@ Vec3 direction_from_octahedral(const Vec2& uv) {
 
 EnvironmentImage::EnvironmentImage(int resolution, std::vector<Rgb> pixels, const Placement& placement)
     : resolution_(resolution), pixels_(std::move(pixels)), placement_(placement) {
+    double weights = 0, luminances = 0;
+    for (const Rgb& pixel : pixels_) {
+        weights += weight_of(pixel);
+        luminances += luminance(pixel);
+    }
+    const auto count = static_cast<double>(pixels_.size());
+    mean_ = luminances / count;
+    by_radiance_ = distribution(0, 0);  // max(w - 0, 0)
+    by_excess_ = distribution(static_cast<Real>(weights / count), share_of_all);
+}
+
+/// By max(weight - mean, 0) + plain_share * weight.
+EnvironmentImage::Distribution EnvironmentImage::distribution(Real mean, Real plain_share) const {
     const auto n = static_cast<std::size_t>(resolution_);
-    rows_.assign(n + 1, 0);
-    columns_.assign(n * (n + 1), 0);
+    Distribution d;
+    d.rows.assign(n + 1, 0);
+    d.columns.assign(n * (n + 1), 0);
     std::vector<double> row_sums(n);
-    double total = 0, luminance_sum = 0;
+    double total = 0;
     for (std::size_t y = 0; y < n; ++y) {
+        const auto weight = [&](std::size_t x) {
+            const Real w = weight_of(pixels_[y * n + x]);
+            return double{std::max(w - mean, Real(0))} + double{plain_share} * double{w};
+        };
         double sum = 0;
-        for (std::size_t x = 0; x < n; ++x) {
-            sum += weight_of(pixels_[y * n + x]);
-            luminance_sum += luminance(pixels_[y * n + x]);
-        }
+        for (std::size_t x = 0; x < n; ++x) sum += weight(x);
         double running = 0;
-        Real* row = columns_.data() + y * (n + 1);
+        Real* row = d.columns.data() + y * (n + 1);
         for (std::size_t x = 0; x < n; ++x) {
-            running += weight_of(pixels_[y * n + x]);
+            running += weight(x);
             row[x + 1] = sum > 0 ? static_cast<Real>(running / sum) : static_cast<Real>(x + 1) / static_cast<Real>(n);
         }
         row[n] = 1;
@@ -79,10 +97,10 @@ EnvironmentImage::EnvironmentImage(int resolution, std::vector<Rgb> pixels, cons
     double running = 0;
     for (std::size_t y = 0; y < n && total > 0; ++y) {
         running += row_sums[y];
-        rows_[y + 1] = static_cast<Real>(running / total);
+        d.rows[y + 1] = static_cast<Real>(running / total);
     }
-    if (total > 0) rows_[n] = 1;
-    mean_ = luminance_sum / (static_cast<double>(n) * static_cast<double>(n));
+    if (total > 0) d.rows[n] = 1;
+    return d;
 }
 
 std::size_t EnvironmentImage::pixel_of(const Vec3& world_direction) const {
@@ -95,30 +113,30 @@ std::size_t EnvironmentImage::pixel_of(const Vec3& world_direction) const {
     return cell(uv.y) * static_cast<std::size_t>(resolution_) + cell(uv.x);
 }
 
-Real EnvironmentImage::density(std::size_t pixel) const {
+Real EnvironmentImage::Distribution::density(std::size_t n, std::size_t pixel) const {
     // From the stored cumulative shares and not from the pixel's value: what sample() really does.
-    const auto n = static_cast<std::size_t>(resolution_);
     const std::size_t y = pixel / n, x = pixel % n;
-    const Real* row = columns_.data() + y * (n + 1);
-    const Real share = (rows_[y + 1] - rows_[y]) * (row[x + 1] - row[x]);
+    const Real* row = columns.data() + y * (n + 1);
+    const Real share = (rows[y + 1] - rows[y]) * (row[x + 1] - row[x]);
     return share * static_cast<Real>(n) * static_cast<Real>(n) * uniform_sphere_pdf();
 }
 
 Rgb EnvironmentImage::radiance(const Vec3& world_direction) const {
     return pixels_[pixel_of(world_direction)];
 }
-Real EnvironmentImage::pdf(const Vec3& world_direction) const {
-    return density(pixel_of(world_direction));
+Real EnvironmentImage::pdf(const Vec3& world_direction, By by) const {
+    return drawn(by).density(static_cast<std::size_t>(resolution_), pixel_of(world_direction));
 }
 
-bool EnvironmentImage::sample(const Vec2& u, Vec3& world_direction, Rgb& radiance, Real& pdf) const {
+bool EnvironmentImage::sample(const Vec2& u, Vec3& world_direction, Rgb& radiance, Real& pdf, By by) const {
     const auto n = static_cast<std::size_t>(resolution_);
-    if (!(rows_[n] > 0)) return false;
+    const Distribution& d = drawn(by);
+    if (!(d.rows[n] > 0)) return false;
     Real within_x, within_y;
-    const std::size_t y = find_step(rows_.data(), n, u.y, within_y);
-    const std::size_t x = find_step(columns_.data() + y * (n + 1), n, u.x, within_x);
+    const std::size_t y = find_step(d.rows.data(), n, u.y, within_y);
+    const std::size_t x = find_step(d.columns.data() + y * (n + 1), n, u.x, within_x);
     const std::size_t pixel = y * n + x;
-    pdf = density(pixel);
+    pdf = d.density(n, pixel);
     if (!(pdf > 0)) return false;
     const Real scale = 1 / static_cast<Real>(n);
     const Vec3 local = direction_from_octahedral(

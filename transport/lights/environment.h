@@ -1,10 +1,16 @@
 // Image environments: radiance from every direction, in pbrt-v4's equal-area octahedral layout (P. Clarberg 2008, "Fast
 // Equal-Area Mapping of the (Hemi)Sphere using SIMD"), importance-sampled.
 //
+// Where scattering finds the sky too, light samples are drawn by what stands out of it (MIS compensation: O. Karlik et
+// al. 2019, "MIS Compensation: Optimizing Sampling Techniques in Multiple Importance Sampling", ACM TOG 38(6)): by
+// max(L - mean, 0), and by a share of L itself, so that the density is positive wherever there is light and what
+// scattering may miss is found whatever it is.
+//
 // Look-ups take the nearest pixel, as pbrt-v4's image light does, so a piecewise-constant density over the pixels is
 // exactly proportional to the luminance, and every pixel covers the same solid angle.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "transport/geometry/matrix34.h"
@@ -22,19 +28,27 @@ class EnvironmentImage {
     EnvironmentImage(int resolution, std::vector<Rgb> pixels, const Placement& placement);
 
     [[nodiscard]] Rgb radiance(const Vec3& world_direction) const;
+    /// What directions are drawn by: radiance, or what stands out of its mean.
+    enum class By : std::uint8_t { radiance, excess };
     /// Per steradian; 0 where the image is black.
-    [[nodiscard]] Real pdf(const Vec3& world_direction) const;
+    [[nodiscard]] Real pdf(const Vec3& world_direction, By by = By::radiance) const;
     /// A world direction, or false when the image is black everywhere.
-    bool sample(const Vec2& u, Vec3& world_direction, Rgb& radiance, Real& pdf) const;
+    bool sample(const Vec2& u, Vec3& world_direction, Rgb& radiance, Real& pdf, By by = By::radiance) const;
     [[nodiscard]] double mean_luminance() const { return mean_; }
 
   private:
     [[nodiscard]] std::size_t pixel_of(const Vec3& world_direction) const;
-    [[nodiscard]] Real density(std::size_t pixel) const;
+    /// Piecewise constant over the pixels.
+    struct Distribution {
+        std::vector<Real> rows;     // [resolution + 1] cumulative share of the rows
+        std::vector<Real> columns;  // [resolution][resolution + 1] cumulative share within a row
+        [[nodiscard]] Real density(std::size_t n, std::size_t pixel) const;
+    };
+    [[nodiscard]] Distribution distribution(Real mean, Real plain_share) const;
+    [[nodiscard]] const Distribution& drawn(By by) const { return by == By::radiance ? by_radiance_ : by_excess_; }
     int resolution_ = 0;
     std::vector<Rgb> pixels_;
-    std::vector<Real> rows_;     // [resolution + 1] cumulative share of the rows
-    std::vector<Real> columns_;  // [resolution][resolution + 1] cumulative share within a row
+    Distribution by_radiance_, by_excess_;
     Placement placement_;
     double mean_ = 0;
 };

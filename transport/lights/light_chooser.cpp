@@ -34,8 +34,10 @@ LightChooser LightChooser::by_receiver(std::span<const Light> lights, const Embr
         if (lights[i].is_environment() || lights[i].kind == LightKind::distant) others[i] = 1;
         else placed.push_back(i);
     }
-    if (placed.size() <= most_by_power) return {lights, choice, wanted};
-    LightChooser chooser(lights, choice, others);
+    const bool many = placed.size() > most_by_power;
+    LightChooser chooser(lights, choice, many ? std::span<const std::uint8_t>(others) : wanted);
+    chooser.compensates_ = choice == LightChoice::mis || choice == LightChoice::mis_uniform;
+    if (!many) return chooser;
     for (std::uint32_t i = 0; i < lights.size(); ++i) other_count += chooser.table_.probability(i) > 0;
     chooser.table_share_ = static_cast<Real>(other_count) / static_cast<Real>(other_count + 1);
     chooser.tree_ = LightTree(lights, geometry, std::move(placed));

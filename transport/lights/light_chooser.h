@@ -31,6 +31,9 @@ class LightChooser {
     static constexpr std::size_t most_by_power = 32;
 
     [[nodiscard]] bool empty() const { return table_.empty() && tree_.empty(); }
+    /// Whether skies are sampled by what stands out of them, for scattering finds the rest: of by_receiver() with
+    /// `mis`.
+    [[nodiscard]] bool compensates() const { return compensates_; }
     /// Above this many lights the choice takes a number of its own; below, it shares another and costs few of its bits.
     static constexpr std::size_t shared_choice_limit = 64;
     [[nodiscard]] bool needs_number() const { return !tree_.empty() || table_.size() > shared_choice_limit; }
@@ -52,6 +55,7 @@ class LightChooser {
     AliasTable table_;  // of all; beside a tree, of the lights that stand nowhere
     LightTree tree_;
     Real table_share_ = 1;
+    bool compensates_ = false;
 };
 
 }  // namespace raylex::transport

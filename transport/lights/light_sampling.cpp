@@ -107,7 +107,12 @@ bool sample_point(const Light& light, const Vec3& from, LightSample& s) {
     return true;
 }
 
-bool sample_infinite(const Light& light, const std::vector<EnvironmentImage>& images, const Vec2& u, LightSample& s) {
+EnvironmentImage::By drawn_by(const LightChooser& chooser) {
+    return chooser.compensates() ? EnvironmentImage::By::excess : EnvironmentImage::By::radiance;
+}
+
+bool sample_infinite(const LightChooser& chooser, const Light& light, const std::vector<EnvironmentImage>& images,
+                     const Vec2& u, LightSample& s) {
     s.infinite = true;
     if (light.kind == LightKind::distant) {
         s.wi = light.direction;
@@ -123,7 +128,8 @@ bool sample_infinite(const Light& light, const std::vector<EnvironmentImage>& im
     }
     Real pdf = 0;
     Rgb radiance;
-    if (!images[static_cast<std::size_t>(light.environment)].sample(u, s.wi, radiance, pdf)) return false;
+    if (!images[static_cast<std::size_t>(light.environment)].sample(u, s.wi, radiance, pdf, drawn_by(chooser)))
+        return false;
     s.radiance = radiance * light.emission;
     s.pdf *= pdf;
     return true;
@@ -156,7 +162,7 @@ bool LightTable::sample(const LightChooser& chooser, const EmbreeScene& geometry
         case LightKind::spot:
             return sample_point(light, from, s);
         default:
-            return sample_infinite(light, images_, u, s);
+            return sample_infinite(chooser, light, images_, u, s);
     }
 }
 
@@ -211,7 +217,7 @@ Real LightTable::environment_density(const LightChooser& chooser, std::uint32_t 
     if (!(chosen > 0)) return 0;
     return chosen * (light.kind == LightKind::uniform_environment
                          ? uniform_sphere_pdf()
-                         : images_[static_cast<std::size_t>(light.environment)].pdf(direction));
+                         : images_[static_cast<std::size_t>(light.environment)].pdf(direction, drawn_by(chooser)));
 }
 
 Rgb LightTable::environment_radiance(std::uint32_t index, const Vec3& direction) const {

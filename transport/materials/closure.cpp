@@ -71,19 +71,21 @@ LobeId base_lobe(bool delta) {
 }
 
 template <class Base>
-BsdfEvaluation evaluate_layered(const LayeredClosure<Base>& layered, const Vec3& wo, const Vec3& wi,
-                                std::uint32_t key) {
-    const Real pdf = layered.pdf(wo, wi);
+BsdfEvaluation evaluate_layered(const LayeredClosure<Base>& layered, const Vec3& wo, const Vec3& wi, std::uint32_t key,
+                                Sides sides) {
+    const Real pdf = layered.pdf(wo, wi, sides);
     if (!(pdf > 0)) return {};
+    if (sides == Sides::reflection) return one_lobe(lobes::coat_glossy, Rgb(layered.coat_value(wo, wi)), pdf);
     const Rgb entered = layered.base_value(wo, wi, key);
-    if (layered.coat.interface.is_delta()) return one_lobe(base_lobe<Base>(false), entered, pdf);
+    if (layered.coat.interface.is_delta() || sides == Sides::transmission)
+        return one_lobe(base_lobe<Base>(false), entered, pdf);
     return two_lobes(lobes::coat_glossy, Rgb(layered.coat_value(wo, wi)), base_lobe<Base>(false), entered, pdf);
 }
 
 template <class Base>
 BsdfSample sample_layered(const Frame& frame, const LayeredClosure<Base>& layered, const Vec3& wo, Real u_lobe,
-                          const Vec2& u, std::uint32_t key) {
-    const LayeredSample walk = layered.sample(wo, u_lobe, u, key);
+                          const Vec2& u, std::uint32_t key, Sides sides) {
+    const LayeredSample walk = layered.sample(wo, u_lobe, u, key, sides);
     const bool delta = walk.scatter.delta;
     const LobeId coat = delta ? lobes::coat_singular : lobes::coat_glossy;
     BsdfSample result = to_sample(frame, walk.scatter, walk.entered ? base_lobe<Base>(delta) : coat);
@@ -152,6 +154,40 @@ std::optional<LobeId> add_lobe(const LobeKind& lobe) {
     return static_cast<LobeId>(kinds.size() - 1);
 }
 
+std::optional<SideLobes> Bsdf::side_lobes() const {
+    switch (kind_) {
+        case Kind::dielectric: {
+            const bool delta = dielectric_.is_delta();
+            return SideLobes{glass_lobe(false, delta), {glass_lobe(true, delta), glass_lobe(true, delta)}};
+        }
+        case Kind::subsurface:
+            return SideLobes{subsurface_lobe(false, dielectric_.is_delta()), {lobes::subsurface, lobes::subsurface}};
+        case Kind::thin_dielectric:
+            return SideLobes{glass_lobe(false, true), {glass_lobe(true, true), glass_lobe(true, true)}};
+        case Kind::coated_diffuse: {
+            const bool delta = coated_diffuse_.coat.interface.is_delta();
+            return SideLobes{delta ? lobes::coat_singular : lobes::coat_glossy, {lobes::diffuse, lobes::diffuse}};
+        }
+        case Kind::coated_conductor: {
+            // A medium between them makes a density of some of what a mirror would send in one direction.
+            const bool delta = coated_conductor_.coat.interface.is_delta();
+            return SideLobes{delta ? lobes::coat_singular : lobes::coat_glossy,
+                             {lobes::conductor_singular, lobes::conductor_glossy}};
+        }
+        case Kind::diffuse_transmission:
+            return SideLobes{lobes::diffuse, {lobes::diffuse_transmit, lobes::diffuse_transmit}};
+        default:
+            return std::nullopt;
+    }
+}
+
+void Bsdf::keep_side(Sides side) {
+    sides_ = side;
+    if (side != Sides::reflection) return;
+    if (kind_ == Kind::coated_diffuse && coated_diffuse_.coat.interface.is_delta()) has_density_ = false;
+    if (kind_ == Kind::coated_conductor && coated_conductor_.coat.interface.is_delta()) has_density_ = false;
+}
+
 BsdfEvaluation Bsdf::evaluate_other(const Vec3& wo_world, const Vec3& wi_world) const {
     if (!has_density_) return {};
     if (kind_ == Kind::phase) {
@@ -169,8 +205,7 @@ BsdfEvaluation Bsdf::evaluate_other(const Vec3& wo_world, const Vec3& wi_world) 
         case Kind::subsurface: {
             const bool crossed = wo.z * wi.z < 0;
             return one_lobe(kind_ == Kind::dielectric ? glass_lobe(crossed, false) : subsurface_lobe(crossed, false),
-                            Rgb(dielectric_.value(wo, wi, TransportMode::radiance)),
-                            dielectric_.pdf(wo, wi, Sides::both));
+                            Rgb(dielectric_.value(wo, wi, TransportMode::radiance)), dielectric_.pdf(wo, wi, sides_));
         }
         case Kind::compensated_conductor: {
             Real pdf;
@@ -181,16 +216,16 @@ BsdfEvaluation Bsdf::evaluate_other(const Vec3& wo_world, const Vec3& wi_world) 
             return one_lobe(glass_lobe(wo.z * wi.z < 0, false), Rgb(compensated_dielectric_.value(wo, wi)),
                             compensated_dielectric_.glass.pdf(wo, wi, Sides::both));
         case Kind::coated_diffuse:
-            return evaluate_layered(coated_diffuse_, wo, wi, key_);
+            return evaluate_layered(coated_diffuse_, wo, wi, key_, sides_);
         case Kind::coated_conductor:
-            return evaluate_layered(coated_conductor_, wo, wi, key_);
+            return evaluate_layered(coated_conductor_, wo, wi, key_, sides_);
         case Kind::additive:
             return evaluate_additive(additive_, wo, wi);
         case Kind::ideal:
             return one_lobe(lobes::diffuse, LambertClosure{ideal_.diffuse}.value(wo, wi), ideal_pdf(ideal_, wo, wi));
         case Kind::diffuse_transmission:
             return one_lobe(wo.z * wi.z > 0 ? lobes::diffuse : lobes::diffuse_transmit,
-                            diffuse_transmission_.value(wo, wi), diffuse_transmission_.pdf(wo, wi));
+                            diffuse_transmission_.value(wo, wi), diffuse_transmission_.pdf(wo, wi, sides_));
         case Kind::hair:
             return hair_.evaluate(wo, wi);
         case Kind::measured:
@@ -216,21 +251,21 @@ Real Bsdf::pdf_other(const Vec3& wo_world, const Vec3& wi_world) const {
             return conductor_.pdf(wo, wi);
         case Kind::dielectric:
         case Kind::subsurface:
-            return dielectric_.pdf(wo, wi, Sides::both);
+            return dielectric_.pdf(wo, wi, sides_);
         case Kind::compensated_conductor:
             return compensated_conductor_.metal.pdf(wo, wi);
         case Kind::compensated_dielectric:
             return compensated_dielectric_.glass.pdf(wo, wi, Sides::both);
         case Kind::coated_diffuse:
-            return coated_diffuse_.pdf(wo, wi);
+            return coated_diffuse_.pdf(wo, wi, sides_);
         case Kind::coated_conductor:
-            return coated_conductor_.pdf(wo, wi);
+            return coated_conductor_.pdf(wo, wi, sides_);
         case Kind::additive:
             return evaluate_additive(additive_, wo, wi).pdf;
         case Kind::ideal:
             return ideal_pdf(ideal_, wo, wi);
         case Kind::diffuse_transmission:
-            return diffuse_transmission_.pdf(wo, wi);
+            return diffuse_transmission_.pdf(wo, wi, sides_);
         case Kind::hair:
             return hair_.pdf(wo, wi);
         case Kind::measured:
@@ -267,13 +302,13 @@ BsdfSample Bsdf::draw(const Vec3& wo_world, Real u_lobe, const Vec2& u) const {
             return to_sample(frame_, conductor_.draw(wo, u, false), conductor_lobe(conductor_.is_delta()));
         case Kind::dielectric:
         case Kind::subsurface: {
-            const LocalSample s = dielectric_.draw(wo, u_lobe, u, TransportMode::radiance, Sides::both, false);
+            const LocalSample s = dielectric_.draw(wo, u_lobe, u, TransportMode::radiance, sides_, false);
             return to_sample(frame_, s,
                              kind_ == Kind::dielectric ? glass_lobe(s.transmitted, s.delta)
                                                        : subsurface_lobe(s.transmitted, s.delta));
         }
         case Kind::thin_dielectric: {
-            const LocalSample s = thin_dielectric_.sample(wo, u_lobe);
+            const LocalSample s = thin_dielectric_.sample(wo, u_lobe, sides_);
             return to_sample(frame_, s, glass_lobe(s.transmitted, true));
         }
         case Kind::compensated_conductor:
@@ -283,15 +318,15 @@ BsdfSample Bsdf::draw(const Vec3& wo_world, Real u_lobe, const Vec2& u) const {
             return to_sample(frame_, s, glass_lobe(s.transmitted, false));
         }
         case Kind::coated_diffuse:
-            return sample_layered(frame_, coated_diffuse_, wo, u_lobe, u, key_);
+            return sample_layered(frame_, coated_diffuse_, wo, u_lobe, u, key_, sides_);
         case Kind::coated_conductor:
-            return sample_layered(frame_, coated_conductor_, wo, u_lobe, u, key_);
+            return sample_layered(frame_, coated_conductor_, wo, u_lobe, u, key_, sides_);
         case Kind::additive:
             return sample_additive(frame_, additive_, wo, u_lobe, u);
         case Kind::ideal:
             return sample_ideal(frame_, ideal_, wo, u_lobe, u);
         case Kind::diffuse_transmission: {
-            const LocalSample s = diffuse_transmission_.sample(wo, u_lobe, u);
+            const LocalSample s = diffuse_transmission_.sample(wo, u_lobe, u, sides_);
             return to_sample(frame_, s, s.transmitted ? lobes::diffuse_transmit : lobes::diffuse);
         }
         case Kind::measured:

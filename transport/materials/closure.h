@@ -7,7 +7,9 @@
 // shading normal is never labelled T. Opaque closures scatter on both sides alike.
 #pragma once
 
+#include <array>
 #include <memory>
+#include <optional>
 
 #include "transport/materials/bsdf.h"
 #include "transport/materials/compensated.h"
@@ -21,6 +23,12 @@
 #include "transport/media/phase.h"
 
 namespace raylex::transport {
+
+/// The lobes by which a closure sends back what comes to its outer interface, and what passes that.
+struct SideLobes {
+    LobeId reflected;
+    std::array<LobeId, 2> passed;
+};
 
 /// Scattering at one point. All directions are world space, unit, pointing away from the surface. Radiance transport
 /// (pbrt's TransportMode::Radiance): transmitted radiance is scaled by 1/eta^2.
@@ -73,6 +81,11 @@ class Bsdf {
     /// Whether sample() reads its u_lobe.
     [[nodiscard]] bool chooses_lobes() const { return kind_ != Kind::lambert && kind_ != Kind::phase; }
     [[nodiscard]] const Frame& frame() const { return frame_; }
+    /// Nothing where it does not choose between the two.
+    [[nodiscard]] std::optional<SideLobes> side_lobes() const;
+    /// From now on only this side of side_lobes() is drawn, surely, and densities are those; values of the other may be
+    /// left out. For camera subpaths.
+    void keep_side(Sides side);
 
     // Filling in, by materials. Each replaces what was there. Values that break their closure's invariants (negative or
     // NaN colours) are the caller's to prevent; materials clamp what textures give.
@@ -170,6 +183,7 @@ class Bsdf {
   private:
     void set_kind(Kind kind, bool has_density) {
         kind_ = kind;
+        sides_ = Sides::both;
         has_density_ = has_density;
     }
     [[nodiscard]] BsdfEvaluation evaluate_other(const Vec3& wo, const Vec3& wi) const;
@@ -181,6 +195,7 @@ class Bsdf {
     std::uint32_t key_ = 0;
     Kind kind_ = Kind::black;
     bool has_density_ = false;
+    Sides sides_ = Sides::both;
     union {
         LambertClosure lambert_;
         ConductorClosure conductor_;

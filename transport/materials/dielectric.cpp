@@ -136,15 +136,15 @@ LocalSample DielectricClosure::sample_rough(const Vec3& wo_given, Real u_lobe, c
     return s;
 }
 
-LocalSample ThinDielectricClosure::sample(const Vec3& wo, Real u_lobe) const {
+LocalSample ThinDielectricClosure::sample(const Vec3& wo, Real u_lobe, Sides sides) const {
     LocalSample s;
     if (std::abs(wo.z) < min_cosine) return s;
-    const Real r = reflectance(std::abs(wo.z));
+    const Real r = reflectance(std::abs(wo.z)), reflect_chance = reflection_chance(r, sides);
     s.delta = true;
-    s.transmitted = !(u_lobe < r);
+    s.transmitted = !(u_lobe < reflect_chance);
     s.wi = s.transmitted ? -wo : Vec3{-wo.x, -wo.y, wo.z};
-    s.pdf = s.transmitted ? 1 - r : r;
-    s.weight = Rgb(1);
+    s.pdf = s.transmitted ? 1 - reflect_chance : reflect_chance;
+    s.weight = sides == Sides::both ? Rgb(1) : Rgb(s.transmitted ? 1 - r : r);
     return s;
 }
 

@@ -47,7 +47,7 @@ struct ThinDielectricClosure {
         const Real f = fresnel_dielectric(cos_theta, eta);
         return f < 1 ? 2 * f / (1 + f) : 1.0f;
     }
-    [[nodiscard]] LocalSample sample(const Vec3& wo, Real u_lobe) const;
+    [[nodiscard]] LocalSample sample(const Vec3& wo, Real u_lobe, Sides sides) const;
 };
 
 }  // namespace raylex::transport

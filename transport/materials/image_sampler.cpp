@@ -69,24 +69,43 @@ void for_texels(const ImageSampler& sampler, const Vec2& st, const Use& use) {
 
 }  // namespace
 
+namespace {
+
+/// Of a texel that is in the image.
+Rgb rgb_at(const Image& image, int x, int y) {
+    const Real r = image.at(x, y, 0);
+    return image.channels >= 3 ? Rgb(r, image.at(x, y, 1), image.at(x, y, 2)) : Rgb(r);
+}
+Real real_at(const ImageSampler& sampler, int x, int y) {
+    const Image& image = *sampler.image;
+    const bool alpha = image.channels == 4 && sampler.alpha_varies, mean = image.channels >= 3 && !alpha;
+    const Real value = image.at(x, y, alpha ? 3 : 0);
+    return mean ? (value + image.at(x, y, 1) + image.at(x, y, 2)) / 3 : value;
+}
+
+}  // namespace
+
 Rgb ImageSampler::rgb(const Vec2& st) const {
     Rgb sum;
-    const bool colour = image->channels >= 3;
-    for_texels(*this, st, [&](int x, int y, Real weight) {
-        const Real r = image->at(x, y, 0);
-        sum += (colour ? Rgb(r, image->at(x, y, 1), image->at(x, y, 2)) : Rgb(r)) * weight;
-    });
+    for_texels(*this, st, [&](int x, int y, Real weight) { sum += rgb_at(*image, x, y) * weight; });
     return sum;
 }
 
 Real ImageSampler::real(const Vec2& st) const {
     Real sum = 0;
-    const bool alpha = image->channels == 4 && alpha_varies, mean = image->channels >= 3 && !alpha;
-    for_texels(*this, st, [&](int x, int y, Real weight) {
-        const Real value = image->at(x, y, alpha ? 3 : 0);
-        sum += weight * (mean ? (value + image->at(x, y, 1) + image->at(x, y, 2)) / 3 : value);
-    });
+    for_texels(*this, st, [&](int x, int y, Real weight) { sum += weight * real_at(*this, x, y); });
     return sum;
+}
+
+Rgb ImageSampler::texel_rgb(int x, int y) const {
+    return place(*image, wrap, x, y) ? rgb_at(*image, x, y) : Rgb();
+}
+Real ImageSampler::texel_real(int x, int y) const {
+    return place(*image, wrap, x, y) ? real_at(*this, x, y) : 0;
+}
+
+Vec2 ImageSampler::pixel_position(const Vec2& st) const {
+    return {to_pixels(st.x, image->width, wrap), to_pixels(st.y, image->height, wrap)};
 }
 
 bool alpha_varies(const Image& image) {

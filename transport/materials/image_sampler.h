@@ -22,6 +22,11 @@ struct ImageSampler {
     [[nodiscard]] Rgb rgb(const Vec2& st) const;
     /// What a float texture reads: the only channel, the mean of three, or the alpha of four where it varies.
     [[nodiscard]] Real real(const Vec2& st) const;
+    /// The same of one texel, wrapped.
+    [[nodiscard]] Rgb texel_rgb(int x, int y) const;
+    [[nodiscard]] Real texel_real(int x, int y) const;
+    /// Texels count from their middles.
+    [[nodiscard]] Vec2 pixel_position(const Vec2& st) const;
 };
 
 /// Whether the fourth channel of `image` differs from 1 anywhere.

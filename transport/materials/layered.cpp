@@ -213,8 +213,9 @@ Rgb LayeredClosure<Base>::base_value(Vec3 wo, Vec3 wi, std::uint32_t key) const 
 }
 
 template <class Base>
-Real LayeredClosure<Base>::pdf(Vec3 wo, Vec3 wi) const {
+Real LayeredClosure<Base>::pdf(Vec3 wo, Vec3 wi, Sides sides) const {
     if (is_delta() || !to_upper_side(wo, wi)) return 0;
+    if (sides == Sides::reflection) return coat.interface.pdf(wo, wi, sides);
     const Real enters = 1 - fresnel_dielectric(wo.z, coat.interface.eta);
     Real entered = LambertClosure::pdf(wo, wi);  // what a Lambert base gives through any number of reflections
     if constexpr (std::is_same_v<Base, ConductorClosure>) {
@@ -222,17 +223,18 @@ Real LayeredClosure<Base>::pdf(Vec3 wo, Vec3 wi) const {
         if (!coat.interface.is_delta() || !base.is_delta())
             entered = Real(0.2) * entered + Real(0.8) * conductor_density(coat, base, wo, wi);
     }
+    if (sides == Sides::transmission) return entered;
     // Where next to nothing enters, a little is left to what does, so that no direction of it is weighed as impossible.
     const Real share = std::max(enters, Real(0.02));
     return share * entered + (1 - share) / std::max(1 - enters, Real(1e-6)) * coat.interface.pdf(wo, wi, Sides::both);
 }
 
 template <class Base>
-LayeredSample LayeredClosure<Base>::sample(Vec3 wo, Real u_lobe, const Vec2& u, std::uint32_t key) const {
+LayeredSample LayeredClosure<Base>::sample(Vec3 wo, Real u_lobe, const Vec2& u, std::uint32_t key, Sides sides) const {
     LayeredSample result;
     const bool below = wo.z < 0;
     if (below) wo = -wo;
-    LocalSample s = coat.interface.sample(wo, u_lobe, u, TransportMode::radiance, Sides::both);
+    LocalSample s = coat.interface.sample(wo, u_lobe, u, TransportMode::radiance, sides);
     if (!(s.pdf > 0)) return result;
     Rgb beta = s.weight;
     Real pdf = s.pdf;

@@ -64,8 +64,9 @@ struct LayeredClosure {
     [[nodiscard]] Rgb base_value(Vec3 wo, Vec3 wi, std::uint32_t key) const;
     /// An approximate density for multiple importance sampling, positive over the whole hemisphere, whose integral is
     /// at most 1 (but for a rough coat's own small error).
-    [[nodiscard]] Real pdf(Vec3 wo, Vec3 wi) const;
-    [[nodiscard]] LayeredSample sample(Vec3 wo, Real u_lobe, const Vec2& u, std::uint32_t key) const;
+    [[nodiscard]] Real pdf(Vec3 wo, Vec3 wi, Sides sides) const;
+    /// `sides`: of the coat, at the first meeting with it.
+    [[nodiscard]] LayeredSample sample(Vec3 wo, Real u_lobe, const Vec2& u, std::uint32_t key, Sides sides) const;
     [[nodiscard]] Rgb albedo(Real cos_theta) const;
 };
 

@@ -5,6 +5,7 @@
 
 #include "transport/materials/material_inputs.h"
 #include "transport/materials/pattern.h"
+#include "transport/scene/used_surfaces.h"
 
 namespace raylex::transport {
 
@@ -33,6 +34,8 @@ Registry<MaterialFactory>& material_registry() {
 Result<MaterialTable> MaterialTable::build(const SceneDescription& scene, TextureTable& textures) {
     MaterialTable table;
     table.materials_.resize(scene.materials.size());
+    table.filtered_ = materials_with_filtered_images(scene);
+    table.filters_images_ = std::count(table.filtered_.begin(), table.filtered_.end(), 1) > 0;
     // As pbrt-v4: a named material may use those before it, one without a name any.
     for (const bool named : {true, false})
         for (std::size_t i = 0; i < scene.materials.size(); ++i)
@@ -98,9 +101,22 @@ struct Buckets {
 
 }  // namespace
 
+namespace {
+
+void look_ahead(const TextureTable& textures, std::span<const SurfacePoint> points) {
+    thread_local std::vector<TexturePoint> at;
+    at.clear();
+    for (const SurfacePoint& point : points) at.push_back(texture_point(point));
+    textures.look_ahead(at);
+}
+
+}  // namespace
+
 void MaterialTable::shade(const TextureTable& textures, std::span<const SurfacePoint> points, std::span<Bsdf> closures,
                           display::DisplayServices* display) const {
     const ShadingScope scope(display);
+    if (textures.looks_ahead()) [[unlikely]]
+        look_ahead(textures, points);
     thread_local Buckets buckets;
     buckets.fit(materials_.size(), points.size());
     for (std::size_t i = points.size(); i-- > 0;) {  // backwards, so that lists come out ascending

@@ -74,6 +74,11 @@ class MaterialTable {
                display::DisplayServices* display = nullptr) const;
     /// Whether any material turns normals: without, nobody asks for tangents.
     [[nodiscard]] bool turns_normals() const { return turns_normals_; }
+    /// Whether any material looks up images over footprints (SurfacePoint::footprint), and whether this one does.
+    [[nodiscard]] bool filters_images() const { return filters_images_; }
+    [[nodiscard]] bool filters_images(std::int32_t material) const {
+        return filtered_[static_cast<std::size_t>(material)] != 0;
+    }
     /// The bump or normal map that this hit goes by; empty where there is none. `point` needs its random_key.
     [[nodiscard]] const NormalDetail& normal_detail(const TextureTable& textures, const SurfacePoint& point) const {
         return materials_[static_cast<std::size_t>(point.material)]->chosen(textures, point).normal_detail;
@@ -89,7 +94,8 @@ class MaterialTable {
     std::vector<std::unique_ptr<Material>> materials_;
     std::vector<std::string> names_;  ///< so far
     std::vector<const Material*> named_;
-    bool turns_normals_ = false;
+    std::vector<std::uint8_t> filtered_;
+    bool turns_normals_ = false, filters_images_ = false;
 };
 
 }  // namespace raylex::transport

@@ -14,7 +14,7 @@
 namespace raylex::transport {
 
 inline TexturePoint texture_point(const SurfacePoint& p) {
-    return {p.u, p.v, p.position, p.row, p.geometric_normal};
+    return {p.u, p.v, p.position, p.row, p.geometric_normal, p.footprint};
 }
 
 inline Rgb clamp_to_unit(const Rgb& c) {

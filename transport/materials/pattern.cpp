@@ -48,7 +48,8 @@ Registry<PatternFactory>& pattern_registry() {
                with_mapping({{"filename", string, "", "PNG, EXR, HDR, PFM, JPEG or TGA"},
                              {"encoding", string, "", "sRGB, linear or gamma N; default by the kind of file"},
                              {"wrap", string, "repeat", "repeat, black, clamp or octahedralsphere"},
-                             {"filter", string, "bilinear", "bilinear or point"},
+                             {"filter", string, "bilinear", "bilinear, point, trilinear, EWA or unfiltered"},
+                             {"maxanisotropy", real, "8", "of EWA: longer ellipses are widened"},
                              {"scale", real, "1", "times the values"},
                              {"invert", boolean, "false", "1 minus the values"}}),
                {}});

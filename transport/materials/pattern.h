@@ -9,6 +9,7 @@
 
 #include <functional>
 #include <memory>
+#include <span>
 #include <string_view>
 
 #include "display/services/display_services.h"
@@ -54,6 +55,11 @@ class Pattern {
     virtual ~Pattern() = default;
     [[nodiscard]] virtual Rgb rgb(const PatternPoint& point) const = 0;
     [[nodiscard]] virtual Real real(const PatternPoint& point) const = 0;
+    /// Whether it wants look_ahead(): a pattern for which a batch costs little more than a point (an interpreted one).
+    [[nodiscard]] virtual bool looks_ahead() const { return false; }
+    /// Points at which this thread is about to shade a batch of hits: most look-ups until the next call are at some of
+    /// them, none need be.
+    virtual void look_ahead(std::span<const TexturePoint> /*points*/) const {}
 };
 
 /// A ParameterReader for patterns: numbers, colours and textures become inputs. Every factory asks for error() in the

@@ -58,6 +58,7 @@ Result<TextureNode> TextureTable::Storage::compile_pattern(const SceneTexture& s
     if (!made) return std::move(made).error();
     if (reader.error()) return *reader.error();
     patterns.push_back(*std::move(made));
+    looks_ahead = looks_ahead || patterns.back()->looks_ahead();
     pattern_costs.push_back(cost);
     TextureNode node;
     node.kind = TextureNode::Kind::pattern;
@@ -253,6 +254,13 @@ Rgb TextureTable::rgb(TextureId id, const TexturePoint& at) const {
 }
 Real TextureTable::real(TextureId id, const TexturePoint& at) const {
     return storage_->evaluate<Real>(id, at);
+}
+bool TextureTable::looks_ahead() const {
+    return storage_->looks_ahead;
+}
+void TextureTable::look_ahead(std::span<const TexturePoint> points) const {
+    for (const std::unique_ptr<Pattern>& pattern : storage_->patterns)
+        if (pattern->looks_ahead()) pattern->look_ahead(points);
 }
 
 }  // namespace raylex::transport

@@ -1,10 +1,9 @@
 // Textures: constant, scale, mix, checkerboard, imagemap, and patterns (pattern.h); float and colour alike, evaluated
 // by index.
 //
-// Patterns, mappings (uv, spherical, cylindrical, planar) and parameters are pbrt-v4's. Looked up at a point: neither
-// image pyramids nor pbrt-v4's filtered checkerboard; camera samples do the filtering. Image filters "bilinear",
-// "trilinear" and "EWA" are therefore all bilinear on the full image, "point" takes the nearest texel. The top of an
-// image is at v = 1.
+// Patterns, mappings (uv, spherical, cylindrical, planar) and parameters are pbrt-v4's. Images are filtered over what a
+// pixel sees of the surface (image_filter.h); patterns are looked up at a point, without pbrt-v4's filtered
+// checkerboard. The top of an image is at v = 1.
 //
 // A colour texture is compiled once for every role it is used in (SpectrumRole): the role decides whether its values
 // are clamped to [0, 1] and taken to the rendering space.
@@ -12,12 +11,14 @@
 
 #include <functional>
 #include <memory>
+#include <span>
 #include <string_view>
 #include <vector>
 
 #include "display/services/registry.h"
 #include "transport/color/spectrum.h"
 #include "transport/geometry/render_space.h"
+#include "transport/geometry/surface_point.h"
 #include "transport/math/real.h"
 #include "transport/scene/scene_description.h"
 
@@ -32,6 +33,7 @@ struct TexturePoint {
     Vec3 position;          ///< render space, where the texture's own to_world leads too
     std::int32_t row = -1;  ///< of the sample table where the camera sees this point directly; else -1
     Vec3 normal;            ///< unit, geometric, either side; zero where it is not known
+    const SurfaceFootprint* footprint = nullptr;  ///< what images are filtered over; null: nothing
 };
 
 class TextureTable {
@@ -63,6 +65,9 @@ class TextureTable {
     [[nodiscard]] bool is_constant(TextureId id) const;
     [[nodiscard]] Rgb rgb(TextureId id, const TexturePoint& at) const;
     [[nodiscard]] Real real(TextureId id, const TexturePoint& at) const;
+    /// Whether any pattern wants look_ahead() (pattern.h).
+    [[nodiscard]] bool looks_ahead() const;
+    void look_ahead(std::span<const TexturePoint> points) const;
 
   private:
     struct Storage;

@@ -47,8 +47,14 @@ Result<TextureNode> TextureTable::Storage::compile_image(const SceneTexture& sou
     ImageStage stage{};
     stage.sampler.wrap =
         static_cast<WrapMode>(reader.choice("wrap", {"repeat", "black", "clamp", "octahedralsphere"}, 0));
-    stage.sampler.nearest = reader.choice("filter", {"bilinear", "point", "trilinear", "ewa", "EWA"}, 0) == 1;
-    reader.real("maxanisotropy", 8);
+    const std::size_t filter =
+        reader.choice("filter", {"bilinear", "point", "trilinear", "EWA", "unfiltered", "ewa"}, 0);
+    stage.filter.kind = static_cast<TextureFilter>(filter == 5 ? 3 : filter);
+    stage.sampler.nearest = stage.filter.kind == TextureFilter::point;
+    stage.filter.most_anisotropic = reader.real("maxanisotropy", 8);
+    if (!reader.error() && !(stage.filter.most_anisotropic >= 1))
+        return error_at(reader.where(*source.parameters.find("maxanisotropy")),
+                        "'maxanisotropy' is " + std::to_string(stage.filter.most_anisotropic) + "; expected 1 or more");
     stage.scale = reader.real("scale", 1);
     stage.invert = reader.boolean("invert", false);
     const TextureMapping mapping = read_mapping(reader, source.to_world);
@@ -60,6 +66,11 @@ Result<TextureNode> TextureTable::Storage::compile_image(const SceneTexture& sou
     if (!image) return std::move(image).error();
     stage.sampler.image = *image;
     stage.sampler.alpha_varies = alpha_varies(**image);
+    if (stage.filter.kind != TextureFilter::unfiltered) {
+        const auto [found, fresh] = pyramids.try_emplace(*image);
+        if (fresh) found->second = ImagePyramid::of(**image);
+        stage.filter.pyramid = &found->second;
+    }
     stage.clamp_to_one = role == SpectrumRole::albedo;
     const auto& m = color.rendering_from_scene;
     stage.convert = source.spectrum && role != SpectrumRole::unbounded && m != ColorContext{}.rendering_from_scene;
@@ -82,7 +93,7 @@ Result<TextureId> TextureTable::normal_map(const std::string& file, const Source
         return error_at(where, "normal map '" + file + "' has " + std::to_string((*image)->channels) +
                                    " channel(s); expected three: x, y and z of normals");
     ImageStage stage{};
-    stage.sampler = {*image, WrapMode::repeat, false, false};
+    stage.sampler = {*image, WrapMode::repeat, false, false};  // unfiltered, as in pbrt
     s.mappings.emplace_back();
     s.stages.push_back(stage);
     TextureNode node;

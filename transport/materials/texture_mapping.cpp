@@ -1,8 +1,10 @@
 #include "transport/materials/texture_mapping.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "display/services/elementary.h"
+#include "transport/geometry/ray.h"
 
 namespace raylex::transport {
 
@@ -14,6 +16,25 @@ Vec2 TextureMapping::map(const TexturePoint& at) const {
     const Real l = length(p), phi = elementary::atan2(p.y, p.x);
     const Real theta = l > 0 ? elementary::acos(std::clamp(p.z / l, Real(-1), Real(1))) : 0.0f;
     return {theta * inv_pi, (phi < 0 ? phi + 2 * pi : phi) * (0.5f * inv_pi)};
+}
+
+/// Derivatives of map() along a vector of the world.
+Vec2 TextureMapping::change(const TexturePoint& at, const Vec3& along, const Vec2& along_uv) const {
+    if (kind == Kind::uv) return {scale_u * along_uv.x, scale_v * along_uv.y};
+    const Vec3 d = texture_from_world.vector(along);
+    if (kind == Kind::planar) return {dot(d, axis_u), dot(d, axis_v)};
+    const Vec3 p = texture_from_world.point(at.position);
+    const Real across = p.x * p.x + p.y * p.y;
+    const Real turn = across > 0 ? (p.x * d.y - p.y * d.x) / across * (0.5f * inv_pi) : infinity;
+    if (kind == Kind::cylindrical) return {turn, d.z};
+    const Real radius2 = across + p.z * p.z;
+    const Real tilt = (p.z * (p.x * d.x + p.y * d.y) - across * d.z) / (radius2 * std::sqrt(across));
+    return {across > 0 ? tilt * inv_pi : infinity, turn};
+}
+
+TexelFootprint TextureMapping::footprint(const TexturePoint& at) const {
+    const SurfaceFootprint& seen = *at.footprint;
+    return {change(at, seen.first, seen.first_uv), change(at, seen.second, seen.second_uv)};
 }
 
 Vec3 read_vector(ParameterReader& reader, std::string_view name, const Vec3& fallback) {

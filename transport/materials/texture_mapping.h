@@ -8,6 +8,11 @@
 
 namespace raylex::transport {
 
+/// The sides of a footprint in (s, t).
+struct TexelFootprint {
+    Vec2 first, second;
+};
+
 struct TextureMapping {
     enum class Kind : std::uint8_t { uv, spherical, cylindrical, planar };
 
@@ -17,6 +22,11 @@ struct TextureMapping {
     Transform texture_from_world;           ///< all but uv
 
     [[nodiscard]] Vec2 map(const TexturePoint& at) const;
+    /// Of the footprint at a point, which it has.
+    [[nodiscard]] TexelFootprint footprint(const TexturePoint& at) const;
+
+  private:
+    [[nodiscard]] Vec2 change(const TexturePoint& at, const Vec3& along, const Vec2& along_uv) const;
 };
 
 /// One vector3, or `fallback` when absent; errors stay in `reader`.

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "transport/materials/image_filter.h"
 #include "transport/materials/image_sampler.h"
 #include "transport/materials/pattern.h"
 #include "transport/materials/texture.h"
@@ -21,18 +22,19 @@ namespace raylex::transport {
 /// What an image's values go through after interpolation.
 struct ImageStage {
     ImageSampler sampler;
+    ImageFilter filter;
     Real scale = 1;
     bool invert = false;
     bool clamp_to_one = false;  ///< albedo
     bool convert = false;       ///< to the rendering space
     std::array<std::array<Real, 3>, 3> matrix{};
 
-    [[nodiscard]] Real real(const Vec2& st) const {
-        const Real value = scale * sampler.real(st);
+    [[nodiscard]] Real real(const Vec2& st, const TexelFootprint* footprint) const {
+        const Real value = scale * (footprint == nullptr ? sampler.real(st) : filter.real(sampler, st, *footprint));
         return invert ? std::max(Real(0), 1 - value) : value;
     }
-    [[nodiscard]] Rgb rgb(const Vec2& st) const {
-        Rgb c = sampler.rgb(st) * scale;
+    [[nodiscard]] Rgb rgb(const Vec2& st, const TexelFootprint* footprint) const {
+        Rgb c = (footprint == nullptr ? sampler.rgb(st) : filter.rgb(sampler, st, *footprint)) * scale;
         if (invert) c = Rgb(1) - c;
         c = limit(c);
         if (!convert) return c;
@@ -81,10 +83,12 @@ struct TextureTable::Storage final : TextureLookup {
     std::vector<LookupCost> costs;  // parallel to nodes
     std::vector<std::unique_ptr<Pattern>> patterns;
     std::vector<LookupCost> pattern_costs;  // parallel to patterns
+    bool looks_ahead = false;               // some pattern does
     std::vector<TextureMapping> mappings;
     std::vector<ImageStage> stages;
     std::deque<Image> images;                                                   // addresses stay
     std::map<std::pair<std::string, std::string>, const Image*> image_by_file;  // (path, encoding)
+    std::map<const Image*, ImagePyramid> pyramids;                              // of those that are filtered
 
     std::vector<SceneTexture> sources;                                             // to_world: to render space
     std::map<std::string, std::vector<std::size_t>, std::less<>> sources_by_name;  // ascending
@@ -143,10 +147,18 @@ struct TextureTable::Storage final : TextureLookup {
                 return evaluate<T>((odd(p.x) != odd(p.y)) == odd(p.z) ? n.a : n.b, at);
             }
             case TextureNode::Kind::image: {
-                const Vec2 st = mappings[static_cast<std::size_t>(n.mapping)].map(at);
+                const TextureMapping& mapping = mappings[static_cast<std::size_t>(n.mapping)];
+                const Vec2 st = mapping.map(at);
                 const ImageStage& stage = stages[static_cast<std::size_t>(n.stage)];
-                if constexpr (std::is_same_v<T, Rgb>) return stage.rgb({st.x, 1 - st.y});
-                else return stage.real({st.x, 1 - st.y});
+                TexelFootprint room;
+                const TexelFootprint* footprint = nullptr;
+                if (at.footprint != nullptr && stage.filter.pyramid != nullptr) {
+                    room = mapping.footprint(at);  // the image's rows go down
+                    room = {{room.first.x, -room.first.y}, {room.second.x, -room.second.y}};
+                    footprint = &room;
+                }
+                if constexpr (std::is_same_v<T, Rgb>) return stage.rgb({st.x, 1 - st.y}, footprint);
+                else return stage.real({st.x, 1 - st.y}, footprint);
             }
             case TextureNode::Kind::pattern: {
                 const Pattern& pattern = *patterns[static_cast<std::size_t>(n.stage)];

@@ -9,13 +9,10 @@
 namespace raylex::transport {
 namespace {
 
-/// Differences of noise over a step of 0.01 along each axis, as pbrt takes its slope.
+/// Slopes by steps of 0.01, as pbrt takes them.
 Vec3 noise_slope(const Vec3& p) {
     constexpr Real step = Real(0.01);
-    const Real here = gradient_noise(p);
-    return {(gradient_noise({p.x + step, p.y, p.z}) - here) / step,
-            (gradient_noise({p.x, p.y + step, p.z}) - here) / step,
-            (gradient_noise({p.x, p.y, p.z + step}) - here) / step};
+    return noise_differences(p, step) / step;
 }
 
 Real bottom(Real y) {
@@ -63,7 +60,7 @@ std::vector<float> CloudDensity::raised_at_points(const CellBox& box) const {
 
 std::vector<CellBounds> CloudDensity::bounds(const CellBox& box) const {
     // What the finest octaves and the warp move between the points.
-    constexpr Real margin = Real(0.3);
+    const Real margin = Real(0.16) + Real(0.07) * wispiness;
     const CellBox points = points_of(box);
     const bool resolved = frequency * std::max({cell.x, cell.y, cell.z}) <= Real(0.2);
     const std::vector<float> found = resolved ? raised_at_points(box) : std::vector<float>();

@@ -16,7 +16,7 @@ struct CloudDensity {
         return at(lower + Vec3(p.x * cell.x, p.y * cell.y, p.z * cell.z));
     }
     /// Bounds of in_box() in each cell. Noise has no bounds that are worth
-    /// anything: the most is what 27 points in and around a cell find, and a margin; tests count what is above, which
+    /// anything: the most is what 125 points in and around a cell find, and a margin; tests count what is above, which
     /// flights cut off.
     [[nodiscard]] std::vector<CellBounds> bounds(const CellBox& box) const;
 

@@ -6,12 +6,12 @@ namespace {
 /// Below this what a ray still carries is played for: half of it goes on with twice as much.
 constexpr Real worth_going_on = Real(0.1);
 
-/// False: the game is lost.
+/// False: the game is lost, and nothing left.
 bool plays_on(Rgb& left, FlightNumbers& numbers) {
     if (left.max() >= worth_going_on) return true;
-    if (numbers.next() < Real(0.5)) return false;
-    left *= 2;
-    return true;
+    const bool wins = numbers.next() < Real(0.5);
+    left *= wins ? Real(2) : Real(0);
+    return wins;
 }
 
 /// What is left of each colour where a null collision had the chance extinction / majorant not to be one.

@@ -2,6 +2,8 @@
 
 #include <tbb/parallel_for.h>
 
+#include <cmath>
+
 namespace raylex::transport {
 namespace {
 
@@ -22,7 +24,7 @@ struct CellReader {
 
 }  // namespace
 
-VoxelGrid VoxelGrid::build(const CellBox& cells, int channels, const Fill& fill, const Occupied& occupied) {
+VoxelGrid VoxelGrid::build(const CellBox& cells, int channels, const Fill& fill, const Constant& constant) {
     VoxelGrid grid;
     grid.box_ = cells;
     grid.cells_.resize(cells.count());
@@ -34,7 +36,10 @@ VoxelGrid VoxelGrid::build(const CellBox& cells, int channels, const Fill& fill,
         });
     };
     for_each_cell([&](int x, int y, int z, Cell& cell) {
-        if (occupied && !occupied(x, y, z)) return;
+        if (const float value = constant ? constant(x, y, z) : NAN; !std::isnan(value)) {
+            cell.bounds = {value, value};
+            return;
+        }
         CellReader reader(block);
         reader.read(fill, x, y, z);
         cell.bounds = reader.bounds;

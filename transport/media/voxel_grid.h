@@ -32,9 +32,12 @@ struct CellBox {
     }
     [[nodiscard]] int points() const { return (side + 1) * (side + 1) * (side + 1); }
 
+    /// No more than 2^60, which nothing can hold, however large the sides that a file asks for.
     [[nodiscard]] std::size_t count() const {
-        return static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) *
-               static_cast<std::size_t>(size[2]);
+        constexpr std::size_t most = std::size_t{1} << 60;
+        const std::size_t area = static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]);
+        const auto depth = static_cast<std::size_t>(size[2]);
+        return area > most / depth ? most : area * depth;
     }
     [[nodiscard]] std::size_t index(int x, int y, int z) const {
         return static_cast<std::size_t>(x) +
@@ -54,9 +57,9 @@ class VoxelGrid {
     /// ends included, x running fastest, the channels of a point side by side. Called for all cells, twice for some, by
     /// several threads. Values must be finite.
     using Fill = std::function<void(int x, int y, int z, float* values)>;
-    /// Whether anything but 0 can stand in a cell or on its faces. Empty: anywhere.
-    using Occupied = std::function<bool(int x, int y, int z)>;
-    static VoxelGrid build(const CellBox& cells, int channels, const Fill& fill, const Occupied& occupied = {});
+    /// The one value that stands in a cell and on its faces, in all channels; NaN: a Fill says. Empty: it always does.
+    using Constant = std::function<float(int x, int y, int z)>;
+    static VoxelGrid build(const CellBox& cells, int channels, const Fill& fill, const Constant& constant = {});
     /// For a Fill: calls `visit(x, y, z)` with all points of a cell.
     template <class Visit>
     static void for_each_point(int side, int cell_x, int cell_y, int cell_z, const Visit& visit) {

@@ -9,7 +9,7 @@ namespace raylex::transport {
 void CameraConnections::add(const CameraView& view, const LightSubpathEnd& end, const Vec2& lens) {
     const SurfacePoint& point = *end.point;
     CameraConnection seen;
-    if (!end.bsdf->has_density() || !view.camera->connect(point.position, lens, seen)) return;
+    if (!end.bsdf->has_density() || !view.camera->connect(point.position, lens, end.time, seen)) return;
     const auto reached = [](Real position, Real radius, int size) {
         return position > 0.5f - radius && position < static_cast<Real>(size) - 0.5f + radius;
     };
@@ -36,11 +36,13 @@ void CameraConnections::add(const CameraView& view, const LightSubpathEnd& end, 
     pending_.push_back({end.row, seen.x, seen.y, end.depth + 2, end.holdout, value, unweighted, end.key, end.end,
                         segment_to(seen.position, point.position, point.geometric_normal, end.offset)});
     pending_.back().end.lobes = f.lobes;
+    pending_.back().from_camera.time = end.time;
     // From the surface: what bounds the intersector's rounding there would not do for a ray that comes from afar.
     Ray ray;
     ray.origin = offset_ray_origin(point.position, point.geometric_normal, end.offset.here, to_camera);
     ray.direction = seen.position - ray.origin;
     ray.t_max = end_of_segment;
+    ray.time = end.time;
     shadow_rays_.push_back(ray);
 }
 

@@ -38,6 +38,7 @@ struct LightSubpathEnd {
     Rgb power;
     LightEnd end;                        ///< its lobes are filled in here
     const StrategySums* sums = nullptr;  ///< null: this is the only strategy
+    Real time = 0;                       ///< its subpath's
     std::uint32_t key = 0;               ///< of what its ray draws in grids; no matter where there are none
 };
 

@@ -1,9 +1,16 @@
 #include "transport/paths/camera_subpaths.h"
 
+#include <algorithm>
+
 namespace raylex::transport {
 
 void CameraSubpaths::begin(std::span<const Ray> rays, std::span<const PixelSampler> samplers, display::LpeServices& lpe,
                            IntegratorCounters& counters) {
+    levels_in_use_ = 0;
+    if (options_.splits.any()) {
+        std::copy(samplers.begin(), samplers.end(), branch_samplers_.begin());
+        samplers = {branch_samplers_.data(), samplers.size()};
+    }
     walk_.begin(samplers, counters);
     record_.begin(lpe, rays.size());
     for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -60,6 +67,19 @@ void CameraSubpaths::report_surfaces() {
     }
 }
 
+void CameraSubpaths::keep_live_lobes() {
+    const VertexBatch& v = vertices();
+    for (std::size_t j = 0; j < v.surfaces; ++j) {
+        const std::optional<SideLobes> lobes = v.bsdfs[j].side_lobes();
+        if (!lobes || record_.takes_all(v.rows[j])) continue;
+        const auto live = [&](LobeId lobe) { return record_.worth_scattering(v.rows[j], v.sources[j].label, lobe); };
+        const bool reflected = live(lobes->reflected), passed = live(lobes->passed[0]) || live(lobes->passed[1]);
+        if (reflected == passed) continue;
+        walk_.counters().count(Pruned::lobes);
+        walk_.closure(j).keep_side(reflected ? Sides::reflection : Sides::transmission);
+    }
+}
+
 void CameraSubpaths::report_hidden_environments(const LightChooser& sampled, std::size_t j) const {
     const std::uint32_t row = vertices().rows[j];
     const Subpath& subpath = path(row);
@@ -91,7 +111,21 @@ struct CameraSubpaths::Scatterer : WalkVisitor {
     }
 };
 
+struct CameraSubpaths::SplitScatterer : Scatterer {
+    static constexpr bool splits = true;
+    std::uint32_t branch;
+};
+
+void CameraSubpaths::scatter_branch(std::uint32_t branch) {
+    SplitScatterer scatterer{{{}, *this}, branch};
+    walk_.scatter(scatterer);
+}
+
 void CameraSubpaths::scatter() {
+    if (options_.splits.any()) {
+        keep_split_vertices();
+        return scatter_branch(0);
+    }
     Scatterer scatterer{{}, *this};
     walk_.scatter(scatterer);
 }

@@ -9,7 +9,9 @@
 //     }
 #pragma once
 
+#include <memory>
 #include <span>
+#include <vector>
 
 #include "display/services/display_services.h"
 #include "transport/paths/camera_connections.h"
@@ -18,11 +20,19 @@
 
 namespace raylex::transport {
 
+/// The time of a sample's rays, its camera subpath's and its light subpath's; 0 where nothing moves.
+inline Real sample_time(const SceneView& scene, const PixelSampler& sampler) {
+    if (!scene.asks_for_times()) return 0;
+    return static_cast<Real>(scene.geometry->shutter().time_of(static_cast<double>(sampler.get_1d(time_dimension))));
+}
+
 struct CameraSubpathOptions {
     WalkOptions walk;
     bool shade_first_hits =
         false;  ///< somebody reads AOVs or patterns there: the first hit is shaded whatever the light
     bool light_can_be_hit = true;     ///< by a ray: if not, a path's last scattering need not be traced
+    bool live_lobes = false;          ///< closures draw no side that no channel takes; not for `densities`
+    SplitPlan splits;                 ///< none for samplers of chains
     CameraView view;                  ///< for densities
     Real world_to_camera[3][4] = {};  ///< rigid part, for surfaces that say their normal
 };
@@ -43,16 +53,19 @@ class CameraSubpaths {
   public:
     CameraSubpaths(const SceneView& scene, const EventTable& events, const CameraSubpathOptions& options,
                    std::size_t capacity)
-        : scene_(scene), options_(options), walk_(scene, events, options.walk, capacity), record_(events, capacity) {}
+        : scene_(scene), options_(options), walk_(scene, events, options.walk, capacity), record_(events, capacity) {
+        if (options.splits.any()) branch_samplers_.resize(capacity);
+    }
 
     void begin(std::span<const Ray> rays, std::span<const PixelSampler> samplers, display::LpeServices& lpe,
                IntegratorCounters& counters);
-    [[nodiscard]] bool going() const { return walk_.going(); }
+    [[nodiscard]] bool going() { return walk_.going() || (levels_in_use_ > 0 && go_back()); }
     template <class Ends>
     void advance(display::DisplayServices& display, Ends& ends) {
         Visitor<Ends> visitor{{}, *this, display, ends};
         walk_.advance(display, visitor);
         if (record_.events().wants_user()) report_surfaces();
+        if (options_.live_lobes) keep_live_lobes();
     }
     void scatter();
 
@@ -66,6 +79,8 @@ class CameraSubpaths {
         path.light_share = light_share;
         path.ray_share = ray_share;
     }
+    /// Says at how many rays subpaths leave vertex j, before light is sampled there.
+    void split(std::size_t j);
     [[nodiscard]] const StrategySums& sums(std::uint32_t row) const { return walk_.sums(row); }
     [[nodiscard]] StrategySums& sums(std::uint32_t row) { return walk_.sums(row); }
     [[nodiscard]] const PixelSampler& sampler(std::uint32_t row) const { return walk_.sampler(row); }
@@ -86,7 +101,14 @@ class CameraSubpaths {
     template <class Ends>
     struct Visitor;
     struct Scatterer;
+    struct SplitScatterer;
+    void keep_split_vertices();
+    void follow_only(std::uint32_t row);
+    void scatter_branch(std::uint32_t branch);
+    /// From vertices that were kept, when nothing goes on. False: all is done.
+    bool go_back();
     void report_surfaces();
+    void keep_live_lobes();
     void pass(display::DisplayServices& display, std::size_t j);
     /// Distance, opacity and surface of a camera ray.
     void record_first_hit(display::DisplayServices& display, std::size_t j);
@@ -105,6 +127,10 @@ class CameraSubpaths {
     const CameraSubpathOptions options_;
     Walk<TransportMode::radiance> walk_;
     Record record_;
+    // Where paths may be split.
+    std::vector<PixelSampler> branch_samplers_;           // by row
+    std::vector<std::unique_ptr<SplitVertices>> levels_;  // the last one kept is gone back to first
+    std::size_t levels_in_use_ = 0;
 };
 
 template <class Ends>
@@ -124,10 +150,10 @@ struct CameraSubpaths::Visitor : WalkVisitor {
         ends.arrives(j);
         return self.worth_shading(j);
     }
-    void first_vertex(std::uint32_t row, const SurfacePoint& point, StrategySums& sums) {
+    void first_vertex(std::uint32_t row, const SurfacePoint& point, Real time, StrategySums& sums) {
         const CameraView& view = self.options_.view;
         sums.forward =
-            view.density(view.camera->importance(point.position, self.path(row).from), point.cosine(point.wo));
+            view.density(view.camera->importance(point.position, self.path(row).from, time), point.cosine(point.wo));
     }
     void volume_emits(std::uint32_t row, const Rgb& emitted) { ends.volume_emits(row, emitted); }
     bool worth_colliding(std::uint32_t row) {

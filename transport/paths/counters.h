@@ -14,14 +14,16 @@ enum class Pruned : std::uint8_t {
     light_samples,               ///< not drawn: no light ends a word there
     shadow_rays,                 ///< of light samples and joins that no channel accepts
     rays_left_to_light_samples,  ///< last vertices where light samples find more for less,
-    light_samples_left_to_rays   ///< and the other way round
+    light_samples_left_to_rays,  ///< and the other way round
+    lobes                        ///< not drawn: no channel takes that side of an interface
 };
-inline constexpr std::size_t pruned_causes = 5;
+inline constexpr std::size_t pruned_causes = 6;
 using PrunedCounts = std::array<std::uint64_t, pruned_causes>;
 
 /// Work done, for statistics. Added up over threads at the end.
 struct IntegratorCounters {
     std::uint64_t camera_rays = 0, scattering_rays = 0, shadow_rays = 0;
+    std::uint64_t branches = 0;               ///< beside the first, of split paths
     PrunedCounts pruned{};                    ///< [Pruned]
     std::vector<std::uint64_t> path_lengths;  ///< [scattering events]
     void count(Pruned cause) { ++pruned[static_cast<std::size_t>(cause)]; }
@@ -34,6 +36,7 @@ inline void IntegratorCounters::add(const IntegratorCounters& other) {
     camera_rays += other.camera_rays;
     scattering_rays += other.scattering_rays;
     shadow_rays += other.shadow_rays;
+    branches += other.branches;
     for (std::size_t i = 0; i < pruned_causes; ++i) pruned[i] += other.pruned[i];
     if (path_lengths.size() < other.path_lengths.size()) path_lengths.resize(other.path_lengths.size());
     for (std::size_t i = 0; i < other.path_lengths.size(); ++i) path_lengths[i] += other.path_lengths[i];

@@ -25,7 +25,10 @@ struct SceneView {
     const LightTable* lights = nullptr;
     const MediumTable* media = nullptr;
     EffectSet general_code{};  ///< SceneDescription::general_code
+    bool moves = false;        ///< is_moving(): camera rays draw a time
 
+    /// Whether each sample draws a time for its rays.
+    [[nodiscard]] bool asks_for_times() const { return moves || general_code.contains(Effect::motion); }
     /// Whether paths ask for media: where there are any, or where that is forced.
     [[nodiscard]] bool asks_for_media() const { return media->any() || general_code.contains(Effect::media); }
     /// Whether hits and shadow rays are tested for what light passes straight through.

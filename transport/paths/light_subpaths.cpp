@@ -15,8 +15,8 @@ LightSubpaths::LightSubpaths(const SceneView& scene, const EventTable& events, c
     if (options.walk.densities) origins_.resize(capacity);
 }
 
-void LightSubpaths::begin(std::span<const PixelSampler> samplers, display::LpeServices& lpe,
-                          IntegratorCounters& counters) {
+void LightSubpaths::begin(std::span<const Ray> camera_rays, std::span<const PixelSampler> samplers,
+                          display::LpeServices& lpe, IntegratorCounters& counters) {
     walk_.begin(samplers, counters);
     record_.begin(lpe);
     const LightTable& lights = *scene_.lights;
@@ -30,12 +30,12 @@ void LightSubpaths::begin(std::span<const PixelSampler> samplers, display::LpeSe
                                    own_choice ? sampler.get_1d(light_dimensions + emitter_dimension) : 0.0f,
                                    sampler.get_2d(light_dimensions + origin_dimension),
                                    sampler.get_2d(light_dimensions + direction_dimension), s))
-            start(row, s);
+            start(row, s, camera_rays[i].time);
         else counters.count_length(0);
     }
 }
 
-void LightSubpaths::start(std::uint32_t row, const EmissionSample& s) {
+void LightSubpaths::start(std::uint32_t row, const EmissionSample& s, Real time) {
     Subpath& path = walk_.path(row);
     const Light& light = scene_.lights->lights()[s.from.light];
     Rgb power = s.power;
@@ -68,6 +68,7 @@ void LightSubpaths::start(std::uint32_t row, const EmissionSample& s) {
     Ray ray;
     ray.origin = s.origin;
     ray.direction = s.direction;
+    ray.time = time;
     walk_.push(row, ray);
 }
 
@@ -86,7 +87,7 @@ struct LightSubpaths::Visitor : WalkVisitor {
         self.record_.pass_straight(self.vertices().rows[j], self.vertices().sources[j].label);
     }
     /// The strategy that joins at the light has the density of a light sample and not of an emission.
-    void first_vertex(std::uint32_t row, const SurfacePoint& point, StrategySums& sums) {
+    void first_vertex(std::uint32_t row, const SurfacePoint& point, Real /*time*/, StrategySums& sums) {
         const LightSample& origin = self.origins_[row];
         const LightTable& lights = *self.scene_.lights;
         const auto sampled = static_cast<double>(lights.density(lights.chooser(self.options_.camera_samples_by),

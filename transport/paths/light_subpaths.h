@@ -1,7 +1,7 @@
 // Subpaths from the lights, one a row, side by side: a light and a ray leaving it are drawn by emitted power, then the
 // ray goes from vertex to vertex.
 //
-//     subpaths.begin(samplers, lpe, counters);
+//     subpaths.begin(camera_rays, samplers, lpe, counters);
 //     while (subpaths.going()) {
 //         subpaths.advance(display);   // vertices() are the next of all subpaths that go on
 //         ...                          // what an integrator does with them
@@ -29,8 +29,9 @@ class LightSubpaths {
     LightSubpaths(const SceneView& scene, const EventTable& events, const LightSubpathOptions& options,
                   std::size_t capacity);
 
-    /// LightEnds of the batch before are no longer good.
-    void begin(std::span<const PixelSampler> samplers, display::LpeServices& lpe, IntegratorCounters& counters);
+    /// Each at the time of the camera ray of its sample. LightEnds of the batch before are no longer good.
+    void begin(std::span<const Ray> camera_rays, std::span<const PixelSampler> samplers, display::LpeServices& lpe,
+               IntegratorCounters& counters);
     [[nodiscard]] bool going() const { return walk_.going(); }
     /// Traces all rays; what passes cutouts is traced by the next call.
     void advance(display::DisplayServices& display);
@@ -63,7 +64,7 @@ class LightSubpaths {
         bool goes_on(std::uint32_t row) { return self.record_.worth(row); }
         void invalid(std::uint32_t row) { report(row, self.path(row).beta); }
     };
-    void start(std::uint32_t row, const EmissionSample& sample);
+    void start(std::uint32_t row, const EmissionSample& sample, Real time);
     [[nodiscard]] Rgb from_infinity(std::uint32_t row, const EmissionSample& sample) const;
     /// For a choice between lobes at the current vertex.
     [[nodiscard]] std::uint64_t choice_key(std::uint32_t row) const {

@@ -10,8 +10,7 @@ LightLanguage::LightLanguage(const display::LpeSetup& setup) {
 }
 
 bool Record::worth_colliding(std::uint32_t row, std::int32_t medium) const {
-    const display::Tracker& tracker = trackers_[row];
-    return takes_all(row) || lpe_->live_after(tracker, events_->scatter(events_->medium_label(medium), 0));
+    return takes_all(row) || worth_scattering(row, events_->medium_label(medium), 0);
 }
 
 Record::Worth Record::worth_connecting(std::uint32_t row, std::int32_t label, const LobeList& lobes,

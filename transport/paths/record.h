@@ -91,6 +91,11 @@ class Record {
         if (!lpe_->live(trackers_[row])) return {0, false, false};
         return events_->foresight().after(trackers_[row], events_->scatterings(label, material));
     }
+    /// The same of one lobe.
+    [[nodiscard]] bool worth_scattering(std::uint32_t row, std::int32_t label, LobeId lobe) const {
+        const lpe::EventClass event = events_->scatter(label, lobe);
+        return lpe_->live(trackers_[row]) && events_->foresight().after(trackers_[row], {&event, 1}).anything;
+    }
     /// The same, one collision with the medium's particles further.
     [[nodiscard]] bool worth_colliding(std::uint32_t row, std::int32_t medium) const;
     /// Whether beauty takes all of it, so that no question about its worth saves anything, or nobody wants to save.
@@ -134,6 +139,10 @@ class Record {
         lpe_->move(tracker, events_->terminal(light));
     }
     void add(const display::Tracker& at_light, display::Technique technique, const Arrival& arrival) const;
+
+    // Where the subpath of a row stands, to go on from there another time.
+    [[nodiscard]] const display::Tracker& tracker(std::uint32_t row) const { return trackers_[row]; }
+    void go_back(std::uint32_t row, const display::Tracker& tracker) { trackers_[row] = tracker; }
 
     [[nodiscard]] const EventTable& events() const { return *events_; }
 

@@ -35,6 +35,7 @@ struct VertexBatch {
     std::vector<SurfacePoint> points;
     std::vector<SurfaceSource> sources;
     std::vector<Bsdf> bsdfs;
+    std::vector<SurfaceFootprint> footprints;  ///< of points that have one
     std::size_t surfaces = 0, count = 0;
 
     void reserve(std::size_t n) {

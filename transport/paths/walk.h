@@ -14,12 +14,15 @@
 #pragma once
 
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "transport/media/medium.h"
 #include "transport/paths/counters.h"
 #include "transport/paths/event_table.h"
+#include "transport/paths/footprints.h"
 #include "transport/paths/scattering.h"
+#include "transport/paths/splits.h"
 #include "transport/paths/strategies.h"
 #include "transport/paths/subpath.h"
 #include "transport/paths/vertex.h"
@@ -29,12 +32,14 @@ namespace raylex::transport {
 
 struct WalkOptions {
     std::uint32_t max_depth = 5;  ///< scattering events of a whole path; of a light subpath its connection's among them
-    bool roulette = true;
-    bool densities = false;  ///< keep sums()
+    Real roulette_below = default_roulette_below;  ///< 0: paths do not end at random
+    bool densities = false;                        ///< keep sums()
 };
 
 /// What a walk tells and asks, with defaults that do nothing. Derive and hide what matters.
 struct WalkVisitor {
+    /// Whether subpaths may be split (splits.h).
+    static constexpr bool splits = false;
     /// A ray has hit nothing: its subpath ends.
     void escapes(std::uint32_t /*row*/, const Ray& /*ray*/) {}
     /// Vertex j is an interface with alpha, which no ray stops at, and a light.
@@ -44,7 +49,7 @@ struct WalkVisitor {
     /// The subpath has reached vertex j, a surface. False: it ends there.
     bool arrives(std::size_t /*j*/) { return true; }
     /// The densities of a subpath's first vertex are those of `sums`, but for what depends on how it began.
-    void first_vertex(std::uint32_t /*row*/, const SurfacePoint& /*point*/, StrategySums& /*sums*/) {}
+    void first_vertex(std::uint32_t /*row*/, const SurfacePoint& /*point*/, Real /*time*/, StrategySums& /*sums*/) {}
     /// `emitted` is the light that the medium sends back along a ray of a camera subpath.
     void volume_emits(std::uint32_t /*row*/, const Rgb& /*emitted*/) {}
     /// Whether what the medium around the ray scatters could count at all: if not, it only takes light away.
@@ -69,10 +74,16 @@ class Walk {
     static constexpr const SubpathDimensions& dimensions = subpath_dimensions<mode>;
 
     Walk(const SceneView& scene, const EventTable& events, const WalkOptions& options, std::size_t capacity)
-        : scene_(scene), events_(events), options_(options), in_media_(scene.asks_for_media()), paths_(capacity) {
+        : scene_(scene),
+          events_(events),
+          options_(options),
+          in_media_(scene.asks_for_media()),
+          has_footprints_(mode == TransportMode::radiance && scene.materials->filters_images()),
+          paths_(capacity) {
         if (options.densities) sums_.resize(capacity);
         queue_.reserve(capacity);
         vertices_.reserve(capacity);
+        if (has_footprints_) vertices_.footprints.resize(capacity);
         first_entries_.resize(capacity);
         if (in_media_) collisions_.resize(capacity);
     }
@@ -94,6 +105,10 @@ class Walk {
     void scatter(Visitor& visitor);
 
     [[nodiscard]] const VertexBatch& vertices() const { return vertices_; }
+    /// The closure of vertex j, to be narrowed down.
+    [[nodiscard]] Bsdf& closure(std::size_t j) { return vertices_.bsdfs[j]; }
+    /// Puts other vertices in the place of the current ones, whose subpaths go on from there.
+    void exchange_vertices(VertexBatch& other) { std::swap(vertices_, other); }
     /// Entries of vertices() that are the first of their subpaths, surfaces only.
     [[nodiscard]] std::span<const std::uint32_t> first_entries() const { return {first_entries_.data(), first_count_}; }
     [[nodiscard]] Subpath& path(std::uint32_t row) { return paths_[row]; }
@@ -131,17 +146,18 @@ class Walk {
     template <class Visitor>
     bool flies(std::uint32_t row, const Ray& ray, const FreeFlight& flight, Visitor& visitor);
     template <class Visitor>
-    void arrive(std::uint32_t row, const SurfacePoint& point, Visitor& visitor);
+    void arrive(std::uint32_t row, const SurfacePoint& point, Real time, Visitor& visitor);
     template <class Visitor>
     void append_collisions(Visitor& visitor);
     bool fails_alpha_test(std::size_t j) const;
-    void turn_normals();
+    void lay_footprints();
     bool survives_roulette(std::uint32_t row, std::uint32_t dimension);
+    static std::uint32_t take_branch(Subpath& path, const BsdfSample& s);
 
     const SceneView scene_;
     const EventTable& events_;
     const WalkOptions options_;
-    const bool in_media_;
+    const bool in_media_, has_footprints_;
     std::span<const PixelSampler> samplers_;  // by row
     IntegratorCounters* counters_ = nullptr;
     std::vector<Subpath> paths_;      // by row
@@ -152,6 +168,16 @@ class Walk {
     std::vector<Collision> collisions_;
     std::size_t first_count_ = 0, collision_count_ = 0;
 };
+
+/// Bump and normal maps. What stands in points from here on is what everyone sees: closures, lights, AOVs. The points
+/// need their random_key.
+inline void turn_normals(const SceneView& scene, std::span<const Hit> hits, std::span<SurfacePoint> points) {
+    for (std::size_t j = 0; j < hits.size(); ++j) {
+        const NormalDetail& detail = scene.materials->normal_detail(*scene.textures, points[j]);
+        if (detail.empty()) continue;
+        detail.apply(*scene.textures, scene.geometry->tangents(hits[j], points[j]), hits[j].cone.width, points[j]);
+    }
+}
 
 /// Closest hits become vertices, all but their closures.
 template <TransportMode mode>
@@ -250,14 +276,14 @@ bool Walk<mode>::flies(std::uint32_t row, const Ray& ray, const FreeFlight& flig
 /// (strategies.h).
 template <TransportMode mode>
 template <class Visitor>
-void Walk<mode>::arrive(std::uint32_t row, const SurfacePoint& point, Visitor& visitor) {
+void Walk<mode>::arrive(std::uint32_t row, const SurfacePoint& point, Real time, Visitor& visitor) {
     if (!options_.densities) return;
     const Subpath& path = paths_[row];
     const double near = path.from_infinity ? 1 : 1 / static_cast<double>(length_squared(point.position - path.from));
     const double pdf = path.specular ? 1 : static_cast<double>(path.pdf);
     sums_[row].arrive(pdf * static_cast<double>(point.cosine(point.wo)) * near,
                       path.from_infinity ? 1 : static_cast<double>(path.cosine) * near);
-    if (path.depth == 0) visitor.first_vertex(row, point, sums_[row]);
+    if (path.depth == 0) visitor.first_vertex(row, point, time, sums_[row]);
 }
 
 template <TransportMode mode>
@@ -278,7 +304,7 @@ void Walk<mode>::append_collisions(Visitor& visitor) {
         v.hits[j].time = collision.time;
         v.hits[j].cone = collision.cone;
         v.bsdfs[j].set_phase((*scene_.media)[medium].g);
-        arrive(collision.row, point, visitor);
+        arrive(collision.row, point, collision.time, visitor);
     }
 }
 
@@ -292,15 +318,16 @@ bool Walk<mode>::fails_alpha_test(std::size_t j) const {
     return !(u < scene_.textures->real(alpha, {point.u, point.v, point.position, -1, point.geometric_normal}));
 }
 
-/// Bump and normal maps. What stands in points from here on is what everyone sees: closures, lights, AOVs.
+/// What images are filtered over, where there are any.
 template <TransportMode mode>
-void Walk<mode>::turn_normals() {
+void Walk<mode>::lay_footprints() {
     for (std::size_t j = 0; j < vertices_.surfaces; ++j) {
         SurfacePoint& point = vertices_.points[j];
-        const NormalDetail& detail = scene_.materials->normal_detail(*scene_.textures, point);
-        if (detail.empty()) continue;
+        point.footprint = nullptr;
+        if (!scene_.materials->filters_images(point.material)) continue;
         const Hit& hit = vertices_.hits[j];
-        detail.apply(*scene_.textures, scene_.geometry->tangents(hit, point), hit.cone.width, point);
+        vertices_.footprints[j] = footprint_of(scene_.geometry->tangents(hit, point), point, hit.cone.width);
+        point.footprint = &vertices_.footprints[j];
     }
 }
 
@@ -317,7 +344,7 @@ void Walk<mode>::advance(display::DisplayServices& display, Visitor& visitor) {
         const std::uint32_t row = v.rows[j];
         Subpath& path = paths_[row];
         SurfacePoint& point = v.points[j];
-        arrive(row, point, visitor);
+        arrive(row, point, v.hits[j].time, visitor);
         if (cutouts && shapes[v.hits[j].shape].alpha >= 0) {
             const ShapeGeometry& shape = shapes[v.hits[j].shape];
             if (shape.interface && shape.first_light != Hit::none) visitor.interface_emits(j);
@@ -345,7 +372,8 @@ void Walk<mode>::advance(display::DisplayServices& display, Visitor& visitor) {
         v.keep(j, kept++);
     }
     v.surfaces = v.count = kept;
-    if (scene_.materials->turns_normals()) turn_normals();
+    if (has_footprints_) lay_footprints();
+    if (scene_.materials->turns_normals()) turn_normals(scene_, {v.hits.data(), v.surfaces}, v.points);
     if (kept > 0) scene_.materials->shade(*scene_.textures, {v.points.data(), kept}, {v.bsdfs.data(), kept}, &display);
     if (in_media_) append_collisions(visitor);
 }
@@ -354,9 +382,11 @@ template <TransportMode mode>
 bool Walk<mode>::survives_roulette(std::uint32_t row, std::uint32_t dimension) {
     Subpath& path = paths_[row];
     Real keep = 1;
-    if (options_.roulette && path.depth >= 2)
-        keep = std::min(keep, mode == TransportMode::radiance ? path.beta.max() * path.roulette_scale
-                                                              : path.beta.max() / path.roulette_scale);
+    if (path.depth >= 2) {
+        const Real throughput = mode == TransportMode::radiance ? path.beta.max() * path.roulette_scale
+                                                                : path.beta.max() / path.roulette_scale;
+        if (throughput < options_.roulette_below) keep = throughput / options_.roulette_below;
+    }
     if (!path.specular) {  // a specular direction no other technique finds
         keep *= path.ray_share;
         path.pdf *= path.ray_share;
@@ -368,6 +398,23 @@ bool Walk<mode>::survives_roulette(std::uint32_t row, std::uint32_t dimension) {
     }
     path.beta *= 1 / keep;
     return true;
+}
+
+/// What a branch carries on; roulette is to take it for as strong as the path was. Returns how many there are that
+/// may find the same.
+template <TransportMode mode>
+std::uint32_t Walk<mode>::take_branch(Subpath& path, const BsdfSample& s) {
+    const std::uint32_t rays = path.rays;
+    if (path.all_lobes) {  // none is left out, so none counts for others
+        path.beta *= s.pdf;
+        path.roulette_scale /= s.pdf;
+    } else if (rays > 1) {
+        path.beta *= 1 / static_cast<Real>(rays);
+        path.roulette_scale *= static_cast<Real>(rays);
+    }
+    path.rays = 1;
+    path.all_lobes = false;
+    return rays;
 }
 
 template <TransportMode mode>
@@ -384,11 +431,18 @@ void Walk<mode>::scatter(Visitor& visitor) {
             counters_->count_length(path.depth + kept_back);
             continue;
         }
+        if constexpr (Visitor::splits)
+            if (path.rays == 0) {
+                finish(row);
+                continue;
+            }
         const PixelSampler& sampler = samplers_[row];
         const Bsdf& bsdf = v.bsdfs[j];
         const SurfacePoint& point = v.points[j];
         const std::uint32_t depth = path.depth;
-        const Real u_lobe = bsdf.chooses_lobes() ? sampler.get_1d(dimensions.of(depth, dimensions.lobe)) : 0.0f;
+        Real u_lobe = bsdf.chooses_lobes() ? sampler.get_1d(dimensions.of(depth, dimensions.lobe)) : 0.0f;
+        if constexpr (Visitor::splits)
+            if (path.all_lobes) u_lobe = lobe_number(visitor.branch);
         const BsdfSample s =
             sample_scattering<mode>(bsdf, point, u_lobe, sampler.get_2d(dimensions.of(depth, dimensions.scatter)));
         if (!(s.pdf > 0) || s.weight.is_black()) {
@@ -396,6 +450,8 @@ void Walk<mode>::scatter(Visitor& visitor) {
             continue;
         }
         path.beta *= s.weight;
+        std::uint32_t rays = 1;
+        if constexpr (Visitor::splits) rays = take_branch(path, s);
         ++path.depth;
         ++path.segment;
         if (mode == TransportMode::radiance && s.transmitted) path.roulette_scale *= s.eta * s.eta;
@@ -415,12 +471,15 @@ void Walk<mode>::scatter(Visitor& visitor) {
             finish(row);
             continue;
         }
+        if (rays > 1 && !path.specular) path.pdf *= static_cast<Real>(rays);
         if (options_.densities) {
             sums_[row].leave(s.delta, s.delta ? 1.0 : static_cast<double>(bsdf.pdf(s.wi, point.wo)));
             path.cosine = point.cosine(s.wi);
         }
         if (in_media_) path.medium = medium_towards(j, s.wi);
-        queue_.push(row, ray_from(v, j, s.wi));
+        Ray onward = ray_from(v, j, s.wi);
+        if (has_footprints_) onward.cone = scattered_cone(*scene_.geometry, v.hits[j], point, s);
+        queue_.push(row, onward);
     }
     counters_->scattering_rays += queue_.count - passed_on;
 }

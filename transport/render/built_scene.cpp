@@ -42,7 +42,9 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
     auto materials = MaterialTable::build(description, scene->textures_);
     if (!materials) return materials.error();
     scene->materials_ = std::move(*materials);
-    auto geometry = EmbreeScene::build(description, scene->textures_, {options.isa, options.threads, space});
+    const auto shutter = shutter_span(description);
+    if (!shutter) return shutter.error();
+    auto geometry = EmbreeScene::build(description, scene->textures_, {options.isa, options.threads, space, *shutter});
     if (!geometry) return geometry.error();
     scene->geometry_ = std::make_unique<EmbreeScene>(*std::move(geometry));
     scene->warnings = scene->textures_.warnings();
@@ -69,7 +71,7 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
     scene->filter = description.filter;
     scene->sampler = description.sampler;
     scene->integrator = description.integrator;
-    scene->camera_to_world = description.camera_to_world;
+    if (Status s = scene->place_camera(description, *shutter); !s) return s.error();
     scene->file = description.file;
     const auto report_unused = [&](const SceneEntity& entity, const std::string& kind) {
         for (const Parameter* p : entity.parameters.unused())
@@ -81,6 +83,17 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
     scene->build_seconds = watch.wall();
     scene->build_cpu_seconds = watch.process_cpu();
     return std::shared_ptr<const BuiltScene>(std::move(scene));
+}
+
+Status BuiltScene::place_camera(const SceneDescription& description, const ShutterSpan& shutter) {
+    moves_ = is_moving(description, shutter);
+    camera_to_world = description.camera_to_world;
+    const auto motion = motion_of_camera(description);
+    if (!motion) return motion.error();
+    if (!*motion) return success();
+    camera_to_world = (*motion)->at(shutter.first);
+    if (moves_) camera_motion = std::make_shared<const CameraMotion>(**motion, shutter, space());
+    return success();
 }
 
 namespace {

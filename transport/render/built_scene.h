@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "transport/cameras/camera_motion.h"
 #include "transport/integrators/integrator.h"
 #include "transport/render/render.h"
 #include "transport/scene/surface_names.h"
@@ -23,7 +24,7 @@ class BuiltScene {
                                                            const BuildOptions& options = {});
 
     [[nodiscard]] SceneView view() const {
-        return {geometry_.get(), &textures_, &materials_, &lights_, &media_, general_code_};
+        return {geometry_.get(), &textures_, &materials_, &lights_, &media_, general_code_, moves_};
     }
     [[nodiscard]] const std::string& isa() const { return geometry_->isa(); }
     /// Channels that patterns write to.
@@ -33,18 +34,21 @@ class BuiltScene {
     [[nodiscard]] const SurfaceNames& surface_names() const { return surface_names_; }
     /// The scene's own camera, film, filter, sampler and integrator, which settings may override.
     SceneEntity camera, film, filter, sampler, integrator;
-    Transform camera_to_world;  ///< the world's, not render space
+    Transform camera_to_world;                          ///< the world's, not render space; when the shutter opens
+    std::shared_ptr<const CameraMotion> camera_motion;  ///< null: it stands still
     std::string file;
     std::vector<Error> warnings;
     double build_seconds = 0, build_cpu_seconds = 0;
 
   private:
     BuiltScene() = default;
+    Status place_camera(const SceneDescription& description, const ShutterSpan& shutter);
     TextureTable textures_;
     MaterialTable materials_;
     LightTable lights_;
     MediumTable media_;
     EffectSet general_code_;
+    bool moves_ = false;
     std::unique_ptr<EmbreeScene> geometry_;
     SurfaceNames surface_names_;
     std::vector<display::ChannelDefinition> pattern_channels_;

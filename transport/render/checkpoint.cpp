@@ -48,16 +48,17 @@ std::string channel_text(const display::ChannelDefinition& channel) {
 
 void write_statistics(RecordWriter& writer, const RenderStatistics& statistics) {
     // A binding that no longer fits says that there is a number which no record holds yet.
-    const auto& [build_seconds, build_cpu_seconds, render_seconds, render_cpu_seconds, camera_samples, camera_rays,
-                 scattering_rays, shadow_rays, pruned, path_length_histogram, attribution_overflow, invalid_samples,
-                 invalid_by_channel, invalid_log, refused_services_calls, refusals, checkpoints,
-                 checkpoint_stall_seconds] = statistics;
+    const auto& [build_seconds, build_cpu_seconds, prepare_seconds, prepare_cpu_seconds, render_seconds,
+                 render_cpu_seconds, camera_samples, camera_rays, scattering_rays, shadow_rays, branches, pruned,
+                 path_length_histogram, attribution_overflow, invalid_samples, invalid_by_channel, invalid_log,
+                 refused_services_calls, refusals, checkpoints, checkpoint_stall_seconds] = statistics;
     static_cast<void>(build_seconds), static_cast<void>(build_cpu_seconds);  // of this session alone
+    static_cast<void>(prepare_seconds), static_cast<void>(prepare_cpu_seconds);
     static_cast<void>(checkpoints), static_cast<void>(checkpoint_stall_seconds);
     writer.number(render_seconds);
     writer.number(render_cpu_seconds);
-    for (const std::uint64_t each : {camera_samples, camera_rays, scattering_rays, shadow_rays, attribution_overflow,
-                                     invalid_samples, refused_services_calls})
+    for (const std::uint64_t each : {camera_samples, camera_rays, scattering_rays, shadow_rays, branches,
+                                     attribution_overflow, invalid_samples, refused_services_calls})
         writer.number(each);
     writer.numbers({pruned.begin(), pruned.end()});
     writer.numbers(path_length_histogram);
@@ -78,9 +79,9 @@ void write_statistics(RecordWriter& writer, const RenderStatistics& statistics) 
 void read_statistics(RecordReader& reader, RenderStatistics& statistics) {
     statistics.render_seconds = reader.number<double>();
     statistics.render_cpu_seconds = reader.number<double>();
-    for (std::uint64_t* each :
-         {&statistics.camera_samples, &statistics.camera_rays, &statistics.scattering_rays, &statistics.shadow_rays,
-          &statistics.attribution_overflow, &statistics.invalid_samples, &statistics.refused_services_calls})
+    for (std::uint64_t* each : {&statistics.camera_samples, &statistics.camera_rays, &statistics.scattering_rays,
+                                &statistics.shadow_rays, &statistics.branches, &statistics.attribution_overflow,
+                                &statistics.invalid_samples, &statistics.refused_services_calls})
         *each = reader.number<std::uint64_t>();
     const std::vector<std::uint64_t> pruned = reader.numbers();
     std::copy_n(pruned.begin(), std::min(pruned.size(), pruned_causes), statistics.pruned.begin());
@@ -124,7 +125,7 @@ RecordIdentity render_identity(const ResolvedJob& job) {
                         std::to_string(job.grid.region.x1) + "," + std::to_string(job.grid.region.y1));
     add("seed", std::to_string(sampling.seed));
     add("samples per pixel", std::to_string(job.budget.samples_per_pixel));
-    add("sampler", sampling.sampler == SamplerKind::sobol ? "sobol" : "independent");
+    add("sampler", sampling.sampler_name);
     add("pixel filter",
         sampling.filter->name() + (settings.filter ? " " + entity_text(*settings.filter) : std::string()));
     add("filter mode", sampling.splat ? "splat" : "importance");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "transport/render/clock.h"
 #include "transport/render/render_worker.h"
 
 namespace raylex::transport {
@@ -43,6 +44,7 @@ IntegratorContext context_of(const PreparedJob& prepared) {
 }  // namespace
 
 Result<PreparedJob> PreparedJob::prepare(ResolvedJob resolved) {
+    const Stopwatch watch;
     PreparedJob prepared(std::move(resolved));
     ResolvedJob& job = prepared.job;
     prepared.events = std::make_unique<const EventTable>(*job.channels.lpe, job.scene.view(), job.settings.lobe_slots,
@@ -51,6 +53,8 @@ Result<PreparedJob> PreparedJob::prepare(ResolvedJob resolved) {
     if (Status s = job.integrator().prepare(context_of(prepared)); !s) return s.error();
     for (std::string& omission : job.integrator().omissions())
         job.warnings.push_back(error_at({}, std::move(omission)));
+    prepared.seconds = watch.wall();
+    prepared.cpu_seconds = watch.process_cpu();
     return prepared;
 }
 

@@ -16,6 +16,7 @@ class PreparedJob {
     ResolvedJob job;
     std::unique_ptr<const EventTable> events;
     std::unique_ptr<const geoaovs::GeometricAovs> aovs;
+    double seconds = 0, cpu_seconds = 0;  ///< that it took
 
   private:
     explicit PreparedJob(ResolvedJob resolved) : job(std::move(resolved)) {}

@@ -130,8 +130,10 @@ struct RenderProgress {
 
 struct RenderStatistics {
     double build_seconds = 0, build_cpu_seconds = 0;  ///< scene tables and acceleration structure
+    double prepare_seconds = 0, prepare_cpu_seconds = 0;  ///< the integrator's tables and pilots
     double render_seconds = 0, render_cpu_seconds = 0;
     std::uint64_t camera_samples = 0, camera_rays = 0, scattering_rays = 0, shadow_rays = 0;
+    std::uint64_t branches = 0;                        ///< beside the first, of split paths
     PrunedCounts pruned{};                             ///< [Pruned]
     std::vector<std::uint64_t> path_length_histogram;  ///< [scattering events of the path]
     std::uint64_t attribution_overflow = 0;            ///< trackers that had to merge by choice

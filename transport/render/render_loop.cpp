@@ -116,6 +116,8 @@ FinishedLoop RenderLoop::finish() {
     const display::FrameBuffer& frame_buffer = state_.target.frame_buffer;
     statistics.build_seconds = job.scene.build_seconds;
     statistics.build_cpu_seconds = job.scene.build_cpu_seconds;
+    statistics.prepare_seconds = state_.prepared.seconds;
+    statistics.prepare_cpu_seconds = state_.prepared.cpu_seconds;
     statistics.render_seconds = state_.session_seconds();
     state_.collect(statistics);
     statistics.invalid_samples += frame_buffer.rejected_count();

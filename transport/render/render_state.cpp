@@ -66,6 +66,7 @@ void RenderState::collect(RenderStatistics& statistics) const {
     counters.camera_rays = earlier.camera_rays;
     counters.scattering_rays = earlier.scattering_rays;
     counters.shadow_rays = earlier.shadow_rays;
+    counters.branches = earlier.branches;
     counters.pruned = earlier.pruned;
     counters.path_lengths = earlier.path_length_histogram;
     statistics.render_seconds += earlier.render_seconds;
@@ -100,6 +101,7 @@ void RenderState::collect(RenderStatistics& statistics) const {
     statistics.camera_rays = counters.camera_rays;
     statistics.scattering_rays = counters.scattering_rays;
     statistics.shadow_rays = counters.shadow_rays;
+    statistics.branches = counters.branches;
     statistics.pruned = counters.pruned;
     statistics.path_length_histogram = counters.path_lengths;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "transport/paths/camera_subpaths.h"
 #include "transport/render/clock.h"
 
 namespace raylex::transport {
@@ -86,7 +87,7 @@ void RenderWorker::add_pixel(int x, int y, std::uint64_t first, int count, std::
     const bool lens = from.camera->has_lens();
     for (int k = 0; k < count; ++k) {
         const std::uint64_t sample = first + static_cast<std::uint64_t>(k);
-        const PixelSampler sampler(from.sampler, from.seed, x, y, sample);
+        const PixelSampler sampler(from.sampler, from.seed, x, y, sample, from.arrangement_bits);
         const Vec2 u = sampler.get_2d(filter_dimension);
         const display::FilterSample offset = from.splat
                                                  ? display::FilterSample{to_float(u.x) - 0.5f, to_float(u.y) - 0.5f, 1}
@@ -97,9 +98,11 @@ void RenderWorker::add_pixel(int x, int y, std::uint64_t first, int count, std::
         row.screen_x = static_cast<float>(x) + 0.5f + offset.dx;
         row.screen_y = static_cast<float>(y) + 0.5f + offset.dy;
         row.filter_weight = offset.weight;
-        row.shutter_time = 0;
+        const Real time = from.times ? sample_time(job_.scene.view(), sampler) : 0;
+        row.shutter_time = to_float(time);
         row.sample = sample;
-        camera_samples_[count_] = {row.screen_x, row.screen_y, lens ? sampler.get_2d(lens_dimension) : Vec2{0, 0}};
+        camera_samples_[count_] = {row.screen_x, row.screen_y, lens ? sampler.get_2d(lens_dimension) : Vec2{0, 0},
+                                   time};
         samplers_[count_] = sampler;
         ++count_;
     }
@@ -115,7 +118,11 @@ void RenderWorker::flush() {
         count_ = 0;
         return;
     }
-    job_.sampling.camera->generate({camera_samples_.data(), count_}, {rays_.data(), count_});
+    const Camera& camera = *job_.sampling.camera;
+    if (job_.sampling.times) camera.generate_in_time({camera_samples_.data(), count_}, {rays_.data(), count_});
+    else camera.generate({camera_samples_.data(), count_}, {rays_.data(), count_});
+    if (job_.sampling.cones)
+        for (std::size_t i = 0; i < count_; ++i) rays_[i].cone.spread *= pixel_share(rows_[i].sample);
     table_.begin({rows_.data(), count_});
     const double begin = aovs_.wants_time() ? thread_cpu_seconds() : 0;
     ThreadServices services{display_, lpe_, raster_.get(), &leave_};

@@ -5,11 +5,21 @@
 namespace raylex::transport {
 namespace {
 
+/// Without a beauty and channels of its own, the metric is of all light that is asked for (Law 4).
+display::AdaptiveSettings with_metric(display::AdaptiveSettings adaptive, const JobChannels& channels) {
+    if (!adaptive.channels.empty() || channels.beauty >= 0) return adaptive;
+    for (const display::ChannelDefinition& channel : channels.list)
+        if (channel.style == display::ChannelStyle::expression && channel.rule == display::FilterRule::filter &&
+            display::takes_samples(channel))
+            adaptive.channels.push_back({channel.name, 1, adaptive.location});
+    return adaptive;
+}
+
 /// The metric's channels keep statistics.
 Status resolve_adaptive(const RenderSettings& settings, const ChosenIntegrator& chosen, JobChannels& channels,
                         Budget& budget, std::vector<Error>& warnings) {
     if (!settings.adaptive) return success();
-    const display::AdaptiveSettings& adaptive = *settings.adaptive;
+    const display::AdaptiveSettings adaptive = with_metric(*settings.adaptive, channels);
     if (settings.splat)
         return error_at(adaptive.location,
                         "adaptive sampling in filter mode splat: samples are shared by neighbouring pixels, whose "

@@ -74,6 +74,7 @@ Status resolve_sampler(const SceneEntity& entity, const RenderSettings& settings
         warnings.push_back(
             error_at(p->location, "sampler '" + entity.type + "' has no parameter '" + p->name + "'; it is ignored"));
     sampling.sampler = choice->kind;
+    sampling.arrangement_bits = choice->arrangement_bits;
     sampling.seed = settings.seed + choice->seed;
     sampling.samples_per_pixel = settings.samples_per_pixel.value_or(choice->samples_per_pixel);
     if (sampling.samples_per_pixel == 0) return error_at({}, "0 samples per pixel; expected at least 1");
@@ -89,9 +90,13 @@ Result<CameraSampling> resolve_sampling(const BuiltScene& scene, const RenderSet
     sampling.film = *film;
     const bool lens_code = scene.view().general_code.contains(Effect::depth_of_field);
     auto camera = make_camera(
-        scene.camera, {scene.space().placed(scene.camera_to_world), film->width, film->height, lens_code}, warnings);
+        scene.camera,
+        {scene.space().placed(scene.camera_to_world), film->width, film->height, lens_code, scene.camera_motion},
+        warnings);
     if (!camera) return camera.error();
     sampling.camera = *std::move(camera);
+    sampling.times = scene.view().asks_for_times();
+    sampling.cones = scene.view().materials->filters_images();
     const SceneEntity& filter = settings.filter ? *settings.filter : scene.filter;
     if (Status s = resolve_filter(filter, sampling, warnings); !s) return s.error();
     if (Status s = resolve_splat(settings, sampling); !s) return s.error();

@@ -23,11 +23,14 @@ namespace raylex::transport {
 struct CameraSampling {
     FilmSettings film;
     std::unique_ptr<Camera> camera;
+    bool times = false;  ///< each sample draws one
+    bool cones = false;  ///< somebody filters by them: each as wide as its sample's pixel_share()
     std::unique_ptr<display::PixelFilter> filter;
     SourceLocation filter_location;    ///< for errors
     bool splat = false;                ///< RenderSettings::splat
     int padding_x = 0, padding_y = 0;  ///< pixels around the image whose samples reach into it
     SamplerKind sampler = SamplerKind::sobol;
+    std::uint32_t arrangement_bits = 4;  ///< SamplerChoice has it
     std::string sampler_name;
     std::uint64_t seed = 0;
     std::uint64_t samples_per_pixel = 0;  ///< as settings or the scene's sampler say

@@ -12,6 +12,15 @@
 // Laine and Karras' (2021, "Building a Better LK Hash"). Any number of samples is fine; powers of two balance best.
 // Points come 2^32 to a copy; the index bits above take a fresh scramble.
 //
+// "zsobol" gives all pixels parts of one such sequence (A. Ahmed and P. Wonka 2020, "Screen-Space Blue-Noise Diffusion
+// of Monte Carlo Sampling Error via Hierarchical Ordering of Pixels", ACM TOG 39(6)): pixels along the Morton curve
+// take blocks of n = 2^arrangement_bits points one after another, so the samples of pixels that lie together are
+// stratified together, and what one misses its neighbours bring. Scrambling the index permutes pixels within every
+// square of the curve, anew for each pair of dimensions; it costs what "sobol" costs. The n samples of a pixel stay a
+// (0, m, 2)-net. No choice of points is both for n samples and for more: the points that complete a net are those of
+// the neighbours, whose errors would then be the same. So samples [n, 2n), [2n, 4n), ... are arrangements of their own,
+// each a net.
+//
 // Nested uniform scrambling is reverse - hash - reverse, and the van der Corput sequence is the index reversed, so most
 // reversals cancel. The second dimension's matrix is Pascal's triangle modulo 2: five shift-and-xor steps.
 #pragma once
@@ -24,7 +33,7 @@
 
 namespace raylex::transport {
 
-enum class SamplerKind : std::uint8_t { independent, sobol };
+enum class SamplerKind : std::uint8_t { independent, sobol, zsobol };
 
 namespace sampler_detail {
 
@@ -61,6 +70,14 @@ constexpr std::uint64_t mix(std::uint64_t v) {
     return v ^ (v >> 31);
 }
 
+/// Bit i of the low half at bit 2i.
+constexpr std::uint32_t spread_bits(std::uint32_t x) {
+    x = (x | (x << 8)) & 0x00ff00ffu;
+    x = (x | (x << 4)) & 0x0f0f0f0fu;
+    x = (x | (x << 2)) & 0x33333333u;
+    return (x | (x << 1)) & 0x55555555u;
+}
+
 constexpr Real unit_float(std::uint32_t bits) {
     return static_cast<Real>(bits >> 8) * 0x1p-24f;
 }
@@ -71,19 +88,36 @@ constexpr Real unit_float(std::uint32_t bits) {
 class PixelSampler {
   public:
     PixelSampler() = default;
-    PixelSampler(SamplerKind kind, std::uint64_t seed, std::int32_t x, std::int32_t y, std::uint64_t sample) {
-        const auto pixel =
-            (static_cast<std::uint64_t>(static_cast<std::uint32_t>(y)) << 32) | static_cast<std::uint32_t>(x);
-        const std::uint64_t pixel_key = sampler_detail::mix(sampler_detail::mix(seed + 0x9e3779b97f4a7c15ull) ^ pixel);
+    /// `arrangement_bits` (zsobol): how many samples of a pixel are arranged together, as a power of two below 2^32.
+    PixelSampler(SamplerKind kind, std::uint64_t seed, std::int32_t x, std::int32_t y, std::uint64_t sample,
+                 std::uint32_t arrangement_bits = 4) {
+        using namespace sampler_detail;
+        const auto ux = static_cast<std::uint32_t>(x), uy = static_cast<std::uint32_t>(y);
+        if (kind == SamplerKind::zsobol) {
+            arrange(seed, ux, uy, sample, arrangement_bits);
+            return;
+        }
+        const std::uint64_t pixel_key = key_of(seed, ux, uy);
         source_ = kind == SamplerKind::sobol ? Source::sobol : Source::independent;
         const std::uint64_t copy = kind == SamplerKind::sobol ? sample >> 32 : sample;
-        key_ = sampler_detail::mix(pixel_key + copy * 0x9e3779b97f4a7c15ull);
-        reversed_index_ = sampler_detail::reverse_bits(static_cast<std::uint32_t>(sample));
+        key_ = mix(pixel_key + copy * 0x9e3779b97f4a7c15ull);
+        reversed_index_ = reverse_bits(static_cast<std::uint32_t>(sample));
     }
 
     /// The numbers of a chain's mutation, which must outlive every copy. What is asked for changes it: one thread.
     explicit PixelSampler(PrimarySamples& chain)
         : key_(reinterpret_cast<std::uintptr_t>(&chain)), source_(Source::chain) {}
+
+    /// The numbers of the k-th of n branches that a path is split into: independent of its own, and of those of other
+    /// n. Branches of all samples are one sequence: n samples would be no better spread. Not of chains.
+    [[nodiscard]] PixelSampler branch(std::uint32_t k, std::uint32_t n) const {
+        const std::uint64_t index = std::uint64_t{sampler_detail::reverse_bits(reversed_index_)} * n + k;
+        PixelSampler numbers = *this;
+        const std::uint64_t copy = source_ == Source::sobol ? index >> 32 : index;
+        numbers.key_ = sampler_detail::mix(key_ + n * 0xd6e8feb86659fd93ull) + copy * 0x9e3779b97f4a7c15ull;
+        numbers.reversed_index_ = sampler_detail::reverse_bits(static_cast<std::uint32_t>(index));
+        return numbers;
+    }
 
     /// `dimension` names a use (lens, light choice of the third vertex, ...): the same name, the same number.
     [[nodiscard]] Real get_1d(std::uint32_t dimension) const {
@@ -121,6 +155,27 @@ class PixelSampler {
     }
 
   private:
+    static std::uint64_t key_of(std::uint64_t seed, std::uint32_t x, std::uint32_t y) {
+        const std::uint64_t pixel = (static_cast<std::uint64_t>(y) << 32) | x;
+        return sampler_detail::mix(sampler_detail::mix(seed + 0x9e3779b97f4a7c15ull) ^ pixel);
+    }
+    /// The index is the place along the curve, then the sample; squares whose places do not fit have keys of their own.
+    void arrange(std::uint64_t seed, std::uint32_t x, std::uint32_t y, std::uint64_t sample, std::uint32_t bits) {
+        using namespace sampler_detail;
+        source_ = Source::sobol;
+        std::uint32_t arrangement = 0;  // samples that come later: with which doubling of their number
+        if (sample >> bits != 0) {
+            const auto width = static_cast<std::uint32_t>(std::bit_width(sample));
+            arrangement = width - bits;
+            bits = width - 1;
+            sample ^= std::uint64_t{1} << bits;
+        }
+        const std::uint32_t side = bits < 32 ? (32 - bits) / 2 : 0, inside = (1u << side) - 1;
+        key_ = mix(key_of(seed, x >> side, y >> side) + arrangement * 0x9e3779b97f4a7c15ull +
+                   (sample >> 32) * 0xd1342543de82ef95ull);
+        const std::uint64_t place = spread_bits(x & inside) | spread_bits(y & inside) << 1;
+        reversed_index_ = reverse_bits(static_cast<std::uint32_t>(place << (bits & 63) | sample));
+    }
     enum class Source : std::uint8_t { independent, sobol, chain };
     [[nodiscard]] PrimarySamples& chain() const {
         return *reinterpret_cast<PrimarySamples*>(static_cast<std::uintptr_t>(key_));

@@ -1,12 +1,18 @@
 #include "transport/samplers/sampler.h"
 
+#include <bit>
+
 namespace raylex::transport {
 namespace {
+
+const char* name_of(SamplerKind kind) {
+    return kind == SamplerKind::sobol ? "sobol" : kind == SamplerKind::zsobol ? "zsobol" : "independent";
+}
 
 Result<SamplerChoice> read_choice(const SceneEntity& entity, SamplerKind kind, bool another_sequence) {
     SamplerChoice choice;
     choice.kind = kind;
-    choice.name = kind == SamplerKind::sobol ? "sobol" : "independent";
+    choice.name = name_of(kind);
     auto samples = entity.parameters.integer_or("pixelsamples", 16);
     if (!samples) return samples.error();
     if (*samples < 1)
@@ -19,6 +25,19 @@ Result<SamplerChoice> read_choice(const SceneEntity& entity, SamplerKind kind, b
         choice.warnings.push_back(error_at(
             entity.location, "sampler '" + entity.type +
                                  "' is rendered with 'sobol' (Owen-scrambled, padded): same expectation, other noise"));
+    return choice;
+}
+
+/// What a job takes with `spp`, as a shard, until an error or a time does not count: the samples would be others.
+Result<SamplerChoice> read_arranged(const SceneEntity& entity) {
+    auto choice = read_choice(entity, SamplerKind::zsobol, false);
+    if (!choice) return choice;
+    auto arranged = entity.parameters.integer_or("arranged", static_cast<std::int64_t>(choice->samples_per_pixel));
+    if (!arranged) return arranged.error();
+    if (*arranged < 1 || *arranged > std::int64_t{1} << 31)
+        return error_at(entity.location, "'arranged' is " + std::to_string(*arranged) + "; expected 1 to 2^31");
+    choice->arrangement_bits = static_cast<std::uint32_t>(std::bit_width(static_cast<std::uint64_t>(*arranged) - 1));
+    choice->name += " arranged by " + std::to_string(std::uint64_t{1} << choice->arrangement_bits);
     return choice;
 }
 
@@ -46,7 +65,12 @@ Registry<SamplerFactory> make_registry() {
     add("sobol", "Owen-scrambled Sobol' points, padded in pairs of dimensions", SamplerKind::sobol, false);
     add("paddedsobol", "another name for sobol", SamplerKind::sobol, false);
     add("independent", "independent uniform numbers", SamplerKind::independent, false);
-    add("zsobol", "rendered with sobol; pbrt also orders pixels along a Morton curve", SamplerKind::sobol, false);
+    std::vector<ParameterDescription> of_arranged = parameters;
+    of_arranged.push_back({"arranged", ParameterType::integer, "pixelsamples",
+                           "samples of a pixel that are arranged together, rounded up to a power of two"});
+    registry.add({"zsobol",
+                  "sobol, arranged in screen space: error is blue noise at as many samples as 'arranged' says",
+                  of_arranged, read_arranged});
     add("halton", "rendered with sobol", SamplerKind::sobol, true);
     add("pmj02bn", "rendered with sobol", SamplerKind::sobol, true);
     registry.add({"stratified",

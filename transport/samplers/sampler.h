@@ -15,15 +15,16 @@ namespace raylex::transport {
 /// What a Sampler directive means: which numbers, and how many samples a pixel.
 struct SamplerChoice {
     SamplerKind kind = SamplerKind::sobol;
-    std::string name;                      ///< what is really used: "sobol" or "independent"
+    std::string name;                      ///< what is really used: "sobol", "zsobol" or "independent"
     std::uint64_t samples_per_pixel = 16;  ///< "pixelsamples" (stratified: the product of its two counts)
+    std::uint32_t arrangement_bits = 4;    ///< zsobol: log2 of the samples of a pixel that are arranged together
     std::uint64_t seed = 0;                ///< the scene's own seed, added to the render's
     std::vector<Error> warnings;           ///< another sequence of pbrt's taken for ours
 };
 
 using SamplerFactory = std::function<Result<SamplerChoice>(const SceneEntity&)>;
 
-/// independent, sobol, and pbrt's other names, which all mean our Owen-scrambled Sobol'.
+/// independent, sobol, zsobol, and pbrt's other names, which all mean our Owen-scrambled Sobol'.
 Registry<SamplerFactory>& sampler_registry();
 
 /// An empty type means the default, sobol with 16 samples.

@@ -20,9 +20,11 @@ enum class Effect : std::uint8_t {
     delta_lights,
     environment,
     instances,
+    motion,
+    texture_filtering,
     varying_media
 };
-inline constexpr std::size_t effect_count = 14;
+inline constexpr std::size_t effect_count = 16;
 
 class EffectSet {
   public:

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "transport/scene/material_kinds.h"
+#include "transport/scene/motion.h"
 #include "transport/scene/used_surfaces.h"
 
 namespace raylex::transport {
@@ -29,12 +30,15 @@ constexpr std::array<EffectInfo, effect_count> catalogue{{
     {Effect::delta_lights, "delta-lights", "there is a point, spot or distant light", "they are dark", ""},
     {Effect::environment, "environment", "there is an infinite light", "black", ""},
     {Effect::instances, "instances", "an object is placed by instances", "nothing where they stood", ""},
+    {Effect::motion, "motion", "an object, a shape or the camera moves while the shutter is open",
+     "all stands where it is halfway through the shutter's time", "each sample draws a time, which its rays carry"},
+    {Effect::texture_filtering, "texture-filtering", "an image in use is filtered by what a pixel sees of it",
+     "its texels as they are", ""},
     {Effect::varying_media, "varying-media", "a medium in use differs from place to place",
      "the same everywhere, dark: a density of 1, of an rgbgrid the mean", ""},
 }};
 
-constexpr std::array<AbsentEffect, 2> not_simulated{{
-    {"motion", "scenes that move are refused with file and line"},
+constexpr std::array<AbsentEffect, 1> not_simulated{{
     {"dispersion", "glass has one index of refraction for all colours, the mean of its spectrum"},
 }};
 
@@ -103,6 +107,25 @@ EffectFinding find_images(const UsedSurfaces& used) {
     const auto images = std::count_if(textures.begin(), textures.end(),
                                       [](const SceneTexture* each) { return each->type == "imagemap"; });
     return finding(static_cast<std::size_t>(images), textures.size(), "textures in use");
+}
+
+EffectFinding find_filters(const UsedSurfaces& used) {
+    const auto& textures = used.textures();
+    const auto images = std::count_if(textures.begin(), textures.end(),
+                                      [](const SceneTexture* each) { return is_filtered_image(*each); });
+    return finding(static_cast<std::size_t>(images), textures.size(), "textures in use");
+}
+
+EffectFinding find_motion(const SceneDescription& scene) {
+    const auto moving = static_cast<std::size_t>(std::count_if(
+        scene.instances.begin(), scene.instances.end(), [](const SceneInstance& each) { return each.motion >= 0; }));
+    const bool camera = scene.camera_moved_to.has_value();
+    if (moving == 0 && !camera) return {false, "nothing moves"};
+    const Result<ShutterSpan> span = shutter_span(scene);
+    if (span && !span->moves()) return {false, "nothing moves while the shutter is open"};
+    std::string why = moving == 0 ? std::string() : share(moving, scene.instances.size(), "placed objects");
+    if (camera) why += why.empty() ? "the camera" : " and the camera";
+    return {true, why};
 }
 
 template <class Test>
@@ -181,6 +204,8 @@ EffectFindings analyse_effects(const SceneDescription& scene) {
         {instances > 0, instances == 0 ? std::string("no instances")
                                        : std::to_string(instances) + " of " + std::to_string(objects) +
                                              (objects == 1 ? " object" : " different objects")});
+    put(Effect::motion, find_motion(scene));
+    put(Effect::texture_filtering, find_filters(used));
     put(Effect::varying_media, find_varying_media(scene, used));
     return found;
 }

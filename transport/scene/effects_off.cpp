@@ -6,6 +6,7 @@
 #include "transport/materials/image_mean.h"
 #include "transport/scene/effects.h"
 #include "transport/scene/material_kinds.h"
+#include "transport/scene/motion.h"
 #include "transport/scene/used_surfaces.h"
 
 namespace raylex::transport {
@@ -189,10 +190,16 @@ Status leave_out(SceneDescription& scene, Effect effect) {
         case Effect::instances:
             scene.instances.clear();
             scene.objects.clear();
+            scene.moved_to.clear();
+            break;
+        case Effect::texture_filtering:
+            read_images_unfiltered(scene);
             break;
         case Effect::varying_media:
             leave_out_varying_media(scene);
             break;
+        case Effect::motion:
+            return stop_motion(scene);
     }
     return success();
 }

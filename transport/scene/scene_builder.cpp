@@ -7,6 +7,7 @@
 #include "transport/geometry/curve.h"
 #include "transport/import/curve_shapes.h"
 #include "transport/import/shapes.h"
+#include "transport/math/animated_transform.h"
 
 namespace raylex::transport {
 
@@ -156,7 +157,28 @@ Status SceneBuilder::set_camera(const std::string& type, SceneParameters paramet
     if (!transform) return transform.error();
     if (Status s = settings(scene_.camera, EntityKind::camera, type, std::move(parameters), where); !s) return s;
     scene_.camera_to_world = transform->inverse();
+    scene_.camera_moved_to.reset();
     scene_.camera_medium = medium.index;
+    return success();
+}
+
+Status SceneBuilder::set_moving_camera(const std::string& type, SceneParameters parameters,
+                                       const Transform& world_to_camera, const Transform& moved_to, MediumHandle medium,
+                                       const SourceLocation& where) {
+    const Result<Transform> last = settled_camera(moved_to, where);
+    if (!last) return last.error();
+    if (Status s = set_camera(type, std::move(parameters), world_to_camera, medium, where); !s) return s;
+    scene_.camera_moved_to = last->inverse();
+    if (const auto way = AnimatedTransform::between(scene_.camera_to_world, *scene_.camera_moved_to, where); !way)
+        return way.error();
+    return success();
+}
+
+Status SceneBuilder::set_transform_times(double start, double end, const SourceLocation& where) {
+    if (!(start < end))
+        return error_at(where, "the times of transformations are " + std::to_string(start) + " and " +
+                                   std::to_string(end) + "; expected the earlier one first");
+    scene_.transform_times = {start, end};
     return success();
 }
 
@@ -265,6 +287,11 @@ Result<AreaLightHandle> SceneBuilder::add_area_light(const std::string& type, Sc
 /// Shapes resolve their own files: a plymesh keeps the name as written for label rules.
 Status SceneBuilder::add_shape(const std::string& type, SceneParameters parameters, const ShapePlacement& placement,
                                const SourceLocation& where) {
+    if (placement.moved_to) {
+        const auto still = as_moving_object(placement, where);
+        if (!still) return still.error();
+        return add_shape(type, std::move(parameters), *still, where);
+    }
     const Result<Transform> transform = settled(placement.to_world, where);
     if (!transform) return transform.error();
     const Result<ParameterSet> set = checked(type, EntityKind::shape, std::move(parameters), where);
@@ -276,6 +303,11 @@ Status SceneBuilder::add_shape(const std::string& type, SceneParameters paramete
 }
 
 Status SceneBuilder::add_mesh(const MeshData& mesh, const ShapePlacement& placement, const SourceLocation& where) {
+    if (placement.moved_to) {
+        const auto still = as_moving_object(placement, where);
+        if (!still) return still.error();
+        return add_mesh(mesh, *still, where);
+    }
     const Result<Transform> transform = settled(placement.to_world, where);
     if (!transform) return transform.error();
     const std::size_t vertices = mesh.positions.size(), group = mesh.patches ? 4 : 3;
@@ -305,6 +337,11 @@ Status SceneBuilder::add_mesh(const MeshData& mesh, const ShapePlacement& placem
 }
 
 Status SceneBuilder::add_curves(const CurveData& curves, const ShapePlacement& placement, const SourceLocation& where) {
+    if (placement.moved_to) {
+        const auto still = as_moving_object(placement, where);
+        if (!still) return still.error();
+        return add_curves(curves, *still, where);
+    }
     const Result<Transform> transform = settled(placement.to_world, where);
     if (!transform) return transform.error();
     SceneShape shape;
@@ -319,6 +356,27 @@ Status SceneBuilder::add_curves(const CurveData& curves, const ShapePlacement& p
     shape.flip_normal = placement.reverse_orientation != transform->swaps_handedness();
     if (Status status = check_curves(shape); !status) return status.error();
     return place({std::move(shape)}, placement, where);
+}
+
+/// A shape that moves is an object that has one instance: its placement in that object.
+Result<ShapePlacement> SceneBuilder::as_moving_object(const ShapePlacement& placement, const SourceLocation& where) {
+    if (placement.object.reference >= 0)
+        return error_at(where, "a shape moves inside an object; expected the object's instances to move",
+                        "ObjectInstance under a moving transformation places a moving object");
+    if (placement.area_light.index >= 0)
+        return error_at(where, "an area light moves; expected lights that stand still",
+                        "the camera and everything else can move past it");
+    std::string name;
+    do name = "moving shape " + std::to_string(++moving_shapes_);
+    while (named_objects_.count(name) != 0);
+    const Result<ObjectHandle> object = add_object({name}, where);
+    if (!object) return object.error();
+    if (Status s = add_moving_instance(*object, placement.to_world, *placement.moved_to, where); !s) return s.error();
+    ShapePlacement still = placement;
+    still.to_world = Transform();
+    still.moved_to.reset();
+    still.object = *object;
+    return still;
 }
 
 Status SceneBuilder::place(std::vector<SceneShape> shapes, const ShapePlacement& placement,
@@ -375,6 +433,17 @@ Status SceneBuilder::add_instance(ObjectHandle object, const Transform& to_world
     instance.to_world = *transform;
     instance.location = where;
     scene_.instances.push_back(std::move(instance));
+    return success();
+}
+
+Status SceneBuilder::add_moving_instance(ObjectHandle object, const Transform& to_world, const Transform& moved_to,
+                                         const SourceLocation& where) {
+    const Result<Transform> last = settled(moved_to, where);
+    if (!last) return last.error();
+    if (Status s = add_instance(object, to_world, where); !s) return s;
+    if (const auto way = AnimatedTransform::between(to_world, *last, where); !way) return way.error();
+    scene_.instances.back().motion = static_cast<std::int32_t>(scene_.moved_to.size());
+    scene_.moved_to.push_back(*last);
     return success();
 }
 

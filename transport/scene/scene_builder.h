@@ -17,6 +17,7 @@
 
 #include <initializer_list>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -66,6 +67,8 @@ enum class TextureValue : std::uint8_t { real, spectrum };
 /// Where a shape stands, and what it is made of.
 struct ShapePlacement {
     Transform to_world{};  ///< in an object: to the object's space
+    /// Where it ends, if it moves: it becomes an object of its own, and an instance of that. Not in an object.
+    std::optional<Transform> moved_to{};
     MaterialHandle material{};
     AreaLightHandle area_light{};  ///< not in an object: instances do not emit (pbrt's rule)
     MediumHandle inside{}, outside{};
@@ -112,6 +115,14 @@ class SceneBuilder {
                        const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
     Status set_integrator(const std::string& type, SceneParameters parameters,
                           const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
+    /// `world_to_camera` as Transform::look_at gives it; `moved_to` too, if the camera moves.
+    Status set_moving_camera(const std::string& type, SceneParameters parameters, const Transform& world_to_camera,
+                             const Transform& moved_to, MediumHandle medium = {},
+                             const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
+    /// When what moves starts and when it ends, by the clock of the camera's "shutteropen" and "shutterclose"; by
+    /// default at 0 and 1. How things go from here to there: math/animated_transform.h.
+    Status set_transform_times(double start, double end,
+                               const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
     /// `world_to_camera` as Transform::look_at gives it.
     Status set_camera(const std::string& type, SceneParameters parameters, const Transform& world_to_camera,
                       MediumHandle medium = {}, const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
@@ -157,6 +168,11 @@ class SceneBuilder {
                               const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
     Status add_instance(ObjectHandle object, const Transform& to_world = {},
                         const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
+    Status add_moving_instance(ObjectHandle object, const Transform& to_world, const Transform& moved_to,
+                               const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
+
+    /// All images are read as they are, whatever their textures' "filter" says.
+    void disable_texture_filtering() { unfiltered_ = true; }
 
     /// What the scene's reader should hear of: SceneDescription::warnings.
     void warn(Error warning) { scene_.warnings.push_back(std::move(warning)); }
@@ -180,6 +196,7 @@ class SceneBuilder {
                                  const SourceLocation& where);
     Status resolve_files(ParameterSet& set) const;
     Status place(std::vector<SceneShape> shapes, const ShapePlacement& placement, const SourceLocation& where);
+    Result<ShapePlacement> as_moving_object(const ShapePlacement& placement, const SourceLocation& where);
     // scene_builder_names.cpp
     Status resolve_materials();
     Status resolve_objects();
@@ -192,6 +209,8 @@ class SceneBuilder {
     SearchPath search_;
     ParameterChecker parameters_;
     std::vector<Reference> material_references_, object_references_;
+    std::size_t moving_shapes_ = 0;
+    bool unfiltered_ = false;
     std::map<std::string, int> named_materials_, named_media_, named_objects_, object_reference_of_;
     std::map<std::string, std::size_t> named_textures_[2];  // float, spectrum
 };

@@ -1,5 +1,6 @@
 // At the end of a scene: every name that was used must have been defined somewhere.
 #include "transport/scene/scene_builder.h"
+#include "transport/scene/used_surfaces.h"
 
 namespace raylex::transport {
 
@@ -17,6 +18,7 @@ Result<SceneDescription> SceneBuilder::finish() {
     if (Status status = resolve_materials(); !status) return status.error();
     if (Status status = resolve_objects(); !status) return status.error();
     if (Status status = check_textures(); !status) return status.error();
+    if (unfiltered_) read_images_unfiltered(scene_);
     return std::move(scene_);
 }
 

@@ -87,6 +87,7 @@ struct SceneInstance {
     std::string label;            ///< set by a label rule: overrides the shapes' own labels
     std::optional<bool> holdout;  ///< set by a label rule: overrides the shapes' own
     SourceLocation location;
+    std::int32_t motion = -1;  ///< index into SceneDescription::moved_to; -1: it stands still
 };
 
 /// LightSource: point, spot, distant, infinite, ...
@@ -119,7 +120,10 @@ struct SceneDescription {
     std::string file;
     SceneEntity camera, film, filter, sampler, integrator;  ///< type empty: not given, defaults apply
     Transform camera_to_world;
-    int camera_medium = -1;  ///< index into media; -1 = none
+    std::optional<Transform> camera_moved_to;     ///< camera to world at the end, if the camera moves
+    std::array<double, 2> transform_times{0, 1};  ///< when what moves is where it starts, and where it ends
+    std::vector<Transform> moved_to;              ///< of instances that move: to the world at the end
+    int camera_medium = -1;                       ///< index into media; -1 = none
     ColorContext color;
     std::vector<SceneEntity> materials;  ///< [0] is the default diffuse material
     std::vector<SceneTexture> textures;

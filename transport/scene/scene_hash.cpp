@@ -109,12 +109,13 @@ class SceneHash {
         add(shapes);
     }
     void add(const SceneInstance& instance) {
-        const auto& [object, to_world, label, holdout, location] = instance;
+        const auto& [object, to_world, label, holdout, location, motion] = instance;
         static_cast<void>(location);
         add(object);
         add(to_world);
         add(label);
         add(holdout);
+        if (motion >= 0) add(motion);
     }
 
     [[nodiscard]] std::uint64_t value() const { return value_; }
@@ -131,14 +132,20 @@ class SceneHash {
 }  // namespace
 
 std::uint64_t scene_hash(const SceneDescription& scene) {
-    const auto& [file, camera, film, filter, sampler, integrator, camera_to_world, camera_medium, color, materials,
-                 textures, media, shapes, objects, instances, lights, area_lights, warnings, general_code] = scene;
+    const auto& [file, camera, film, filter, sampler, integrator, camera_to_world, camera_moved_to, transform_times,
+                 moved_to, camera_medium, color, materials, textures, media, shapes, objects, instances, lights,
+                 area_lights, warnings, general_code] = scene;
     static_cast<void>(file), static_cast<void>(warnings), static_cast<void>(general_code);
     SceneHash hash;
     // Records of renders in float and in double are not to be added up.
     if (real_is_double) hash.add(real_is_double);
     for (const SceneEntity* entity : {&camera, &film, &filter, &sampler, &integrator}) hash.add(*entity);
     hash.add(camera_to_world);
+    if (camera_moved_to || !moved_to.empty()) {
+        for (const double time : transform_times) hash.add(time);
+        if (camera_moved_to) hash.add(*camera_moved_to);
+        hash.add(moved_to);
+    }
     hash.add(camera_medium);
     hash.add(color.scene_space);
     for (const auto& row : color.rendering_from_scene)

@@ -13,6 +13,41 @@ UsedSurfaces::UsedSurfaces(const SceneDescription& scene)
     });
 }
 
+UsedSurfaces::UsedSurfaces(const SceneDescription& scene, std::size_t material)
+    : material_seen_(scene.materials.size(), 0), texture_seen_(scene.textures.size(), 0) {
+    use_material(scene, material);
+}
+
+bool is_filtered_image(const SceneTexture& texture) {
+    if (texture.type != "imagemap") return false;
+    const auto filter = texture.parameters.string_or("filter", "bilinear");
+    return filter && *filter != "unfiltered";
+}
+
+void read_images_unfiltered(SceneDescription& scene) {
+    for (SceneTexture& texture : scene.textures) {
+        if (!is_filtered_image(texture)) continue;
+        std::erase_if(texture.parameters.parameters, [](const Parameter& each) { return each.name == "filter"; });
+        Parameter filter;
+        filter.name = "filter";
+        filter.type = ParameterType::string;
+        filter.strings = {"unfiltered"};
+        filter.location = texture.location;
+        texture.parameters.parameters.push_back(std::move(filter));
+    }
+}
+
+std::vector<std::uint8_t> materials_with_filtered_images(const SceneDescription& scene) {
+    std::vector<std::uint8_t> found(scene.materials.size(), 0);
+    if (std::none_of(scene.textures.begin(), scene.textures.end(), is_filtered_image)) return found;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        const UsedSurfaces used(scene, i);
+        found[i] = std::any_of(used.textures().begin(), used.textures().end(),
+                               [](const SceneTexture* each) { return is_filtered_image(*each); });
+    }
+    return found;
+}
+
 void UsedSurfaces::use_material(const SceneDescription& scene, std::size_t index) {
     if (index >= material_seen_.size() || material_seen_[index] != 0) return;
     material_seen_[index] = 1;

@@ -1,6 +1,7 @@
 // What the shapes of a scene use: materials by way of mixes, and textures by way of both.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,8 @@ namespace raylex::transport {
 class UsedSurfaces {
   public:
     explicit UsedSurfaces(const SceneDescription& scene);
+    /// Of one material alone.
+    UsedSurfaces(const SceneDescription& scene, std::size_t material);
 
     /// The scene's own, then those of every object, placed or not: all are built.
     [[nodiscard]] const std::vector<const SceneShape*>& shapes() const { return shapes_; }
@@ -35,6 +38,13 @@ void for_each_shape(Scene& scene, const Use& use) {
     for (auto& object : scene.objects)
         for (auto& shape : object.shapes) use(shape);
 }
+
+/// An image texture that is looked up over what a pixel sees of it, and not at a point.
+[[nodiscard]] bool is_filtered_image(const SceneTexture& texture);
+/// Makes none of them one.
+void read_images_unfiltered(SceneDescription& scene);
+/// [material] whether it, or what it mixes, looks up such an image.
+[[nodiscard]] std::vector<std::uint8_t> materials_with_filtered_images(const SceneDescription& scene);
 
 /// No surface at all: pbrt's "interface", or a material without a type.
 [[nodiscard]] bool is_interface(const SceneDescription& scene, const SceneShape& shape);

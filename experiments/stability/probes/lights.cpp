@@ -431,7 +431,7 @@ Result<ProbeResult> lens_chi_squared(const ProbeInput& input) {
     int wrong = 0;
     for (int i = 0; i < samples; ++i) {
         const Real x = 64 * draws.one(), y = 64 * draws.one();
-        const Ray ray = (*camera)->generate(x, y, draws.two());
+        const Ray ray = (*camera)->generate({x, y, draws.two()});
         const double px = double(ray.origin.x) / radius, py = double(ray.origin.y) / radius;
         const double angle = std::atan2(py, px) / (2 * exact_pi) + 0.5, r2 = px * px + py * py;
         wrong += !(is_finite(ray.direction) && r2 <= 1 + 1e-6);

@@ -18,8 +18,9 @@ using transport::Vec2;
 Result<SamplerKind> kind_of(const ProbeInput& input) {
     const std::string name = input.word("sampler", "sobol");
     if (name == "sobol") return SamplerKind::sobol;
+    if (name == "zsobol") return SamplerKind::zsobol;
     if (name == "independent") return SamplerKind::independent;
-    return error_at(input.where(), "no sampler '" + name + "'; expected sobol or independent");
+    return error_at(input.where(), "no sampler '" + name + "'; expected sobol, zsobol or independent");
 }
 
 /// How many of `count` points from index `first` on are distinct and lie in [0, 1).
@@ -76,7 +77,8 @@ Result<ProbeResult> dimension_correlation(const ProbeInput& input) {
 std::span<const NamedProbe> sampler_probes() {
     static constexpr NamedProbe table[] = {
         {"sampler_distinct_points",
-         "how many of a sampler's points are distinct and in [0, 1); sampler (sobol or independent), first (index), "
+         "how many of a sampler's points are distinct and in [0, 1); sampler (sobol, zsobol or independent), first "
+         "(index), "
          "count, dimension",
          distinct_points},
         {"sampler_dimension_correlation",

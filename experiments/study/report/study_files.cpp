@@ -220,6 +220,7 @@ void add_bias(Lines& lines, const BiasEntry& entry) {
                    {"differs", v.differs},
                    {"heavy_tail", entry.heavy_tail},
                    {"omitted", entry.omitted},
+                   {"convicts", entry.convicts()},
                    {"adjusted_p", number(v.adjusted_p)},
                    {"tests", v.tests},
                    {"mean_difference", number(v.mean_difference)},

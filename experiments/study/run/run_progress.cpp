@@ -17,7 +17,7 @@ std::string time_left_text(double seconds, std::size_t unknown) {
     return (unknown > 0 ? "at least " : "about ") + duration_text(seconds);
 }
 
-RunProgress::RunProgress() : terminal_(error_stream_is_terminal()) {}
+RunProgress::RunProgress(bool quiet) : quiet_(quiet), terminal_(error_stream_is_terminal()) {}
 
 void RunProgress::begin(std::string title, double seconds_left, std::size_t unknown) {
     title_ = std::move(title);
@@ -28,7 +28,7 @@ void RunProgress::begin(std::string title, double seconds_left, std::size_t unkn
 }
 
 void RunProgress::update(const WorkProgress& now) {
-    if (!terminal_ && now.seconds - last_ < seconds_between_lines) return;
+    if (quiet_ || (!terminal_ && now.seconds - last_ < seconds_between_lines)) return;
     last_ = now.seconds;
     std::string text = title_ + "  " + number_text(100 * now.share, 2) + " %, " + duration_text(now.seconds);
     // Half a second of rendering says too little about the rest.
@@ -54,6 +54,7 @@ void RunProgress::clear() {
 }
 
 void RunProgress::line(const std::string& text) {
+    if (quiet_) return;
     clear();
     print_line(text);
     std::fflush(stdout);

@@ -10,7 +10,8 @@ namespace raylex::experiments {
 
 class RunProgress {
   public:
-    RunProgress();
+    /// `quiet`: says nothing.
+    explicit RunProgress(bool quiet = false);
     ~RunProgress() { clear(); }
     RunProgress(const RunProgress&) = delete;
     RunProgress& operator=(const RunProgress&) = delete;
@@ -29,7 +30,7 @@ class RunProgress {
     double seconds_left_ = -1;
     std::size_t unknown_ = 0, drawn_ = 0;
     double last_ = 0;
-    bool terminal_;
+    bool quiet_, terminal_;
 };
 
 /// "3 min 20 s", "at least 3 min 20 s", "not known".

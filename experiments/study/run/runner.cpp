@@ -421,7 +421,7 @@ class Run {
     WorkList work_;
     CellWorker worker_;
     Estimates estimates_;
-    RunProgress progress_;
+    RunProgress progress_{request_.quiet};
     std::map<std::size_t, Error> broken_;          // scenes that cannot be rendered
     std::map<std::string, std::size_t> warnings_;  // and how often they came
     std::size_t references_failed_ = 0;

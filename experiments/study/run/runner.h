@@ -27,6 +27,7 @@ struct RunRequest {
     bool resume = false;  ///< go on with results that are there
     bool retry = false;   ///< run failed cells again
     Shard shard;
+    bool quiet = false;    ///< no progress and no summary are printed
     bool isolated = true;  ///< scenes are loaded and rendered by another process, whose end is not this one's
 };
 

@@ -1,0 +1,218 @@
+// Verdicts on splits, and metrics: display/output as `raylex verify` and `raylex compare` use it.
+#include <pybind11/stl.h>
+
+#include <cmath>
+
+#include "display/output/color_manager.h"
+#include "display/output/comparison.h"
+#include "display/output/exr_layers.h"
+#include "display/output/split_check.h"
+#include "experiments/cli/judge.h"
+#include "experiments/python/bindings/arrays.h"
+#include "experiments/python/bindings/image.h"
+#include "experiments/report/preview.h"
+#include "experiments/verify/presets.h"
+
+namespace raylex::python {
+
+using namespace pybind11::literals;
+using display::SplitVerdict;
+
+namespace {
+
+/// A verdict, and the shape of its map.
+struct Verdict {
+    SplitVerdict split;
+    int width = 0, height = 0;
+    std::string note;  ///< of a preset: what was left out, and its formula
+};
+
+std::vector<Verdict> verdicts_of(const display::ExrImage& image, std::vector<SplitVerdict> splits) {
+    std::vector<Verdict> verdicts;
+    for (SplitVerdict& each : splits) verdicts.push_back({std::move(each), image.width, image.height, {}});
+    return verdicts;
+}
+
+display::Allowance allowance_of(double absolute, double relative) {
+    if (!std::isfinite(absolute) || !std::isfinite(relative) || absolute < 0 || relative < 0)
+        fail("a tolerance is negative or no number; expected two numbers from 0 on");
+    display::Allowance allowance;
+    if (absolute == 0 && relative == 0) return allowance;
+    allowance.absolute = absolute;
+    allowance.relative = relative;
+    allowance.reason = "tolerance";
+    allowance.instead_of_compression = true;
+    return allowance;
+}
+
+std::vector<Verdict> verify_preset(const display::ExrImage& image, const std::string& preset, const std::string& of,
+                                   const display::Allowance& tolerance, bool given) {
+    std::vector<Verdict> verdicts;
+    for (const experiments::FoundSplit& split :
+         take(experiments::find_splits(*take(experiments::find_preset(preset)), image, of))) {
+        SplitVerdict verdict =
+            take(display::check_split(image, split.of, {split.sum}, given ? tolerance : split.allowance));
+        verdict.partition = split.title;
+        verdicts.push_back({std::move(verdict), image.width, image.height, split.formula});
+    }
+    return verdicts;
+}
+
+std::vector<Verdict> verify(const Image& image, const std::string& of, const std::vector<std::string>& sums,
+                            const std::string& preset, std::pair<double, double> tolerance) {
+    const display::Allowance allowance = allowance_of(tolerance.first, tolerance.second);
+    return unlocked([&] {
+        const display::ExrImage exr = image.as_exr();
+        const bool given = tolerance != std::pair(0.0, 0.0);
+        if (!preset.empty()) return verify_preset(exr, preset, of, allowance, given);
+        if (!sums.empty()) {
+            const std::string whole = of.empty() && exr.layer("") == nullptr ? display::likely_beauty(exr) : of;
+            return verdicts_of(exr, {take(display::check_split(exr, whole, sums, allowance))});
+        }
+        if (exr.partitions.empty())
+            fail(
+                "the image declares no partition; expected sums=['diffuse_*', ...] or preset='cycles'. Its layers "
+                "are: " +
+                display::list_names(exr.layer_names()));
+        return verdicts_of(exr, take(display::check_declared_splits(exr, allowance)));
+    });
+}
+
+void add_verdicts(py::module_& module) {
+    py::class_<Verdict>(module, "Verdict", "Whether the layers of a split sum to what they split, pixel by pixel.")
+        .def_property_readonly(
+            "holds", [](const Verdict& v) { return v.split.holds; }, "to rounding, or as allowed")
+        .def_property_readonly("partition", [](const Verdict& v) { return v.split.partition; })
+        .def_property_readonly("of", [](const Verdict& v) { return v.split.of.empty() ? "beauty" : v.split.of; })
+        .def_property_readonly("layers", [](const Verdict& v) { return v.split.layers; })
+        .def_property_readonly(
+            "largest_relative", [](const Verdict& v) { return v.split.largest_relative; },
+            "largest |sum - of| / (sum of |layers| + |of|) of a pixel")
+        .def_property_readonly(
+            "bound", [](const Verdict& v) { return v.split.bound; }, "what rounding may cost, relative as above")
+        .def_property_readonly(
+            "exceeding", [](const Verdict& v) { return v.split.exceeding; }, "pixels beyond what is allowed")
+        .def_property_readonly(
+            "residual",
+            [](const Verdict& v) {
+                return owning_array(std::vector<float>(v.split.residual), {v.height, v.width});
+            },
+            "float32 (height, width): |sum - of| relative to sum of |layers| + |of|, the worst component")
+        .def_readonly("formula", &Verdict::note, "of a preset: what was summed")
+        .def("__bool__", [](const Verdict& v) { return v.split.holds; })
+        .def("__str__", [](const Verdict& v) { return experiments::verdict_text(v.split); })
+        .def("__repr__", [](const Verdict& v) { return "Verdict(" + experiments::verdict_line(v.split) + ")"; });
+    module.def("_verify", &verify, "image"_a, "of"_a, "sums"_a, "preset"_a, "tolerance"_a);
+}
+
+/// An array as an image of one layer, "beauty", in Rec. 709: what metrics take.
+display::ExrImage image_of(const Array<float>& array, const std::string& what) {
+    const bool color = array.ndim() == 3 && array.shape(2) == 3;
+    if (!color && array.ndim() != 2)
+        fail(what + " has shape " + shape_text(array) + "; expected (height, width, 3) or (height, width)");
+    display::ExrImage image;
+    image.path = what;
+    image.height = static_cast<int>(array.shape(0));
+    image.width = static_cast<int>(array.shape(1));
+    display::ImageLayer& layer = image.layers.emplace_back();
+    const std::size_t count = color ? 3 : 1, pixels = static_cast<std::size_t>(array.size()) / count;
+    for (std::size_t c = 0; c < count; ++c) {
+        display::ImagePlane& plane = layer.planes.emplace_back();
+        plane.name = color ? std::string(1, "RGB"[c]) : "Y";
+        for (std::size_t i = 0; i < pixels; ++i) plane.values.push_back(array.data()[i * count + c]);
+    }
+    return image;
+}
+
+display::ExrImage comparable(const py::handle& object, const std::string& what) {
+    if (py::isinstance<Image>(object)) return object.cast<const Image&>().as_exr();
+    return image_of(array_of<float>(object, what), what);
+}
+
+double compare(const py::object& image, const py::object& reference, const std::string& metric,
+               const std::string& layer, const std::string& channel) {
+    const display::AnyMetric chosen = take(display::require_metric(metric, {"metric", 0, 0}));
+    const display::ExrImage a = comparable(image, "image"), b = comparable(reference, "reference");
+    if (channel.size() > 1) fail("channel is '" + channel + "'; expected 'R', 'G', 'B', 'Y' or ''");
+    return unlocked([&] {
+        return take(take(display::LayerPair::make(a, b, layer)).value(chosen, channel.empty() ? 'A' : channel[0]));
+    });
+}
+
+py::array_t<double> error_image(const py::object& image, const py::object& reference, const std::string& metric,
+                                const std::string& layer) {
+    const display::AnyMetric chosen = take(display::require_metric(metric, {"metric", 0, 0}));
+    const display::ExrImage a = comparable(image, "image"), b = comparable(reference, "reference");
+    std::vector<double> map =
+        unlocked([&] { return take(take(display::LayerPair::make(a, b, layer)).errors(chosen, 'A')).map; });
+    return owning_array(std::move(map), {b.height, b.width});
+}
+
+/// An image with nothing but one of its arrays, as a layer by the name that says how it is looked at.
+display::ExrImage only(const Image& image, const std::string& name) {
+    const LayerArray& array = image.array(name);
+    display::ExrImage exr = image.description();
+    display::ImageLayer layer = exr.layers[array.layer];
+    std::vector<display::ImagePlane> planes;
+    const std::size_t count = array.planes.size();
+    for (std::size_t c = 0; c < count; ++c) {
+        display::ImagePlane& plane = planes.emplace_back(layer.planes[array.planes[c]]);
+        for (std::size_t i = c; i < array.values.size(); i += count) plane.values.push_back(array.values[i]);
+    }
+    layer.planes = std::move(planes);
+    exr.layers = {std::move(layer)};
+    return exr;
+}
+
+/// The layer as people look at it: 8-bit RGB through the display and view, false colour where it is no light.
+experiments::Picture picture(const Image& image, const std::string& name, double exposure, int largest_side) {
+    const display::ExrImage exr = only(image, name);
+    const auto color = take(display::ColorManager::open());
+    experiments::PictureOptions options;
+    options.largest_side = largest_side;
+    options.exposure = exposure;
+    return take(experiments::picture_of(exr, exr.layers.front(), color, options));
+}
+
+void add_pictures(py::module_& module) {
+    module.def(
+        "_picture",
+        [](const Image& image, const std::string& layer, double exposure, int largest_side) {
+            experiments::Picture made = unlocked([&] { return picture(image, layer, exposure, largest_side); });
+            return owning_array(std::move(made.rgb), {made.height, made.width, 3});
+        },
+        "image"_a, "layer"_a, "exposure"_a, "largest_side"_a);
+    module.def(
+        "_png",
+        [](const Image& image, const std::string& layer, double exposure, int largest_side) {
+            const std::vector<unsigned char> png = unlocked([&] {
+                const experiments::Picture made = picture(image, layer, exposure, largest_side);
+                return take(display::encode_png(made.width, made.height, made.rgb));
+            });
+            return py::bytes(reinterpret_cast<const char*>(png.data()), png.size());
+        },
+        "image"_a, "layer"_a, "exposure"_a, "largest_side"_a);
+    module.def(
+        "_is_light",
+        [](const Image& image, const std::string& layer) {
+            const display::ExrImage exr = only(image, layer);
+            return experiments::look_of(exr.layers.front()) == experiments::LayerLook::light;
+        },
+        "image"_a, "layer"_a);
+}
+
+}  // namespace
+
+void add_judging(py::module_& module) {
+    add_verdicts(module);
+    module.def("_metrics", [] {
+        std::vector<std::pair<std::string, std::string>> all;
+        for (const display::AnyMetric& each : display::all_metrics()) all.emplace_back(each.name, each.formula);
+        return all;
+    });
+    module.def("_compare", &compare, "image"_a, "reference"_a, "metric"_a, "layer"_a, "channel"_a);
+    module.def("_error_image", &error_image, "image"_a, "reference"_a, "metric"_a, "layer"_a);
+    add_pictures(module);
+}
+
+}  // namespace raylex::python

@@ -1,0 +1,22 @@
+// The module raylex._raylex; the package raylex around it is Python (experiments/python/raylex).
+#include "experiments/job/provenance.h"
+#include "experiments/python/bindings/bindings.h"
+
+PYBIND11_MODULE(_raylex, module) {
+    module.doc() = "What `import raylex` is made of.";
+    module.attr("version") = raylex::experiments::raylex_version();
+    module.attr("revision") = raylex::experiments::raylex_revision();
+    module.attr("build") = raylex::experiments::build_description();
+    raylex::python::add_errors(module);
+    raylex::python::add_lpe(module);
+    raylex::python::add_lpe_relations(module);
+    raylex::python::add_scene(module);
+    raylex::python::add_scene_builder(module);
+    raylex::python::add_image(module);
+    raylex::python::add_judging(module);
+    raylex::python::add_render(module);
+    raylex::python::add_study(module);
+    raylex::python::add_plugins(module);
+    raylex::python::add_integrators(module);
+    raylex::python::add_points(module);
+}

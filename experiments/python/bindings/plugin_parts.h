@@ -1,0 +1,11 @@
+// The parts of raylex.plugins that stand in files of their own.
+#pragma once
+
+#include "experiments/python/bindings/bindings.h"
+
+namespace raylex::python {
+
+void add_textures(py::module_& module);
+void add_filters(py::module_& module);
+
+}  // namespace raylex::python

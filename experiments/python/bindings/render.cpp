@@ -1,0 +1,254 @@
+// raylex.render: a job as the program reads it, the program's own steps from scene to image, and a callback meanwhile.
+#include <pybind11/stl.h>
+
+#include <map>
+#include <optional>
+
+#include "display/output/exr_writer.h"
+#include "display/output/memory_image.h"
+#include "experiments/cli/render_outputs.h"
+#include "experiments/job/channel_plan.h"
+#include "experiments/job/job_file.h"
+#include "experiments/job/job_scene.h"
+#include "experiments/job/provenance.h"
+#include "experiments/job/scene_words.h"
+#include "experiments/python/bindings/arrays.h"
+#include "experiments/python/bindings/image.h"
+#include "experiments/python/bindings/run_control.h"
+#include "experiments/python/bindings/scene.h"
+#include "transport/plugins/plugin_loader.h"
+
+namespace raylex::python {
+
+using namespace pybind11::literals;
+
+thread_local std::shared_ptr<RunControl> RunControl::current_;
+
+namespace {
+
+using transport::RenderProgress;
+
+/// What a callback sees. Arrays are made when they are asked for, during the call only.
+class Progress {
+  public:
+    Progress(const RenderProgress& now, const std::vector<display::ChannelDefinition>& channels,
+             display::ChannelId beauty, display::PixelRegion whole)
+        : now_(&now), channels_(channels), beauty_(beauty), whole_(whole) {}
+
+    [[nodiscard]] double fraction() const {
+        const auto total = static_cast<double>(std::max<std::uint64_t>(now().samples_total, 1));
+        return std::min(static_cast<double>(now().samples_done) / total, 1.0);
+    }
+    [[nodiscard]] std::uint64_t samples() const { return now().samples_done; }
+    [[nodiscard]] double seconds() const { return now().seconds; }
+
+    [[nodiscard]] py::array_t<double> image(const std::string& name) const {
+        const display::ChannelId id = find(name);
+        std::vector<double> values = unlocked([&] { return now().image->resolve(id, whole_); });
+        return shaped(std::move(values), id);
+    }
+    [[nodiscard]] py::array_t<double> standard_error(const std::string& name) const {
+        const display::ChannelId id = find(name);
+        std::vector<double> values = unlocked([&] {
+            std::vector<double> variance = now().image->resolve_variance_of_mean(id, whole_);
+            for (double& each : variance) each = std::sqrt(each);
+            return variance;
+        });
+        if (values.empty())
+            fail("'" + name +
+                 "' keeps no statistics, so its error is not known; expected the beauty, or a channel of " +
+                 "statistics={name: ['mse']}, and a method whose samples belong to pixels");
+        return shaped(std::move(values), id);
+    }
+    void end() { now_ = nullptr; }
+
+  private:
+    [[nodiscard]] const RenderProgress& now() const {
+        if (now_ == nullptr || now_->image == nullptr)
+            fail("this progress is over; expected its use during the callback only");
+        return *now_;
+    }
+    [[nodiscard]] display::ChannelId find(const std::string& name) const {
+        std::vector<std::string> names;
+        for (std::size_t i = 0; i < channels_.size(); ++i) {
+            const auto id = static_cast<display::ChannelId>(i);
+            names.push_back(id == beauty_ ? "beauty" : channels_[i].name);
+            if (names.back() == name) return id;
+        }
+        const std::string near = nearest_name(name, names);
+        fail("no layer '" + name + "' is being rendered",
+             near.empty() ? std::string() : "did you mean '" + near + "'?");
+    }
+    [[nodiscard]] py::array_t<double> shaped(std::vector<double> values, display::ChannelId id) const {
+        const int components = display::component_count(channels_[static_cast<std::size_t>(id)].type);
+        std::vector<py::ssize_t> shape{whole_.height(), whole_.width()};
+        if (components != 1) shape.push_back(components);
+        return owning_array(std::move(values), std::move(shape));
+    }
+    const RenderProgress* now_;
+    const std::vector<display::ChannelDefinition>& channels_;
+    display::ChannelId beauty_;
+    display::PixelRegion whole_;
+};
+
+/// One render, from the text of its job to its image; what is left of it can be written to a file later.
+class JobRender {
+  public:
+    JobRender(const std::string& text, const Scene* scene, std::vector<std::string> arguments)
+        : arguments_(std::move(arguments)), job_(take(experiments::parse_job(text, "render()"))) {
+        for (const experiments::PluginRequest& plugin : job_.plugins)
+            take(transport::load_plugin(plugin.file, plugin.location));
+        if (scene != nullptr) scene_ = *scene;
+        if (job_.checkpoint_seconds > 0)
+            fail(
+                "checkpoints are kept by the program alone; expected `raylex render --checkpoint` for renders that "
+                "must "
+                "survive a crash");
+        if (!job_.statistics.empty())
+            fail("'stats' is of the program; expected Image.statistics, which has the numbers");
+    }
+
+    void prepare() {
+        loaded_ = scene_ ? take(experiments::prepare_job_scene(job_, labelled(*scene_)))
+                         : take(experiments::load_job_scene(job_));
+        warnings_ = loaded_->warnings;
+        experiments::ChannelPlan plan =
+            take(experiments::plan_channels(job_, take(experiments::scene_words(job_, loaded_->scene))));
+        if (!plan.refuted.empty()) fail(plan.refuted, "nothing was rendered");
+        if (!job_.settings.beauty && plan.channels.empty())
+            fail("beauty=False leaves nothing to render; expected at least one of lpe= or aovs= with it");
+        warnings_.insert(warnings_.end(), plan.notes.begin(), plan.notes.end());
+        job_.settings.channels = std::move(plan.channels);
+        partitions_ = std::move(plan.partitions);
+        take(experiments::check_exr_requests(job_.outputs));
+        take(outputs_.make(job_, loaded_->color));
+    }
+
+    void render(RunControl& control, const py::object& callback) {
+        job_.settings.before_rendering = [&](const transport::RenderPlan& plan,
+                                             std::vector<display::SampleSink*>& sinks) {
+            channels_.assign(plan.channels.begin(), plan.channels.end());
+            beauty_ = plan.beauty;
+            whole_ = {0, 0, plan.width, plan.height};
+            return outputs_.begin(plan, sinks, loaded_->primaries, partitions_);
+        };
+        const auto progress = [&](const RenderProgress& now) {
+            outputs_.update(now);
+            if (callback && !control.failed()) report(now, control, callback);
+        };
+        auto output = transport::render(loaded_->scene, job_.settings, progress, &control.stop_flag());
+        job_.settings.before_rendering = nullptr;
+        output_.emplace(take(std::move(output)));
+        for (const Error& warning : output_->warnings) warnings_.push_back(warning.to_string());
+    }
+
+    /// Nothing when no sample was finished.
+    std::shared_ptr<Image> image(const std::shared_ptr<JobRender>& self) {
+        if (output_->statistics.camera_samples == 0) return nullptr;
+        const std::map<std::string, std::string> attributes =
+            experiments::header_attributes(job_, *output_, arguments_, loaded_->color.description);
+        description_ = experiments::image_description(job_, *loaded_, *output_, partitions_, attributes);
+        auto image = std::make_shared<Image>(
+            display::image_in_memory(outputs_.filtered(output_->frame_buffer), output_->beauty, description_));
+        take(outputs_.close(*output_, description_));
+        for (std::string& warning : outputs_.take_warnings()) warnings_.push_back(std::move(warning));
+        image->warnings = warnings_;
+        image->complete = output_->complete;
+        image->statistics = statistics();
+        image->write = [self](const std::string& path) { return self->write(path); };
+        return image;
+    }
+
+  private:
+    void report(const RenderProgress& now, RunControl& control, const py::object& callback) const {
+        const py::gil_scoped_acquire locked;
+        try {
+            const auto progress = std::make_shared<Progress>(now, channels_, beauty_, whole_);
+            const py::object answer = callback(progress);
+            progress->end();
+            if (!answer.is_none() && !py::bool_(answer)) control.stop();
+        } catch (...) { control.fail_with_current(); }
+    }
+
+    [[nodiscard]] std::map<std::string, double> statistics() const {
+        const transport::RenderStatistics& of = output_->statistics;
+        const auto number = [](std::uint64_t value) { return static_cast<double>(value); };
+        return {{"samples_per_pixel", number(output_->samples_per_pixel)},
+                {"seed", number(output_->seed)},
+                {"threads", output_->threads},
+                {"build_seconds", of.build_seconds},
+                {"seconds", of.render_seconds},
+                {"cpu_seconds", of.render_cpu_seconds},
+                {"camera_samples", number(of.camera_samples)},
+                {"camera_rays", number(of.camera_rays)},
+                {"scattering_rays", number(of.scattering_rays)},
+                {"shadow_rays", number(of.shadow_rays)},
+                {"invalid_samples", number(of.invalid_samples)}};
+    }
+
+    [[nodiscard]] Status write(const std::string& path) const {
+        return display::write_exr(path, outputs_.filtered(output_->frame_buffer), output_->beauty, description_);
+    }
+
+    std::vector<std::string> arguments_;
+    experiments::Job job_;
+    std::optional<Scene> scene_;
+    std::unique_ptr<experiments::JobScene> loaded_;
+    std::vector<display::PartitionDeclaration> partitions_;
+    experiments::RenderOutputs outputs_;
+    std::vector<display::ChannelDefinition> channels_;
+    display::ChannelId beauty_ = display::invalid_channel;
+    display::PixelRegion whole_;
+    std::optional<transport::RenderOutput> output_;
+    display::ImageDescription description_;
+    std::vector<std::string> warnings_;
+};
+
+/// What a callback threw goes on, with what was rendered until then as its attribute `image`.
+void rethrow_with(const RunControl& control, const std::shared_ptr<Image>& image) {
+    try {
+        control.rethrow();
+    } catch (const py::error_already_set& exception) {
+        if (image) exception.value().attr("image") = py::cast(image);
+        throw;
+    }
+}
+
+std::shared_ptr<Image> render(const std::string& text, const Scene* scene, const py::object& callback) {
+    const auto arguments = py::module_::import("sys").attr("argv").cast<std::vector<std::string>>();
+    const auto control = std::make_shared<RunControl>();
+    const py::object call = callback.is_none() ? py::object() : callback;
+    std::shared_ptr<JobRender> job;
+    std::shared_ptr<Image> image;
+    try {
+        image = watched(control, [&] {
+            job = std::make_shared<JobRender>(text, scene, arguments);
+            job->prepare();
+            job->render(*control, call);
+            return job->image(job);
+        });
+    } catch (const Failure&) {
+        rethrow_with(*control, nullptr);  // what a callback threw is why the rest failed
+        throw;
+    }
+    rethrow_with(*control, image);
+    if (!image) fail("the render was stopped before any sample was finished");
+    return image;
+}
+
+}  // namespace
+
+void add_render(py::module_& module) {
+    py::class_<Progress, std::shared_ptr<Progress>>(module, "Progress",
+                                                    "A render that goes on; of use during the callback only.")
+        .def_property_readonly("fraction", &Progress::fraction, "0 to 1")
+        .def_property_readonly("samples", &Progress::samples, "camera samples so far")
+        .def_property_readonly("seconds", &Progress::seconds, "wall time since rendering began")
+        .def("image", &Progress::image, "name"_a = "beauty",
+             "The layer of the samples so far: float64 (height, width, components).")
+        .def("standard_error", &Progress::standard_error, "name"_a = "beauty",
+             "The standard error of each pixel of it, in the layer's own unit: float64, the same shape.");
+    module.def("_render", &render, "job"_a, "scene"_a, "progress"_a);
+}
+
+}  // namespace raylex::python

@@ -1,0 +1,76 @@
+// What a render that Python started can be told while it goes on: to stop, and what a callback threw.
+//
+// Rendering has threads of its own; a callback's exception must not leave them. The first one is kept here, ends the
+// render, and is thrown again where Python called.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <future>
+#include <memory>
+#include <mutex>
+#include <utility>
+
+#include "experiments/python/bindings/bindings.h"
+
+namespace raylex::python {
+
+class RunControl {
+  public:
+    [[nodiscard]] const std::atomic<bool>& stop_flag() const { return stop_; }
+    void stop() { stop_.store(true); }
+    /// Keeps the exception being handled, if it is the first, and stops. Call it in a catch block.
+    void fail_with_current() noexcept {
+        const std::scoped_lock lock(mutex_);
+        if (!failure_) failure_ = std::current_exception();
+        stop();
+    }
+    [[nodiscard]] bool failed() const {
+        const std::scoped_lock lock(mutex_);
+        return failure_ != nullptr;
+    }
+    /// Throws what was kept, if anything.
+    void rethrow() const {
+        const std::scoped_lock lock(mutex_);
+        if (failure_) std::rethrow_exception(failure_);
+    }
+
+    /// Of the render that this thread sets up; null outside of one. Objects in Python ask for it when they are made.
+    static std::shared_ptr<RunControl> current() { return current_; }
+
+    class Scope {
+      public:
+        explicit Scope(std::shared_ptr<RunControl> control) { current_ = std::move(control); }
+        ~Scope() { current_.reset(); }
+        Scope(const Scope&) = delete;
+        Scope& operator=(const Scope&) = delete;
+    };
+
+  private:
+    std::atomic<bool> stop_{false};
+    mutable std::mutex mutex_;
+    std::exception_ptr failure_;
+    static thread_local std::shared_ptr<RunControl> current_;
+};
+
+/// Does `work` on a thread of its own while this one, which holds Python's lock, lets others have it and hears Ctrl-C.
+template <class Work>
+auto watched(const std::shared_ptr<RunControl>& control, Work work) {
+    auto result = std::async(std::launch::async, [&] {
+        const RunControl::Scope scope(control);
+        return work();
+    });
+    const auto done = [&] {
+        const py::gil_scoped_release released;
+        return result.wait_for(std::chrono::milliseconds(50)) == std::future_status::ready;
+    };
+    while (!done()) {
+        try {
+            if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+        } catch (const py::error_already_set&) { control->fail_with_current(); }
+    }
+    return result.get();
+}
+
+}  // namespace raylex::python

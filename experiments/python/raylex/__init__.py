@@ -1,0 +1,36 @@
+"""raylex: light transport driven by light path expressions, from Python.
+
+>>> import raylex
+>>> image = raylex.render("scene.pbrt", spp=64, lpe={"caustics": "CDS+L"})
+>>> image["caustics"].shape
+(480, 640, 3)
+>>> all(image.verify())
+True
+
+All light is scene-linear in the rendering space of the scene; rows of images run from the top; lengths are world units.
+``raylex.lpe`` is the algebra of expressions, ``raylex.experiment`` runs studies, ``raylex.plugins`` says how
+integrators, textures and sample filters are written in Python.
+"""
+
+import os as _os
+import sys as _sys
+
+from .errors import RaylexError
+
+_flags = _sys.getdlopenflags()
+_sys.setdlopenflags(_flags | _os.RTLD_GLOBAL)  # plugins written in C++ take what they need from this module
+try:
+    from . import _raylex
+finally:
+    _sys.setdlopenflags(_flags)
+
+from . import experiment, lpe, notebook, plugins  # noqa: E402
+from ._raylex import Image, Progress, Scene, SceneBuilder, Verdict, load_plugin  # noqa: E402
+from .images import Layer, compare, error_image, metrics, picture, read  # noqa: E402
+from .plugins import integrator, sample_filter, texture  # noqa: E402
+from .rendering import render  # noqa: E402
+
+__version__ = _raylex.version
+__all__ = ["Image", "Layer", "Progress", "RaylexError", "Scene", "SceneBuilder", "Verdict", "compare", "error_image",
+           "experiment", "integrator", "load_plugin", "lpe", "metrics", "picture", "plugins", "read", "render",
+           "sample_filter", "texture"]

@@ -1,0 +1,118 @@
+"""Images: layers with names, dimensions and coordinates; metrics; verdicts; pictures."""
+
+import os
+
+import numpy as np
+
+from . import _raylex
+from ._raylex import Image
+
+
+class Layer:
+    """A layer of an image as xarray has arrays: values, dims, coords, attrs. Nothing is copied.
+
+    :ivar values: float32 (height, width, components) or (height, width)
+    :ivar dims: ('y', 'x', 'component') or ('y', 'x')
+    :ivar coords: {'y': 0.5, 1.5, ... pixels from the top, 'x': from the left, 'component': names}
+    """
+
+    def __init__(self, image, name):
+        self.name = name
+        self.values = image[name]
+        self.dims = ("y", "x", "component")[: self.values.ndim]
+        self.coords = {"y": np.arange(image.height) + 0.5, "x": np.arange(image.width) + 0.5}
+        if self.values.ndim == 3:
+            self.coords["component"] = image.components(name)
+        self.attrs = {"lpe": image.expressions[name]} if name in image.expressions else {}
+
+    @property
+    def shape(self):
+        return self.values.shape
+
+    def __array__(self, dtype=None):
+        return np.asarray(self.values, dtype=dtype)
+
+    def __dlpack__(self, **arguments):
+        return self.values.__dlpack__(**arguments)
+
+    def __dlpack_device__(self):
+        return self.values.__dlpack_device__()
+
+    def sel(self, component):
+        """The numbers of one component: sel('R')."""
+        names = self.coords.get("component", [])
+        if component not in names:
+            raise KeyError(f"no component {component!r} in {self.name!r}; expected one of {names}")
+        return self.values[..., names.index(component)]
+
+    def to_xarray(self):
+        """The same as xarray.DataArray (Debian: python3-xarray)."""
+        import xarray
+        return xarray.DataArray(self.values, dims=self.dims, coords=self.coords, name=self.name, attrs=self.attrs)
+
+    def __repr__(self):
+        sizes = ", ".join(f"{dim}: {size}" for dim, size in zip(self.dims, self.shape))
+        return f"Layer({self.name!r}: {sizes})"
+
+
+def _view(self, name):
+    """The layer with dimensions, coordinates and its expression: a :class:`Layer`."""
+    return Layer(self, name)
+
+
+def _to_xarray(self, names=None):
+    """The layers as xarray.Dataset (Debian: python3-xarray); `names`: which, by default all."""
+    import xarray
+    layers = [Layer(self, name) for name in (self.names if names is None else names)]
+    return xarray.Dataset({layer.name: layer.to_xarray().drop_vars("component", errors="ignore").rename(
+        {"component": f"component_{layer.shape[2]}"} if layer.values.ndim == 3 else {}) for layer in layers})
+
+
+def _verify(self, of="", sums=(), preset="", tolerance=(0.0, 0.0)):
+    """Whether layers sum to what they split, pixel by pixel: a list of :class:`Verdict`, true where it holds.
+
+    By default of every partition that the image declares; with ``sums=['diffuse_*', 'emission']`` of these against
+    `of`; with ``preset='cycles'`` (renderman, arnold, vray) of another renderer's layers.
+
+    :param tolerance: (absolute, relative) beyond rounding
+    """
+    return _raylex._verify(self, of, list(sums), preset, tuple(tolerance))
+
+
+def read(*paths):
+    """Reads an OpenEXR file, or several of one image with a layer each, as an :class:`Image`."""
+    return _raylex._read_image([os.fspath(path) for path in paths])
+
+
+def metrics():
+    """{name: formula} of all metrics."""
+    return dict(_raylex._metrics())
+
+
+def compare(image, reference, metric="relmse", *, layer="beauty", channel=""):
+    """How far an image is from a reference: one number, by ``raylex compare``'s own metrics.
+
+    :param image, reference: :class:`Image`, or arrays (height, width, 3), (height, width)
+    :param metric: relmse, mse, mae, mape, rmse, smape, mean_ratio, relmse_mean, ssim, flip, ...; see :func:`metrics`
+    :param channel: 'R', 'G', 'B', 'Y', or '' for all together
+    """
+    return _raylex._compare(image, reference, metric, layer, channel)
+
+
+def error_image(image, reference, metric="relmse", *, layer="beauty"):
+    """The metric pixel by pixel: float64 (height, width)."""
+    return _raylex._error_image(image, reference, metric, layer)
+
+
+def picture(image, layer="beauty", *, exposure=0.0, largest_side=0):
+    """The layer as people look at it: uint8 (height, width, 3), through the display and view; geometry in false colour.
+
+    :param exposure: stops
+    :param largest_side: pixels; 0: as it is
+    """
+    return _raylex._picture(image, layer, exposure, largest_side)
+
+
+Image.view = _view
+Image.to_xarray = _to_xarray
+Image.verify = _verify

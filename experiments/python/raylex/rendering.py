@@ -1,0 +1,97 @@
+"""raylex.render: keyword arguments into the job that the program itself reads."""
+
+import os
+
+from . import _raylex
+from ._toml import text_of
+
+
+def _channels(lpe, dialect):
+    tables = []
+    for name, expression in (lpe or {}).items():
+        table = {"name": name, "lpe": expression}
+        for known in ("osl", "renderman"):
+            if expression.startswith(known + ":"):
+                table.update(lpe=expression[len(known) + 1:], dialect=known)
+        tables.append({"dialect": dialect, **table})
+    return tables
+
+
+def _partitions(partitions):
+    tables = []
+    for name, what in (partitions or {}).items():
+        tables.append({"name": name, **(what if isinstance(what, dict) else {"channels": list(what)})})
+    return tables
+
+
+def _entity(value):
+    return {"type": value} if isinstance(value, str) else value
+
+
+def _seconds(time):
+    return time if time is None or isinstance(time, str) else f"{time}s"
+
+
+def job_text(scene, *, spp=None, seed=None, threads=None, resolution=None, crop=None, max_depth=None, integrator=None,
+             sampler=None, filter=None, lpe=None, dialect="renderman", aovs=(), light_groups=False, shipped=False,
+             partitions=None, beauty=None, statistics=None, sample_filters=(), cryptomatte=(), time=None,
+             until_error=None, plugins=(), output=None, job=None):
+    """The job, as TOML, that :func:`render` reads; the same arguments. ``raylex render`` takes this text in a file."""
+    file = scene.file if isinstance(scene, _raylex.Scene) else os.fspath(scene)
+    tables = {
+        "plugins": list(plugins) or None,
+        "scene": {"file": file},
+        "render": {"spp": spp, "seed": seed, "threads": threads, "crop": crop, "max_depth": max_depth,
+                   "resolution": resolution, "beauty": beauty, "time": _seconds(time)},
+        "integrator": _entity(integrator),
+        "sampler": _entity(sampler),
+        "filter": _entity(filter),
+        "channels": {"aovs": list(aovs) or None, "cryptomatte": list(cryptomatte) or None,
+                     "light_groups": light_groups or None, "shipped_partition": shipped or None,
+                     "statistics": {k: list(v) for k, v in statistics.items()} if statistics else None},
+        "output": {"file": output},
+        "adaptive": None if until_error is None else {"error": until_error},
+        "channel": _channels(lpe, dialect),
+        "partition": _partitions(partitions),
+        "sample_filter": [_entity(each) for each in sample_filters],
+    }
+    for name, value in (job or {}).items():
+        given = tables.get(name)
+        tables[name] = {**given, **value} if isinstance(given, dict) and isinstance(value, dict) else value
+    return text_of({name: value for name, value in tables.items() if value not in ({}, [])})
+
+
+def render(scene, *, progress=None, **arguments):
+    """Renders a scene to an :class:`Image`.
+
+    :param scene: a pbrt-v4 file or a :class:`Scene`
+    :param spp: samples per pixel; by default as the scene says
+    :param seed: of the sampler; same seed, same bits, for any number of threads
+    :param threads: 0: all
+    :param resolution: (width, height) in pixels
+    :param crop: (x0, y0, x1, y1): renders these pixels alone
+    :param max_depth: scattering events of a path at most
+    :param integrator, sampler, filter: a type, or {"type": ..., parameter: value}
+    :param lpe: {layer: light path expression}; channels that share no path get a layer 'rest', and are proved to sum
+    :param dialect: of the expressions, 'renderman' or 'osl'
+    :param aovs: geometric AOVs by name: 'Nn', 'P', 'z', 'albedo', ...
+    :param light_groups: a layer for each light group
+    :param shipped: the layers of the shipped partition
+    :param partitions: {name: [channels]} or {name: {"channels": [...], "rest": layer, "of": channel}}; proved before a
+        ray is traced
+    :param beauty: False: only what the layers need is simulated
+    :param statistics: {channel: ['mse', 'variance', 'even', 'odd']}: layers CHANNEL_mse ...
+    :param sample_filters: types, or {"type": ..., parameter: value}
+    :param cryptomatte: of 'object', 'material', 'asset'
+    :param time: seconds, or '5m': ends by the clock
+    :param until_error: 0.01: each pixel until its standard error is 1 % of its value
+    :param plugins: files of C++ plugins
+    :param output: an OpenEXR file to write as well
+    :param job: further tables of a job, {"exr": {"light": "half zip"}, ...}; experiments/README.md lists every key
+    :param progress: called a few times a second with a :class:`Progress`; returning False ends the render
+    :raises RaylexError: input that cannot be used, with file and line; ``render()`` is the text of :func:`job_text`
+    :raises Exception: whatever a callback raised, or KeyboardInterrupt; its attribute ``image`` is what was rendered
+    """
+    if progress is not None and not callable(progress):
+        raise TypeError(f"progress is {progress!r}; expected a function that takes a Progress")
+    return _raylex._render(job_text(scene, **arguments), scene if isinstance(scene, _raylex.Scene) else None, progress)

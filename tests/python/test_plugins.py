@@ -1,0 +1,247 @@
+"""Integrators, textures and sample filters in Python: right against C++, and what happens when they are wrong."""
+
+import traceback
+import unittest
+
+import numpy as np
+
+import raylex
+from support import CORNELL, Case, quad, white_furnace
+
+
+def over(pdf):
+    return np.where(pdf > 0, 1 / np.maximum(pdf, 1e-30), 0)[:, None]
+
+
+@raylex.integrator("test_path")
+class Path:
+    """A path tracer by light sampling, in arrays."""
+
+    def __init__(self, maxdepth=5, mistake=False):
+        self.maxdepth = maxdepth
+        self.mistake = mistake
+
+    def integrate(self, batch):
+        throughput = np.ones((len(batch), 3), np.float32)
+        specular = np.ones(len(batch), bool)
+        points = batch.trace()
+        for depth in range(self.maxdepth + 1):
+            at = points.rows
+            batch.add_emission(points, throughput[at] * specular[at, None])
+            batch.add_background(points, throughput[points.missed] * specular[points.missed, None])
+            if depth == self.maxdepth or len(points) == 0:
+                return
+            light = points.sample_light(batch.numbers(5 * depth, at), batch.numbers_2d(5 * depth + 1, at))
+            f = points.evaluate(light.wi)
+            value = throughput[at] * f.value * light.radiance * over(light.pdf) * light.visible()[:, None]
+            batch.add_light(points, f, light, value * (0.9 if self.mistake and depth == 1 else 1))
+            sample = points.sample(batch.numbers(5 * depth + 2, at), batch.numbers_2d(5 * depth + 3, at))
+            throughput[at] *= sample.weight
+            specular[at] = sample.delta
+            batch.scatter(points, sample)
+            points = points.go_on(sample)
+
+
+class Integrators(Case):
+    def test_every_layer_agrees_with_path(self):
+        layers = dict(resolution=(16, 16), max_depth=3, lpe={"one": "C<RD>L", "two": "C<RD>{2}L", "seen": "CL"},
+                      aovs=["Nn", "z"])
+        mine = raylex.render(CORNELL, spp=256, integrator="test_path", **layers)
+        right = raylex.render(CORNELL, spp=4096, integrator="path", **layers)
+        # Eight renders of 64 samples tell the standard error of a layer's mean, by sqrt(64 / 256) that of 256 samples,
+        # and more than that of the reference (64 / 4096 of the variance, taken as 1 / 16). 6 of them is chance in 1 of
+        # 2000 by Student's t with 7 degrees of freedom; the seeds are fixed.
+        for name in ("beauty", "one", "two"):
+            means = [raylex.render(CORNELL, spp=64, seed=9 + i, integrator="test_path", **layers)[name].mean()
+                     for i in range(8)]
+            error = np.std(means, ddof=1) * np.sqrt(64 / 256 + 1 / 16)
+            self.assertLess(abs(mine[name].mean() - right[name].mean()), 6 * error + 1e-6 * right[name].mean(), name)
+        self.assertTrue(all(mine.verify()))
+        # First hits are those of the same camera rays.
+        few = [raylex.render(CORNELL, spp=4, integrator=each, **layers) for each in ("path", "test_path")]
+        self.assertSameBits(few[0]["z"], few[1]["z"])
+        self.assertSameBits(few[0]["Nn"], few[1]["Nn"])
+        self.assertSameBits(few[0]["alpha"], few[1]["alpha"])
+
+    def test_same_bits_for_any_threads(self):
+        a, b = (raylex.render(CORNELL, spp=8, resolution=(32, 32), threads=threads, integrator="test_path")
+                for threads in (1, 2))
+        self.assertSameBits(a["beauty"], b["beauty"])
+
+    def test_parameters_and_depth(self):
+        scene = white_furnace(0.5)
+        for depth, value in ((0, 1), (1, 1.5), (2, 1.75)):
+            image = raylex.render(scene, spp=16, integrator={"type": "test_path", "maxdepth": depth})
+            # 4 standard errors: light samples inside a sphere spread by less than their mean.
+            self.assertLess(abs(image["beauty"].mean() - value), 4 / np.sqrt(16 * 256))
+            same = raylex.render(scene, spp=16, integrator="test_path", max_depth=depth)
+            self.assertSameBits(image["beauty"], same["beauty"])
+        self.assertRaylexError("maxdpth", raylex.render, scene, integrator={"type": "test_path", "maxdpth": 3})
+        self.assertRaylexError("mistake", raylex.render, scene, integrator={"type": "test_path", "mistake": 3})
+
+    def test_exceptions_end_the_render(self):
+        @raylex.integrator("test_throws")
+        class Throws:
+            def integrate(self, batch):
+                raise ZeroDivisionError("in the batch")
+
+        with self.assertRaisesRegex(ZeroDivisionError, "in the batch"):
+            raylex.render(CORNELL, spp=4, resolution=(16, 16), integrator="test_throws")
+
+        @raylex.integrator("test_throws")  # again: it replaces
+        class Shape:
+            def integrate(self, batch):
+                points = batch.trace()
+                points.evaluate(np.zeros((3, 2)))
+
+        try:
+            raylex.render(CORNELL, spp=4, resolution=(16, 16), integrator="test_throws")
+            self.fail("a wrong shape was taken")
+        except raylex.RaylexError as error:
+            self.assertRegex(str(error), r"wi has shape \(3, 2\); expected \(\d+, 3\)")
+            self.assertIn("points.evaluate(np.zeros((3, 2)))", traceback.format_exc())  # where in Python
+
+    def test_a_constructor_that_fails_is_an_error_of_input(self):
+        @raylex.integrator("test_constructor")
+        class Refuses:
+            def __init__(self, radius=1.0):
+                if radius <= 0:
+                    raise ValueError("radius must be above 0")
+
+            def integrate(self, batch):
+                pass
+
+        self.assertRaylexError("radius must be above 0", raylex.render, CORNELL, spp=1,
+                               integrator={"type": "test_constructor", "radius": -1.0})
+
+    def test_what_is_over_is_over(self):
+        kept = []
+
+        @raylex.integrator("test_keeps")
+        class Keeps:
+            def integrate(self, batch):
+                kept.append((batch, batch.trace()))
+
+        raylex.render(CORNELL, spp=1, resolution=(8, 8), integrator="test_keeps")
+        batch, points = kept[0]
+        self.assertRaylexError("over", batch.trace)
+        self.assertRaylexError("over", lambda: points.emitted)
+        self.assertRaylexError("over", points.go_on, points.sample(np.zeros(len(points)), np.zeros((len(points), 2))))
+
+    def test_plugins_in_cpp(self):
+        right = raylex.render(CORNELL, spp=4, resolution=(16, 16), plugins=["planted_error"],
+                              integrator={"type": "plantederror", "mistake": False})
+        wrong = raylex.render(CORNELL, spp=4, resolution=(16, 16), integrator="plantederror")
+        # Its mistake: what survives roulette does not count for what does not.
+        self.assertLess(wrong["beauty"].mean(), right["beauty"].mean())
+        self.assertRaylexError("no-such.so", raylex.load_plugin, self.folder / "no-such.so")
+        (self.folder / "text.so").write_text("no library")
+        self.assertRaylexError("text.so", raylex.load_plugin, self.folder / "text.so")
+
+    def test_names(self):
+        self.assertRaylexError("'path' in raylex", raylex.integrator("path"), Path)
+        self.assertRaises(TypeError, raylex.integrator("test_none"), object)
+
+        class NoDefault:
+            def __init__(self, depth):
+                pass
+
+            def integrate(self, batch):
+                pass
+
+        self.assertRaises(TypeError, raylex.integrator("test_none"), NoDefault)
+
+
+@raylex.texture("test_stripes")
+class Stripes:
+    def __init__(self, count=4):
+        self.count = count
+        Stripes.sizes = []
+
+    def evaluate(self, at):
+        Stripes.sizes.append(len(at))
+        on = np.floor(at.uv[:, 0] * self.count) % 2
+        return np.stack([on, 1 - on, np.zeros_like(on)], axis=1)
+
+
+def striped(name, **parameters):
+    def material(builder):
+        builder.texture("stripes", "spectrum", name, **parameters)
+        return builder.material("diffuse", reflectance=("texture", "stripes"))
+    return quad(material)
+
+
+class Textures(Case):
+    def test_it_is_what_it_says_in_batches(self):
+        image = raylex.render(striped("test_stripes", count=2), spp=4, max_depth=1)
+        beauty = image["beauty"]
+        self.assertTrue(np.all(beauty[..., 2] == 0))
+        # u runs from 0 at x = -2 to 1 at x = 2, and stripes change in the middle of the image alone; the pixels on both
+        # sides of it have samples beyond it.
+        left, right = beauty[:, :3], beauty[:, 5:]
+        self.assertTrue((left[..., 0] == 0).all() != (left[..., 1] == 0).all())
+        self.assertTrue((right[..., 0] == 0).all() != (right[..., 1] == 0).all())
+        self.assertNotEqual((left[..., 0] == 0).all(), (right[..., 0] == 0).all())
+        self.assertGreater(np.mean(Stripes.sizes), 16)  # whole batches of hits, not one by one
+
+    def test_wrong_shapes_and_exceptions(self):
+        @raylex.texture("test_wrong")
+        class Wrong:
+            def evaluate(self, at):
+                return np.zeros((len(at), 2))
+
+        self.assertRaylexError(r"texture 'test_wrong' returned has shape \(\d+, 2\); expected \(\d+, 3\)",
+                               raylex.render, striped("test_wrong"), spp=1)
+
+        @raylex.texture("test_wrong")
+        class Raises:
+            def evaluate(self, at):
+                raise KeyError("texture")
+
+        with self.assertRaises(KeyError):
+            raylex.render(striped("test_wrong"), spp=1)
+
+
+class Filters(Case):
+    def test_samples_are_changed_in_place(self):
+        @raylex.sample_filter("test_double")
+        class Double:
+            keeps_splits = True
+
+            def __init__(self, factor=2.0):
+                self.factor = factor
+
+            def apply(self, samples):
+                for name in ("beauty", "direct", "rest"):
+                    samples[name][...] *= self.factor
+
+        plain = raylex.render(CORNELL, spp=4, resolution=(16, 16), lpe={"direct": "CDL"})
+        double = raylex.render(CORNELL, spp=4, resolution=(16, 16), lpe={"direct": "CDL"},
+                               sample_filters=["test_double"])
+        for name in ("beauty", "direct", "rest"):
+            self.assertSameBits(double[name], 2 * plain[name])  # a power of two: exact
+        self.assertTrue(all(double.verify()))
+        self.assertIn("auto", double.partitions)
+
+    def test_what_does_not_keep_splits_declares_none(self):
+        @raylex.sample_filter("test_red")
+        class Red:
+            def apply(self, samples):
+                samples["beauty"][:, 1:] = 0
+
+        image = raylex.render(CORNELL, spp=4, resolution=(16, 16), lpe={"direct": "CDL"}, sample_filters=["test_red"])
+        self.assertEqual(image["beauty"][..., 1:].max(), 0)
+        self.assertEqual(image.partitions, {})
+        self.assertTrue(any("no longer sum" in each for each in image.warnings))
+
+    def test_what_is_wrong(self):
+        @raylex.sample_filter("test_wrong")
+        class Wrong:
+            def apply(self, samples):
+                samples["beuty"]
+
+        self.assertRaylexError("beuty", raylex.render, CORNELL, spp=1, resolution=(8, 8), sample_filters=["test_wrong"])
+
+
+if __name__ == "__main__":
+    unittest.main()
