@@ -240,10 +240,11 @@ template <class Visitor>
         return flies(row, ray, medium.grid->sample_free_flight(segment, path.beta, u, FlightNumbers(key)), visitor);
     }
     if (!is_camera_ray(path)) return lets_pass(row, medium.grid->transmittance(segment, FlightNumbers(key)));
+    // Deep images want to know where light is lost, which what is known in closed form does not say: another estimate.
     Real lost_at = 0;
-    const Rgb passed = medium.grid->transmittance(segment, FlightNumbers(key), lost_at);
+    const Rgb passed = medium.grid->transmittance(segment, FlightNumbers(key, 2), lost_at);
     visitor.absorbs_at(row, lost_at, passed);
-    return lets_pass(row, passed);
+    return lets_pass(row, medium.grid->transmittance(segment, FlightNumbers(key)));
 }
 
 /// What a medium has left of the path, which is not black. False: it ends.
