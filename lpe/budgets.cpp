@@ -34,10 +34,11 @@ constexpr BudgetRow table[] = {
     {"toml_depth", 100, 1'000, "tables and arrays of a TOML file inside one another"},
     {"record_bytes", 64 * mega, any, "a record of JSON: of a cell, a reference, a study, a render"},
     {"tessellated_triangles", 16 * mega, 512 * mega, "triangles that subdivision or displacement makes of one mesh"},
+    {"volume_cells", 16 * mega, 1024 * mega, "cells of 8 x 8 x 8 voxels in the box around one grid of a medium"},
 };
 
 constexpr std::size_t count = std::size(table);
-static_assert(count == static_cast<std::size_t>(Budget::tessellated_triangles) + 1);
+static_assert(count == static_cast<std::size_t>(Budget::volume_cells) + 1);
 
 struct Values {
     std::array<std::atomic<std::uint64_t>, count> of{};

@@ -32,6 +32,7 @@ enum class Budget : std::uint8_t {
     toml_depth,
     record_bytes,
     tessellated_triangles,
+    volume_cells,
 };
 
 struct BudgetRow {

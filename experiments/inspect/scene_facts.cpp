@@ -173,6 +173,7 @@ void add_built_facts(const transport::BuiltScene& built, SceneFacts& facts) {
         facts.upper[i] = static_cast<double>(bounds.upper[i]) + to_world[i];
     }
     facts.build_seconds = built.build_seconds;
+    facts.grid_bytes = built.view().media->grid_bytes();
     for (const Error& warning : built.warnings) {
         const std::string text = warning.to_string();
         if (std::find(facts.warnings.begin(), facts.warnings.end(), text) == facts.warnings.end())
@@ -205,10 +206,13 @@ std::vector<std::string> lines_of(const SceneFacts& facts) {
         film += " " + std::to_string(facts.width) + "x" + std::to_string(facts.height);
     line("image", "camera " + or_default(facts.camera) + ", film " + film + ", filter " + or_default(facts.filter));
     line("sampling", "sampler " + or_default(facts.sampler) + ", integrator " + or_default(facts.integrator));
-    line("memory", size_text(static_cast<double>(facts.mesh_bytes)) + " of meshes as read" +
-                       (facts.is_built ? ", " + size_text(static_cast<double>(facts.peak_bytes)) +
-                                             " at most while reading and building"
-                                       : std::string()));
+    line("memory",
+         size_text(static_cast<double>(facts.mesh_bytes)) + " of meshes as read" +
+             (facts.grid_bytes > 0 ? ", " + size_text(static_cast<double>(facts.grid_bytes)) + " of media's grids"
+                                   : std::string()) +
+             (facts.is_built
+                  ? ", " + size_text(static_cast<double>(facts.peak_bytes)) + " at most while reading and building"
+                  : std::string()));
     if (facts.is_built)
         line("time",
              duration_text(facts.read_seconds) + " to read, " + duration_text(facts.build_seconds) + " to build");
@@ -246,6 +250,7 @@ Json json_of(const SceneFacts& facts) {
         json["read_seconds"] = facts.read_seconds;
         json["build_seconds"] = facts.build_seconds;
         json["peak_bytes"] = facts.peak_bytes;
+        json["grid_bytes"] = facts.grid_bytes;
     }
     return json;
 }

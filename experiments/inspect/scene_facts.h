@@ -38,6 +38,7 @@ struct SceneFacts {
     bool is_empty = false;                              ///< nothing that a ray could hit
     double read_seconds = 0, build_seconds = 0;
     std::uint64_t peak_bytes = 0;  ///< of the process so far, what building took for a while included
+    std::uint64_t grid_bytes = 0;  ///< of the grids of media, as they are rendered
 };
 
 SceneFacts scene_facts(const transport::SceneDescription& scene);

@@ -99,6 +99,14 @@ std::vector<Example> examples(const std::string& image) {
         {Effect::facet_compensation,
          material("Material \"conductor\" \"float roughness\" 0.5 \"bool raylex:compensate\" true"),
          material("Material \"conductor\" \"float roughness\" 0.5")},
+        {Effect::varying_media,
+         replaced(
+             effects_scene(lamp), "Camera",
+             "MakeNamedMedium \"fog\" \"string type\" \"rgbgrid\" \"integer nx\" 2 \"rgb sigma_a\" [0 0 0 1 2 4] "
+             "\"rgb sigma_s\" [.5 .5 .5 1.5 .5 .5] \"rgb Le\" [0 0 0 1 1 1]\nMediumInterface \"\" \"fog\"\nCamera"),
+         replaced(effects_scene(lamp), "Camera",
+                  "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.5 1 2] "
+                  "\"rgb sigma_s\" [1 .5 .5]\nMediumInterface \"\" \"fog\"\nCamera")},
         {Effect::emissive_meshes, effects_scene(shining), effects_scene(dark)},
         {Effect::delta_lights, effects_scene(lamp), effects_scene()},
         {Effect::environment, effects_scene("LightSource \"infinite\" \"rgb L\" [0.5 0.6 0.7]"), effects_scene()},

@@ -304,7 +304,7 @@ TEST_CASE("media that cannot be are refused where they are written", "[import][l
         const char *text, *message, *hint;
     };
     const Slip slips[] = {
-        {"\"string type\" \"nanovdb\"", "unknown medium 'nanovdb'; expected one of: homogeneous", ""},
+        {"\"string type\" \"openvdb\"", "unknown medium 'openvdb'; expected one of: homogeneous", ""},
         {"\"string type\" \"homogenous\"", "unknown medium 'homogenous'", "'homogeneous'"},
         {"\"string type\" \"homogeneous\" \"float g\" 1", "'g' is 1", ""},
         {"\"string type\" \"homogeneous\" \"rgb sigma_s\" [1 -1 1]", "sigma_s", ""},

@@ -51,6 +51,15 @@ TEST_CASE("gradient noise vanishes on the lattice, rises there by its gradient, 
         CHECK(std::abs(gradient_noise(p)) <= 1);
     }
     CHECK(gradient_noise({NAN, 0, 0}) == 0);
+    CHECK(noise_differences({0, NAN, 0}, Real(0.01)).x == 0);
+    for (int i = 0; i < 1000; ++i) {
+        const Real x = static_cast<Real>(i) * Real(0.37),
+                   step = i % 2 == 0 ? Real(0.01) : Real(0.75);  // into the next cell
+        const Vec3 p{x - 100, x * Real(-1.7), x * Real(0.3)}, d = noise_differences(p, step);
+        CHECK(d.x == gradient_noise({p.x + step, p.y, p.z}) - gradient_noise(p));
+        CHECK(d.y == gradient_noise({p.x, p.y + step, p.z}) - gradient_noise(p));
+        CHECK(d.z == gradient_noise({p.x, p.y, p.z + step}) - gradient_noise(p));
+    }
 }
 
 TEST_CASE("fbm, wrinkled and windy are the sums of noise they are defined by", "[textures]") {

@@ -235,6 +235,20 @@ Result<Rgb> resolve_named_spectrum(std::string_view name, SpectrumRole role, con
     return project(spectrum, role, context);
 }
 
+Rgb blackbody_radiance(double kelvin, const ColorContext& context) {
+    const VisibleSpectrum spectrum = blackbody_spectrum(kelvin);
+    const double luminance = integrate_xyz(spectrum)[1];
+    Triple rgb = project_illuminant(spectrum, context.scene_space);
+    for (double& c : rgb) c *= luminance;
+    return to_rendering(rgb, SpectrumRole::illuminant, context);
+}
+
+double flat_luminance() {
+    VisibleSpectrum flat{};
+    flat.fill(1);
+    return integrate_xyz(flat)[1];
+}
+
 std::vector<RgbD> reflectance_weights(const std::vector<double>& wavelengths, const ColorContext& context) {
     std::vector<RgbD> weights;
     std::vector<double> one(wavelengths.size(), 0.0);

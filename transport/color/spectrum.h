@@ -51,6 +51,12 @@ Result<Rgb> spectrum_or(const ParameterSet& parameters, std::string_view name, c
 /// without its clamp. `wavelengths` in nm, ascending; outside of them the reflectance is 0.
 std::vector<RgbD> reflectance_weights(const std::vector<double>& wavelengths, const ColorContext& context);
 
+/// Radiance of a black body as media have it in pbrt-v4: Planck's law over its peak, integrated by the observer's
+/// functions without dividing by the integral of y. RGB of the rendering space, as `illuminant`.
+Rgb blackbody_radiance(double kelvin, const ColorContext& context);
+/// That integral: what pbrt-v4's film makes of the flat spectrum 1.
+double flat_luminance();
+
 /// A named spectrum ("metal-Cu-eta", "glass-BK7", "stdillum-D65" ...).
 Result<Rgb> resolve_named_spectrum(std::string_view name, SpectrumRole role, const ColorContext& context);
 

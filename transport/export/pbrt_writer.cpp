@@ -101,9 +101,13 @@ class PbrtWriter {
         entity("PixelFilter", scene_.filter);
         entity("Sampler", scene_.sampler);
         entity("Integrator", scene_.integrator);
-        for (const SceneEntity& medium : scene_.media)
+        for (const SceneMedium& medium : scene_.media) {
+            const bool placed = !medium.to_world.is_identity();
+            if (placed) line("Transform " + matrix_text(medium.to_world.matrix()));
             line("MakeNamedMedium " + quoted(medium.name) + " \"string type\" " + quoted(medium.type) +
                  parameters_text(medium.parameters));
+            if (placed) line("Identity");
+        }
         if (scene_.camera_medium >= 0) line("MediumInterface \"\" " + medium_name(scene_.camera_medium));
         if (!scene_.camera.type.empty()) {
             if (scene_.transform_times != std::array<double, 2>{0, 1}) {

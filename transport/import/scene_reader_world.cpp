@@ -89,8 +89,9 @@ Status SceneReader::named_material(Directive& directive) {
 Status SceneReader::named_medium(Directive& directive) {
     const Result<std::string> type = take_type(directive, "medium", "homogeneous");
     if (!type) return type.error();
-    const Result<MediumHandle> made = scene_.add_medium({directive.strings[0], directive.string_locations[0]}, *type,
-                                                        with_defaults(directive, "medium", true), directive.location);
+    const Result<MediumHandle> made = scene_.add_medium(
+        {directive.strings[0], directive.string_locations[0]}, *type, with_defaults(directive, "medium", true),
+        first_transform("media", directive.location), directive.location);
     if (!made) return made.error();
     return success();
 }

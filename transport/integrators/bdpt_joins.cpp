@@ -138,10 +138,10 @@ void Bdpt::connect_to_camera(const CameraBatch& batch, BdptThread& thread, Threa
                               ? batch.samplers[y.row].get_2d(
                                     subpath_dimensions<TransportMode::importance>.of(y.depth, camera_lens_dimension))
                               : Vec2{0, 0};
-        thread.splats.add(
-            view_,
-            {y.row, y.depth, &y.point, &y.bsdf, y.offset, y.holdout, y.power, y.end, &y.sums, batch.rays[y.row].time},
-            lens);
+        thread.splats.add(view_,
+                          {y.row, y.depth, &y.point, &y.bsdf, y.offset, y.holdout, y.power, y.end, &y.sums,
+                           batch.rays[y.row].time, connection_key(context_.scene, batch.samplers[y.row], y.depth)},
+                          lens);
     }
     if (!context_.beauty && !context_.scene.geometry->has_alpha()) thread.splats.drop_dead(thread.camera.record());
     thread.splats.splat(context_.scene, *context_.events, batch.rows, *services.raster, thread.counters);

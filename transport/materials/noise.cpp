@@ -32,14 +32,16 @@ constexpr bool is_permutation_of_bytes() {
 }
 static_assert(is_permutation_of_bytes());
 
-/// (0, 1) of a lattice point's gradient times the way from it.
-Real gradient(int x, int y, int z, const Vec3& d) {
-    const auto at = [](int i) { return static_cast<int>(permutation[static_cast<std::size_t>(i) & 255]); };
-    const int h = at(at(at(x) + y) + z) & 15;
-    const bool xy = h == 12 || h == 13;
-    const Real u = h < 8 || xy ? d.x : d.y, v = h < 4 || xy ? d.y : d.z;
-    return ((h & 1) != 0 ? -u : u) + ((h & 2) != 0 ? -v : v);
-}
+/// By a hash of 4 bits: x by these, y, z. Two of them are 1 or -1, the third is 0.
+constexpr std::array<std::array<Real, 3>, 16> gradients = [] {
+    std::array<std::array<Real, 3>, 16> all{};
+    for (std::size_t h = 0; h < 16; ++h) {
+        const bool xy = h == 12 || h == 13;
+        all[h][h < 8 || xy ? 0 : 1] += (h & 1) != 0 ? -1 : 1;
+        all[h][h < 4 || xy ? 1 : 2] += (h & 2) != 0 ? -1 : 1;
+    }
+    return all;
+}();
 
 Real fade(Real t) {
     return t * t * t * (t * (t * 6 - 15) + 10);
@@ -60,21 +62,61 @@ Cell cell_of(Real x) {
     return {static_cast<int>(below - 256 * std::floor(below / 256)) & 255, x - below};
 }
 
+/// The gradients at a cell's corners: side by side and without branches, which nothing could predict.
+class Corners {
+  public:
+    Corners(int x, int y, int z) {
+        const auto at = [](int i) { return static_cast<int>(permutation[static_cast<std::size_t>(i) & 255]); };
+        for (int i = 0; i < 2; ++i) {
+            const int of_x = at(x + i) + y;
+            for (int j = 0; j < 2; ++j) {
+                const int of_y = at(of_x + j) + z;
+                for (int k = 0; k < 2; ++k) {
+                    const std::array<Real, 3>& g = gradients[static_cast<std::size_t>(at(of_y + k) & 15)];
+                    const auto c = static_cast<std::size_t>(4 * k + 2 * j + i);
+                    x_[c] = g[0];
+                    y_[c] = g[1];
+                    z_[c] = g[2];
+                }
+            }
+        }
+    }
+    [[nodiscard]] Real noise(Real x, Real y, Real z) const {
+        std::array<Real, 8> from;  // each corner's gradient times the way from it
+        for (std::size_t c = 0; c < 8; ++c)
+            from[c] = x_[c] * (x - static_cast<Real>(c & 1)) + y_[c] * (y - static_cast<Real>(c >> 1 & 1)) +
+                      z_[c] * (z - static_cast<Real>(c >> 2));
+        const Real wx = fade(x), wy = fade(y), wz = fade(z);
+        const auto plane = [&](std::size_t c) {
+            return blend(wy, blend(wx, from[c], from[c + 1]), blend(wx, from[c + 2], from[c + 3]));
+        };
+        return blend(wz, plane(0), plane(4));
+    }
+
+  private:
+    std::array<Real, 8> x_, y_, z_;
+};
+
 }  // namespace
 
 Real gradient_noise(const Vec3& p) {
     if (!is_finite(p)) return 0;
     const Cell x = cell_of(p.x), y = cell_of(p.y), z = cell_of(p.z);
-    const auto corner = [&](int i, int j, int k) {
-        return gradient(
-            x.index + i, y.index + j, z.index + k,
-            {x.within - static_cast<Real>(i), y.within - static_cast<Real>(j), z.within - static_cast<Real>(k)});
+    return Corners(x.index, y.index, z.index).noise(x.within, y.within, z.within);
+}
+
+Vec3 noise_differences(const Vec3& p, Real step) {
+    if (!is_finite(p)) return {0, 0, 0};
+    const Cell x = cell_of(p.x), y = cell_of(p.y), z = cell_of(p.z);
+    const Cell next_x = cell_of(p.x + step), next_y = cell_of(p.y + step), next_z = cell_of(p.z + step);
+    const Corners corners(x.index, y.index, z.index);
+    const auto noise = [&](const Cell& i, const Cell& j, const Cell& k) {
+        if (i.index == x.index && j.index == y.index && k.index == z.index)
+            return corners.noise(i.within, j.within, k.within);
+        return Corners(i.index, j.index, k.index).noise(i.within, j.within, k.within);
     };
-    const Real wx = fade(x.within), wy = fade(y.within), wz = fade(z.within);
-    const auto plane = [&](int k) {
-        return blend(wy, blend(wx, corner(0, 0, k), corner(1, 0, k)), blend(wx, corner(0, 1, k), corner(1, 1, k)));
-    };
-    return blend(wz, plane(0), plane(1));
+    const Real here = corners.noise(x.within, y.within, z.within);
+    return {noise(next_x, y, z) - here, noise(x, next_y, z) - here, noise(x, y, next_z) - here};
 }
 
 Real noise_sum(const Vec3& p, const Octaves& octaves) {

@@ -10,6 +10,8 @@ namespace raylex::transport {
 
 /// In [-1, 1]; 0 at points of whole numbers. 0 for what is not finite.
 [[nodiscard]] Real gradient_noise(const Vec3& p);
+/// What it gains over a step along x, along y and along z, to the bit; at the cost of about two. Steps below 1.
+[[nodiscard]] Vec3 noise_differences(const Vec3& p, Real step);
 
 /// Every octave is 1.99 times as fine as the one before, and `roughness` times as high.
 struct Octaves {

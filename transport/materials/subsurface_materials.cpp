@@ -77,7 +77,7 @@ Parameter coefficient(const char* name, const Rgb& value) {
 /// The medium as a scene would name it: whatever is wrong with it, its factory says.
 Result<Medium> make_interior(const SceneEntity& entity, const MaterialContext& context, MaterialReader& reader,
                              Real eta) {
-    SceneEntity medium;
+    SceneMedium medium;
     medium.name = entity.name.empty() ? "subsurface" : entity.name;
     medium.type = "homogeneous";
     medium.location = medium.parameters.location = entity.location;
@@ -116,7 +116,8 @@ Result<Medium> make_interior(const SceneEntity& entity, const MaterialContext& c
     if (g != nullptr && name == nullptr) parameters.push_back(*g);  // named media are of reduced scattering
     auto entry = medium_registry().require(medium.type, medium.location);
     if (!entry) return entry.error();
-    auto made = (*entry)->factory(medium, context.scene.color);
+    std::vector<Error> warnings;  // of grids: a homogeneous one has none
+    auto made = (*entry)->factory(medium, {context.scene, nullptr, warnings});
     if (made) made->counts_depth = false;
     return made;
 }

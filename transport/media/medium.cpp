@@ -5,15 +5,10 @@
 #include "display/services/elementary.h"
 #include "transport/geometry/ray.h"
 #include "transport/math/sampling.h"
+#include "transport/media/flight_numbers.h"
 
 namespace raylex::transport {
 namespace {
-
-/// One colour's share of a choice among all, in proportion to `weights`; equal shares of a black one.
-Rgb shares(const Rgb& weights) {
-    const Real sum = weights.r + weights.g + weights.b;
-    return sum > 0 && std::isfinite(sum) ? weights * (1 / sum) : Rgb(1 / Real(3));
-}
 
 /// `u` becomes uniform in [0, 1) again.
 int pick(const Rgb& share, Real& u) {
@@ -33,18 +28,6 @@ int pick(const Rgb& share, Real& u) {
 /// every ratio and keeps them from vanishing together.
 Real relative_transmittance(Real sigma, Real least, Real distance) {
     return sigma > least ? elementary::exp(-(sigma - least) * distance) : 1.0f;
-}
-
-/// Two numbers of 24 bits as one of 48.
-Real joined(const Vec2& u) {
-    return u.y + u.x * Real(0x1p-24);
-}
-
-/// Optical depth that light reaches with chance 1 - u: 48 bits from either end, so that media thinner than 2^-24
-/// scatter no more than they should and light gets 33 mean free paths far. Above a half the chance is taken from 1
-/// exactly.
-Real optical_depth(const Vec2& u) {
-    return u.y < 0.5f ? -elementary::log1p(-joined(u)) : -elementary::log((1 - u.y) - u.x * Real(0x1p-24));
 }
 
 /// Below this optical depth a flight collides with this chance, evenly along the segment, and its weight makes up for
@@ -124,6 +107,16 @@ Real sample_absorption(const Medium& medium, Real end, const Vec2& u) {
     return std::min(-elementary::log1p(-u.y * lost[c]) / medium.sigma_t[c], end);
 }
 
+Rgb brightest_glow(const Medium& medium, Real length) {
+    return medium.grid != nullptr ? medium.grid->brightest_emission() * length : emission_along(medium, length);
+}
+
+std::size_t MediumTable::grid_bytes() const {
+    std::size_t bytes = 0;
+    for (const Medium& medium : media_) bytes += medium.grid != nullptr ? medium.grid->bytes() : 0;
+    return bytes;
+}
+
 std::int32_t MediumTable::add(const Medium& medium, const std::string& name) {
     media_.push_back(medium);
     names_.push_back(name);
@@ -132,7 +125,8 @@ std::int32_t MediumTable::add(const Medium& medium, const std::string& name) {
     return static_cast<std::int32_t>(media_.size()) - 1;
 }
 
-Result<MediumTable> MediumTable::build(const SceneDescription& scene, std::vector<Error>& warnings) {
+Result<MediumTable> MediumTable::build(const SceneDescription& scene, std::vector<Error>& warnings,
+                                       const RenderSpace* space) {
     MediumTable table;
     std::vector<std::uint8_t> used(scene.media.size(), 0);
     const auto use = [&](int index, const SourceLocation& where) -> Status {
@@ -154,13 +148,13 @@ Result<MediumTable> MediumTable::build(const SceneDescription& scene, std::vecto
 
     table.camera_ = scene.camera_medium;
     for (std::size_t i = 0; i < scene.media.size(); ++i) {
-        const SceneEntity& entity = scene.media[i];
+        const SceneMedium& entity = scene.media[i];
         table.names_.push_back(entity.name);
         table.media_.emplace_back();
         if (!used[i]) continue;
         auto entry = medium_registry().require(entity.type, entity.location);
         if (!entry) return entry.error();
-        auto medium = (*entry)->factory(entity, scene.color);
+        auto medium = (*entry)->factory(entity, {scene, space, warnings});
         if (!medium) return medium.error();
         for (const Parameter* p : entity.parameters.unused())
             warnings.push_back(error_at(p->location, "parameter '" + p->name + "' means nothing to medium '" +
@@ -168,6 +162,7 @@ Result<MediumTable> MediumTable::build(const SceneDescription& scene, std::vecto
         table.media_.back() = *medium;
         table.any_ = true;
         table.any_emits_ = table.any_emits_ || medium->emits;
+        table.any_grids_ = table.any_grids_ || medium->grid != nullptr;
     }
     return table;
 }

@@ -1,22 +1,24 @@
 // Participating media: plain values and the three things that paths ask of them.
 //
-// All media are homogeneous, so transmittance and emission along a segment have closed forms; chance decides only how
-// far a path flies. Where colours have different extinction, one colour picked in proportion to the path's throughput
-// draws the distance, and the weight divides by the mean density over all colours (the balance heuristic over the three
-// strategies): every colour is unbiased, none is weighed by more than its share of the throughput.
+// In homogeneous media transmittance and emission along a segment have closed forms; chance decides only how far a path
+// flies. Others hold a grid (grid_medium.h), which is asked instead. Where colours have different extinction, one
+// colour picked in proportion to the path's throughput draws the distance, and the weight divides by the mean density
+// over all colours (the balance heuristic over the three strategies): every colour is unbiased, none is weighed by more
+// than its share of the throughput.
 #pragma once
 
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "display/services/registry.h"
 #include "lpe/result.h"
-#include "transport/math/real.h"
-#include "transport/scene/scene_description.h"
+#include "transport/geometry/render_space.h"
+#include "transport/media/grid_medium.h"
 
 namespace raylex::transport {
 
@@ -28,6 +30,8 @@ struct Medium {
     bool grey = true;       ///< sigma_t is the same in all colours
     bool scatters = false;  ///< sigma_s is not black
     bool emits = false;
+    std::shared_ptr<const GridMedium>
+        grid;                  ///< what it is from place to place; the coefficients above mean nothing then
     bool counts_depth = true;  ///< false inside subsurface materials: scatterings are not held against "maxdepth"
 };
 
@@ -37,13 +41,6 @@ Rgb transmittance(const Medium& medium, Real distance);
 /// Radiance that the medium emits along a segment towards its beginning.
 Rgb emission_along(const Medium& medium, Real distance);
 
-/// How far a path flies.
-struct FreeFlight {
-    Real distance = 0;      ///< of the collision
-    bool collided = false;  ///< false: the segment's end was reached
-    Rgb weight;             ///< transmittance (and sigma_s for a collision) over the chance of what happened
-};
-
 /// Samples a collision in front of `end` (infinity allowed). `throughput` decides the odds of the colours; it must not
 /// be black. u in [0, 1)^2. Segments of an optical depth below 2^-16 collide with that chance, whatever their depth.
 FreeFlight sample_free_flight(const Medium& medium, const Rgb& throughput, Real end, const Vec2& u);
@@ -52,15 +49,25 @@ FreeFlight sample_free_flight(const Medium& medium, const Rgb& throughput, Real 
 /// over the colours of what they lose there. For deep images.
 Real sample_absorption(const Medium& medium, Real end, const Vec2& u);
 
-using MediumFactory = std::function<Result<Medium>(const SceneEntity&, const ColorContext&)>;
-/// homogeneous.
+/// The radiance that a path through the medium may meet, about, where paths are `length` long.
+Rgb brightest_glow(const Medium& medium, Real length);
+
+struct MediumContext {
+    const SceneDescription& scene;
+    const RenderSpace* space = nullptr;  ///< null: what words need is enough (scatters, emits), no grids are read
+    std::vector<Error>& warnings;
+};
+using MediumFactory = std::function<Result<Medium>(const SceneMedium&, const MediumContext&)>;
+/// homogeneous, uniformgrid, rgbgrid, cloud, nanovdb.
 Registry<MediumFactory>& medium_registry();
 
 /// The media that a scene's shapes and camera refer to, under their index in SceneDescription::media. Immutable.
 class MediumTable {
   public:
-    /// Media that nothing refers to are left as vacuum and not checked: pbrt scenes keep them around.
-    static Result<MediumTable> build(const SceneDescription& scene, std::vector<Error>& warnings);
+    /// Media that nothing refers to are left as vacuum and not checked: pbrt scenes keep them around. `space` as in
+    /// MediumContext.
+    static Result<MediumTable> build(const SceneDescription& scene, std::vector<Error>& warnings,
+                                     const RenderSpace* space = nullptr);
 
     /// One more, as `name`; its index.
     std::int32_t add(const Medium& medium, const std::string& name);
@@ -68,6 +75,9 @@ class MediumTable {
     [[nodiscard]] bool any() const { return any_; }
     /// Whether a ray that hits nothing can meet light all the same.
     [[nodiscard]] bool any_emits() const { return any_emits_; }
+    /// Whether any differs from place to place: shadow rays then draw numbers.
+    [[nodiscard]] bool any_grids() const { return any_grids_; }
+    [[nodiscard]] std::size_t grid_bytes() const;
     [[nodiscard]] const Medium& operator[](std::int32_t index) const { return media_[static_cast<std::size_t>(index)]; }
     [[nodiscard]] std::size_t size() const { return media_.size(); }
     /// What events call the medium: its name in the scene.
@@ -79,7 +89,7 @@ class MediumTable {
     std::vector<Medium> media_;
     std::vector<std::string> names_;
     std::int32_t camera_ = -1;
-    bool any_ = false, any_emits_ = false;
+    bool any_ = false, any_emits_ = false, any_grids_ = false;
 };
 
 }  // namespace raylex::transport

@@ -33,7 +33,7 @@ void CameraConnections::add(const CameraView& view, const LightSubpathEnd& end, 
             end.sums->others(view.density(seen.importance, cosine), static_cast<double>(scattering.pdf_reverse)));
     }
     if (value.is_black()) return;
-    pending_.push_back({end.row, seen.x, seen.y, end.depth + 2, end.holdout, value, unweighted, end.end,
+    pending_.push_back({end.row, seen.x, seen.y, end.depth + 2, end.holdout, value, unweighted, end.key, end.end,
                         segment_to(seen.position, point.position, point.geometric_normal, end.offset)});
     pending_.back().end.lobes = f.lobes;
     pending_.back().from_camera.time = end.time;
@@ -78,8 +78,9 @@ void CameraConnections::splat(const SceneView& scene, const EventTable& events,
         arrival.found_by_sampling = true;
         if (scene.tests_alpha() || scene.asks_for_media()) {
             Rgb transmittance(1);
-            arrival.visibility = straight_transmittance({scene, record, counters}, p.from_camera, 1,
-                                                        scene.media->camera(), tracker, transmittance);
+            arrival.visibility =
+                straight_transmittance({scene, record, counters, false, FlightNumbers(p.key)}, p.from_camera, 1,
+                                       scene.media->camera(), tracker, transmittance);
             arrival.value *= transmittance * arrival.visibility;
             arrival.unweighted *= transmittance;
         }

@@ -9,6 +9,7 @@
 #include "transport/paths/counters.h"
 #include "transport/paths/record.h"
 #include "transport/paths/strategies.h"
+#include "transport/paths/subpath.h"
 
 namespace raylex::transport {
 
@@ -38,7 +39,14 @@ struct LightSubpathEnd {
     LightEnd end;                        ///< its lobes are filled in here
     const StrategySums* sums = nullptr;  ///< null: this is the only strategy
     Real time = 0;                       ///< its subpath's
+    std::uint32_t key = 0;               ///< of what its ray draws in grids; no matter where there are none
 };
+
+/// LightSubpathEnd::key of a vertex with so many scattering events before it.
+inline std::uint32_t connection_key(const SceneView& scene, const PixelSampler& sampler, std::uint32_t depth) {
+    if (!scene.media->any_grids()) return 0;
+    return sampler.key(subpath_dimensions<TransportMode::importance>.connections + depth);
+}
 
 class CameraConnections {
   public:
@@ -59,6 +67,7 @@ class CameraConnections {
         std::uint32_t light_vertices = 0;
         bool holdout = false;
         Rgb value, unweighted;
+        std::uint32_t key = 0;
         LightEnd end;
         Ray from_camera;  ///< for cutouts, which come in the order in which its word reads them
     };

@@ -166,8 +166,12 @@ struct CameraSubpaths::Visitor : WalkVisitor {
     void absorbs(std::uint32_t row, Real distance, const Rgb& passed, const Vec2& u) {
         const Subpath& path = self.path(row);
         if (path.depth > 0 || !(passed.average() < 1)) return;
-        const Real lost_at = path.travelled + sample_absorption((*self.scene_.media)[path.medium], distance, u);
-        display.add_sample(static_cast<int>(row), {to_float(lost_at), RgbD(Rgb(1) - passed), true});
+        absorbs_at(row, sample_absorption((*self.scene_.media)[path.medium], distance, u), passed);
+    }
+    void absorbs_at(std::uint32_t row, Real lost_at, const Rgb& passed) {
+        const Subpath& path = self.path(row);
+        if (path.depth > 0 || !(passed.average() < 1)) return;
+        display.add_sample(static_cast<int>(row), {to_float(path.travelled + lost_at), RgbD(Rgb(1) - passed), true});
     }
     void collides(std::uint32_t row, Real distance) {
         const Subpath& path = self.path(row);

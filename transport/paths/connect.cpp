@@ -102,8 +102,14 @@ void Connections::report(const CameraSubpaths& subpaths, IntegratorCounters& cou
             Rgb transmittance(1);
             // Behind what blocks it, for the media there: what is in the way of light that is not blocked counts too.
             const bool to_the_end = in_media_ && blockable;
-            arrival.visibility = straight_transmittance({scene_, record, counters, to_the_end}, shadow_rays_[i],
-                                                        arrival.visibility, pending.medium, tracker, transmittance);
+            StraightWalk walk{scene_, record, counters, to_the_end};
+            if (in_grids_)
+                walk.numbers = FlightNumbers(subpaths.sampler(pending.row)
+                                                 .key(subpath_dimensions<TransportMode::radiance>.connections +
+                                                      subpaths.path(pending.row).depth),
+                                             pending.technique.s);
+            arrival.visibility = straight_transmittance(walk, shadow_rays_[i], arrival.visibility, pending.medium,
+                                                        tracker, transmittance);
             if (!(arrival.visibility > 0) && !blockable) continue;
             arrival.value *= arrival.visibility;
             if (in_media_) {

@@ -40,7 +40,8 @@ struct VertexJoin {
 
 class Connections {
   public:
-    explicit Connections(const SceneView& scene) : scene_(scene), in_media_(scene.asks_for_media()) {}
+    explicit Connections(const SceneView& scene)
+        : scene_(scene), in_media_(scene.asks_for_media()), in_grids_(scene.media->any_grids()) {}
     void clear();
 
     /// A light sample, `f` being what its vertex scatters towards it: throughput x f x radiance x weight / pdf. Left
@@ -69,7 +70,7 @@ class Connections {
     void report_one(const Record& record, std::size_t i, Arrival arrival, display::Tracker& tracker) const;
 
     const SceneView scene_;
-    const bool in_media_;
+    const bool in_media_, in_grids_;
     std::vector<Pending> pending_;
     std::vector<Blockable> blockable_;  // beside pending_, where blocked light counts
     std::vector<LightEnd> ends_;

@@ -45,7 +45,7 @@ void LightSubpaths::start(std::uint32_t row, const EmissionSample& s, Real time)
         if (light.is_area())
             path.medium =
                 scene_.geometry->shapes()[light.shape].medium_towards(s.from.target_normal, s.direction, path.medium);
-        else if (s.from.infinite && path.medium >= 0) power *= transmittance((*scene_.media)[path.medium], infinity);
+        else if (s.from.infinite && path.medium >= 0) power *= from_infinity(row, s);
     }
     path.beta = power;
     path.roulette_scale = power.max();
@@ -70,6 +70,14 @@ void LightSubpaths::start(std::uint32_t row, const EmissionSample& s, Real time)
     ray.direction = s.direction;
     ray.time = time;
     walk_.push(row, ray);
+}
+
+/// What the medium lets pass of light that comes from infinitely far away to where its ray begins.
+Rgb LightSubpaths::from_infinity(std::uint32_t row, const EmissionSample& s) const {
+    const Medium& medium = (*scene_.media)[walk_.path(row).medium];
+    if (medium.grid == nullptr) return transmittance(medium, infinity);
+    const FlightNumbers numbers(walk_.sampler(row).key(Walk<TransportMode::importance>::dimensions.connections), 1);
+    return medium.grid->transmittance({s.origin, -s.direction, infinity}, numbers);
 }
 
 struct LightSubpaths::Visitor : WalkVisitor {

@@ -65,6 +65,7 @@ class LightSubpaths {
         void invalid(std::uint32_t row) { report(row, self.path(row).beta); }
     };
     void start(std::uint32_t row, const EmissionSample& sample, Real time);
+    [[nodiscard]] Rgb from_infinity(std::uint32_t row, const EmissionSample& sample) const;
     /// For a choice between lobes at the current vertex.
     [[nodiscard]] std::uint64_t choice_key(std::uint32_t row) const {
         using Walk = Walk<TransportMode::importance>;

@@ -53,6 +53,8 @@ struct SubpathDimensions {
     std::uint32_t first, stride;
     std::uint32_t scatter, lobe, roulette, key;  ///< of a vertex
     std::uint32_t cutouts, flights;              ///< one for each ray, far above every vertex's
+    std::uint32_t null_collisions;               ///< keys of what further numbers a ray draws in grids
+    std::uint32_t connections;                   ///< keys of what rays draw there that connect a vertex, by its depth
 
     [[nodiscard]] constexpr std::uint32_t of(std::uint32_t depth, std::uint32_t which) const {
         return first + depth * stride + which;
@@ -70,7 +72,8 @@ inline constexpr std::uint32_t light_dimensions = 1u << 26;
 
 template <TransportMode mode>
 inline constexpr SubpathDimensions subpath_dimensions =
-    mode == TransportMode::radiance ? SubpathDimensions{first_free_dimension, 6, 2, 3, 4, 5, 1u << 24, 1u << 25}
-                                    : SubpathDimensions{light_dimensions + 8, 5, 1, 2, 3, 4, 1u << 27, 3u << 26};
+    mode == TransportMode::radiance
+        ? SubpathDimensions{first_free_dimension, 6, 2, 3, 4, 5, 1u << 24, 1u << 25, 1u << 28, 5u << 26}
+        : SubpathDimensions{light_dimensions + 8, 5, 1, 2, 3, 4, 1u << 27, 3u << 26, 3u << 27, 7u << 26};
 
 }  // namespace raylex::transport

@@ -26,6 +26,7 @@ Real straight_transmittance(const StraightWalk& walk, Ray ray, Real visible, std
     const EmbreeScene& geometry = *walk.scene.geometry;
     const bool finite_end = ray.t_max < infinity;
     const Vec3 end = ray.origin + ray.direction;
+    FlightNumbers numbers = walk.numbers;
     for (;;) {
         Hit hit;
         if (walk.scene.tests_alpha()) {
@@ -35,7 +36,11 @@ Real straight_transmittance(const StraightWalk& walk, Ray ray, Real visible, std
         if (medium >= 0) {
             const Real whole = finite_end ? length(ray.direction) : infinity;
             const Real distance = !hit.valid() ? whole : finite_end ? hit.t * whole : hit.t;
-            through *= transmittance((*walk.scene.media)[medium], distance);
+            const Medium& crossed = (*walk.scene.media)[medium];
+            if (crossed.grid != nullptr)
+                through *= crossed.grid->transmittance(
+                    {ray.origin, finite_end ? ray.direction / whole : ray.direction, distance}, numbers.row());
+            else through *= transmittance(crossed, distance);
         }
         if (!hit.valid()) return visible;
         const Hit hits[1] = {hit};

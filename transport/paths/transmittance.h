@@ -15,6 +15,8 @@ struct StraightWalk {
     const Record& record;
     IntegratorCounters& counters;
     bool to_the_end = false;  ///< goes on behind what lets nothing through, for the media there
+    /// For what is met by chance in grids: a key of the ray's own; no matter where there are none.
+    FlightNumbers numbers{0};
 };
 
 /// What the cutouts along a shadow ray let through of `visible`, 0 behind an opaque surface; moves `tracker` past them.

@@ -56,6 +56,8 @@ struct WalkVisitor {
     bool worth_colliding(std::uint32_t /*row*/) { return true; }
     /// The ray flew `distance` through a medium that could only take light away and left `passed`.
     void absorbs(std::uint32_t /*row*/, Real /*distance*/, const Rgb& /*passed*/, const Vec2& /*u*/) {}
+    /// The same in a grid, where the flight itself says at which distance light is lost.
+    void absorbs_at(std::uint32_t /*row*/, Real /*lost_at*/, const Rgb& /*passed*/) {}
     /// It met a particle after `distance`.
     void collides(std::uint32_t /*row*/, Real /*distance*/) {}
     /// The subpath is scattered at vertex j, by these lobes.
@@ -139,6 +141,11 @@ class Walk {
     template <class Visitor>
     bool crosses_medium(std::uint32_t row, const Ray& ray, Real distance, Visitor& visitor);
     template <class Visitor>
+    bool crosses_grid(std::uint32_t row, const Ray& ray, Real distance, Visitor& visitor);
+    bool lets_pass(std::uint32_t row, const Rgb& passed);
+    template <class Visitor>
+    bool flies(std::uint32_t row, const Ray& ray, const FreeFlight& flight, Visitor& visitor);
+    template <class Visitor>
     void arrive(std::uint32_t row, const SurfacePoint& point, Real time, Visitor& visitor);
     template <class Visitor>
     void append_collisions(Visitor& visitor);
@@ -207,22 +214,57 @@ template <class Visitor>
 bool Walk<mode>::crosses_medium(std::uint32_t row, const Ray& ray, Real distance, Visitor& visitor) {
     Subpath& path = paths_[row];
     const Medium& medium = (*scene_.media)[path.medium];
+    if (medium.grid != nullptr) return crosses_grid(row, ray, distance, visitor);
     if (mode == TransportMode::radiance && medium.emits) visitor.volume_emits(row, emission_along(medium, distance));
     const Vec2 u = samplers_[row].get_2d(dimensions.flights + path.segment);
     if (!medium.scatters || !visitor.worth_colliding(row)) {
         const Rgb passed = transmittance(medium, distance);
         visitor.absorbs(row, distance, passed, u);
-        path.beta *= passed;
-        if (is_camera_ray(path) || !path.beta.is_black())
-            return true;  // what a camera ray hits is asked for all the same
-        finish(row);
-        return false;
+        return lets_pass(row, passed);
     }
-    const FreeFlight flight = sample_free_flight(medium, path.beta, distance, u);
+    return flies(row, ray, sample_free_flight(medium, path.beta, distance, u), visitor);
+}
+
+/// The same through a grid. Apart, so that homogeneous media pay one test for it.
+template <TransportMode mode>
+template <class Visitor>
+[[gnu::noinline]] bool Walk<mode>::crosses_grid(std::uint32_t row, const Ray& ray, Real distance, Visitor& visitor) {
+    const Subpath& path = paths_[row];
+    const Medium& medium = (*scene_.media)[path.medium];
+    const MediumSegment segment{ray.origin, ray.direction, distance};
+    const std::uint32_t key = samplers_[row].key(dimensions.null_collisions + path.segment);
+    if (mode == TransportMode::radiance && medium.emits)
+        visitor.volume_emits(row, medium.grid->emission(segment, FlightNumbers(key, 1)));
+    if (medium.scatters && visitor.worth_colliding(row)) {
+        const Vec2 u = samplers_[row].get_2d(dimensions.flights + path.segment);
+        return flies(row, ray, medium.grid->sample_free_flight(segment, path.beta, u, FlightNumbers(key)), visitor);
+    }
+    if (!is_camera_ray(path)) return lets_pass(row, medium.grid->transmittance(segment, FlightNumbers(key)));
+    // Deep images want to know where light is lost, which what is known in closed form does not say: another estimate.
+    Real lost_at = 0;
+    const Rgb passed = medium.grid->transmittance(segment, FlightNumbers(key, 2), lost_at);
+    visitor.absorbs_at(row, lost_at, passed);
+    return lets_pass(row, medium.grid->transmittance(segment, FlightNumbers(key)));
+}
+
+/// What a medium has left of the path, which is not black. False: it ends.
+template <TransportMode mode>
+bool Walk<mode>::lets_pass(std::uint32_t row, const Rgb& passed) {
+    Subpath& path = paths_[row];
+    path.beta *= passed;
+    if (is_camera_ray(path) || !path.beta.is_black()) return true;  // what a camera ray hits is asked for all the same
+    finish(row);
+    return false;
+}
+
+template <TransportMode mode>
+template <class Visitor>
+bool Walk<mode>::flies(std::uint32_t row, const Ray& ray, const FreeFlight& flight, Visitor& visitor) {
+    Subpath& path = paths_[row];
     path.beta *= flight.weight;
     if (!flight.collided) return true;
     visitor.collides(row, flight.distance);
-    if (!medium.counts_depth) ++path.uncounted;
+    if (!(*scene_.media)[path.medium].counts_depth) ++path.uncounted;
     if (path.counted_depth() >= options_.max_depth || path.beta.is_black()) finish(row);
     else
         collisions_[collision_count_++] = {row, ray.origin + ray.direction * flight.distance, ray.direction, ray.time,

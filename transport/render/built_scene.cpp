@@ -53,7 +53,7 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
     if (scene->materials_.size() == 0)
         return error_at({description.file, 0, 0},
                         "the scene has no material; expected at least the default one at index 0");
-    auto media = MediumTable::build(description, scene->warnings);
+    auto media = MediumTable::build(description, scene->warnings, &space);
     if (!media) return media.error();
     scene->media_ = *std::move(media);
     const std::vector<std::int32_t> interiors = add_interiors(description, scene->materials_, scene->media_);

@@ -30,7 +30,7 @@ double brightest_light(const BuiltScene& scene) {
     for (std::size_t i = 0; i < media.size(); ++i)
         brightest =
             std::max(brightest,
-                     double(emission_along(media[static_cast<std::int32_t>(i)], static_cast<Real>(2 * radius)).max()));
+                     double(brightest_glow(media[static_cast<std::int32_t>(i)], static_cast<Real>(2 * radius)).max()));
     return brightest;
 }
 

@@ -21,9 +21,10 @@ enum class Effect : std::uint8_t {
     environment,
     instances,
     motion,
-    texture_filtering
+    texture_filtering,
+    varying_media
 };
-inline constexpr std::size_t effect_count = 15;
+inline constexpr std::size_t effect_count = 16;
 
 class EffectSet {
   public:

@@ -34,6 +34,8 @@ constexpr std::array<EffectInfo, effect_count> catalogue{{
      "all stands where it is halfway through the shutter's time", "each sample draws a time, which its rays carry"},
     {Effect::texture_filtering, "texture-filtering", "an image in use is filtered by what a pixel sees of it",
      "its texels as they are", ""},
+    {Effect::varying_media, "varying-media", "a medium in use differs from place to place",
+     "the same everywhere, dark: a density of 1, of an rgbgrid the mean", ""},
 }};
 
 constexpr std::array<AbsentEffect, 1> not_simulated{{
@@ -58,7 +60,8 @@ EffectFinding find_materials(const UsedSurfaces& used, const Test& test) {
     return finding(static_cast<std::size_t>(count), used.materials().size(), "materials in use");
 }
 
-EffectFinding find_media(const SceneDescription& scene, const UsedSurfaces& used) {
+/// [medium] Whether something refers to it.
+std::vector<std::uint8_t> used_media(const SceneDescription& scene, const UsedSurfaces& used) {
     std::vector<std::uint8_t> found(scene.media.size(), 0);
     const auto take = [&](int index) {
         if (index >= 0 && static_cast<std::size_t>(index) < found.size()) found[static_cast<std::size_t>(index)] = 1;
@@ -68,6 +71,18 @@ EffectFinding find_media(const SceneDescription& scene, const UsedSurfaces& used
         take(shape->inside_medium);
         take(shape->outside_medium);
     }
+    return found;
+}
+
+EffectFinding find_varying_media(const SceneDescription& scene, const UsedSurfaces& used) {
+    const std::vector<std::uint8_t> found = used_media(scene, used);
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < found.size(); ++i) count += found[i] != 0 && is_grid(scene.media[i]) ? 1 : 0;
+    return finding(count, scene.media.size(), "media");
+}
+
+EffectFinding find_media(const SceneDescription& scene, const UsedSurfaces& used) {
+    const std::vector<std::uint8_t> found = used_media(scene, used);
     const auto count = static_cast<std::size_t>(std::count(found.begin(), found.end(), 1));
     EffectFinding result = finding(count, scene.media.size(), "media");
     if (scene.camera_medium >= 0) result.why += ", one around the camera";
@@ -191,6 +206,7 @@ EffectFindings analyse_effects(const SceneDescription& scene) {
                                              (objects == 1 ? " object" : " different objects")});
     put(Effect::motion, find_motion(scene));
     put(Effect::texture_filtering, find_filters(used));
+    put(Effect::varying_media, find_varying_media(scene, used));
     return found;
 }
 

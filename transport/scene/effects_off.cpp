@@ -34,6 +34,27 @@ void leave_out_media(SceneDescription& scene) {
     erase_shapes(scene, [&](const SceneShape& shape) { return is_interface(scene, shape) && shape.area_light < 0; });
 }
 
+/// Of a grid of colours, their mean.
+void take_mean(Parameter& grid) {
+    std::vector<double> mean(3, 0.0);
+    const std::size_t count = grid.numbers.size() / 3;
+    for (std::size_t i = 0; i < 3 * count; ++i) mean[i % 3] += grid.numbers[i] / static_cast<double>(count);
+    if (count > 0) grid.numbers = std::move(mean);
+}
+
+void leave_out_varying_media(SceneDescription& scene) {
+    static const std::set<std::string> kept{"sigma_a", "sigma_s", "preset", "scale", "g"};
+    for (SceneMedium& medium : scene.media) {
+        if (!is_grid(medium)) continue;
+        std::vector<Parameter>& parameters = medium.parameters.parameters;
+        std::erase_if(parameters, [](const Parameter& each) { return !kept.contains(each.name); });
+        if (medium.type == "rgbgrid")
+            for (Parameter& each : parameters)
+                if (each.type == ParameterType::rgb) take_mean(each);
+        medium.type = "homogeneous";
+    }
+}
+
 void leave_out_lens(SceneDescription& scene) {
     std::erase_if(scene.camera.parameters.parameters, [](const Parameter& each) { return each.name == "lensradius"; });
 }
@@ -173,6 +194,9 @@ Status leave_out(SceneDescription& scene, Effect effect) {
             break;
         case Effect::texture_filtering:
             read_images_unfiltered(scene);
+            break;
+        case Effect::varying_media:
+            leave_out_varying_media(scene);
             break;
         case Effect::motion:
             return stop_motion(scene);

@@ -32,6 +32,11 @@ namespace raylex::transport {
 [[nodiscard]] inline bool has_cutouts(const SceneDescription& scene, const SceneShape& shape) {
     return !is_interface(scene, shape) && (shape.alpha < 1 || !shape.alpha_texture.empty());
 }
+/// A medium that differs from place to place.
+[[nodiscard]] inline bool is_grid(const SceneEntity& medium) {
+    return medium.type == "uniformgrid" || medium.type == "rgbgrid" || medium.type == "cloud" ||
+           medium.type == "nanovdb";
+}
 [[nodiscard]] inline bool is_delta_light(const SceneEntity& light) {
     return light.type == "point" || light.type == "spot" || light.type == "distant";
 }

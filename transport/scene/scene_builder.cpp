@@ -215,15 +215,21 @@ MaterialHandle SceneBuilder::material_named(const SceneName& name, const SourceL
 }
 
 Result<MediumHandle> SceneBuilder::add_medium(const SceneName& name, const std::string& type,
-                                              SceneParameters parameters, const SourceLocation& where) {
+                                              SceneParameters parameters, const Transform& to_world,
+                                              const SourceLocation& where) {
     if (const auto earlier = named_media_.find(name.text); earlier != named_media_.end())
         return defined_twice("medium", name, where, scene_.media[static_cast<std::size_t>(earlier->second)].location);
+    const Result<Transform> transform = settled(to_world, where);
+    if (!transform) return transform.error();
     Result<SceneEntity> entity = make_entity(type, EntityKind::medium, std::move(parameters), where);
     if (!entity) return entity.error();
-    entity->name = name.text;
+    SceneMedium medium;
+    static_cast<SceneEntity&>(medium) = std::move(*entity);
+    medium.name = name.text;
+    medium.to_world = *transform;
     const int index = static_cast<int>(scene_.media.size());
     named_media_[name.text] = index;
-    scene_.media.push_back(std::move(*entity));
+    scene_.media.push_back(std::move(medium));
     return MediumHandle{index};
 }
 

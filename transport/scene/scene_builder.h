@@ -138,7 +138,9 @@ class SceneBuilder {
     /// A material that is defined somewhere, perhaps later.
     MaterialHandle material_named(const SceneName& name,
                                   const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
+    /// `to_world` is where a grid's box stands.
     Result<MediumHandle> add_medium(const SceneName& name, const std::string& type, SceneParameters parameters,
+                                    const Transform& to_world = {},
                                     const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
     /// A medium that has been added.
     [[nodiscard]] Result<MediumHandle> medium_named(const SceneName& name,

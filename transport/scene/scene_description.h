@@ -35,6 +35,11 @@ struct SceneTexture : SceneEntity {
     Transform to_world;     ///< current transform at its definition (planar, spherical ... mappings)
 };
 
+/// By MakeNamedMedium.
+struct SceneMedium : SceneEntity {
+    Transform to_world;  ///< current transform at its definition: where its grid stands
+};
+
 enum class ShapeKind : std::uint8_t { triangle_mesh, bilinear_mesh, sphere, disk, cylinder, curves };
 
 /// What a curve's width is of: a ribbon that faces every ray, a tube, or a ribbon that its normals turn.
@@ -125,7 +130,7 @@ struct SceneDescription {
     ColorContext color;
     std::vector<SceneEntity> materials;  ///< [0] is the default diffuse material
     std::vector<SceneTexture> textures;
-    std::vector<SceneEntity> media;  ///< by MakeNamedMedium
+    std::vector<SceneMedium> media;
     std::vector<SceneShape> shapes;
     std::vector<SceneObject> objects;
     std::vector<SceneInstance> instances;

@@ -62,6 +62,10 @@ class SceneHash {
         add(texture.spectrum);
         add(texture.to_world);
     }
+    void add(const SceneMedium& medium) {
+        add(static_cast<const SceneEntity&>(medium));
+        add(medium.to_world);
+    }
     void add(const SceneLight& light) {
         add(static_cast<const SceneEntity&>(light));
         add(light.to_world);

@@ -1,0 +1,235 @@
+#include "transport/media/grid_medium.h"
+
+namespace raylex::transport {
+namespace {
+
+/// Below this what a ray still carries is played for: half of it goes on with twice as much.
+constexpr Real worth_going_on = Real(0.1);
+
+/// False: the game is lost, and nothing left.
+bool plays_on(Rgb& left, FlightNumbers& numbers) {
+    if (left.max() >= worth_going_on) return true;
+    const bool wins = numbers.next() < Real(0.5);
+    left *= wins ? Real(2) : Real(0);
+    return wins;
+}
+
+/// What is left of each colour where a null collision had the chance extinction / majorant not to be one.
+Rgb left_over(const Rgb& extinction, Real majorant) {
+    const Real inverse = 1 / majorant;
+    const auto left = [&](Real e) { return std::max(1 - e * inverse, Real(0)); };
+    return {left(extinction.r), left(extinction.g), left(extinction.b)};
+}
+
+/// The particles, real or null, that a flight through a Poisson process meets: `majorant_of()` is its density per unit
+/// of distance in the cell where `walk` stands, `meet(t, majorant)` is called at each and says whether to fly on.
+/// `depth` is the optical depth of the first.
+template <class Majorant, class Meet>
+void fly(CellWalk& walk, Real depth, FlightNumbers& numbers, const Majorant& majorant_of, const Meet& meet) {
+    for (; walk.inside(); walk.next()) {
+        const Real majorant = majorant_of();
+        if (!(majorant > 0)) continue;
+        const Real apart = 1 / majorant;
+        Real t = walk.begin();
+        for (;;) {
+            const Real met = t + depth * apart;
+            if (!(met < walk.end())) break;
+            t = met;
+            if (!meet(t, majorant)) return;
+            depth = optical_depth(numbers.next_2d());
+        }
+        depth = std::max(depth - (walk.end() - t) * majorant, Real(0));
+    }
+}
+
+}  // namespace
+
+GridMedium::GridMedium(GridMediumParts parts) : parts_(std::move(parts)), sigma_t_(parts_.sigma_a + parts_.sigma_s) {
+    const std::size_t cells = parts_.frame.box.count();
+    grey_ = !coloured() && sigma_t_.r == sigma_t_.g && sigma_t_.g == sigma_t_.b;
+    largest_ = coloured() ? 1 : sigma_t_.max();
+    unit_ = largest_ * parts_.majorant_factor;
+    if (parts_.cloud) bounds_ = parts_.cloud->bounds(parts_.frame.box);
+    else bounds_.resize(cells);
+    const Real a = parts_.sigma_a.r, s = parts_.sigma_s.r;
+    for (std::size_t i = 0; i < cells && !parts_.cloud; ++i) {
+        if (!coloured()) {
+            bounds_[i] = parts_.density.bounds(i);
+            continue;
+        }
+        const CellBounds absorbs = parts_.absorption.bounds(i), scatters = parts_.scattering.bounds(i);
+        bounds_[i] = {to_float(a * static_cast<Real>(absorbs.least) + s * static_cast<Real>(scatters.least)),
+                      to_float(a * static_cast<Real>(absorbs.most) + s * static_cast<Real>(scatters.most))};
+    }
+    if (!parts_.emission) return;
+    const GridEmission& emission = *parts_.emission;
+    shines_.resize(cells);
+    float most = 0;
+    for (std::size_t i = 0; i < cells; ++i) {
+        shines_[i] = bounds_[i].most > 0 && emission.may_shine(i) ? 1 : 0;
+        if (shines_[i] != 0) most = std::max(most, bounds_[i].most);
+    }
+    brightest_ = emission.brightest() * static_cast<Real>(most);
+    if (!coloured()) brightest_ *= parts_.sigma_a;
+}
+
+std::size_t GridMedium::bytes() const {
+    return parts_.density.bytes() + parts_.absorption.bytes() + parts_.scattering.bytes() +
+           bounds_.size() * sizeof(CellBounds) + shines_.size() + (parts_.emission ? parts_.emission->bytes() : 0);
+}
+
+/// A cloud has no more than its majorant says.
+Real GridMedium::density(const CellWalk& walk, Real t) const {
+    if (!parts_.cloud) return parts_.density.real(walk.cell(), walk.local(t));
+    return std::min(parts_.cloud->in_box(walk.in_box(t)), static_cast<Real>(bounds_[walk.cell()].most));
+}
+
+Rgb GridMedium::extinction(const CellWalk& walk, Real t) const {
+    if (!coloured()) return sigma_t_ * density(walk, t);
+    const Vec3 local = walk.local(t);
+    return parts_.absorption.rgb(walk.cell(), local) * parts_.sigma_a +
+           parts_.scattering.rgb(walk.cell(), local) * parts_.sigma_s;
+}
+
+MediumPoint GridMedium::coefficients(std::size_t cell, const Vec3& local, const Vec3& in_box) const {
+    MediumPoint point{parts_.sigma_a, parts_.sigma_s, Rgb(0)};
+    if (coloured()) {
+        point.sigma_a *= parts_.absorption.rgb(cell, local);
+        point.sigma_s *= parts_.scattering.rgb(cell, local);
+    } else {
+        const Real d = parts_.cloud ? std::min(parts_.cloud->in_box(in_box), static_cast<Real>(bounds_[cell].most))
+                                    : parts_.density.real(cell, local);
+        point.sigma_a *= d;
+        point.sigma_s *= d;
+    }
+    if (parts_.emission) point.emission = point.sigma_a * parts_.emission->at(cell, local, in_box);
+    return point;
+}
+
+FreeFlight GridMedium::sample_free_flight(const MediumSegment& segment, const Rgb& throughput, const Vec2& u,
+                                          FlightNumbers numbers) const {
+    const CellWalk walk(parts_.frame, segment);
+    const Real depth = optical_depth(u);
+    return grey_ ? fly_grey(walk, segment.end, depth, numbers)
+                 : fly_coloured(walk, segment.end, throughput, depth, numbers);
+}
+
+FreeFlight GridMedium::fly_grey(CellWalk walk, Real end, Real depth, FlightNumbers numbers) const {
+    FreeFlight flight{end, false, Rgb(1)};
+    const auto meet = [&](Real t, Real majorant) {
+        const Real v = numbers.next() * majorant;
+        // What the cell has everywhere needs no look-up.
+        const Real surely = static_cast<Real>(bounds_[walk.cell()].least) * largest_;
+        if (!(v < surely || v < density(walk, t) * largest_)) return true;
+        flight = {walk.distance(t), true, parts_.sigma_s / largest_};
+        return false;
+    };
+    fly(
+        walk, depth, numbers, [&] { return majorant_in(walk.cell()); }, meet);
+    return flight;
+}
+
+FreeFlight GridMedium::fly_coloured(CellWalk walk, Real end, const Rgb& throughput, Real depth,
+                                    FlightNumbers numbers) const {
+    FreeFlight flight{end, false, Rgb(1)};
+    Rgb share = shares(throughput);
+    for (int c = 0; c < 3; ++c)
+        if (!(share[c] > 0)) flight.weight[c] = 0;  // the throughput is black there, and stays so
+    const auto meet = [&](Real t, Real majorant) {
+        const Rgb left = left_over(extinction(walk, t), majorant);
+        const Real passes = std::min(share.r * left.r + share.g * left.g + share.b * left.b, Real(1));
+        if (numbers.next() < passes) {
+            flight.weight *= left / passes;
+            share *= left / passes;
+            return true;
+        }
+        const MediumPoint here = coefficients(walk.cell(), walk.local(t), walk.in_box(t));
+        flight.distance = walk.distance(t);
+        flight.collided = true;
+        flight.weight *= here.sigma_s / ((1 - passes) * majorant);
+        return false;
+    };
+    fly(
+        walk, depth, numbers, [&] { return majorant_in(walk.cell()); }, meet);
+    return flight;
+}
+
+Rgb GridMedium::transmittance(const MediumSegment& segment, FlightNumbers numbers) const {
+    Real constant = 0;  // optical depth of the cells' least, at a sigma_t of 1
+    Rgb ratio(1);
+    CellWalk walk(parts_.frame, segment);
+    const auto least = [&] { return static_cast<Real>(bounds_[walk.cell()].least); };
+    const auto rest_of_majorant = [&] {
+        constant += least() * (walk.end() - walk.begin());
+        return majorant_in(walk.cell()) - least() * largest_;
+    };
+    const auto meet = [&](Real t, Real majorant) {
+        const Rgb rest = coloured() ? extinction(walk, t) - Rgb(least()) : sigma_t_ * (density(walk, t) - least());
+        ratio *= left_over(rest, majorant);
+        return plays_on(ratio, numbers);
+    };
+    const Real depth = optical_depth(numbers.next_2d());
+    fly(walk, depth, numbers, rest_of_majorant, meet);
+    const auto constant_part = [&](Real sigma) { return elementary::exp(-sigma * constant); };
+    if (coloured() || grey_) return ratio * constant_part(largest_);
+    return ratio * Rgb(constant_part(sigma_t_.r), constant_part(sigma_t_.g), constant_part(sigma_t_.b));
+}
+
+Rgb GridMedium::transmittance(const MediumSegment& segment, FlightNumbers numbers, Real& lost_at) const {
+    Rgb left(1);
+    Real lost = 0;
+    lost_at = segment.end;
+    CellWalk walk(parts_.frame, segment);
+    const auto meet = [&](Real t, Real majorant) {
+        const Real before = left.average();
+        left *= left_over(extinction(walk, t), majorant);
+        // One of all losses is kept, in proportion to them.
+        const Real loss = before - left.average();
+        lost += loss;
+        if (loss > 0 && numbers.next() * lost < loss) lost_at = walk.distance(t);
+        return !left.is_black();
+    };
+    const Real depth = optical_depth(numbers.next_2d());
+    fly(
+        walk, depth, numbers, [&] { return majorant_in(walk.cell()); }, meet);
+    return left;
+}
+
+Rgb GridMedium::emission(const MediumSegment& segment, FlightNumbers numbers) const {
+    Rgb left(1), sum(0);
+    if (shines_.empty()) return sum;
+    CellWalk walk(parts_.frame, segment);
+    const Real once_a_cell = walk.inside() ? walk.cells_per_distance() : Real(0);
+    // Thin fire shines too: it is looked at about once a cell, however rarely particles are met.
+    const auto majorant_of = [&] {
+        const Real majorant = majorant_in(walk.cell());
+        return shines_[walk.cell()] != 0 ? std::max(majorant, once_a_cell) : majorant;
+    };
+    const auto meet = [&](Real t, Real majorant) {
+        if (shines_[walk.cell()] != 0) {
+            const MediumPoint here = coefficients(walk.cell(), walk.local(t), walk.in_box(t));
+            sum += left * here.emission / majorant;
+            left *= left_over(here.sigma_a + here.sigma_s, majorant);
+        } else {
+            left *= left_over(extinction(walk, t), majorant);
+        }
+        return plays_on(left, numbers);
+    };
+    const Real depth = optical_depth(numbers.next_2d());
+    fly(walk, depth, numbers, majorant_of, meet);
+    return sum;
+}
+
+MediumPoint GridMedium::at(const Vec3& point) const {
+    const CellWalk walk(parts_.frame, {point, {0, 0, 1}, infinity});
+    if (!walk.inside() || walk.distance(0) > 0) return {};
+    return coefficients(walk.cell(), walk.local(0), walk.in_box(0));
+}
+
+Real GridMedium::majorant(const Vec3& point) const {
+    const CellWalk walk(parts_.frame, {point, {0, 0, 1}, infinity});
+    if (!walk.inside() || walk.distance(0) > 0) return 0;
+    return majorant_in(walk.cell());
+}
+
+}  // namespace raylex::transport

@@ -1,0 +1,23 @@
+// What media of all types read from their parameters.
+#pragma once
+
+#include "transport/geometry/matrix34.h"
+#include "transport/media/medium.h"
+
+namespace raylex::transport {
+
+/// Coefficients where the density is 1, per unit of world length.
+struct MediumCoefficients {
+    Rgb sigma_a{1}, sigma_s{1};
+};
+/// "sigma_a" and "sigma_s", or a measured "preset", times "scale". As in pbrt a preset goes before coefficients that
+/// stand beside it; these stay unread and get a warning.
+Result<MediumCoefficients> read_coefficients(const SceneEntity& entity, const ColorContext& color);
+/// "g", above -1 and below 1.
+Result<Real> read_asymmetry(const SceneEntity& entity);
+/// Numbers from 0 up, and finite: what is left of `name` when it has been scaled.
+Status check_coefficients(const Rgb& value, const char* name, const SceneEntity& entity);
+/// The parameter as one point3.
+Result<DVec3> point_or(const ParameterSet& set, const char* name, const DVec3& fallback);
+
+}  // namespace raylex::transport
