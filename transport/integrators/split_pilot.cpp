@@ -70,6 +70,8 @@ class SplitPilot {
                 channels_.push_back(static_cast<display::ChannelId>(i));
     }
 
+    /// Values without throughput count paths as they are drawn: one of each sample.
+    [[nodiscard]] bool counts_paths() const { return lpe_.wants_emitter_samples(); }
     void run();
     /// Of n rays, after run().
     [[nodiscard]] double cost_times_variance(std::uint8_t rays) const {
@@ -241,8 +243,9 @@ void SplitPilot::find_variances() {
 
 SplitPlan choose_splits(const IntegratorContext& context, const SplitTrials& trials) {
     SplitPilot pilot(context, trials);
-    pilot.run();
     SplitPlan best;
+    if (pilot.counts_paths()) return best;
+    pilot.run();
     if (!(pilot.costs().behind > 0)) return best;  // nothing is split
     double least = pilot.cost_times_variance(1);
     for (const std::uint8_t rays : ray_counts) {

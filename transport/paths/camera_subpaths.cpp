@@ -76,6 +76,7 @@ void CameraSubpaths::report_surfaces() {
 }
 
 void CameraSubpaths::keep_live_lobes() {
+    if (record_.wants_blocked_light()) return;  // values without throughput count paths as they are drawn
     const VertexBatch& v = vertices();
     for (std::size_t j = 0; j < v.surfaces; ++j) {
         const std::optional<SideLobes> lobes = v.bsdfs[j].side_lobes();
