@@ -48,15 +48,13 @@ void FrameBuffer::splat(const SampleTable& table, std::span<const int> rows) {
             if (values[0] != 0 || values[1] != 0 || values[2] != 0) parts.push_back({&channel, index, values});
         }
         if (parts.empty()) continue;
-        for_each_reached(kernel, table.camera_row(row), layout.width, layout.height,
-                         [&](std::size_t pixel, double weight) {
-                             for (const auto& [channel, index, values] : parts) {
-                                 const std::array<double, 3> terms{weight * values[0], weight * values[1],
-                                                                   weight * values[2]};
-                                 storage.add(channel->raster_sum, 3 * pixel, terms.data(), 3, storage.exponents[index],
-                                             index);
-                             }
-                         });
+        for_each_reached(
+            kernel, table.camera_row(row), layout.width, layout.height, [&](std::size_t pixel, double weight) {
+                for (const auto& [channel, index, values] : parts) {
+                    const std::array<double, 3> terms{weight * values[0], weight * values[1], weight * values[2]};
+                    storage.add(channel->raster_sum, 3 * pixel, terms.data(), 3, storage.exponents[index], index);
+                }
+            });
     }
 }
 

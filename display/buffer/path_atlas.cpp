@@ -254,8 +254,7 @@ std::vector<double> PathAtlas::light_of_words() const {
             }
     std::vector<double> light;
     for (const Int128 sum : sums)
-        light.push_back(
-            static_cast<double>(to_long_double(sum, quantum_exponent + settings_.scale_exponent + 24)));
+        light.push_back(static_cast<double>(to_long_double(sum, quantum_exponent + settings_.scale_exponent + 24)));
     return light;
 }
 

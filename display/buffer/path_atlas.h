@@ -41,8 +41,8 @@ class PathAtlas final : public SampleSink {
 
     struct Settings {
         int width = 0, height = 0;
-        int scale_exponent = 0;      ///< ChannelDefinition::scale_exponent of the beauty
-        std::uint64_t budget = 0;    ///< bytes; 0: none
+        int scale_exponent = 0;               ///< ChannelDefinition::scale_exponent of the beauty
+        std::uint64_t budget = 0;             ///< bytes; 0: none
         const PixelFilter* raster = nullptr;  ///< the kernel of raster splats, which must outlive this; null: none come
     };
     explicit PathAtlas(const Settings& settings);

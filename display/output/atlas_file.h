@@ -60,7 +60,7 @@ struct WordSample {
 struct AtlasRow {
     std::vector<std::uint32_t> begin;  ///< [pixel + 1] into samples
     std::vector<WordSample> samples;
-    std::vector<std::array<float, 4>> rgba;                 ///< of the render
+    std::vector<std::array<float, 4>> rgba;                   ///< of the render
     std::vector<std::array<float, PathAtlas::parts>> counts;  ///< of the pixel's samples
 };
 

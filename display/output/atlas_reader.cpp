@@ -41,8 +41,9 @@ Error atlas_error(const std::string& path, const std::string& message) {
 }
 
 Error no_atlas(const std::string& path) {
-    return atlas_error(path, "this is no path atlas: it has no parts 'rgba', 'words' and 'parts' as raylex render "
-                             "--atlas writes them");
+    return atlas_error(path,
+                       "this is no path atlas: it has no parts 'rgba', 'words' and 'parts' as raylex render "
+                       "--atlas writes them");
 }
 
 int part_named(const Imf::MultiPartInputFile& file, const char* name, bool deep) {
@@ -66,17 +67,17 @@ void read_deep(Imf::DeepScanLineInputPart& part, const Imf::DeepFrameBuffer& buf
 
 struct AtlasFile::Impl {
     explicit Impl(const std::string& file_path)
-        : path(file_path), file(file_path.c_str()), indices{part_named(file, AtlasLayout::parts[0], false),
-                                                            part_named(file, AtlasLayout::parts[1], true),
-                                                            part_named(file, AtlasLayout::parts[2], true)} {}
+        : path(file_path),
+          file(file_path.c_str()),
+          indices{part_named(file, AtlasLayout::parts[0], false), part_named(file, AtlasLayout::parts[1], true),
+                  part_named(file, AtlasLayout::parts[2], true)} {}
 
     void read_band(int y);
     void read_flat(int first, int last);
     void read_words(int first, int last);
     void read_parts(int first, int last);
     template <class Value>
-    void insert(Imf::DeepFrameBuffer& buffer, const std::string& name, Imf::PixelType type,
-                std::vector<Value>& values);
+    void insert(Imf::DeepFrameBuffer& buffer, const std::string& name, Imf::PixelType type, std::vector<Value>& values);
     [[nodiscard]] Imf::DeepFrameBuffer with_counts();
     [[nodiscard]] std::ptrdiff_t before() const { return std::ptrdiff_t{band_begin} * width + min_x; }
 
@@ -124,7 +125,8 @@ void AtlasFile::Impl::read_words(int first, int last) {
     begin.assign(1, 0);
     for (const unsigned count : counts) {
         begin.push_back(begin.back() + count);
-        if (begin.back() > most_band_samples) throw std::runtime_error("its rows claim more samples than any atlas has");
+        if (begin.back() > most_band_samples)
+            throw std::runtime_error("its rows claim more samples than any atlas has");
     }
     insert(buffer, AtlasLayout::word, Imf::UINT, words);
     for (std::size_t c = 0; c < 3; ++c) insert(buffer, AtlasLayout::colors[c], Imf::FLOAT, colors[c]);
@@ -226,8 +228,7 @@ Status AtlasFile::row(int y, AtlasRow& row) {
         if (line < impl.band_begin || line >= impl.band_end) impl.read_band(y);
     } catch (const std::exception& exception) {
         impl.band_begin = impl.band_end = 0;
-        return atlas_error(impl.path,
-                           std::string("the atlas is truncated or damaged: ") + exception.what());
+        return atlas_error(impl.path, std::string("the atlas is truncated or damaged: ") + exception.what());
     }
     const auto width = static_cast<std::size_t>(impl.width);
     const std::size_t first = static_cast<std::size_t>(line - impl.band_begin) * width;
@@ -257,9 +258,7 @@ bool is_atlas(const std::string& path) {
         const Imf::MultiPartInputFile file(path.c_str());
         for (int i = 0; i < file.parts(); ++i)
             if (file.header(i).findTypedAttribute<Imf::StringAttribute>("atlas/version") != nullptr) return true;
-    } catch (const std::exception&) {
-        return false;
-    }
+    } catch (const std::exception&) { return false; }
     return false;
 }
 

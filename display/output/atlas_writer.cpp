@@ -65,13 +65,13 @@ class AtlasBand {
     }
     [[nodiscard]] const Status& status() const { return status_; }
 
-    void write(Imf::OutputPart& flat, Imf::DeepScanLineOutputPart& words, Imf::DeepScanLineOutputPart& parts, int rows) {
+    void write(Imf::OutputPart& flat, Imf::DeepScanLineOutputPart& words, Imf::DeepScanLineOutputPart& parts,
+               int rows) {
         write_flat(flat, rows);
         Imf::DeepFrameBuffer of_words = with_counts(), of_parts = with_counts();
         insert(of_words, AtlasLayout::word, Imf::UINT, words_);
         for (std::size_t c = 0; c < 3; ++c) insert(of_words, AtlasLayout::colors[c], Imf::FLOAT, colors_[c]);
-        for (std::size_t k = 0; k < PathAtlas::parts; ++k)
-            insert(of_parts, AtlasLayout::part(k), Imf::HALF, parts_[k]);
+        for (std::size_t k = 0; k < PathAtlas::parts; ++k) insert(of_parts, AtlasLayout::part(k), Imf::HALF, parts_[k]);
         words.setFrameBuffer(of_words);
         words.writePixels(rows);
         parts.setFrameBuffer(of_parts);
@@ -91,8 +91,8 @@ class AtlasBand {
         const auto before = static_cast<std::ptrdiff_t>(static_cast<std::size_t>(y0_) * line);
         Imf::FrameBuffer buffer;
         for (std::size_t p = 0; p < planes.size(); ++p)
-            buffer.insert(planes[p], Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(flat_.data() + p) - before, pixel,
-                                                line));
+            buffer.insert(planes[p],
+                          Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(flat_.data() + p) - before, pixel, line));
         part.setFrameBuffer(buffer);
         part.writePixels(rows);
     }

@@ -87,7 +87,8 @@ LightWord LpeServices::prepend_states(LightWords& words, const LightWord& word, 
 LightWord LpeServices::prepend_states(LightWords& words, const LightWord& word, std::span<const LobePart> parts,
                                       std::uint64_t key) {
     if (words.language_ == nullptr) return words.keep(parts, &word);
-    if (word.branches_ == 0 || parts.size() == 1) return parts.empty() ? word : prepend_states(words, word, parts[0].event);
+    if (word.branches_ == 0 || parts.size() == 1)
+        return parts.empty() ? word : prepend_states(words, word, parts[0].event);
     if (parts.empty()) return {};
     const SplitWord split = prepend_split(words, word, parts, key);
     if (split.overflow) ++overflow_count_;

@@ -254,8 +254,8 @@ class LpeServices {
     void join_states(Tracker& tracker, const LightWords& words, const LightWord& word);
     [[nodiscard]] LightWord begin_states(LightWords& words, lpe::EventClass terminal) const;
     [[nodiscard]] LightWord prepend_states(LightWords& words, const LightWord& word, lpe::EventClass event) const;
-    [[nodiscard]] LightWord prepend_states(LightWords& words, const LightWord& word,
-                                           std::span<const LobePart> parts, std::uint64_t key);
+    [[nodiscard]] LightWord prepend_states(LightWords& words, const LightWord& word, std::span<const LobePart> parts,
+                                           std::uint64_t key);
     void keep_move(Tracker& tracker, std::span<const LobePart> parts) const;
     void keep_move(Tracker& tracker, lpe::EventClass event) const;
     void keep_light(const Rgb& value, const Tracker& tracker) const;

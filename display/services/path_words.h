@@ -1,10 +1,10 @@
 // The words of a batch's contributions, for a path atlas: the third thing that the LPE services keep, beside beauty and
 // channels.
 //
-// A tracker carries, beside its pairs of (automaton state, share), a handle to the events it was moved along. Nothing is
-// made of them before light arrives: then the words of every prefix are worked out once, each a pair (word, share) by
-// Law 5, with no bound on their number but that of the words the path can mean. Shares of one contribution sum to 1, so
-// its words sum to what beauty takes.
+// A tracker carries, beside its pairs of (automaton state, share), a handle to the events it was moved along. Nothing
+// is made of them before light arrives: then the words of every prefix are worked out once, each a pair (word, share)
+// by Law 5, with no bound on their number but that of the words the path can mean. Shares of one contribution sum to 1,
+// so its words sum to what beauty takes.
 //
 // One thread's, kept by its SampleTable and emptied with it. Nothing is allocated per sample but by growing.
 #pragma once

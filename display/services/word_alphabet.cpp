@@ -67,8 +67,9 @@ Result<WordRules> parse_word_rules(const std::string& text, const SourceLocation
         if (known) continue;
         const std::string near = nearest_name(word, names);
         return error_at(where,
-                        "'" + word + "' is nothing that words are told apart by; expected label, lobe, group or "
-                                     "straight, or several with commas between",
+                        "'" + word +
+                            "' is nothing that words are told apart by; expected label, lobe, group or "
+                            "straight, or several with commas between",
                         near.empty() ? std::string() : "did you mean '" + near + "'?");
     }
     return rules;

@@ -26,7 +26,7 @@ struct WordRules {
     bool groups = true;     ///< of lights; L, B and O always are
     bool straight = false;  ///< light straight through cutouts, which only the osl dialect sees
     static constexpr int most_length = 1000;
-    int length = 8;         ///< scatterings of the longest word kept whole
+    int length = 8;  ///< scatterings of the longest word kept whole
 };
 
 /// "label,lobe,group,straight", any of them. Errors at `where`.

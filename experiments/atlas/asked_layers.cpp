@@ -24,13 +24,16 @@ Status check_channel(const display::ChannelDefinition& channel, const display::A
                                                   : Result<std::vector<std::string>>(std::vector<std::string>());
     if (!prefixes) return prefixes.error();
     if (!prefixes->empty())
-        return error_at(where, "channel '" + channel.name + "' has the prefix '" + prefixes->front() +
-                                   "', and an atlas keeps the light of words, which prefixes change",
+        return error_at(where,
+                        "channel '" + channel.name + "' has the prefix '" + prefixes->front() +
+                            "', and an atlas keeps the light of words, which prefixes change",
                         "render it with --lpe, or leave out the prefix");
     if (channel.dialect == lpe::Dialect::osl && atlas.table().dropped_straight)
-        return error_at(where, "channel '" + channel.name +
-                                   "' is of the dialect osl, which sees light pass straight through cutouts, and "
-                                   "the atlas " + atlas.path() + " did not keep that",
+        return error_at(where,
+                        "channel '" + channel.name +
+                            "' is of the dialect osl, which sees light pass straight through cutouts, and "
+                            "the atlas " +
+                            atlas.path() + " did not keep that",
                         "render the atlas with --atlas-by label,lobe,group,straight");
     return success();
 }
@@ -152,10 +155,12 @@ class AskedLayers::Builder {
         }
         sums_.resize(targets_.size());
         if (!to_.undecided_.empty() && atlas_.table().is_signed)
-            return error_at({atlas_.path(), 0, 0},
-                            "light of single words may be negative here, for the pixel filter has negative lobes: there "
-                            "are no intervals for channel '" + to_.undecided_.front() + "'",
-                            "render the atlas with box, triangle, gaussian or blackman-harris");
+            return error_at(
+                {atlas_.path(), 0, 0},
+                "light of single words may be negative here, for the pixel filter has negative lobes: there "
+                "are no intervals for channel '" +
+                    to_.undecided_.front() + "'",
+                "render the atlas with box, triangle, gaussian or blackman-harris");
         return success();
     }
     Error refuse(const display::ChannelDefinition& channel, std::uint32_t word) const {
@@ -184,8 +189,8 @@ class AskedLayers::Builder {
             const Sum& sum = sums_[channel];
             put(targets_[channel].least, sum.sure);
             if (targets_[channel].most >= 0)
-                put(targets_[channel].most, {sum.sure[0] + sum.possible[0], sum.sure[1] + sum.possible[1],
-                                             sum.sure[2] + sum.possible[2]});
+                put(targets_[channel].most,
+                    {sum.sure[0] + sum.possible[0], sum.sure[1] + sum.possible[1], sum.sure[2] + sum.possible[2]});
             if (targets_[channel].error >= 0)
                 to_.layers_[static_cast<std::size_t>(targets_[channel].error)].pixels.push_back(
                     static_cast<float>(standard_error(sum.luminance, row.counts[x])));
@@ -196,9 +201,9 @@ class AskedLayers::Builder {
     }
     static void add_parts(const display::WordSample& sample, Parts& luminance) {
         const double whole = (static_cast<double>(sample.rgb[0]) + static_cast<double>(sample.rgb[1]) +
-                              static_cast<double>(sample.rgb[2])) / 3;
-        for (std::size_t k = 0; k < luminance.size(); ++k)
-            luminance[k] += whole * static_cast<double>(sample.parts[k]);
+                              static_cast<double>(sample.rgb[2])) /
+                             3;
+        for (std::size_t k = 0; k < luminance.size(); ++k) luminance[k] += whole * static_cast<double>(sample.parts[k]);
     }
     void put(int layer, const std::array<double, 3>& rgb) {
         std::vector<float>& pixels = to_.layers_[static_cast<std::size_t>(layer)].pixels;
@@ -224,7 +229,8 @@ std::vector<double> AskedLayers::resolve(display::ChannelId id, const display::P
     std::vector<double> values;
     for (int y = region.y0; y < region.y1; ++y) {
         const std::size_t first = (static_cast<std::size_t>(y) * static_cast<std::size_t>(layout_.width) +
-                                   static_cast<std::size_t>(region.x0)) * layer.components;
+                                   static_cast<std::size_t>(region.x0)) *
+                                  layer.components;
         const std::size_t count = static_cast<std::size_t>(region.width()) * layer.components;
         for (std::size_t i = first; i < first + count; ++i) values.push_back(static_cast<double>(layer.pixels[i]));
     }
@@ -235,9 +241,9 @@ std::vector<double> AskedLayers::resolve_alpha(const display::PixelRegion& regio
     std::vector<double> values;
     for (int y = region.y0; y < region.y1; ++y)
         for (int x = region.x0; x < region.x1; ++x)
-            values.push_back(static_cast<double>(alpha_[static_cast<std::size_t>(y) *
-                                                            static_cast<std::size_t>(layout_.width) +
-                                                        static_cast<std::size_t>(x)]));
+            values.push_back(
+                static_cast<double>(alpha_[static_cast<std::size_t>(y) * static_cast<std::size_t>(layout_.width) +
+                                           static_cast<std::size_t>(x)]));
     return values;
 }
 

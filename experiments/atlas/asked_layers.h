@@ -31,8 +31,7 @@ class AskedLayers final : public display::PixelImage {
 
     [[nodiscard]] const display::FrameBufferLayout& layout() const override { return layout_; }
     [[nodiscard]] std::span<const display::ChannelDefinition> channels() const override { return channels_; }
-    [[nodiscard]] std::vector<double> resolve(display::ChannelId id,
-                                              const display::PixelRegion& region) const override;
+    [[nodiscard]] std::vector<double> resolve(display::ChannelId id, const display::PixelRegion& region) const override;
     [[nodiscard]] std::vector<double> resolve_alpha(const display::PixelRegion& region) const override;
     /// Channels of the plan that became intervals: partitions with these are none.
     [[nodiscard]] const std::vector<std::string>& undecided() const { return undecided_; }
@@ -53,9 +52,9 @@ class AskedLayers final : public display::PixelImage {
 /// Compiles the expression channels of a plan, `program_channel` [plan channel] their places; -1: no expression.
 Result<lpe::Program> compile_plan(const ChannelPlan& plan, std::vector<std::int32_t>& program_channel);
 
-/// The standard error of a sum of words' mean luminance, from what the eighths of the samples brought to it; `counts` is how
-/// many samples they are. With shares n_k of the samples and means m_k of the eighths that had any (K of them), m their
-/// mean weighted by n_k:
+/// The standard error of a sum of words' mean luminance, from what the eighths of the samples brought to it; `counts`
+/// is how many samples they are. With shares n_k of the samples and means m_k of the eighths that had any (K of them),
+/// m their mean weighted by n_k:
 ///     error^2 = sum n_k (m_k - m)^2 / (K - 1).
 /// Infinite where fewer than two eighths had samples.
 double standard_error(const std::array<double, display::PathAtlas::parts>& luminance,

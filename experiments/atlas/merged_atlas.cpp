@@ -55,7 +55,8 @@ Status check_pair(const display::AtlasFile& a, const display::AtlasFile& b) {
 
 double mean_luminance(const display::WordSample& sample) {
     return (static_cast<double>(sample.rgb[0]) + static_cast<double>(sample.rgb[1]) +
-            static_cast<double>(sample.rgb[2])) / 3;
+            static_cast<double>(sample.rgb[2])) /
+           3;
 }
 
 /// In an order of their own, so that it does not matter which file came first.
@@ -94,8 +95,8 @@ Status MergedAtlas::join_tables() {
     for (const auto& file : files_) {
         const WordTable& table = file->table();
         for (std::size_t i = 0; i < table.events.size(); ++i) {
-            const auto [place, fresh] = letter_of.try_emplace(lpe::to_text(table.events[i]),
-                                                              std::pair(table.letters[i], table.events[i]));
+            const auto [place, fresh] =
+                letter_of.try_emplace(lpe::to_text(table.events[i]), std::pair(table.letters[i], table.events[i]));
             if (!fresh && place->second.first != table.letters[i])
                 return error_at({file->path(), 0, 0}, "cannot be merged with " + files_.front()->path() +
                                                           ": their letters stand for other events");

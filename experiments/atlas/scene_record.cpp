@@ -57,9 +57,7 @@ Result<SceneWords> read_scene_record(const std::string& text, const std::string&
         scene.holdouts = json.at("holdouts").get<bool>();
         if (!good) return damaged;
         return scene;
-    } catch (const Json::exception&) {
-        return damaged;
-    }
+    } catch (const Json::exception&) { return damaged; }
 }
 
 }  // namespace raylex::experiments

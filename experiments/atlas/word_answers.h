@@ -23,9 +23,7 @@ class WordAnswers {
 
     /// Channels that take all light of a word, and those that may take some of it; ascending.
     [[nodiscard]] std::span<const std::uint16_t> all(std::uint32_t word) const { return of(all_, all_begin_, word); }
-    [[nodiscard]] std::span<const std::uint16_t> some(std::uint32_t word) const {
-        return of(some_, some_begin_, word);
-    }
+    [[nodiscard]] std::span<const std::uint16_t> some(std::uint32_t word) const { return of(some_, some_begin_, word); }
     /// A word of which a channel may take some, or -1: whether the atlas answers it exactly.
     [[nodiscard]] std::int64_t undecided_word(std::uint16_t channel) const { return undecided_[channel]; }
 

@@ -44,18 +44,22 @@ Status check_options(const AskOptions& options) {
     const bool layers = options.any(), pixel = options.top || !options.at.empty();
     const int asked = (layers ? 1 : 0) + (pixel ? 1 : 0) + (options.suggest ? 1 : 0) + (options.merge ? 1 : 0);
     if (asked == 0)
-        return option_error("ask", "nothing is asked for; expected --lpe, --channels, --partition or --light-groups "
-                                   "with -o, or --top with --at, --suggest, or --merge with -o");
-    if (asked > 1) return option_error("ask", "layers, --top, --suggest and --merge are questions of their own; "
-                                              "expected one of them at a time");
+        return option_error("ask",
+                            "nothing is asked for; expected --lpe, --channels, --partition or --light-groups "
+                            "with -o, or --top with --at, --suggest, or --merge with -o");
+    if (asked > 1)
+        return option_error("ask",
+                            "layers, --top, --suggest and --merge are questions of their own; "
+                            "expected one of them at a time");
     if (!options.merge && options.files.size() != 1)
         return option_error("ask", std::to_string(options.files.size()) + " files are given; expected one atlas",
                             "--merge makes one of several");
     if (options.merge && options.files.size() < 2)
         return option_error("--merge", "one atlas cannot be merged; expected at least two");
     if (options.top.has_value() != !options.at.empty())
-        return option_error(options.top ? "--top" : "--at", "--top and --at say how many words of which pixel; expected "
-                                                            "both, such as --top 20 --at 12,7");
+        return option_error(options.top ? "--top" : "--at",
+                            "--top and --at say how many words of which pixel; expected "
+                            "both, such as --top 20 --at 12,7");
     if (layers != !options.output.empty() && !options.merge)
         return option_error("-o", layers ? "layers need a file; expected -o LAYERS.exr"
                                          : "only layers and merged atlases are written; expected no -o");
@@ -63,8 +67,9 @@ Status check_options(const AskOptions& options) {
         return option_error("-o", "a merged atlas needs a file; expected -o MERGED.atlas.exr");
     if (options.output.empty()) return success();
     if (std::filesystem::path(options.output).extension() != ".exr")
-        return option_error("-o", "the output '" + options.output + "' has no name ending in .exr; expected an OpenEXR "
-                                                                    "file name");
+        return option_error("-o", "the output '" + options.output +
+                                      "' has no name ending in .exr; expected an OpenEXR "
+                                      "file name");
     for (const std::string& file : options.files) {
         std::error_code failed;
         if (file == options.output || std::filesystem::equivalent(file, options.output, failed))
@@ -88,12 +93,11 @@ int tell_pixel(display::AtlasFile& atlas, const AskOptions& options) {
     const auto first = std::from_chars(options.at.data(), end, x);
     const bool comma = first.ec == std::errc() && first.ptr != end && *first.ptr == ',';
     if (!comma || std::from_chars(first.ptr + 1, end, y).ptr != end || end[-1] == ',')
-        return report_error(
-            option_error("--at", "'" + options.at + "' is no pixel; expected X,Y, such as 12,7"));
+        return report_error(option_error("--at", "'" + options.at + "' is no pixel; expected X,Y, such as 12,7"));
     const auto pixel = bright_words(atlas, x, y, static_cast<std::size_t>(*options.top));
     if (!pixel) return report_error(pixel.error());
-    print_line("pixel (" + std::to_string(x) + ", " + std::to_string(y) + "): " +
-               triple({pixel->rgba[0], pixel->rgba[1], pixel->rgba[2]}) + ", luminance " +
+    print_line("pixel (" + std::to_string(x) + ", " + std::to_string(y) +
+               "): " + triple({pixel->rgba[0], pixel->rgba[1], pixel->rgba[2]}) + ", luminance " +
                with_error(pixel->luminance, pixel->error) + ", " + number_text(pixel->samples, 6) + " samples");
     for (const BrightWord& word : pixel->words) {
         const double share = pixel->luminance != 0 ? 100 * word.luminance / pixel->luminance : 0;
@@ -177,8 +181,7 @@ int write_layers(const CLI::App& command, display::AtlasFile& atlas, const AskOp
     if (Status fits = display::check_exr_layout(layers->channels(), AskedLayers::beauty, description.partitions); !fits)
         return report_error(fits.error());
     std::vector<display::SplitVerdict> verdicts;
-    if (Status written =
-            display::write_exr(options.output, *layers, AskedLayers::beauty, description, &verdicts);
+    if (Status written = display::write_exr(options.output, *layers, AskedLayers::beauty, description, &verdicts);
         !written)
         return report_error(written.error());
     bool hold = true;
@@ -187,8 +190,7 @@ int write_layers(const CLI::App& command, display::AtlasFile& atlas, const AskOp
         hold = hold && verdict.holds;
     }
     print_line(options.output + ": " + std::to_string(atlas.width()) + "x" + std::to_string(atlas.height()) + ", " +
-               counted(layers->channels().size(), "layer") + " from " +
-               counted(atlas.table().words.size(), "word"));
+               counted(layers->channels().size(), "layer") + " from " + counted(atlas.table().words.size(), "word"));
     return hold ? exit_holds : exit_does_not_hold;
 }
 
@@ -207,8 +209,8 @@ int ask(const CLI::App& command, const AskOptions& options, const CommandContext
 }  // namespace
 
 void add_ask_command(CLI::App& app, CommandContext& context) {
-    CLI::App* command = app.add_subcommand(
-        "ask", "Answers light path expressions from the atlas of a render, without tracing a ray.");
+    CLI::App* command =
+        app.add_subcommand("ask", "Answers light path expressions from the atlas of a render, without tracing a ray.");
     auto options = std::make_shared<AskOptions>();
     command->add_option("FILE.atlas.exr", options->files, "what raylex render --atlas wrote; several with --merge")
         ->required()
@@ -226,8 +228,7 @@ void add_ask_command(CLI::App& app, CommandContext& context) {
     why.add("--suggest", options->suggest, "N",
             "proposes a partition whose layers are the N kinds of words with most noise, and a rest")
         ->check(CLI::Range(1, 200));
-    files.add_flag("--merge", options->merge,
-                   "makes one atlas of several: renders of one scene with different seeds");
+    files.add_flag("--merge", options->merge, "makes one atlas of several: renders of one scene with different seeds");
     files.add("-o,--output", options->output, "OUT.exr", "the file with the layers, or the merged atlas");
     command->footer(
         "Layers have the names, headers and partitions that a render with the same options gives them, and its values "

@@ -12,8 +12,9 @@ Status AtlasOutput::prepare(Job& job, const SceneWords& scene) {
     if (request.file.empty()) return success();
     request_ = &request;
     if (!job.settings.beauty)
-        return error_at(request.location, "an atlas splits the beauty, and --no-beauty leaves none; expected a render "
-                                          "with beauty");
+        return error_at(request.location,
+                        "an atlas splits the beauty, and --no-beauty leaves none; expected a render "
+                        "with beauty");
     if (!job.settings.sample_filters.empty())
         return error_at(request.location,
                         "an atlas keeps light as it arrives, and sample filter '" +
@@ -21,8 +22,9 @@ Status AtlasOutput::prepare(Job& job, const SceneWords& scene) {
                             "' changes samples: its words would not sum to the beauty",
                         "leave out the sample filters, or the atlas");
     if (job.settings.picked_lobes)
-        return error_at(request.location, "an atlas keeps exact shares, and lobes are picked here; expected a render "
-                                          "without picked lobes");
+        return error_at(request.location,
+                        "an atlas keeps exact shares, and lobes are picked here; expected a render "
+                        "without picked lobes");
     job.settings.words = request.rules;
     scene_record_ = scene_record(scene);
     return success();
@@ -36,8 +38,9 @@ Status AtlasOutput::make(const Job& job, const transport::RenderPlan& plan) {
                         "expected filter mode importance");
     const display::ChannelDefinition& beauty = plan.channels[static_cast<std::size_t>(plan.beauty)];
     if (beauty.rule != display::FilterRule::filter)
-        return error_at(request_->location, "an atlas splits a filtered beauty, and the beauty has another rule; "
-                                            "expected no rule for it");
+        return error_at(request_->location,
+                        "an atlas splits a filtered beauty, and the beauty has another rule; "
+                        "expected no rule for it");
     signed_ = plan.filter->has_negative_lobes();
     alphabet_ = plan.words;
     display::PathAtlas::Settings settings{plan.width, plan.height, beauty.scale_exponent, request_->budget, nullptr};
@@ -54,8 +57,7 @@ Status AtlasOutput::write(const transport::RenderOutput& output, const display::
     if (!buffer_) return success();
     display::ImageDescription of_atlas = description;
     of_atlas.attributes["atlas/scene"] = scene_record_;
-    const auto source =
-        display::atlas_of_render(*buffer_, *alphabet_, output.frame_buffer, output.beauty, signed_);
+    const auto source = display::atlas_of_render(*buffer_, *alphabet_, output.frame_buffer, output.beauty, signed_);
     return display::write_atlas(request_->file, *source, of_atlas);
 }
 

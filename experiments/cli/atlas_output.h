@@ -13,7 +13,8 @@ namespace raylex::experiments {
 
 class AtlasOutput {
   public:
-    /// Has the render keep words, if the job asks for an atlas. Errors: what the job asks for beside it and cannot have.
+    /// Has the render keep words, if the job asks for an atlas. Errors: what the job asks for beside it and cannot
+    /// have.
     Status prepare(Job& job, const SceneWords& scene);
     /// Makes the buffer. Errors: what an atlas cannot be made of.
     Status make(const Job& job, const transport::RenderPlan& plan);

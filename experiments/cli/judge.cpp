@@ -114,8 +114,8 @@ std::string atlas_line(const display::AtlasVerdict& verdict, std::uint64_t pixel
     std::string line = "atlas: " + std::to_string(verdict.words) + " words, " +
                        number_text(static_cast<double>(verdict.samples) / static_cast<double>(pixels), 3) +
                        " a pixel and at most " + std::to_string(verdict.most_samples) +
-                       (verdict.holds ? ", sum to the beauty" : ", DO NOT SUM to the beauty") +
-                       " (largest error " + number_text(verdict.largest) + " of the sum of magnitudes)";
+                       (verdict.holds ? ", sum to the beauty" : ", DO NOT SUM to the beauty") + " (largest error " +
+                       number_text(verdict.largest) + " of the sum of magnitudes)";
     if (verdict.exceeding > 0) line += "; " + std::to_string(verdict.exceeding) + " pixels exceed the bound 2^-23";
     return line;
 }

@@ -300,7 +300,8 @@ class RenderRun {
         }
         if (deep_) print_verdict(deep_line(*deep_), deep_->holds);
         if (atlas_) {
-            const auto pixels = static_cast<std::uint64_t>(output_->width) * static_cast<std::uint64_t>(output_->height);
+            const auto pixels =
+                static_cast<std::uint64_t>(output_->width) * static_cast<std::uint64_t>(output_->height);
             print_verdict(atlas_line(*atlas_, pixels), atlas_->holds);
         }
         std::error_code failed;

@@ -48,8 +48,8 @@ Result<PreparedJob> PreparedJob::prepare(ResolvedJob resolved) {
     PreparedJob prepared(std::move(resolved));
     ResolvedJob& job = prepared.job;
     if (job.settings.words) {
-        auto alphabet = display::WordAlphabet::build(scene_events(job.scene.view(), job.settings.lobe_slots),
-                                                     *job.settings.words);
+        auto alphabet =
+            display::WordAlphabet::build(scene_events(job.scene.view(), job.settings.lobe_slots), *job.settings.words);
         if (!alphabet) return alphabet.error();
         if (Status s = job.channels.lpe->keep_words(*std::move(alphabet)); !s) return s.error();
     }

@@ -39,10 +39,10 @@ struct RenderPlan {
     display::PixelRegion crop;  ///< what is rendered; all of the image without a crop
     const display::PixelFilter* filter = nullptr;
     bool splat = false;
-    bool raster = false;                      ///< the integrator's light lands anywhere on the image
+    bool raster = false;                                 ///< the integrator's light lands anywhere on the image
     std::shared_ptr<const display::WordAlphabet> words;  ///< what RenderSettings::words came to
-    std::vector<display::ChannelId> altered;  ///< by sample filters: partitions with these do not sum
-    std::vector<display::MemoryItem> memory;  ///< of the frame buffer, layer by layer, and cryptomattes
+    std::vector<display::ChannelId> altered;             ///< by sample filters: partitions with these do not sum
+    std::vector<display::MemoryItem> memory;             ///< of the frame buffer, layer by layer, and cryptomattes
 };
 
 /// Saving the render now and then, so that it can go on after a crash. See render/checkpoint.h for how.

@@ -22,8 +22,10 @@ Status check_traits(const ChosenIntegrator& chosen, const SceneView& scene, cons
         return refuse(channels.lpe->needs_emitter_samples(),
                       "does not report emitters apart from the path's throughput", "leave out 'nothruput;'");
     if (channels.keeps_words && !traits.tells_words)
-        return error_at({}, "integrator '" + chosen.name + "' keeps no path atlas: what it splats is summed up by "
-                                                           "channels, and comes without its words",
+        return error_at({},
+                        "integrator '" + chosen.name +
+                            "' keeps no path atlas: what it splats is summed up by "
+                            "channels, and comes without its words",
                         "leave out the atlas, or choose another integrator, such as path or bdpt");
     if (scene.geometry->has_holdouts() && !traits.holdouts)
         return error_at({}, "the scene has holdouts, which integrator '" + chosen.name + "' does not know",

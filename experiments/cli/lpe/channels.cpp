@@ -5,8 +5,8 @@
 #include <map>
 #include <utility>
 
-#include "experiments/cli/lpe/commands.h"
 #include "experiments/cli/expression_options.h"
+#include "experiments/cli/lpe/commands.h"
 #include "experiments/program/console.h"
 
 namespace raylex::experiments {
