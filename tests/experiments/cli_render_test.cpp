@@ -215,7 +215,7 @@ TEST_CASE("bad scenes end with file, line and what was expected [law7]") {
     folder.write("a.pbrt", scene + "Shape \"plymesh\" \"string filename\" \"m.ply\"\n");
     check_refused(folder, "render a.pbrt", {"m.ply"});
     folder.write("a.pbrt", scene +
-                               "MakeNamedMedium \"fog\" \"string type\" \"cloud\"\nMediumInterface \"\" \"fog\"\n"
+                               "MakeNamedMedium \"fog\" \"string type\" \"clouds\"\nMediumInterface \"\" \"fog\"\n"
                                "Shape \"sphere\"\n");
     check_refused(folder, "render a.pbrt", {"a.pbrt:1"});
 }
@@ -323,8 +323,8 @@ TEST_CASE("a job's parameter that its type does not have is refused before rende
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     const std::string scene = "[scene]\nfile = 'room.pbrt'\n";
-    folder.write("i.toml", scene + "[integrator]\ntype = 'path'\nregularise = true\n");
-    check_refused(folder, "render i.toml", {"i.toml:5:", "'regularise'", "did you mean 'regularize'"});
+    folder.write("i.toml", scene + "[integrator]\ntype = 'path'\nroulett = true\n");
+    check_refused(folder, "render i.toml", {"i.toml:5:", "'roulett'", "did you mean 'roulette'"});
     folder.write("s.toml", scene + "[sampler]\ntype = 'sobol'\nsamples = 3\n");
     check_refused(folder, "render s.toml", {"s.toml:5:", "'samples'", "pixelsamples"});
     folder.write("f.toml", scene + "[filter]\ntype = 'gaussian'\nradius = 3.0\n");

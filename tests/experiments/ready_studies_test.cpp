@@ -25,7 +25,7 @@ TEST_CASE("every ready experiment can be planned") {
         CHECK(plan.code == 0);
         ++count;
     }
-    CHECK(count == 11);
+    CHECK(count == 12);
 }
 
 TEST_CASE("a planted mistake is found, and the first wrong path named", "[study][release-only]") {
