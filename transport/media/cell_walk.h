@@ -45,7 +45,7 @@ class CellWalk {
     }
     /// The same in the box's own space.
     [[nodiscard]] Vec3 in_box(Real t) const {
-        return local(t) + Vec3(static_cast<Real>(cell_[0]), static_cast<Real>(cell_[1]), static_cast<Real>(cell_[2]));
+        return local(t) + Vec3{static_cast<Real>(cell_[0]), static_cast<Real>(cell_[1]), static_cast<Real>(cell_[2])};
     }
     /// Cells that a unit of distance leads through.
     [[nodiscard]] Real cells_per_distance() const {

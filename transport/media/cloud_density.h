@@ -13,7 +13,7 @@ struct CloudDensity {
     /// In [0, 1], at a point of the medium's own space; y is up.
     [[nodiscard]] Real at(const Vec3& p) const;
     [[nodiscard]] Real in_box(const Vec3& p) const {
-        return at(lower + Vec3(p.x * cell.x, p.y * cell.y, p.z * cell.z));
+        return at(lower + Vec3{p.x * cell.x, p.y * cell.y, p.z * cell.z});
     }
     /// Bounds of in_box() in each cell. Noise has no bounds that are worth
     /// anything: the most is what 125 points in and around a cell find, and a margin; tests count what is above, which
