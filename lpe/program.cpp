@@ -167,6 +167,24 @@ Result<Program> Program::compile(std::span<const ChannelSource> channels, const 
     });
 }
 
+Program Program::with_columns(std::span<const EventClass> columns) const {
+    ProgramTables tables = tables_;
+    tables.class_count = static_cast<std::uint32_t>(columns.size());
+    tables.next_state.clear();
+    tables.next_state.reserve(std::size_t{view_.state_count} * columns.size());
+    for (State state = 0; state < view_.state_count; ++state) {
+        for (const EventClass column : columns) { tables.next_state.push_back(view_.next(state, column)); }
+    }
+    tables.lane_image.clear();
+    for (const EventClass column : columns) {
+        if (!view_.has_lanes()) { break; }
+        const std::uint32_t* image = view_.lane_image + std::size_t{column} * view_.image_stride;
+        tables.lane_image.insert(tables.lane_image.end(), image, image + view_.image_stride);
+    }
+    tables.column_of_class.assign(tables.column_of_class.size(), EventClass{0});
+    return Program(std::move(tables));
+}
+
 EventClass Program::classify(const Event& event) const {
     return tables_.column_of_class.empty() ? EventClass{0} : tables_.column_of_class[tables_.classes.classify(event)];
 }

@@ -69,6 +69,10 @@ class Program {
 
     static Result<Program> compile(std::span<const ChannelSource> channels, const CompileOptions& options = {});
 
+    /// The same automaton over other columns: column k moves as `columns[k]` does here. For callers that tell apart what
+    /// no channel does, and classify events themselves: classify() then knows nothing of the columns.
+    [[nodiscard]] Program with_columns(std::span<const EventClass> columns) const;
+
     /// The column of the transition table that `event` selects. Not for the inner loop: ask once per kind of event. New
     /// labels need no new program: one that no expression names is of the class of all such labels.
     [[nodiscard]] EventClass classify(const Event& event) const;

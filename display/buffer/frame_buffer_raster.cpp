@@ -6,28 +6,9 @@
 #include <vector>
 
 #include "display/buffer/frame_buffer_storage.h"
+#include "display/buffer/raster_footprint.h"
 
 namespace raylex::display {
-namespace {
-
-/// What of one axis a splat reaches: the first and last pixel, and the kernel's offset from a pixel's centre.
-struct Footprint {
-    int first, last;
-
-    Footprint(float position, float radius, int size)
-        : first(std::max(0, static_cast<int>(std::floor(position - radius - 0.5f)))),
-          last(std::min(size - 1, static_cast<int>(std::ceil(position + radius - 0.5f)))) {}
-};
-
-/// A splat just on a kernel's edge belongs to the pixel on its right, so that a box loses none: float positions lie on
-/// edges more often than never.
-float offset_of(float position, int pixel, float radius) {
-    const float offset = position - (static_cast<float>(pixel) + 0.5f);
-    return offset == -radius ? std::nextafter(offset, 0.0f) : offset;
-}
-
-}  // namespace
-
 long double FrameBuffer::Storage::raster_scale() const {
     if (light_paths.empty()) return 0;
     // Live views read while threads count; atomic_ref wants no const.
@@ -67,23 +48,15 @@ void FrameBuffer::splat(const SampleTable& table, std::span<const int> rows) {
             if (values[0] != 0 || values[1] != 0 || values[2] != 0) parts.push_back({&channel, index, values});
         }
         if (parts.empty()) continue;
-        const CameraRow& splat = table.camera_row(row);
-        const Footprint across(splat.screen_x, kernel.radius_x(), layout.width),
-            down(splat.screen_y, kernel.radius_y(), layout.height);
-        for (int y = down.first; y <= down.last; ++y)
-            for (int x = across.first; x <= across.last; ++x) {
-                const double weight =
-                    static_cast<double>(kernel.evaluate(offset_of(splat.screen_x, x, kernel.radius_x()),
-                                                        offset_of(splat.screen_y, y, kernel.radius_y()))) *
-                    static_cast<double>(splat.filter_weight);
-                if (weight == 0) continue;
-                const std::size_t pixel =
-                    static_cast<std::size_t>(y) * static_cast<std::size_t>(layout.width) + static_cast<std::size_t>(x);
-                for (const auto& [channel, index, values] : parts) {
-                    const std::array<double, 3> terms{weight * values[0], weight * values[1], weight * values[2]};
-                    storage.add(channel->raster_sum, 3 * pixel, terms.data(), 3, storage.exponents[index], index);
-                }
-            }
+        for_each_reached(kernel, table.camera_row(row), layout.width, layout.height,
+                         [&](std::size_t pixel, double weight) {
+                             for (const auto& [channel, index, values] : parts) {
+                                 const std::array<double, 3> terms{weight * values[0], weight * values[1],
+                                                                   weight * values[2]};
+                                 storage.add(channel->raster_sum, 3 * pixel, terms.data(), 3, storage.exponents[index],
+                                             index);
+                             }
+                         });
     }
 }
 

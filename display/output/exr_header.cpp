@@ -42,6 +42,22 @@ Matrix screen_to_ndc(Matrix matrix) {
     return matrix;
 }
 
+Matrix ndc_to_screen(Matrix matrix) {
+    for (std::size_t j = 0; j < 4; ++j) {
+        matrix[0][j] = 2 * matrix[0][j] - matrix[3][j];
+        matrix[1][j] = matrix[3][j] - 2 * matrix[1][j];
+    }
+    return matrix;
+}
+
+Matrix transposed(const Imath::M44f& matrix) {
+    Matrix result{};
+    for (int i = 0; i < 4; ++i)
+        for (int j = 0; j < 4; ++j)
+            result[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] = static_cast<double>(matrix[j][i]);
+    return result;
+}
+
 }  // namespace
 
 Imf::PixelType pixel_type(StoredType type) {
@@ -80,6 +96,21 @@ Imf::Header base_header(const std::string& name, int width, int height, const Im
     if (!is_zero(description.world_to_screen))
         Imf::addWorldToNDC(header, transposed(screen_to_ndc(description.world_to_screen)));
     return header;
+}
+
+void read_description(const Imf::Header& header, ImageDescription& description) {
+    for (auto i = header.begin(); i != header.end(); ++i)
+        if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&i.attribute()))
+            description.attributes[i.name()] = text->value();
+    description.complete = description.attributes.erase("raylex/incomplete") == 0;
+    for (const char* own : {"name", "type", "colorInteropID"}) description.attributes.erase(own);
+    if (Imf::hasChromaticities(header)) {
+        const Imf::Chromaticities& c = Imf::chromaticities(header);
+        const auto xy = [](const Imath::V2f& p) { return std::array<double, 2>{double{p.x}, double{p.y}}; };
+        description.chromaticities = {xy(c.red), xy(c.green), xy(c.blue), xy(c.white)};
+    }
+    if (Imf::hasWorldToCamera(header)) description.world_to_camera = transposed(Imf::worldToCamera(header));
+    if (Imf::hasWorldToNDC(header)) description.world_to_screen = ndc_to_screen(transposed(Imf::worldToNDC(header)));
 }
 
 Imf::Header make_header(const PlannedPart& part, const FrameBufferLayout& layout, const ImageDescription& description) {

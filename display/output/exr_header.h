@@ -45,6 +45,8 @@ class HeaderRecorder : public Imf::OStream {
 /// Name, window, chromaticities and camera matrices; no channels, no type.
 [[nodiscard]] Imf::Header base_header(const std::string& name, int width, int height,
                                       const ImageDescription& description);
+/// What base_header() and string attributes say, the other way round.
+void read_description(const Imf::Header& header, ImageDescription& description);
 /// The header of one flat part, its channels and attributes included.
 [[nodiscard]] Imf::Header make_header(const PlannedPart& part, const FrameBufferLayout& layout,
                                       const ImageDescription& description);

@@ -19,7 +19,46 @@ LightWord LightWords::keep(std::span<const LobePart> parts, const LightWord* nex
     return word;
 }
 
+std::uint32_t LightWords::keep_path(std::span<const LobePart> parts, const LightWord* next) {
+    if (!keeps_paths_ || parts.empty() || (next != nullptr && next->path_ == 0)) return 0;
+    const auto place = static_cast<std::uint32_t>(events_.size());
+    events_.push_back({next == nullptr ? place : next->path_ - 1, static_cast<std::uint32_t>(parts_.size()),
+                       static_cast<std::uint32_t>(parts.size())});
+    parts_.insert(parts_.end(), parts.begin(), parts.end());
+    return place + 1;
+}
+
 LightWord LpeServices::begin(LightWords& words, lpe::EventClass terminal) const {
+    LightWord word = begin_states(words, terminal);
+    const LobePart only{terminal, Rgb(1)};
+    word.path_ = words.keep_path({&only, 1}, nullptr);
+    return word;
+}
+
+LightWord LpeServices::prepend(LightWords& words, const LightWord& word, lpe::EventClass event) const {
+    LightWord longer = prepend_states(words, word, event);
+    const LobePart all{event, Rgb(1)};
+    longer.path_ = words.keep_path({&all, 1}, &word);
+    return longer;
+}
+
+LightWord LpeServices::prepend(LightWords& words, const LightWord& word, std::span<const LobePart> parts,
+                               std::uint64_t key) {
+    LightWord longer = prepend_states(words, word, parts, key);
+    longer.path_ = words.keep_path(parts, &word);
+    return longer;
+}
+
+void LpeServices::join(Tracker& tracker, const LightWords& words, const LightWord& word) {
+    for (std::uint32_t at = word.path_; path_words_ != nullptr && at != 0;) {
+        const LightWords::Event& event = words.events_[at - 1];
+        keep_move(tracker, {words.parts_.data() + event.first, event.count});
+        at = event.next + 1 == at ? 0 : event.next + 1;
+    }
+    join_states(tracker, words, word);
+}
+
+LightWord LpeServices::begin_states(LightWords& words, lpe::EventClass terminal) const {
     if (words.language_ == nullptr) {
         const LobePart only{terminal, Rgb(1)};
         return words.keep({&only, 1}, nullptr);
@@ -29,10 +68,10 @@ LightWord LpeServices::begin(LightWords& words, lpe::EventClass terminal) const 
     const std::span<const lpe::State> end = words.language_->starts();
     words.states_.insert(words.states_.end(), end.begin(), end.end());
     word.branches_ = 1;
-    return prepend(words, word, terminal);
+    return prepend_states(words, word, terminal);
 }
 
-LightWord LpeServices::prepend(LightWords& words, const LightWord& word, lpe::EventClass event) const {
+LightWord LpeServices::prepend_states(LightWords& words, const LightWord& word, lpe::EventClass event) const {
     const LobePart all{event, Rgb(1)};
     if (words.language_ == nullptr) return words.keep({&all, 1}, &word);
     if (!word.whole_) return prepend_split(words, word, {&all, 1}, 0).word;
@@ -45,10 +84,10 @@ LightWord LpeServices::prepend(LightWords& words, const LightWord& word, lpe::Ev
     return longer;
 }
 
-LightWord LpeServices::prepend(LightWords& words, const LightWord& word, std::span<const LobePart> parts,
-                               std::uint64_t key) {
+LightWord LpeServices::prepend_states(LightWords& words, const LightWord& word, std::span<const LobePart> parts,
+                                      std::uint64_t key) {
     if (words.language_ == nullptr) return words.keep(parts, &word);
-    if (word.branches_ == 0 || parts.size() == 1) return parts.empty() ? word : prepend(words, word, parts[0].event);
+    if (word.branches_ == 0 || parts.size() == 1) return parts.empty() ? word : prepend_states(words, word, parts[0].event);
     if (parts.empty()) return {};
     const SplitWord split = prepend_split(words, word, parts, key);
     if (split.overflow) ++overflow_count_;
@@ -82,13 +121,13 @@ LpeServices::SplitWord LpeServices::prepend_split(LightWords& words, const Light
     return result;
 }
 
-void LpeServices::join(Tracker& tracker, const LightWords& words, const LightWord& word) {
+void LpeServices::join_states(Tracker& tracker, const LightWords& words, const LightWord& word) {
     if (tracker.count_ == 0) return;
     if (words.language_ == nullptr) {
         if (!word.live()) tracker.count_ = 0;
         for (std::uint32_t at = word.state_; tracker.count_ != 0;) {
             const LightWords::Event& event = words.events_[at];
-            move(tracker, {words.parts_.data() + event.first, event.count});
+            move_states(tracker, {words.parts_.data() + event.first, event.count});
             if (event.next == std::exchange(at, event.next)) return;
         }
         return;

@@ -38,6 +38,7 @@ class LightWord {
     friend class LightWords;
     friend class LpeServices;
     std::uint32_t state_ = 0, share_ = 0;  // where they begin in the pool; state_ may be that of an event
+    std::uint32_t path_ = 0;                // where its events begin, one by one, for a path atlas; one past the place
     std::uint8_t branches_ = 0;
     bool whole_ = true;  // nothing was split yet: one branch at most, its share 1 and not stored
 };
@@ -47,7 +48,9 @@ class LightWords {
   public:
     static constexpr std::size_t capacity = Tracker::capacity;  ///< branches of a word
     /// `language` reads the words of the LpeSetup's program, and must outlive this object; null: words keep events.
-    explicit LightWords(const lpe::ReversedProgram* language) : language_(language) {}
+    /// `keeps_paths`: for a path atlas, events as well.
+    explicit LightWords(const lpe::ReversedProgram* language, bool keeps_paths = false)
+        : language_(language), keeps_paths_(keeps_paths) {}
     void clear() { states_.clear(), shares_.clear(), events_.clear(), parts_.clear(); }
 
   private:
@@ -63,8 +66,11 @@ class LightWords {
     };
     /// A word that begins with this event and goes on with the one at `next`; none: the event is a terminal.
     [[nodiscard]] LightWord keep(std::span<const LobePart> parts, const LightWord* next);
+    /// The same in `path_` alone: 0, no path, goes on as none.
+    [[nodiscard]] std::uint32_t keep_path(std::span<const LobePart> parts, const LightWord* next);
 
     const lpe::ReversedProgram* language_;
+    bool keeps_paths_ = false;
     std::vector<lpe::State> states_;
     std::vector<BranchShare> shares_;
     std::vector<Event> events_;

@@ -126,7 +126,10 @@ void LpeServices::contribute_apart(const Report& report, const Tracker& tracker)
         values[2] += part.b;
         table_.touch(id, tracker.row_);
     };
-    if (valid && !black && report.technique != nullptr && takes_all(tracker)) splat(setup_.beauty_, whole);
+    if (valid && !black && report.technique != nullptr && takes_all(tracker)) {
+        splat(setup_.beauty_, whole);
+        if (path_words_ != nullptr) keep_light(value, tracker);
+    }
     const std::size_t groups = tracker.groups_;
     for (std::size_t branch = 0; branch < tracker.count_; ++branch) {
         const RgbD share = tracker.whole_ ? RgbD(1.0) : tracker.share_[branch].rgb();

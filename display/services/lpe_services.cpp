@@ -91,6 +91,7 @@ LpeServices::LpeServices(const LpeSetup& setup, SampleTable& table, std::uint64_
       targets_(table.sets() != nullptr ? table.sets()->targets() : setup.targets_),
       seed_(seed),
       attribution_(attribution),
+      path_words_(setup.words() != nullptr ? &table.keep_words(*setup.words()) : nullptr),
       apart_(setup.prefixed_),
       shares_(setup.prefixes_.size(), unused) {
     sharing_.reserve(setup.prefixes_.size());

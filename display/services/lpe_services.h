@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -56,6 +57,8 @@ class BranchList;
 struct Branches;
 class LightWord;
 class LightWords;
+class PathWords;
+class WordAlphabet;
 
 /// Opaque, fixed capacity, no heap: copy it to look one event ahead (a light sample), then drop the copy. A copy costs
 /// what is live: nothing to speak of without expression channels, one state for a path that was never split.
@@ -80,6 +83,7 @@ class Tracker {
     friend class Foresight;
     void copy(const Tracker& other) noexcept;
     std::int32_t row_ = 0;
+    std::uint32_t path_ = 0;                    // in the batch's PathWords, where an atlas keeps words
     std::uint16_t moves_ = 0;                   // with the pixel and sample of row_: the source of the overflow choice
     std::uint8_t count_ = 0;                    // branches
     std::uint8_t groups_ = 0;                   // words of state per branch
@@ -99,8 +103,16 @@ class LpeSetup {
     /// channel of another type than rgb; prefixes that contradict each other.
     static Result<LpeSetup> build(std::span<const ChannelDefinition> channels, ChannelId beauty,
                                   const lpe::CompileOptions& options = {});
+    /// Has every contribution's words told apart by this alphabet and kept (path_words.h): for a path atlas. Events are
+    /// classified by its columns from here on, so call it before any is. Errors: too large an automaton.
+    Status keep_words(WordAlphabet alphabet);
+    /// Null when no words are kept.
+    [[nodiscard]] const std::shared_ptr<const WordAlphabet>& words() const { return alphabet_; }
+    /// Whether moves mean anything to somebody: channels or an atlas.
+    [[nodiscard]] bool reads_words() const { return program_.group_count() > 0 || alphabet_ != nullptr; }
     /// Not for the inner loop: ask once per (object label, lobe) and per light group.
     [[nodiscard]] lpe::EventClass classify(const lpe::Event& event) const {
+        if (alphabet_ != nullptr) return column_of(event);
         return program_.group_count() == 0 ? lpe::EventClass{0} : program_.classify(event);
     }
     [[nodiscard]] const lpe::Program& program() const { return program_; }
@@ -125,6 +137,7 @@ class LpeSetup {
   private:
     friend class LpeServices;
     enum Reach : std::uint8_t { reaches_ordinary = 1, reaches_holdouts = 2 };
+    [[nodiscard]] lpe::EventClass column_of(const lpe::Event& event) const;
     Status read_channel_prefixes(std::span<const ChannelDefinition> channels);
     void find_reach();
     void find_packed_reach();
@@ -132,6 +145,7 @@ class LpeSetup {
         return prefixes_[channel].holdouts ? reaches_holdouts : reaches_ordinary;
     }
     lpe::Program program_;
+    std::shared_ptr<const WordAlphabet> alphabet_;
     std::vector<lpe::State> first_states_;      // [word] after the camera event; empty when all are dead
     std::vector<ChannelId> channel_of_accept_;  // program channel -> display channel
     SplatTargets targets_;                      // each channel its own
@@ -234,6 +248,17 @@ class LpeServices {
     [[nodiscard]] std::uint8_t wanted_reach(const Tracker& tracker) const {
         return tracker.held_out_ ? LpeSetup::reaches_holdouts : LpeSetup::reaches_ordinary;
     }
+    // What channels need of moves and joins, and what an atlas needs of the same.
+    void move_states(Tracker& tracker, lpe::EventClass event) const;
+    void move_states(Tracker& tracker, std::span<const LobePart> parts);
+    void join_states(Tracker& tracker, const LightWords& words, const LightWord& word);
+    [[nodiscard]] LightWord begin_states(LightWords& words, lpe::EventClass terminal) const;
+    [[nodiscard]] LightWord prepend_states(LightWords& words, const LightWord& word, lpe::EventClass event) const;
+    [[nodiscard]] LightWord prepend_states(LightWords& words, const LightWord& word,
+                                           std::span<const LobePart> parts, std::uint64_t key);
+    void keep_move(Tracker& tracker, std::span<const LobePart> parts) const;
+    void keep_move(Tracker& tracker, lpe::EventClass event) const;
+    void keep_light(const Rgb& value, const Tracker& tracker) const;
     void split(Tracker& tracker, std::span<const LobePart> parts);
     void reject(const Rgb& value, const Tracker& tracker);
     void splat_apart(std::span<const ChannelId> channels, const RgbD& value, int row);
@@ -250,7 +275,8 @@ class LpeServices {
     std::uint64_t seed_ = 0;
     Attribution attribution_ = Attribution::exact;
     std::uint64_t overflow_count_ = 0, invalid_count_ = 0;
-    bool apart_;  // prefixes or holdouts: contributions take the long way
+    PathWords* path_words_;  // of the table; null unless an atlas keeps words
+    bool apart_;             // prefixes or holdouts: contributions take the long way
     static constexpr RgbD unused{-1.0};
     std::vector<RgbD> shares_;            // [program channel] of one contribution, for own_value() channels
     std::vector<std::uint16_t> sharing_;  // the channels whose shares_ are in use

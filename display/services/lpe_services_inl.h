@@ -10,6 +10,7 @@ namespace raylex::display {
 
 inline void Tracker::copy(const Tracker& other) noexcept {
     row_ = other.row_;
+    path_ = other.path_;
     moves_ = other.moves_;
     count_ = other.count_;
     groups_ = other.groups_;
@@ -30,7 +31,7 @@ inline Tracker LpeServices::begin(int row) const {
     return tracker;
 }
 
-inline void LpeServices::move(Tracker& tracker, lpe::EventClass event) const {
+inline void LpeServices::move_states(Tracker& tracker, lpe::EventClass event) const {
     if (tracker.count_ == 0) return;
     ++tracker.moves_;
     const lpe::ProgramView& program = setup_.program_.view();
@@ -64,10 +65,22 @@ inline void LpeServices::move(Tracker& tracker, lpe::EventClass event) const {
     tracker.count_ = static_cast<std::uint8_t>(kept);
 }
 
-inline void LpeServices::move(Tracker& tracker, std::span<const LobePart> parts) {
+inline void LpeServices::move_states(Tracker& tracker, std::span<const LobePart> parts) {
     if (tracker.count_ == 0) return;
-    if (parts.size() == 1) move(tracker, parts[0].event);
+    if (parts.size() == 1) move_states(tracker, parts[0].event);
     else split(tracker, parts);
+}
+
+inline void LpeServices::move(Tracker& tracker, lpe::EventClass event) const {
+    if (path_words_ != nullptr) [[unlikely]]
+        keep_move(tracker, event);
+    move_states(tracker, event);
+}
+
+inline void LpeServices::move(Tracker& tracker, std::span<const LobePart> parts) {
+    if (path_words_ != nullptr) [[unlikely]]
+        keep_move(tracker, parts);
+    move_states(tracker, parts);
 }
 
 /// Also true of NaN.
@@ -95,6 +108,8 @@ inline void LpeServices::contribute(const Rgb& value, Technique technique, const
         beauty[2] += b;
         table_.touch_in_passing(setup_.beauty_, tracker.row_);
     }
+    if (path_words_ != nullptr) [[unlikely]]
+        keep_light(value, tracker);
     const std::size_t words = tracker.groups_;
     const lpe::ProgramView& program = setup_.program_.view();
     for (std::size_t branch = 0; branch < tracker.count_; ++branch) {

@@ -8,6 +8,8 @@
 #include <numeric>
 #include <utility>
 
+#include "display/services/path_words.h"
+
 namespace raylex::display {
 namespace {
 
@@ -55,6 +57,14 @@ SampleTable::SampleTable(std::span<const ChannelDefinition> channels, int max_ro
     invalid_by_channel_.resize(channels_.size());
     invalid_log_.reserve(invalid_samples_kept);
     clear_rows(static_cast<int>(row_capacity_));
+}
+
+SampleTable::SampleTable(SampleTable&&) noexcept = default;
+SampleTable::~SampleTable() = default;
+
+PathWords& SampleTable::keep_words(const WordAlphabet& alphabet) {
+    words_ = std::make_unique<PathWords>(alphabet);
+    return *words_;
 }
 
 void SampleTable::clear_channel(std::size_t channel, std::size_t values, double fill, std::size_t rows) {
@@ -129,6 +139,7 @@ void SampleTable::begin(std::span<const CameraRow> rows) {
     assert(rows.size() <= static_cast<std::size_t>(max_rows_));
     clear_rows(row_count_);
     discarded_ = false;
+    if (words_) words_->clear();
     const std::size_t count = std::min(rows.size(), static_cast<std::size_t>(max_rows_));
     camera_row_count_ = row_count_ = static_cast<int>(count);
     std::copy_n(rows.begin(), count, camera_rows_.begin());
@@ -171,6 +182,7 @@ void SampleTable::count_invalid(int row, ChannelId channel, const Rgb& value) {
 
 void SampleTable::discard() {
     clear_rows(row_count_);
+    if (words_) words_->clear();
     discarded_ = true;
 }
 

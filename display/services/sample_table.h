@@ -9,6 +9,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -17,6 +18,9 @@
 #include "display/services/splat_sets.h"
 
 namespace raylex::display {
+
+class PathWords;
+class WordAlphabet;
 
 /// What the engine knows of a camera ray before it is traced. One entry per row.
 struct CameraRow {
@@ -55,6 +59,9 @@ class SampleTable {
     /// counted. `sets`, which must outlive the table, lets channels share values; null: each has but its own.
     SampleTable(std::span<const ChannelDefinition> channels, int max_rows, int max_extra_rows,
                 const SplatSets* sets = nullptr);
+
+    SampleTable(SampleTable&&) noexcept;
+    ~SampleTable();
 
     /// Empties the table for a new batch of at most max_rows() rays: rows are cleared only where the last batch touched
     /// them.
@@ -156,6 +163,11 @@ class SampleTable {
                     count, state);
     }
 
+    /// Has the table keep the words of its light, told apart by an alphabet that outlives it, and the light of each.
+    PathWords& keep_words(const WordAlphabet& alphabet);
+    /// Null unless they are kept. An atlas notes in them what it calls each word.
+    [[nodiscard]] PathWords* words() const { return words_.get(); }
+
     std::vector<float> depth;  ///< [row] hit distance or what WriteDistance said; +inf for a miss
     std::vector<std::uint8_t> is_volume;
     std::vector<RgbD> opacity;          ///< [row] 0 = nothing hit, 1 = opaque
@@ -197,6 +209,7 @@ class SampleTable {
         std::vector<SetSum> sums;    // [block * set_stride + place] what `masks` does not name is 0
         std::vector<SetMask> masks;  // [block]
     };
+    std::unique_ptr<PathWords> words_;
     const SplatSets* sets_ = nullptr;
     std::vector<std::int32_t> place_of_set_;  // [set] negative: none in this batch
     std::vector<std::uint32_t> sets_in_use_;  // [place]

@@ -88,6 +88,7 @@ int run_command_line(int argc, const char* const* argv) {
     add_render_command(app, context);
     add_lpe_command(app, context);
     add_verify_command(app, context);
+    add_ask_command(app, context);
     add_compare_command(app, context);
     add_preview_command(app, context);
     add_report_command(app, context);

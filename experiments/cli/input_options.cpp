@@ -16,7 +16,7 @@ namespace raylex::experiments {
 namespace {
 
 constexpr const char* variable = "RAYLEX_BUDGETS";
-constexpr const char* file_options[] = {"--output", "--stats",    "--deep",  "--ocio",    "--to",
+constexpr const char* file_options[] = {"--output", "--stats",    "--deep",  "--atlas", "--ocio",    "--to",
                                         "--plugin", "--channels", "--scene", "--preview", "--driver"};
 
 /// The environment hands what was raised to the processes that this one starts: a study's cells.

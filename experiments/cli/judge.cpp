@@ -3,6 +3,8 @@
 #include <filesystem>
 
 #include "experiments/program/console.h"
+#include "experiments/program/exit_codes.h"
+#include "experiments/program/tint.h"
 
 namespace raylex::experiments {
 namespace {
@@ -106,6 +108,25 @@ std::string write_residual_map(const display::SplitVerdict& verdict, const displ
         reason = written.error().message;
     }
     return "no residual map: " + reason;
+}
+
+std::string atlas_line(const display::AtlasVerdict& verdict, std::uint64_t pixels) {
+    std::string line = "atlas: " + std::to_string(verdict.words) + " words, " +
+                       number_text(static_cast<double>(verdict.samples) / static_cast<double>(pixels), 3) +
+                       " a pixel and at most " + std::to_string(verdict.most_samples) +
+                       (verdict.holds ? ", sum to the beauty" : ", DO NOT SUM to the beauty") +
+                       " (largest error " + number_text(verdict.largest) + " of the sum of magnitudes)";
+    if (verdict.exceeding > 0) line += "; " + std::to_string(verdict.exceeding) + " pixels exceed the bound 2^-23";
+    return line;
+}
+
+int judge_atlas(display::AtlasFile& file) {
+    file.read_parts(false);
+    auto verdict = display::check_atlas(file);
+    if (!verdict) return report_error(verdict.error());
+    const auto pixels = static_cast<std::uint64_t>(file.width()) * static_cast<std::uint64_t>(file.height());
+    print_verdict(file.path() + ": " + atlas_line(*verdict, pixels), verdict->holds);
+    return verdict->holds ? exit_holds : exit_does_not_hold;
 }
 
 }  // namespace raylex::experiments

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "display/output/atlas_file.h"
 #include "display/output/split_check.h"
 
 namespace raylex::experiments {
@@ -15,6 +16,11 @@ std::string verdict_text(const display::SplitVerdict& verdict, const std::string
 /// One line for the end of a render: "partition 'auto': 3 layers sum to beauty (largest relative error 3e-08,
 /// bound 1.2e-07)".
 std::string verdict_line(const display::SplitVerdict& verdict);
+
+/// "atlas: 214 words, 18.3 a pixel, sum to the beauty (...)".
+std::string atlas_line(const display::AtlasVerdict& verdict, std::uint64_t pixels);
+/// Prints that of a file; the exit code.
+int judge_atlas(display::AtlasFile& file);
 
 /// Writes STEM.PARTITION.residual.png beside the image, or into the current directory when that fails. The text says
 /// where it is, or why there is none.

@@ -55,6 +55,23 @@ Status apply_deep(const OutputOptions& options, DeepRequest& deep) {
     return success();
 }
 
+Status apply_atlas(const OutputOptions& options, AtlasRequest& atlas) {
+    if (!options.atlas.empty()) {
+        atlas.file = options.atlas;
+        atlas.location = {"--atlas", 0, 0};
+    }
+    if ((options.atlas_by || options.atlas_length || !options.atlas_budget.empty()) && atlas.file.empty())
+        return error_at({"--atlas", 0, 0}, "atlas settings without an atlas; expected --atlas FILE.exr with them");
+    if (options.atlas_by)
+        if (Status set = set_atlas_rules(*options.atlas_by, {"--atlas-by", 0, 0}, atlas); !set) return set;
+    if (options.atlas_length) atlas.rules.length = *options.atlas_length;
+    if (options.atlas_budget.empty()) return success();
+    auto budget = display::parse_memory_size(options.atlas_budget, {"--atlas-budget", 0, 0});
+    if (!budget) return budget.error();
+    atlas.budget = *budget;
+    return success();
+}
+
 /// The first plain preview replaces the job's.
 void apply_previews(const OutputOptions& options, Job& job) {
     bool first = true;
@@ -90,6 +107,14 @@ void add_file_options(const OptionGroup& group, OutputOptions& options) {
     group.add_flag("--deep-tidy", options.deep_tidy, "cuts volume spans so that no deep samples overlap");
     group.add("--deep-storage", options.deep_storage, "'TYPE COMPRESSION'",
               "half or float colours, and none, rle or zips");
+    group.add("--atlas", options.atlas, "OUT.atlas.exr",
+              "also keeps the light of every word, so that 'raylex ask' answers expressions after the render");
+    group.add("--atlas-by", options.atlas_by, "label,lobe,group,straight",
+              "what the atlas's words are told apart by, beside their types; default label,lobe,group");
+    group.add("--atlas-length", options.atlas_length, "N", "scatterings of the longest words kept whole; default 8")
+        ->check(CLI::Range(1, display::WordRules::most_length));
+    group.add("--atlas-budget", options.atlas_budget, "SIZE",
+              "memory that the atlas may take, such as 2GiB, the default: beyond it words with least light are merged");
     group.add_repeated("--tev", options.viewers, "HOST[:PORT]",
                        "shows every layer in a running tev viewer while rendering; default port 14158");
     group.add_repeated("--driver", options.drivers, "NAME:KEY=VALUE,...", "adds a display driver: " + driver_list());
@@ -151,6 +176,7 @@ Status apply_output_options(const OutputOptions& options, Job& job) {
         if (!limit) return limit.error();
         job.outputs.memory_limit = *limit;
     }
+    if (Status atlas = apply_atlas(options, job.outputs.atlas); !atlas) return atlas;
     return apply_deep(options, job.outputs.deep);
 }
 

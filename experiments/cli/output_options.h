@@ -12,7 +12,9 @@ namespace raylex::experiments {
 
 struct OutputOptions {
     std::vector<std::string> sample_filters, display_filters, previews, storage, drivers, viewers, deep_channels;
-    std::string display, view, memory_limit, deep, deep_storage;
+    std::string display, view, memory_limit, deep, deep_storage, atlas, atlas_budget;
+    std::optional<std::string> atlas_by;
+    std::optional<int> atlas_length;
     std::optional<int> deep_samples;
     std::optional<double> deep_tolerance, exposure;
     bool deep_tidy = false, texture_rules = false;

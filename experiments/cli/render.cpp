@@ -13,7 +13,6 @@
 #include "experiments/cli/plugin_options.h"
 #include "experiments/cli/render_options.h"
 #include "experiments/cli/render_run.h"
-#include "experiments/job/channel_set.h"
 #include "experiments/job/effect_report.h"
 #include "experiments/job/job_file.h"
 #include "experiments/job/sampling_requests.h"
@@ -24,41 +23,6 @@ namespace {
 
 SourceLocation flag(const std::string& name) {
     return {name, 0, 0};
-}
-
-/// The channels of a file, as if each stood behind an --lpe of its own.
-Status read_channel_file(const std::string& file, lpe::Dialect dialect, Job& job) {
-    auto set = read_channel_files({file}, {}, dialect);
-    if (!set) return set.error();
-    std::vector<std::string> warnings = std::move(set->file.warnings);
-    Status added = add_to_job(*set, job, warnings);
-    if (!added) {
-        Error error = added.error();
-        if (error.file == "--channels") error.file = file;
-        return error;
-    }
-    for (const std::string& warning : warnings) print_warning(warning);
-    return added;
-}
-
-/// --lpe NAME=EXPR and --channels FILE in the order given, each in the dialect of the last --dialect before it.
-Status read_expressions(const CLI::App& command, const RenderOptions& options, Job& job) {
-    lpe::Dialect dialect = lpe::Dialect::renderman;
-    std::size_t next_expression = 0, next_dialect = 0, next_file = 0;
-    for (const CLI::Option* option : command.parse_order()) {
-        if (option->get_name() == "--dialect") {
-            auto parsed = parse_dialect(options.dialects[next_dialect++], flag("--dialect"));
-            if (!parsed) return parsed.error();
-            dialect = *parsed;
-        } else if (option->get_name() == "--lpe") {
-            auto request = parse_named_expression(options.expressions[next_expression++], dialect, "--lpe");
-            if (!request) return request.error();
-            job.expressions.push_back(std::move(*request));
-        } else if (option->get_name() == "--channels") {
-            if (Status read = read_channel_file(options.channel_files[next_file++], dialect, job); !read) return read;
-        }
-    }
-    return success();
 }
 
 /// --rule NAME=RULE, --layer NAME=CHANNEL:RULE and --statistics NAME=STATISTIC,...
@@ -194,21 +158,23 @@ Result<Job> assemble(const CLI::App& command, const RenderOptions& options) {
         if (!crop) return crop.error();
         job.settings.crop = *crop;
     }
+    if (!options.missing.empty()) {
+        auto missing = parse_missing(options.missing, flag("--missing"));
+        if (!missing) return missing.error();
+        job.missing = *missing;
+    }
     override_entity(options.integrator, "--integrator", job.settings.integrator);
     override_entity(options.sampler, "--sampler", job.settings.sampler);
     override_entity(options.filter, "--filter", job.settings.filter);
     if (Status outputs = apply_output_options(options.outputs, job); !outputs) return outputs.error();
     if (Status sampling = read_sampling(options, job); !sampling) return sampling.error();
-    Status expressions = read_expressions(command, options, job);
-    if (!expressions) return expressions.error();
+    if (Status expressions = read_expressions(command, options, job); !expressions) return expressions.error();
     if (Status settings = read_channel_settings(options, job.settings); !settings) return settings.error();
     for (const std::string& name : options.aovs) job.aovs.push_back({name, flag("--aov " + name)});
     if (!options.cryptomatte.empty()) job.settings.cryptomatte.clear();
     for (const std::string& name : options.cryptomatte)
         if (Status added = add_cryptomatte(name, flag("--cryptomatte"), job.settings); !added) return added.error();
     if (options.cryptomatte_ranks) job.settings.cryptomatte_ranks = *options.cryptomatte_ranks;
-    if (!options.partition.empty()) job.shipped_partition = true;
-    if (options.light_groups) job.light_groups = true;
     if (!options.techniques.empty()) {
         auto techniques = parse_techniques(options.techniques, flag("--techniques"));
         if (!techniques) return techniques.error();
@@ -222,20 +188,6 @@ Result<Job> assemble(const CLI::App& command, const RenderOptions& options) {
 }
 
 }  // namespace
-
-Result<ExpressionRequest> parse_named_expression(const std::string& text, lpe::Dialect dialect,
-                                                 const std::string& option) {
-    const std::size_t equals = text.find('=');
-    if (equals == std::string::npos || equals == 0)
-        return error_at(flag(option),
-                        "'" + text + "' is no named expression; expected NAME=EXPR, such as caustics='CDS+L'");
-    ExpressionRequest request;
-    request.name = text.substr(0, equals);
-    request.expression = text.substr(equals + 1);
-    request.dialect = dialect;
-    request.location = flag(option + " " + request.name);
-    return request;
-}
 
 void add_render_command(CLI::App& app, CommandContext& context) {
     CLI::App* command = app.add_subcommand("render", "Renders a scene to one multi-part OpenEXR file.");

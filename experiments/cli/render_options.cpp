@@ -63,6 +63,10 @@ void add_image_options(const OptionGroup& group, RenderOptions& options) {
         "renders these pixels alone, to the bits that they have in the whole image: the file's data window in its "
         "display window");
     group.add("--filter", options.filter, "NAME", "pixel filter; default: as the scene says");
+    group.add(
+        "--missing", options.missing, "error|placeholder",
+        "what a texture, light's image or mesh does whose file is missing: error (default), or placeholder, which "
+        "renders with magenta in its place, counted in warnings and in the image's header");
     group
         .add("--filter-mode", options.filter_mode, "MODE",
              "importance (default): samples are drawn as the pixel filter says and belong to one pixel; splat: they "
@@ -102,18 +106,7 @@ void add_method_options(const OptionGroup& group, RenderOptions& options) {
 }
 
 void add_light_layer_options(const OptionGroup& group, RenderOptions& options) {
-    group.add_repeated("--lpe", options.expressions, "NAME=EXPR",
-                       "adds a layer NAME with the light that the light path expression accepts");
-    group.add_repeated(
-        "--channels", options.channel_files, "FILE",
-        "adds the channels of a file as --lpe does, and the partitions that it declares: RIB DisplayChannel lines, "
-        "rendermn.ini, USD ASCII RenderVar prims or TOML");
-    group.add_repeated("--dialect", options.dialects, "D",
-                       "language of the --lpe and of USD channel files that follow: renderman (default) or osl");
-    group.add("--partition", options.partition, "shipped", "'shipped' adds the layers of the shipped partition")
-        ->check(CLI::IsMember({"shipped"}));
-    group.add_flag("--light-groups", options.light_groups,
-                   "adds a layer per light group, and one for lights without a group");
+    add_expression_options(group, options);
     group.add("--techniques", options.techniques, "pyramid[:CHANNEL,...]",
               "'pyramid' adds a layer of beauty for each way to find a path, s vertices from the light and t from "
               "the camera (beauty_s1t3), with its MIS weight and without (beauty_s1t3_unweighted); "

@@ -6,20 +6,20 @@
 #include <string>
 #include <vector>
 
+#include "experiments/cli/expression_options.h"
 #include "experiments/cli/output_options.h"
 
 namespace raylex::experiments {
 
-struct RenderOptions {
-    std::string input, output, statistics, resolution, integrator, sampler, filter, partition, techniques;
-    std::string crop, ocio, rendering_space, isa, until_error, time, checkpoint, replay, filter_mode, prune;
+struct RenderOptions : ExpressionOptions {
+    std::string input, output, statistics, resolution, integrator, sampler, filter, techniques;
+    std::string missing, crop, ocio, rendering_space, isa, until_error, time, checkpoint, replay, filter_mode, prune;
     std::optional<std::uint64_t> spp, seed;
     std::optional<int> threads;
     std::optional<std::int64_t> max_depth;
-    std::vector<std::string> expressions, channel_files, dialects, aovs, cryptomatte, rules, layers, statistic_layers,
-        plugins, effects;
+    std::vector<std::string> aovs, cryptomatte, rules, layers, statistic_layers, plugins, effects;
     std::optional<int> cryptomatte_ranks;
-    bool no_beauty = false, light_groups = false, resume = false, show_effects = false;
+    bool no_beauty = false, resume = false, show_effects = false;
     OutputOptions outputs;
 };
 

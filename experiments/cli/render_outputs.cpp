@@ -48,7 +48,8 @@ void print_memory(const RenderOutputs& outputs, std::uint64_t limit) {
 }
 
 std::vector<std::string> requested_files(const Job& job) {
-    std::vector<std::string> files{job.output, job.preview, job.statistics, job.outputs.deep.file};
+    std::vector<std::string> files{job.output, job.preview, job.statistics, job.outputs.deep.file,
+                                   job.outputs.atlas.file};
     for (const display::DriverRequest& request : job.outputs.drivers) files.push_back(file_of(request));
     std::erase_if(files, [](const std::string& file) { return file.empty(); });
     return files;
@@ -133,9 +134,12 @@ Status RenderOutputs::begin(const transport::RenderPlan& plan, std::vector<displ
     drop_altered(plan, partitions);
     memory_ = plan.memory;
     if (Status deep = make_deep(plan); !deep) return deep;
+    if (Status atlas = atlas_.make(*job_, plan); !atlas) return atlas;
+    if (atlas_.buffer() != nullptr) memory_.push_back({"atlas", atlas_.buffer()->expected_bytes()});
     if (deep_) memory_.push_back({"deep", deep_->expected_bytes()});
     if (Status fits = display::check_memory(memory_, job_->outputs.memory_limit); !fits) return fits;
     if (deep_) sinks.push_back(deep_.get());
+    if (atlas_.buffer() != nullptr) sinks.push_back(atlas_.buffer());
     display::DriverImage image;
     image.title = std::filesystem::path(job_->output).filename().string();
     image.width = plan.width;
@@ -216,6 +220,7 @@ void RenderOutputs::update(const transport::RenderProgress& progress) {
 Status RenderOutputs::close(const transport::RenderOutput& output, const display::ImageDescription& description) {
     const display::FilteredImage image = filtered(output.frame_buffer);
     Status closed = drivers_.close({image, output.beauty, description});
+    if (Status atlas = atlas_.write(output, description); closed && !atlas) closed = atlas;
     if (!deep_) return closed;
     Status deep = display::write_deep_exr(job_->outputs.deep.file, *deep_, output.beauty, description,
                                           job_->outputs.deep.storage);
@@ -240,6 +245,7 @@ std::vector<std::string> RenderOutputs::files() const {
     std::vector<std::string> files = drivers_.files();
     std::erase(files, job_->output);
     if (deep_) files.push_back(job_->outputs.deep.file);
+    if (atlas_.buffer() != nullptr) files.push_back(job_->outputs.atlas.file);
     return files;
 }
 

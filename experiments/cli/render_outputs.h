@@ -11,6 +11,7 @@
 #include "display/drivers/driver_set.h"
 #include "display/filters/display_filter.h"
 #include "display/output/deep_file.h"
+#include "experiments/cli/atlas_output.h"
 #include "experiments/job/color_setup.h"
 #include "experiments/job/job.h"
 #include "transport/render/render.h"
@@ -48,6 +49,8 @@ class RenderOutputs {
     /// which a deep image never sees, changed the image.
     Result<std::optional<display::DeepVerdict>> judge_deep(const display::ExrImage& image) const;
 
+    [[nodiscard]] AtlasOutput& atlas() { return atlas_; }
+
     [[nodiscard]] std::vector<std::string> take_warnings();
     /// Beside the main image.
     [[nodiscard]] std::vector<std::string> files() const;
@@ -61,6 +64,7 @@ class RenderOutputs {
     const Job* job_ = nullptr;
     display::DriverSet drivers_;
     std::unique_ptr<display::DeepBuffer> deep_;
+    AtlasOutput atlas_;
     std::vector<display::MemoryItem> memory_;
     std::vector<display::ChannelDefinition> channels_;
     std::vector<std::unique_ptr<display::DisplayFilter>> filters_;

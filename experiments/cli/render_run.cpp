@@ -48,7 +48,7 @@ class RenderRun {
             if (const std::optional<int> code = (this->*step)()) return *code;
         print_summary();
         if (!output_->complete) return interrupt_flag().load() ? exit_interrupted : exit_does_not_hold;
-        if (deep_ && !deep_->holds) return exit_does_not_hold;
+        if ((deep_ && !deep_->holds) || (atlas_ && !atlas_->holds)) return exit_does_not_hold;
         return std::all_of(splits_.begin(), splits_.end(), [](const display::SplitVerdict& each) { return each.holds; })
                    ? exit_holds
                    : exit_does_not_hold;
@@ -92,6 +92,7 @@ class RenderRun {
         auto loaded = load_job_scene(job_);
         if (!loaded) return report_error(loaded.error());
         loaded_ = std::move(*loaded);
+        ask_for_film_layers(loaded_->scene.film, job_);
         for (const std::string& warning : loaded_->warnings) warn(warning);
         for (const std::string& line : job_.show_effects ? effect_table(loaded_->effects, job_.effects)
                                                          : effect_summary(loaded_->effects, job_.effects))
@@ -116,6 +117,8 @@ class RenderRun {
         if (!job_.settings.beauty && plan->channels.empty())
             return report_error("--no-beauty leaves nothing to render; expected at least one --lpe or --aov with it");
         job_.settings.channels = plan->channels;
+        if (!job_.settings.only)
+            if (Status atlas = outputs_.atlas().prepare(job_, *words); !atlas) return report_error(atlas.error());
         partitions_ = plan->partitions;
         beauties_ = plan->beauties;
         phases_["plan"] = clock.elapsed();
@@ -268,6 +271,9 @@ class RenderRun {
         auto deep = outputs_.judge_deep(image_);
         if (!deep) return report_error(deep.error());
         deep_ = std::move(*deep);
+        auto atlas = outputs_.atlas().judge();
+        if (!atlas) return report_error(atlas.error());
+        atlas_ = *atlas;
         return go_on;
     }
 
@@ -293,6 +299,10 @@ class RenderRun {
             if (!verdict.holds) print_line("  " + write_residual_map(verdict, image_));
         }
         if (deep_) print_verdict(deep_line(*deep_), deep_->holds);
+        if (atlas_) {
+            const auto pixels = static_cast<std::uint64_t>(output_->width) * static_cast<std::uint64_t>(output_->height);
+            print_verdict(atlas_line(*atlas_, pixels), atlas_->holds);
+        }
         std::error_code failed;
         const auto bytes = fs::file_size(job_.output, failed);
         std::string line = job_.output + ": " + std::to_string(output_->width) + "x" + std::to_string(output_->height) +
@@ -350,6 +360,7 @@ class RenderRun {
     RenderOutputs outputs_;
     std::optional<transport::RenderOutput> output_;
     std::optional<display::DeepVerdict> deep_;
+    std::optional<display::AtlasVerdict> atlas_;
     display::ExrImage image_;
     std::vector<display::SplitVerdict> splits_;
     std::map<std::string, PhaseTime> phases_;

@@ -9,10 +9,6 @@
 
 namespace raylex::experiments {
 
-/// "NAME=EXPR" as given to `option`.
-Result<ExpressionRequest> parse_named_expression(const std::string& text, lpe::Dialect dialect,
-                                                 const std::string& option);
-
 /// Loads, proves, renders, writes, checks the file written, and says what it did. Returns the exit code.
 int run_render(Job job, const std::vector<std::string>& arguments);
 

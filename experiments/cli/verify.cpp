@@ -140,6 +140,14 @@ int verify_declared(const VerifyOptions& options) {
     bool all_hold = true;
     std::string without;
     for (const std::string& file : options.files) {
+        if (display::is_atlas(file)) {
+            auto atlas = display::AtlasFile::open(file);
+            if (!atlas) return report_error(atlas.error());
+            const int code = judge_atlas(**atlas);
+            if (code == exit_bad_input) return code;
+            all_hold = code == exit_holds && all_hold;
+            continue;
+        }
         auto image = display::read_exr(file);
         if (!image) return report_error(image.error());
         if (image->partitions.empty()) {
@@ -206,8 +214,9 @@ void add_verify_command(CLI::App& app, CommandContext& context) {
             "compression allow")
         ->option_text("ABS,REL");
     command->footer(
-        "Without --sum and --preset every partition declared in the header is judged. Three answers: holds to "
-        "rounding, holds\n"
+        "Without --sum and --preset every partition declared in the header is judged, and a path atlas by whether its "
+        "words sum\n"
+        "to its beauty. Three answers: holds to rounding, holds\n"
         "within what is allowed, does not hold. Rounding is that of the stored type (float 2^-23, half 2^-10) times "
         "the sum\n"
         "of |terms| + |of|, carried through products, with 2^-24 for each operation of another renderer. Allowed are "

@@ -210,7 +210,7 @@ std::string what_stands_on_a_surface(const SceneUnderTest& test) {
     }
     if (is_near_surface(geometry, eye, near)) return "the camera";
     for (const transport::Light& light : view.lights->lights())
-        if (light.kind == transport::LightKind::point || light.kind == transport::LightKind::spot)
+        if (light.is_at_point())
             if (is_near_surface(geometry, light.position, 0.05f * length(light.position - eye))) return "a light";
     return {};
 }

@@ -13,6 +13,7 @@
 #include "lpe/language/names.h"
 #include "transport/render/render.h"
 #include "transport/scene/effects.h"
+#include "transport/scene/missing_files.h"
 #include "transport/scene/scene_description.h"
 
 namespace raylex::experiments {
@@ -63,7 +64,8 @@ struct Job {
     double exposure = 0;            ///< stops by which previews show light brighter
     double checkpoint_seconds = 0;  ///< between checkpoints; 0 = none
     bool resume = false;            ///< go on from the checkpoint beside the output
-    bool texture_rules = false;     ///< colours of image textures by the colour config's file rules, not pbrt's
+    transport::MissingFiles missing = transport::MissingFiles::refused;  ///< files that the scene names
+    bool texture_rules = false;  ///< colours of image textures by the colour config's file rules, not pbrt's
     OutputRequests outputs;
     bool shipped_partition = false;  ///< adds the shipped partition's channels
     bool light_groups = false;       ///< adds one layer per light group and one for the unlabelled lights
@@ -87,6 +89,8 @@ Result<lpe::Dialect> parse_dialect(const std::string& name, const SourceLocation
 /// "WxH" with both between 1 and 65536.
 Result<std::array<int, 2>> parse_resolution(const std::string& text, const SourceLocation& where);
 
+/// "error" or "placeholder".
+Result<transport::MissingFiles> parse_missing(const std::string& text, const SourceLocation& where);
 /// "X0,Y0,X1,Y1", whole numbers from 0 on with X0 < X1 and Y0 < Y1.
 Result<display::PixelRegion> parse_crop(const std::string& text, const SourceLocation& where);
 

@@ -22,6 +22,11 @@ void read_files(TomlTable& root, const std::string& job_path, Job& job) {
     if (const toml::table* table = root.take_table("scene")) {
         TomlTable scene(root.source(), *table, "[scene]");
         if (scene.require("file", job.scene_file)) job.scene_file = beside_job(job_path, job.scene_file);
+        std::string missing;
+        if (scene.read("missing", missing)) {
+            if (auto parsed = parse_missing(missing, scene.location_of("missing"))) job.missing = *parsed;
+            else root.source().fail(scene.location_of("missing"), parsed.error().message);
+        }
         scene.close();
     } else if (!root.has("scene")) {
         root.source().fail(SourceLocation{job_path, 1, 1},

@@ -1,5 +1,6 @@
 #include "experiments/job/job_scene.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -10,6 +11,7 @@
 #include "experiments/job/provenance.h"
 #include "transport/import/pbrt_importer.h"
 #include "transport/plugins/plugin_loader.h"
+#include "transport/render/film.h"
 
 namespace raylex::experiments {
 namespace {
@@ -47,7 +49,7 @@ Result<std::unique_ptr<JobScene>> finish_job_scene(const Job& job, std::unique_p
 Result<std::unique_ptr<JobScene>> load_job_scene(const Job& job) {
     auto loaded = begin_job_scene(job);
     if (!loaded) return loaded;
-    auto scene = transport::import_pbrt(job.scene_file);
+    auto scene = transport::import_pbrt(job.scene_file, {job.missing});
     if (!scene) return scene.error();
     (*loaded)->scene = std::move(*scene);
     return finish_job_scene(job, *std::move(loaded));
@@ -58,6 +60,14 @@ Result<std::unique_ptr<JobScene>> prepare_job_scene(const Job& job, transport::S
     if (!loaded) return loaded;
     (*loaded)->scene = std::move(scene);
     return finish_job_scene(job, *std::move(loaded));
+}
+
+void ask_for_film_layers(const transport::SceneEntity& film, Job& job) {
+    const auto has = [](const auto& requests, const std::string& name) {
+        return std::any_of(requests.begin(), requests.end(), [&](const auto& each) { return each.name == name; });
+    };
+    for (const std::string& layer : transport::gbuffer_layers(film))
+        if (!has(job.aovs, layer) && !has(job.expressions, layer)) job.aovs.push_back({layer, film.location});
 }
 
 display::RecordIdentity checkpoint_identity(const Job& job, const ColorSetup& color) {
@@ -77,6 +87,11 @@ display::ImageDescription image_description(const Job& job, const JobScene& scen
                                             const std::map<std::string, std::string>& attributes) {
     display::ImageDescription description;
     description.attributes = attributes;
+    if (const std::vector<std::string>& missing = scene.scene.placeholders; !missing.empty()) {
+        std::string& list = description.attributes["raylex/placeholders"];
+        list = std::to_string(missing.size()) + " files are missing:";
+        for (const std::string& file : missing) list += "\n" + file;
+    }
     description.partitions = partitions;
     description.chromaticities = scene.primaries;
     for (const geoaovs::Cryptomatte& matte : output.cryptomatte)
@@ -87,7 +102,7 @@ display::ImageDescription image_description(const Job& job, const JobScene& scen
     description.complete = output.complete;
     description.storage = job.outputs.storage;
     description.single_part = job.outputs.single_part;
-    description.data_window = job.settings.crop;
+    description.data_window = output.crop;
     return description;
 }
 

@@ -31,6 +31,9 @@ Result<std::unique_ptr<JobScene>> load_job_scene(const Job& job);
 /// The same of a scene that is there already; the job's file is not read.
 Result<std::unique_ptr<JobScene>> prepare_job_scene(const Job& job, transport::SceneDescription scene);
 
+/// Adds what the scene's film would write beside the image to the job's AOVs, but for names that the job gives itself.
+void ask_for_film_layers(const transport::SceneEntity& film, Job& job);
+
 /// What a checkpoint is of, beyond what the renderer sees: the program, and what colours and lobe numbers come from.
 display::RecordIdentity checkpoint_identity(const Job& job, const ColorSetup& color);
 

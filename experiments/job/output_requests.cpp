@@ -66,6 +66,26 @@ void read_deep(TomlTable& root, const std::string& job_path, DeepRequest& deep) 
     reader.close();
 }
 
+void read_atlas(TomlTable& root, const std::string& job_path, AtlasRequest& atlas) {
+    const toml::table* table = root.take_table("atlas");
+    if (table == nullptr) return;
+    TomlTable reader(root.source(), *table, "[atlas]");
+    atlas.location = reader.location();
+    if (reader.require("file", atlas.file)) atlas.file = beside_job(job_path, atlas.file);
+    std::string text;
+    if (reader.read("by", text))
+        if (Status set = set_atlas_rules(text, reader.content_location_of("by"), atlas); !set)
+            root.source().fail(set.error());
+    std::int64_t length = 0;
+    if (reader.read("length", length, 1, display::WordRules::most_length)) atlas.rules.length = static_cast<int>(length);
+    if (reader.read("budget", text)) {
+        auto budget = display::parse_memory_size(text, reader.content_location_of("budget"));
+        if (budget) atlas.budget = *budget;
+        else root.source().fail(budget.error());
+    }
+    reader.close();
+}
+
 void read_drivers(TomlTable& root, const std::string& job_path, OutputRequests& outputs) {
     for (const toml::table* table : root.take_tables("driver")) {
         TomlTable reader(root.source(), *table, "a [[driver]] table");
@@ -91,6 +111,14 @@ Status set_exr_parts(OutputRequests& outputs, const std::string& word, const Sou
                         "' says neither how many parts the file has nor how a kind of channel is stored; expected "
                         "single, multi, or such as light='half piz'",
                     near.empty() ? std::string() : "did you mean '" + near + "'?");
+}
+
+Status set_atlas_rules(const std::string& text, const SourceLocation& where, AtlasRequest& atlas) {
+    auto rules = display::parse_word_rules(text, where);
+    if (!rules) return rules.error();
+    rules->length = atlas.rules.length;
+    atlas.rules = *rules;
+    return success();
 }
 
 Status check_exr_requests(const OutputRequests& outputs) {
@@ -138,6 +166,7 @@ display::DriverRequest preview_request(const std::string& text, const SourceLoca
 void read_output_tables(TomlTable& root, const std::string& job_path, OutputRequests& outputs) {
     read_storage(root, outputs);
     read_deep(root, job_path, outputs.deep);
+    read_atlas(root, job_path, outputs.atlas);
     read_drivers(root, job_path, outputs);
 }
 

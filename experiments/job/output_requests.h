@@ -10,6 +10,7 @@
 #include "display/output/deep_file.h"
 #include "display/output/exr_storage.h"
 #include "display/services/object_request.h"
+#include "display/services/word_alphabet.h"
 #include "lpe/result.h"
 
 namespace raylex::experiments {
@@ -27,12 +28,21 @@ struct DeepRequest {
     display::DeepStorage storage;
 };
 
+/// A path atlas: raylex render --atlas.
+struct AtlasRequest {
+    std::string file;  ///< empty: none
+    SourceLocation location;
+    display::WordRules rules;
+    std::uint64_t budget = std::uint64_t{2} << 30;  ///< bytes of memory; 0: none
+};
+
 struct OutputRequests {
     display::ExrStorageTable storage = display::default_exr_storage();
     bool single_part = false;  ///< of the main image and other OpenEXR files: one part with all channels
     std::vector<display::DriverRequest> drivers;  ///< beside the main image and its preview, in the order given
     std::vector<ObjectRequest> filters;           ///< display filters in the order in which they see the image
     DeepRequest deep;
+    AtlasRequest atlas;
     std::uint64_t memory_limit = 0;  ///< bytes; 0 = none
 };
 
@@ -45,7 +55,10 @@ Status check_exr_requests(const OutputRequests& outputs);
 /// "NAME.png" or "LAYER=NAME.png" as a request for the driver "png".
 display::DriverRequest preview_request(const std::string& text, const SourceLocation& where);
 
-/// The tables [exr], [deep] and [[driver]] of a job. Paths count from the job's folder.
+/// "label,lobe,group,straight" in place of the rules' own, which keep their length. Errors at `where`.
+Status set_atlas_rules(const std::string& text, const SourceLocation& where, AtlasRequest& atlas);
+
+/// The tables [exr], [deep], [atlas] and [[driver]] of a job. Paths count from the job's folder.
 void read_output_tables(TomlTable& root, const std::string& job_path, OutputRequests& outputs);
 
 /// [output] tev = "host:port" and [render] memory_limit = "8G".

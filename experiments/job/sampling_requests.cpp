@@ -150,6 +150,11 @@ Status check_recovery(const Job& job) {
                         "a deep image is not saved in checkpoints, so --checkpoint and --resume "
                         "cannot be used with it",
                         "leave out the deep image, or --checkpoint and --resume");
+    if (!job.outputs.atlas.file.empty())
+        return error_at(job.outputs.atlas.location,
+                        "a path atlas is not saved in checkpoints, so --checkpoint and --resume cannot be used with it",
+                        "leave out the atlas, or --checkpoint and --resume; atlases of renders with other seeds can be "
+                        "merged: raylex ask --merge");
     const std::string file = checkpoint_file(job);
     std::error_code failed;
     const bool exists = std::filesystem::exists(file, failed);

@@ -53,7 +53,7 @@ Result<SceneWords> read_scene_words(const std::string& path) {
         if (!read) return read.error();
         job = std::move(*read);
     }
-    auto scene = transport::import_pbrt(job.scene_file);
+    auto scene = transport::import_pbrt(job.scene_file, {job.missing});
     if (!scene) return scene.error();
     if (Status labelled = transport::apply_label_rules(*scene, job.label_rules); !labelled) return labelled.error();
     return scene_words(job, *scene);

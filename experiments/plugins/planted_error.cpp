@@ -49,8 +49,8 @@ class PlantedError final : public Integrator {
             if (!hit->valid()) {
                 if (specular_bounce)
                     for (const std::uint32_t light : scene.lights->environments())
-                        add(throughput * scene.lights->environment_radiance(light, ray.direction), light, path,
-                            services);
+                        add(throughput * scene.lights->environment_radiance(light, ray.origin, ray.direction), light,
+                            path, services);
                 return;
             }
             scene.geometry->surfaces({&ray, 1}, hit, point, source);
@@ -61,14 +61,13 @@ class PlantedError final : public Integrator {
             const ShapeGeometry& shape = scene.geometry->shapes()[hit->shape];
             if (specular_bounce && shape.first_light != Hit::none) {
                 const std::uint32_t light = shape.first_light + hit->primitive;
-                add(throughput * scene.lights->emitted(light, point->geometric_normal, point->wo), light, path,
-                    services);
+                add(throughput * scene.lights->emitted(light, *point, point->wo), light, path, services);
             }
             if (depth == max_depth_) return;
             point->random_key = sampler.key(first);
             Bsdf bsdf[1];
             scene.materials->shade(*scene.textures, point, bsdf, &services.display);
-            sample_light(*point, *source, *bsdf, throughput, path, sampler, first, counters, services);
+            sample_light(*point, *source, *bsdf, ray.time, throughput, path, sampler, first, counters, services);
 
             // Russian roulette from the second scattering on. What survives must count for what does not: without the
             // division, every path of three scatterings and more is too dark. That is the mistake.
@@ -82,15 +81,17 @@ class PlantedError final : public Integrator {
             specular_bounce = s.delta;
             move(path, *source, s.lobes, services);
             if (!services.lpe.live(path)) return;
+            const Real time = ray.time;
             ray = Ray();
+            ray.time = time;
             ray.origin = offset_ray_origin(point->position, point->geometric_normal, source->offset.here, s.wi);
             ray.direction = s.wi;
             ++counters.scattering_rays;
         }
     }
 
-    void sample_light(const SurfacePoint& point, const SurfaceSource& source, const Bsdf& bsdf, const Rgb& throughput,
-                      display::Tracker path, const PixelSampler& sampler, std::uint32_t first,
+    void sample_light(const SurfacePoint& point, const SurfaceSource& source, const Bsdf& bsdf, Real time,
+                      const Rgb& throughput, display::Tracker path, const PixelSampler& sampler, std::uint32_t first,
                       IntegratorCounters& counters, ThreadServices& services) const {
         const SceneView& scene = context_.scene;
         LightSample sample;
@@ -100,7 +101,8 @@ class PlantedError final : public Integrator {
             return;
         const BsdfEvaluation f = bsdf.evaluate(point.wo, sample.wi);
         if (f.value.is_black()) return;
-        const Ray shadow = shadow_ray(point.position, point.geometric_normal, source.offset.here, sample);
+        Ray shadow = shadow_ray(point.position, point.geometric_normal, source.offset.here, sample);
+        shadow.time = time;
         std::uint8_t blocked[1];
         scene.geometry->occluded({&shadow, 1}, blocked);
         ++counters.shadow_rays;

@@ -149,7 +149,7 @@ void check_material() {
 
 void check_camera() {
     const std::string seen =
-        "LookAt 0 0 4  0 0 0  0 1 0\nCamera \"orthographic\" \"float extent\" 2\n"
+        "LookAt 0 0 4  0 0 0  0 1 0\nCamera \"parallel\" \"float extent\" 2\n"
         "Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 16\nPixelFilter \"box\"\n"
         "Sampler \"zsobol\" \"integer pixelsamples\" 256\nWorldBegin\n";
     const std::string with = plugin("orthographic_camera") + "scene.pbrt --max-depth 1 ";
@@ -166,11 +166,11 @@ void check_camera() {
     for (const float each : light) from_light += static_cast<double>(each);
     check(from_camera > 1 && std::abs(from_light / from_camera - 1) < 0.01,
           "orthographic: light paths that meet it bring what its own rays find");
-    write("scene.pbrt", "Camera \"orthographic\" \"float extent\" -2\nWorldBegin\n" + wall);
+    write("scene.pbrt", "Camera \"parallel\" \"float extent\" -2\nWorldBegin\n" + wall);
     check_refused("render " + plugin("orthographic_camera") + "scene.pbrt -o out.exr",
                   "scene.pbrt:1:", "'extent' is -2; expected a positive length");
     // Without the plugin.
-    check_refused("render scene.pbrt -o out.exr", "scene.pbrt:1:", "unknown camera 'orthographic'");
+    check_refused("render scene.pbrt -o out.exr", "scene.pbrt:1:", "unknown camera 'parallel'");
 }
 
 void check_shape() {

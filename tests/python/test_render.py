@@ -43,6 +43,15 @@ class SameAsTheProgram(Case):
         image = raylex.render(white_furnace(), spp=4, output=file)
         self.assertSameBits(raylex.read(file)["beauty"], image["beauty"])
 
+    def test_a_gbuffer_film_has_its_layers_here_too(self):
+        builder = raylex.SceneBuilder("gbuffer")
+        builder.film("gbuffer", xresolution=4, yresolution=4)
+        builder.camera("perspective", eye=(0, 0, 0), look=(0, 0, 1), fov=40)
+        builder.light("infinite", L=(1.0, 1.0, 1.0))
+        image = raylex.render(builder.finish(), spp=1)
+        for name in ("albedo", "P", "Ngn", "Nn", "st"):
+            self.assertIn(name, image.names)
+
     def test_threads_of_python_render_at_once(self):
         scene = white_furnace()
         images = [None] * 4

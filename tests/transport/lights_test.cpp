@@ -6,8 +6,7 @@
 #include <limits>
 #include <random>
 
-#include "transport/import/pbrt_importer.h"
-#include "transport/lights/light_table.h"
+#include "tests/transport/lit_scene.h"
 #include "transport/math/sampling.h"
 #include "transport/samplers/pixel_sampler.h"
 
@@ -15,25 +14,6 @@ using namespace raylex;
 using namespace raylex::transport;
 
 namespace {
-
-struct Lit {
-    EmbreeScene geometry;
-    LightTable lights;
-};
-
-Lit build(const std::string& text) {
-    auto scene = import_pbrt_text("WorldBegin\n" + text, "test.pbrt");
-    INFO((scene ? std::string() : scene.error().to_string()));
-    REQUIRE(scene.ok());
-    TextureTable textures;
-    auto geometry = EmbreeScene::build(*scene, textures, {});
-    REQUIRE(geometry.ok());
-    std::vector<Error> warnings;
-    auto lights = LightTable::build(*scene, *geometry, warnings);
-    INFO((lights ? std::string() : lights.error().to_string()));
-    REQUIRE(lights.ok());
-    return {*std::move(geometry), *std::move(lights)};
-}
 
 /// Irradiance at `p` on a plane with normal `n`, by light sampling alone, unoccluded.
 double irradiance(const Lit& scene, const Vec3& p, const Vec3& n, int samples) {
@@ -54,7 +34,7 @@ double irradiance(const Lit& scene, const Vec3& p, const Vec3& n, int samples) {
 
 TEST_CASE("a point light gives I cos / d^2", "[lights]") {
     // Row J. No randomness: only the roundings of a handful of float operations.
-    const Lit scene = build(R"(LightSource "point" "rgb I" [3 3 3] "point3 from" [1 2 0.5])");
+    const Lit scene = lit(R"(LightSource "point" "rgb I" [3 3 3] "point3 from" [1 2 0.5])");
     const double d2 = 1 + 4 + 0.25, expected = 3 * (2 / std::sqrt(d2)) / d2;
     CHECK(irradiance(scene, {0, 0, 0}, {0, 1, 0}, 4) == Approx(expected).epsilon(1e-6));
 }
@@ -64,9 +44,9 @@ TEST_CASE("a disk light gives pi L r^2 / (r^2 + h^2) below its centre", "[lights
     for (const double scale : {1.0, 2.0}) {
         const std::string s = std::to_string(scale);
         const Lit scene =
-            build("AttributeBegin\nTranslate 0 0 3\nScale " + s + " " + s + " " + s +
-                  "\nRotate 180 1 0 0\n"
-                  "AreaLightSource \"diffuse\" \"rgb L\" [5 5 5]\nShape \"disk\" \"float radius\" 1\nAttributeEnd");
+            lit("AttributeBegin\nTranslate 0 0 3\nScale " + s + " " + s + " " + s +
+                "\nRotate 180 1 0 0\n"
+                "AreaLightSource \"diffuse\" \"rgb L\" [5 5 5]\nShape \"disk\" \"float radius\" 1\nAttributeEnd");
         const double r2 = scale * scale;
         CHECK(irradiance(scene, {0, 0, 0}, {0, 0, 1}, 1 << 14) ==
               Approx(5 * 3.14159265358979 * r2 / (r2 + 9)).epsilon(1e-4));
@@ -98,7 +78,7 @@ TEST_CASE("a rectangle light gives Lambert's polygon formula, from 2 or 200 tria
               R"(Shape "trianglemesh" "integer indices" [0 2 1 0 3 2] "point3 P" [-1 -1 2 1 -1 2 1 1 2 -1 1 2])"),
           std::string(R"(Shape "bilinearmesh" "point3 P" [1 -1 2 -1 -1 2 1 1 2 -1 1 2])"),
           "Shape \"trianglemesh\" " + indices + "] " + positions + "]"})
-        CHECK(irradiance(build(begin + shape), {0, 0, 0}, {0, 0, 1}, 1 << 14) == Approx(expected).epsilon(1e-3));
+        CHECK(irradiance(lit(begin + shape), {0, 0, 0}, {0, 0, 1}, 1 << 14) == Approx(expected).epsilon(1e-3));
 }
 
 TEST_CASE("the octahedral map goes there and back and keeps areas", "[lights]") {
@@ -187,7 +167,7 @@ TEST_CASE("beside scattering an image environment is sampled by what stands out,
 }
 
 TEST_CASE("skies are sampled by what stands out by path's weighed light samples alone", "[lights]") {
-    const Lit scene = build(R"(LightSource "point" "rgb I" [1 1 1])");
+    const Lit scene = lit(R"(LightSource "point" "rgb I" [1 1 1])");
     const auto lights = scene.lights.lights();
     CHECK(LightChooser::by_receiver(lights, scene.geometry, LightChoice::mis).compensates());
     CHECK_FALSE(LightChooser::by_receiver(lights, scene.geometry, LightChoice::light_sampling).compensates());
@@ -196,7 +176,7 @@ TEST_CASE("skies are sampled by what stands out by path's weighed light samples 
 }
 
 TEST_CASE("weak lights keep a share of the choices and black ones get none", "[lights]") {
-    const Lit scene = build(R"(
+    const Lit scene = lit(R"(
 LightSource "point" "rgb I" [1e6 1e6 1e6]
 LightSource "point" "rgb I" [1e-6 1e-6 1e-6] "point3 from" [1 0 0]
 LightSource "point" "rgb I" [0 0 0] "point3 from" [0 1 0]
@@ -252,9 +232,9 @@ TEST_CASE("what a light subpath begins with is its light over the density of bid
         {"LightSource \"infinite\" \"rgb L\" [2 3 5]", {2, 3, 5}, 0}};
     for (const Emitter& emitter : emitters) {
         INFO(emitter.text);
-        const Lit scene = build("AttributeBegin\n" + emitter.text +
-                                "\nAttributeEnd\nLightSource \"point\" \"rgb I\" [7 7 7] \"point3 from\" [9 9 9]\n"
-                                "Shape \"sphere\" \"float radius\" 0.5");
+        const Lit scene = lit("AttributeBegin\n" + emitter.text +
+                              "\nAttributeEnd\nLightSource \"point\" \"rgb I\" [7 7 7] \"point3 from\" [9 9 9]\n"
+                              "Shape \"sphere\" \"float radius\" 0.5");
         const auto lights = scene.lights.lights();
         REQUIRE(lights.size() >= 2);
         double inverse = 0, inverse_squared = 0;
@@ -330,9 +310,7 @@ TEST_CASE("pixels of an image light that are no numbers are reported with their 
 
 TEST_CASE("lights refuse what they cannot honour, with a location", "[lights]") {
     for (const char* text :
-         {"LightSource \"infinite\" \"point3 portal\" [0 0 0 1 0 0 1 1 0 0 1 0]", "LightSource \"goniometric\"",
-          "LightSource \"spot\" \"point3 from\" [1 1 1] \"point3 to\" [1 1 1]",
-          "AreaLightSource \"diffuse\" \"float power\" 100\nShape \"sphere\"",
+         {"LightSource \"goniometric\"", "LightSource \"spot\" \"point3 from\" [1 1 1] \"point3 to\" [1 1 1]",
           "LightSource \"infinite\" \"string filename\" \"no such.exr\""}) {
         auto scene = import_pbrt_text(std::string("WorldBegin\n") + text, "test.pbrt");
         if (!scene) continue;  // the importer may refuse it first

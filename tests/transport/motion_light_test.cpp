@@ -162,7 +162,7 @@ TEST_CASE("motion: scenes that move come back from files as they were", "[motion
 }
 
 TEST_CASE("motion: scenes made in code move as those of files", "[motion][scene-builder]") {
-    namespace typed = raylex::transport::typed;
+    namespace typed = raylex::transport::typed;  // other tests have a real() of their own
     using transport::Transform;
     const Transform view = Transform::translate(0, 0, 5), later = Transform::translate(0.5, 0, 4);
     const Transform here = Transform::translate(1, 2, 3), there = Transform::rotate(30, 0, 1, 0);

@@ -216,6 +216,8 @@ TEST_CASE("motion: the shutter and the transformations' times choose what is see
     const auto covered = [&](const std::string& times, const std::string& shutter) {
         std::string text = silhouette(moving("Translate -1 0 0", "Translate 1 0 0", wall), times, 16, 256);
         text.replace(text.find("\"float fov\""), 0, shutter + " ");
+        // As much light whatever the shutter's time.
+        text.replace(text.find("\"integer xresolution\""), 0, "\"float exposuretime\" 1 ");
         const transport::RenderOutput output = render_of(scene_of(text));
         const std::vector<double> image = output.frame_buffer.resolve(output.beauty);
         double sum = 0;

@@ -323,7 +323,7 @@ TEST_CASE("settings replace the scene's, and what is not there is a warning or a
     auto output = render_of(scene_of(room), settings);
     CHECK(output.width == 8);
     CHECK(output.height == 6);
-    CHECK(output.integrator == "path");
+    CHECK(output.integrator == "bdpt");
     CHECK(output.samples_per_pixel == 3);
     CHECK_FALSE(output.warnings.empty());
     settings.integrator->type = "paht";
@@ -340,9 +340,9 @@ TEST_CASE("settings replace the scene's, and what is not there is a warning or a
     settings.channels.clear();
     settings.beauty = false;
     CHECK(refusal(room, settings).find("nothing to render: no beauty and no channel") != std::string::npos);
-    const std::string camera = refusal("Camera \"orthographic\"\nWorldBegin\n", {});
+    const std::string camera = refusal("Camera \"fisheye\"\nWorldBegin\n", {});
     CHECK(camera.find("test.pbrt:1:") != std::string::npos);
-    CHECK(camera.find("orthographic") != std::string::npos);
+    CHECK(camera.find("fisheye") != std::string::npos);
 }
 
 TEST_CASE("a scene's alphabet names its labels, groups, lobes and terminals", "[render]") {

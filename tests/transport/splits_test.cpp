@@ -167,7 +167,7 @@ TEST_CASE("lobes that no channel takes are not drawn", "[render][pruning][law4]"
 TEST_CASE("split paths are the same bits for any number of threads, and split by channels as ever",
           "[render][pruning][law1][law3]") {
     const auto scene = scene_of(glass_over_floor(two_sided_things));
-    transport::RenderSettings settings = only_channels({"CD.+L", "CDS+L", "CD.*[DG].*L"});
+    transport::RenderSettings settings = only_channels({"CD.+L", "CDS+L", "CD.*D.*L"});
     settings.threads = 1;
     const auto one = render_of(scene, settings);
     REQUIRE(one.statistics.branches > 0);

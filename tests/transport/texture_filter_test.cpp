@@ -172,6 +172,10 @@ TEST_CASE("texture filter: cones on planes, mirrors and balls", "[texture-filter
     CHECK(pixel_share(3) == 0.5f);
     CHECK(pixel_share(63) == 0.125f);
     CHECK(pixel_share(100'000) == 0.125f);
+    // Cameras without a vanishing point give all of the pixel as width, the others as spread: both shrink.
+    const RayCone quarter = cone_of_sample({2, 1}, 15);
+    CHECK(quarter.width == 0.5f);
+    CHECK(quarter.spread == 0.25f);
 
     // A ball of radius 2 seen straight on: its normal turns by width / 2, the mirrored cone by twice that.
     const SceneDescription scene = scene_of("WorldBegin\nShape \"sphere\" \"float radius\" 2\n");

@@ -31,6 +31,10 @@ Camera::~Camera() = default;
 
 void Camera::generate_in_time(std::span<const CameraSample> samples, std::span<Ray> rays) const {
     generate(samples, rays);
+    carry(samples, rays);
+}
+
+void Camera::carry(std::span<const CameraSample> samples, std::span<Ray> rays) const {
     for (std::size_t i = 0; i < samples.size(); ++i) rays[i].time = samples[i].time;
     if (motion_ == nullptr) return;
     for (Ray& ray : rays) {
@@ -59,6 +63,17 @@ Ray Camera::generate(const CameraSample& sample) const {
 
 [[gnu::always_inline]] inline Real Camera::importance_at_rest(const Vec3& point, const Vec3& position) const {
     return perspective_ != nullptr ? perspective_->importance_of(point, position) : importance_of(point, position);
+}
+
+void Camera::generate_weighed(std::span<const CameraSample> samples, std::span<Ray> rays,
+                              std::span<Real> weights) const {
+    weigh(samples, rays, weights);
+    carry(samples, rays);
+}
+
+void Camera::weigh(std::span<const CameraSample> samples, std::span<Ray> rays, std::span<Real> weights) const {
+    generate(samples, rays);
+    std::fill(weights.begin(), weights.end(), Real(1));
 }
 
 // The camera at rest sees what it does when everything is carried back to it by C = W^-1. A solid angle around the
@@ -113,6 +128,7 @@ Result<std::unique_ptr<Camera>> make_camera(const SceneEntity& entity, const Cam
                         "another unit of length brings it into range");
     auto camera = (*entry)->factory(entity, placement);
     if (!camera) return camera.error();
+    warnings.insert(warnings.end(), (*camera)->warnings_.begin(), (*camera)->warnings_.end());
     (*camera)->motion_ = placement.motion;
     for (const Parameter* p : entity.parameters.unused())
         warnings.push_back(

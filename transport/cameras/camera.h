@@ -51,7 +51,13 @@ class Camera {
     virtual void generate(std::span<const CameraSample> samples, std::span<Ray> rays) const = 0;
     /// The same with each ray at its sample's time, from where the camera is then.
     void generate_in_time(std::span<const CameraSample> samples, std::span<Ray> rays) const;
-    /// One ray, at its time. These three are asked for every vertex of a path: the in-tree camera is called without
+    /// The same for a camera with weighs_rays(): weights[i] is what light along rays[i] counts for; of one that no
+    /// light comes along it is 0, and the ray meets nothing (t_max is 0).
+    void generate_weighed(std::span<const CameraSample> samples, std::span<Ray> rays, std::span<Real> weights) const;
+    /// Whether light counts differently along its rays. Such a camera is nothing that light paths can be connected to:
+    /// connect() and importance() do not ask it, and integrators without the trait camera_weights refuse it.
+    [[nodiscard]] virtual bool weighs_rays() const { return false; }
+    /// One ray, at its time. These three are asked for every vertex of a path: the perspective camera is called without
     /// indirection.
     [[nodiscard]] Ray generate(const CameraSample& sample) const;
     /// How the camera sees a point in world space through `lens` in [0, 1)^2 at `time`; false for what is not in front
@@ -75,6 +81,7 @@ class Camera {
   protected:
     /// `camera_to_screen` as world_to_screen(), from camera space.
     Camera(const Transform& camera_to_world, const Matrix4& camera_to_screen, const Vec2& pixel_size, bool has_lens);
+    std::vector<Error> warnings_;  ///< of what was read; make_camera() passes them on
 
   private:
     friend class PerspectiveCamera;
@@ -83,6 +90,10 @@ class Camera {
     [[nodiscard]] Real importance_at_rest(const Vec3& point, const Vec3& position) const;
     [[nodiscard]] Real carried_importance(const Placement& carry, const Vec3& first_point, const Vec3& first_position,
                                           Real importance) const;
+    /// Where the rays are at their times, and when.
+    void carry(std::span<const CameraSample> samples, std::span<Ray> rays) const;
+    /// generate_weighed() for a camera that does not move.
+    virtual void weigh(std::span<const CameraSample> samples, std::span<Ray> rays, std::span<Real> weights) const;
     [[nodiscard]] virtual bool connect_to(const Vec3& point, const Vec2& lens, CameraConnection& connection) const = 0;
     [[nodiscard]] virtual Real importance_of(const Vec3& point, const Vec3& position) const = 0;
 
@@ -99,11 +110,12 @@ struct CameraPlacement {
     int width = 0, height = 0;                     ///< of the image, pixels
     bool lens_code = false;                        ///< a pinhole goes the way of a lens of radius 0, to the same bits
     std::shared_ptr<const CameraMotion> motion{};  ///< null: it stands still
+    double film_diagonal = 35;                     ///< millimetres; of cameras whose film has a size
 };
 
 /// Errors name the directive, or the parameter.
 using CameraFactory = std::function<Result<std::unique_ptr<Camera>>(const SceneEntity&, const CameraPlacement&)>;
-/// perspective; plugins add theirs.
+/// perspective, orthographic, spherical, realistic; plugins add theirs.
 Registry<CameraFactory>& camera_registry();
 
 /// The camera of a scene; an empty type means perspective. Errors: a type nobody knows, a transform without inverse, a

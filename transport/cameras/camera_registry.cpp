@@ -1,5 +1,8 @@
 #include "transport/cameras/camera.h"
+#include "transport/cameras/orthographic.h"
 #include "transport/cameras/perspective.h"
+#include "transport/cameras/realistic.h"
+#include "transport/cameras/spherical.h"
 
 namespace raylex::transport {
 
@@ -15,6 +18,25 @@ Registry<CameraFactory>& camera_registry() {
                 {"frameaspectratio", T::real, "", "width over height; default: the image's"},
                 {"screenwindow", T::real, "", "x min, x max, y min, y max of the film, in halves of its shorter axis"}},
                PerspectiveCamera::build});
+        r.add({"orthographic",
+               "parallel rays, or a telecentric lens with depth of field",
+               {{"lensradius", T::real, "0", "of the thin lenses, in camera space; 0 is none"},
+                {"focaldistance", T::real, "1000000", "of the plane in focus, in camera space"},
+                {"frameaspectratio", T::real, "", "width over height; default: the image's"},
+                {"screenwindow", T::real, "", "x min, x max, y min, y max of the film, in camera space"}},
+               OrthographicCamera::build});
+        r.add({"spherical",
+               "all directions around a point",
+               {{"mapping", T::string, "equalarea", "equalarea (octahedral) or equirectangular"}},
+               SphericalCamera::build});
+        r.add({"realistic",
+               "a film of a size behind the elements of a lens; not for methods that begin at the lights",
+               {{"lensfile", T::string, "", "rows of radius, thickness, index and diameter, in millimetres"},
+                {"aperturediameter", T::real, "1", "of the stop, in millimetres"},
+                {"focusdistance", T::real, "10", "from the film to what is sharp, in metres"},
+                {"aperture", T::string, "circular",
+                 "shape of the stop: circular, gaussian, square, pentagon, star, or an image"}},
+               RealisticCamera::build});
         return r;
     }();
     return registry;

@@ -5,46 +5,40 @@
 #include <cmath>
 
 #include "display/services/elementary.h"
+#include "transport/cameras/screen_window.h"
 #include "transport/math/sampling.h"
 
 namespace raylex::transport {
 
 Result<std::unique_ptr<Camera>> PerspectiveCamera::build(const SceneEntity& entity, const CameraPlacement& placement) {
     const int width = placement.width, height = placement.height;
-    const ParameterSet& set = entity.parameters;
-    auto fov = set.real_or("fov", 90), lens = set.real_or("lensradius", 0), focus = set.real_or("focaldistance", 1e6);
-    auto aspect = set.real_or("frameaspectratio", static_cast<double>(width) / height);
-    for (const auto* each : {&fov, &lens, &focus, &aspect})
-        if (!*each) return each->error();
+    auto fov = entity.parameters.real_or("fov", 90);
+    if (!fov) return fov.error();
     if (!(*fov > 0 && *fov < 180))
         return error_at(entity.location, "'fov' is " + std::to_string(*fov) + "; expected degrees between 0 and 180");
-    if (!(*aspect > 0)) return error_at(entity.location, "'frameaspectratio' must be positive");
-    if (!(*focus > 0)) return error_at(entity.location, "'focaldistance' must be positive");
-    std::array<double, 4> screen = *aspect > 1 ? std::array<double, 4>{-*aspect, *aspect, -1, 1}
-                                               : std::array<double, 4>{-1, 1, -1 / *aspect, 1 / *aspect};
-    if (const Parameter* p = set.find("screenwindow")) {
-        if (p->numbers.size() != 4)
-            return error_at(p->location, "'screenwindow' must be four numbers: x min, x max, y min, y max");
-        for (std::size_t i = 0; i < 4; ++i) screen[i] = p->numbers[i];
-    }
+    const auto lens = read_thin_lens(entity);
+    if (!lens) return lens.error();
+    const auto window = read_screen_window(entity, placement);
+    if (!window) return window.error();
+    const std::array<double, 4>& screen = *window;
     const double tangent = elementary::tan(*fov * 3.14159265358979323846 / 360);
     const Vec3 step_x = DVec3{(screen[1] - screen[0]) * tangent / width, 0, 0}.to_real(),
                step_y = DVec3{0, (screen[2] - screen[3]) * tangent / height, 0}.to_real();
     const double near = 1e-2, far = 1e3;
-    const double sx = 2 / ((screen[1] - screen[0]) * tangent), sy = 2 / ((screen[3] - screen[2]) * tangent);
-    const double ox = -(screen[1] + screen[0]) / (screen[1] - screen[0]),
-                 oy = -(screen[3] + screen[2]) / (screen[3] - screen[2]);
-    const Matrix4 projection{
-        {{sx, 0, ox, 0}, {0, sy, oy, 0}, {0, 0, far / (far - near), -far * near / (far - near)}, {0, 0, 1, 0}}};
+    const WindowScale scale(screen, tangent);
+    const Matrix4 projection{{{scale.sx, 0, scale.ox, 0},
+                              {0, scale.sy, scale.oy, 0},
+                              {0, 0, far / (far - near), -far * near / (far - near)},
+                              {0, 0, 1, 0}}};
 
     std::unique_ptr<PerspectiveCamera> camera(
         new PerspectiveCamera(placement.camera_to_world, projection, {std::abs(step_x.x), std::abs(step_y.y)},
-                              placement.lens_code || static_cast<Real>(*lens) > 0));
+                              placement.lens_code || static_cast<Real>(lens->radius) > 0));
     camera->step_x_ = step_x;
     camera->step_y_ = step_y;
     camera->corner_ = DVec3{screen[0] * tangent, screen[3] * tangent, 1}.to_real();
-    camera->lens_radius_ = static_cast<Real>(std::max(*lens, 0.0));
-    camera->focal_distance_ = static_cast<Real>(*focus);
+    camera->lens_radius_ = static_cast<Real>(std::max(lens->radius, 0.0));
+    camera->focal_distance_ = static_cast<Real>(lens->focal_distance);
     camera->raster_density_ =
         std::abs(camera->to_camera_.determinant() / (static_cast<double>(step_x.x) * static_cast<double>(step_y.y)));
     return std::unique_ptr<Camera>(std::move(camera));

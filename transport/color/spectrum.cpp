@@ -25,6 +25,7 @@ Rgb to_rgb(const Triple& v) {
 /// Takes scene-space RGB to the rendering space, within what the role allows.
 Rgb to_rendering(Triple rgb, SpectrumRole role, const ColorContext& context) {
     if (role == SpectrumRole::unbounded) return to_rgb(rgb);
+    if (role == SpectrumRole::illuminant) rgb = multiply(context.sensor, rgb);
     rgb = multiply(context.rendering_from_scene, rgb);
     for (double& c : rgb) c = role == SpectrumRole::albedo ? std::clamp(c, 0.0, 1.0) : std::max(c, 0.0);
     return to_rgb(rgb);
@@ -183,6 +184,10 @@ Result<Rgb> resolve_text(const Parameter& parameter, SpectrumRole role, const Co
 }
 
 }  // namespace
+
+Rgb recorded_light(const Rgb& light, const ColorContext& context) {
+    return to_rendering({double{light.r}, double{light.g}, double{light.b}}, SpectrumRole::illuminant, context);
+}
 
 Result<Rgb> resolve_spectrum(const Parameter& parameter, SpectrumRole role, const ColorContext& context) {
     parameter.used = true;

@@ -39,6 +39,10 @@ enum class SpectrumRole : std::uint8_t {
 /// into the rendering space. Errors: negative rgb, an albedo above 1, odd or unsorted pairs, an unknown name or file.
 Result<Rgb> resolve_spectrum(const Parameter& parameter, SpectrumRole role, const ColorContext& context);
 
+/// Light of linear RGB in the scene's space as illuminants are resolved: as the film records it, in the rendering
+/// space.
+Rgb recorded_light(const Rgb& light, const ColorContext& context);
+
 /// The parameter called `name`, resolved, or `fallback` when absent. The parameter is marked as used.
 Result<Rgb> spectrum_or(const ParameterSet& parameters, std::string_view name, const Rgb& fallback, SpectrumRole role,
                         const ColorContext& context);

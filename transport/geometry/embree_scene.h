@@ -79,6 +79,9 @@ struct ShapeGeometry {
     }
 };
 
+/// Of a point on a triangle, patch or quadric, `at` being Hit's u and v: what SurfacePoint::u and v are there.
+[[nodiscard]] Vec2 texture_coordinates(const ShapeGeometry& shape, std::uint32_t primitive, const Vec2& at);
+
 struct ShapeInstance {
     Placement placement;
     std::uint32_t first_shape = 0;    ///< of the object it places

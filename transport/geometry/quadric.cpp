@@ -134,6 +134,18 @@ void Quadric::sample_area(double a, double b, double& u, double& v) const {
     }
 }
 
+void Quadric::area_numbers(double u, double v, double& a, double& b) const {
+    a = u;
+    b = v;
+    if (kind == ShapeKind::sphere) {
+        const double z = radius * elementary::sin_cos(theta_min + v * (theta_max - theta_min)).cos;
+        b = z_max > z_min ? (z - z_min) / (z_max - z_min) : 0;
+    } else if (kind == ShapeKind::disk) {
+        const double r = radius - v * (radius - inner_radius), inner = inner_radius * inner_radius;
+        b = radius > inner_radius ? (r * r - inner) / (radius * radius - inner) : 0;
+    }
+}
+
 Quadric::Point Quadric::world_point(double u, double v) const {
     const DVec3 p = object_point(u, v);
     const DVec3 n = placement.to_object.normal_of_inverse(object_normal(p));

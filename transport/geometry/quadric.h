@@ -39,6 +39,8 @@ struct Quadric {
     void parameters(const DVec3& point, double& u, double& v) const { static_cast<void>(accept(point, u, v)); }
     /// (u, v) of a point drawn uniformly by object-space area.
     void sample_area(double a, double b, double& u, double& v) const;
+    /// The (a, b) that sample_area() takes to (u, v).
+    void area_numbers(double u, double v, double& a, double& b) const;
 
     struct Point {
         DVec3 position, normal;  ///< world; the normal unit and oriented

@@ -51,7 +51,8 @@ inline OffsetBound offset_of_rounded(const Vec3& n, const Vec3& p, double extent
 }
 
 /// How wide the beam is that a ray stands for (Amanatides 1984, "Ray Tracing with Cones"; for what filters look-ups
-/// where rays meet surfaces). Scattering leaves it as it is: neither curvature nor roughness widens it yet.
+/// where rays meet surfaces). Scattering leaves it as it is where no image is filtered; else paths/footprints.h has
+/// what curvature and roughness make of it.
 struct RayCone {
     Real width = 0;   ///< at the ray's origin, or at the hit
     Real spread = 0;  ///< angle, radians: what a unit of distance adds to the width

@@ -19,6 +19,22 @@ void apply_vertex_normal(const Vec3& interpolated, SurfacePoint& point) {
     point.geometric_normal = face_forward(point.geometric_normal, point.shading_normal);
 }
 
+Vec2 triangle_coordinates(const ShapeGeometry& shape, const std::uint32_t* index, Real b1, Real b2) {
+    if (shape.uvs.empty()) return {b1 + b2, b2};  // default uvs (0,0), (1,0), (1,1)
+    const Real b0 = 1 - b1 - b2;
+    const Vec2 t0 = shape.uvs[index[0]], t1 = shape.uvs[index[1]], t2 = shape.uvs[index[2]];
+    return {t0.x * b0 + t1.x * b1 + t2.x * b2, t0.y * b0 + t1.y * b1 + t2.y * b2};
+}
+
+Vec2 patch_coordinates(const ShapeGeometry& shape, const std::uint32_t* index, Real u, Real v) {
+    if (shape.uvs.empty()) return {u, v};
+    const Real w00 = (1 - u) * (1 - v), w10 = u * (1 - v), w01 = (1 - u) * v, w11 = u * v;
+    const Vec2 t00 = shape.uvs[index[0]], t10 = shape.uvs[index[1]], t01 = shape.uvs[index[2]],
+               t11 = shape.uvs[index[3]];
+    return {t00.x * w00 + t10.x * w10 + t01.x * w01 + t11.x * w11,
+            t00.y * w00 + t10.y * w10 + t01.y * w01 + t11.y * w11};
+}
+
 void triangle_surface(const ShapeGeometry& shape, const Hit& hit, SurfacePoint& point, OffsetBound& offset) {
     const Triangle& triangle = shape.triangles[hit.primitive];
     const auto& index = triangle.corners;
@@ -38,15 +54,14 @@ void triangle_surface(const ShapeGeometry& shape, const Hit& hit, SurfacePoint& 
                                 Vec3(shape.normals[index[2]]) * b2,
                             point);
     }
+    const Vec2 at = triangle_coordinates(shape, index.data(), b1, b2);
+    point.u = at.x;
+    point.v = at.y;
     if (shape.uvs.empty()) {
-        point.u = b1 + b2;  // default uvs (0,0), (1,0), (1,1)
-        point.v = b2;
         point.dpdu = e1.to_real();
         return;
     }
     const Vec2 t0 = shape.uvs[index[0]], t1 = shape.uvs[index[1]], t2 = shape.uvs[index[2]];
-    point.u = t0.x * b0 + t1.x * b1 + t2.x * b2;
-    point.v = t0.y * b0 + t1.y * b1 + t2.y * b2;
     const Vec2 d1{t1.x - t0.x, t1.y - t0.y}, d2{t2.x - t0.x, t2.y - t0.y};
     const Real determinant = d1.x * d2.y - d1.y * d2.x;
     point.dpdu = std::abs(determinant) < Real(1e-9) ? Frame::from_normal(point.geometric_normal).s
@@ -88,16 +103,15 @@ void patch_surface(const ShapeGeometry& shape, const Hit& hit, SurfacePoint& poi
     if (shape.flip_normal) n = -n;
     point.geometric_normal = point.shading_normal = n;
     point.dpdu = dpdu.to_real();
-    point.u = hit.u;
-    point.v = hit.v;
     const std::uint32_t* index = shape.patch_indices.data() + 4 * static_cast<std::size_t>(hit.primitive);
     const Real w00 = (1 - hit.u) * (1 - hit.v), w10 = hit.u * (1 - hit.v), w01 = (1 - hit.u) * hit.v,
                w11 = hit.u * hit.v;
+    const Vec2 at = patch_coordinates(shape, index, hit.u, hit.v);
+    point.u = at.x;
+    point.v = at.y;
     if (!shape.uvs.empty()) {
         const Vec2 t00 = shape.uvs[index[0]], t10 = shape.uvs[index[1]], t01 = shape.uvs[index[2]],
                    t11 = shape.uvs[index[3]];
-        point.u = t00.x * w00 + t10.x * w10 + t01.x * w01 + t11.x * w11;
-        point.v = t00.y * w00 + t10.y * w10 + t01.y * w01 + t11.y * w11;
         // dp/ds by the chain rule from dp/d(u,v) and the inverse of d(s,t)/d(u,v).
         const double su = (t10.x - t00.x) * (1 - v) + (t11.x - t01.x) * v,
                      sv = (t01.x - t00.x) * (1 - u) + (t11.x - t10.x) * u;
@@ -159,6 +173,15 @@ void place(const Placement& placement, double growth, SurfacePoint& point, Offse
 }
 
 }  // namespace
+
+Vec2 texture_coordinates(const ShapeGeometry& shape, std::uint32_t primitive, const Vec2& at) {
+    if (shape.kind == ShapeKind::triangle_mesh)
+        return triangle_coordinates(shape, shape.triangles[primitive].corners.data(), at.x, at.y);
+    if (shape.kind == ShapeKind::bilinear_mesh)
+        return patch_coordinates(shape, shape.patch_indices.data() + 4 * static_cast<std::size_t>(primitive), at.x,
+                                 at.y);
+    return at;  // of quadrics they are the same
+}
 
 void EmbreeScene::surfaces(std::span<const Ray> rays, std::span<const Hit> hits, std::span<SurfacePoint> points,
                            std::span<SurfaceSource> sources) const {

@@ -40,22 +40,23 @@ std::vector<Ignored> all_ignored(const Names& names, const std::string& why) {
     return list;
 }
 
-const std::string plain = "raylex writes plain radiance", scrambled = "points are always Owen-scrambled";
+const std::string in_rgb = "light is transported in RGB", scrambled = "points are always Owen-scrambled";
 
 // The rows are after the file format of pbrt-v4 (pbrt.org/fileformat-v4) and what its source looks up.
 std::vector<Row> camera_rows() {
     using enum EntityKind;
-    const Names every_film{"xresolution", "yresolution", "cropwindow", "pixelbounds", "filename", "diagonal"};
-    const std::vector<Ignored> sensor{
-        {"sensor", {"cie1931"}, plain},   {"iso", {"100"}, plain},
-        {"exposuretime", {"1"}, plain},   {"whitebalance", {"0"}, plain},
-        {"maxcomponentvalue", {}, plain}, {"savefp16", {"false"}, "[exr] of a job says how values are stored"}};
-    std::vector<Ignored> geometry = sensor, spectrum = sensor;
-    geometry.push_back({"coordinatesystem", {}, plain});
-    for (const char* name : {"nbuckets", "lambdamin", "lambdamax"}) spectrum.push_back({name, {}, plain});
+    const Names every_film{"xresolution", "yresolution", "cropwindow", "pixelbounds",  "filename",
+                           "diagonal",    "sensor",      "iso",        "exposuretime", "whitebalance"};
+    const std::vector<Ignored> values{
+        {"maxcomponentvalue", {}, "the sample filter 'clamp' bounds samples, by luminance and with all layers"},
+        {"savefp16", {"false"}, "[exr] of a job says how values are stored"}};
+    std::vector<Ignored> spectrum = values;
+    for (const char* name : {"nbuckets", "lambdamin", "lambdamax"}) spectrum.push_back({name, {}, in_rgb});
+    Names geometry = every_film;
+    geometry.emplace_back("coordinatesystem");
     return {
-        {film, "gbuffer", every_film, geometry},
-        {film, "rgb", every_film, sensor},
+        {film, "gbuffer", geometry, values},
+        {film, "rgb", every_film, values},
         {film, "spectral", every_film, spectrum},
     };
 }
@@ -63,27 +64,33 @@ std::vector<Row> camera_rows() {
 std::vector<Row> method_rows() {
     using enum EntityKind;
     const std::string by_power = "lights are chosen by their power", as_path = "'path' takes the integrator's place";
-    const std::vector<Ignored> owen{{"randomization", {"owen", "fastowen"}, scrambled}},
-        light_choice{{"lightsampler", {"power", "uniform"}, by_power}};
+    const std::vector<Ignored> owen{{"randomization", {"owen", "fastowen"}, scrambled}};
+    const Ignored light_choice{"lightsampler", {"power", "uniform"}, by_power},
+        regularize{"regularize", {"false"}, "specular lobes are never blurred"};
+    const std::string no_pictures = "channels with techniques (s2t1;C.*) show strategies and weights";
     return {
         {accelerator, "bvh", {"maxnodeprims", "splitmethod"}, {}},
         {accelerator, "kdtree", {"intersectcost", "traversalcost", "emptybonus", "maxprims", "maxdepth"}, {}},
+        {integrator, "ambientocclusion", {"maxdepth"}, all_ignored({"cossample", "maxdistance"}, as_path)},
         {integrator,
          "bdpt",
          {"maxdepth"},
-         all_ignored({"regularize", "visualizestrategies", "visualizeweights"}, as_path)},
+         {regularize, {"visualizestrategies", {"false"}, no_pictures}, {"visualizeweights", {"false"}, no_pictures}}},
+        {integrator, "function", {"function", "imagefilename", "skipbad"}, {}},
         {integrator, "lightpath", {"maxdepth"}, {}},
         {integrator,
          "mlt",
-         {"maxdepth"},
-         all_ignored({"bootstrapsamples", "chains", "largestepprobability", "mutationsperpixel", "regularize", "sigma"},
-                     as_path)},
-        {integrator, "path", {}, light_choice},
+         {"maxdepth", "bootstrapsamples", "chains", "largestepprobability", "mutationsperpixel", "sigma"},
+         {regularize}},
+        {integrator, "path", {}, {light_choice, regularize}},
         {integrator, "randomwalk", {"maxdepth"}, {}},
-        {integrator, "simplepath", {"maxdepth"}, all_ignored({"samplebsdf", "samplelights"}, as_path)},
+        {integrator, "simplepath", {"maxdepth", "samplebsdf", "samplelights"}, {}},
         {integrator, "simplevolpath", {"maxdepth"}, {}},
-        {integrator, "sppm", {"maxdepth"}, all_ignored({"photonsperiteration", "radius", "seed"}, as_path)},
-        {integrator, "volpath", {}, light_choice},
+        {integrator,
+         "sppm",
+         {"maxdepth"},
+         all_ignored({"photonsperiteration", "radius", "seed"}, "there are no photons")},
+        {integrator, "volpath", {}, {light_choice, regularize}},
         {sampler, "halton", {}, {{"randomization", {"owen"}, scrambled}}},
         {sampler, "paddedsobol", {}, owen},
         {sampler, "sobol", {}, owen},
@@ -95,8 +102,7 @@ std::vector<Row> method_rows() {
 std::vector<Row> content_rows() {
     using enum EntityKind;
     return {
-        {area_light, "diffuse", {"power", "filename"}, {}},
-        {light, "infinite", {"portal"}, {}},
+
         {material, "diffuse", {}, {{"sigma", {"0"}, "the surface is Lambert's"}}},
         {shape, "bilinearmesh", {"faceIndices", "emissionfilename"}, {}},
         {shape, "trianglemesh", {"faceIndices"}, {{"S", {}, "anisotropic materials follow the texture coordinates"}}},

@@ -38,7 +38,8 @@ std::string identity_of(const std::string& path) {
 
 class Importer {
   public:
-    Importer(const std::string& path, std::string text) : reader_(path), folder_(fs::path(path).parent_path()) {
+    Importer(const std::string& path, std::string text, const ImportOptions& options)
+        : reader_(path, options.missing), folder_(fs::path(path).parent_path()) {
         push(path, identity_of(path), std::make_shared<const std::string>(std::move(text)), false);
     }
 
@@ -155,14 +156,15 @@ class Importer {
 
 }  // namespace
 
-Result<SceneDescription> import_pbrt(const std::string& path) {
+Result<SceneDescription> import_pbrt(const std::string& path, const ImportOptions& options) {
     Result<std::string> text = read_file(path, NamedBy::file, "a pbrt-v4 scene");
     if (!text) return text.error();
-    return Importer(path, std::move(*text)).run();
+    return Importer(path, std::move(*text), options).run();
 }
 
-Result<SceneDescription> import_pbrt_text(const std::string& text, const std::string& virtual_path) {
-    return Importer(virtual_path, text).run();
+Result<SceneDescription> import_pbrt_text(const std::string& text, const std::string& virtual_path,
+                                          const ImportOptions& options) {
+    return Importer(virtual_path, text, options).run();
 }
 
 }  // namespace raylex::transport

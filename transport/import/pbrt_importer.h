@@ -9,14 +9,20 @@
 #include <string>
 
 #include "lpe/result.h"
+#include "transport/scene/missing_files.h"
 #include "transport/scene/scene_description.h"
 
 namespace raylex::transport {
 
+struct ImportOptions {
+    MissingFiles missing = MissingFiles::refused;
+};
+
 /// Parses `path` with everything it includes and loads its meshes. Errors name file, line, column and what was
 /// expected; what would make the image wrong is an error, an unknown harmless directive or parameter a warning.
-Result<SceneDescription> import_pbrt(const std::string& path);
+Result<SceneDescription> import_pbrt(const std::string& path, const ImportOptions& options = {});
 /// The same for text in memory; relative file names are looked up beside `virtual_path`.
-Result<SceneDescription> import_pbrt_text(const std::string& text, const std::string& virtual_path);
+Result<SceneDescription> import_pbrt_text(const std::string& text, const std::string& virtual_path,
+                                          const ImportOptions& options = {});
 
 }  // namespace raylex::transport

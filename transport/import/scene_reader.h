@@ -15,7 +15,7 @@ namespace raylex::transport {
 
 class SceneReader {
   public:
-    explicit SceneReader(std::string file) : scene_(std::move(file)) {}
+    SceneReader(std::string file, MissingFiles missing) : scene_(std::move(file)) { scene_.set_missing_files(missing); }
 
     /// Carries out one directive other than Include and Import.
     Status apply(Directive& directive, const SearchPath& search);

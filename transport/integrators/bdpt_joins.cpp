@@ -33,7 +33,7 @@ void Bdpt::Ends::emits(std::size_t j) {
     at.target = point.position;
     at.target_normal = point.geometric_normal;
     at.uv = {v.hits[j].u, v.hits[j].v};
-    const Rgb emitted = scene.lights->emitted(at.light, point.geometric_normal, point.wo);
+    const Rgb emitted = scene.lights->emitted(at.light, point, point.wo);
     if (emitted.is_black()) return;
     const Subpath& path = camera.path(v.rows[j]);
     const Real sampled =
@@ -51,8 +51,8 @@ void Bdpt::Ends::escapes(std::uint32_t row, const Ray& ray) {
         at.light = light;
         at.infinite = true;
         at.wi = ray.direction;
-        add(row, lights.environment_radiance(light, ray.direction), at,
-            lights.environment_density(self.samples_lights_by(), light, ray.direction), -ray.direction);
+        add(row, lights.environment_radiance(light, path.from, ray.direction), at,
+            lights.environment_density(self.samples_lights_by(), light, path.from, ray.direction), -ray.direction);
     }
 }
 

@@ -6,6 +6,7 @@
 #include "transport/integrators/bdpt.h"
 #include "transport/integrators/light_tracer.h"
 #include "transport/integrators/path.h"
+#include "transport/integrators/pbrt_integrators.h"
 #include "transport/integrators/pssmlt.h"
 
 namespace raylex::transport {
@@ -100,15 +101,15 @@ Result<ChosenIntegrator> choose_integrator(const SceneEntity& entity, std::optio
     ChosenIntegrator chosen;
     SceneEntity asked = entity;
     if (asked.type.empty()) asked.type = "path";
-    static const std::vector<std::string> of_pbrt = {"ambientocclusion", "function",   "lightpath",     "mlt",
-                                                     "randomwalk",       "simplepath", "simplevolpath", "sppm"};
-    if (!integrator_registry().find(asked.type) &&
-        std::find(of_pbrt.begin(), of_pbrt.end(), asked.type) != of_pbrt.end()) {
-        chosen.warnings.push_back(
-            error_at(asked.location, "integrator '" + asked.type + "' is not available; rendering with 'path'"));
-        for (const Parameter& p : entity.parameters.parameters) p.used = true;
-        std::erase_if(asked.parameters.parameters, [](const Parameter& p) { return p.name != "maxdepth"; });
-        asked.type = "path";
+    if (!integrator_registry().find(asked.type)) {
+        auto substitute = substitute_for_pbrt(asked);
+        if (!substitute) return substitute.error();
+        if (*substitute) {
+            chosen.warnings.push_back(
+                error_at(asked.location, "integrator '" + asked.type + "' " + (*substitute)->note));
+            chosen.samples_per_pixel = (*substitute)->samples_per_pixel;
+            asked = std::move((*substitute)->entity);
+        }
     }
     auto entry = integrator_registry().require(asked.type, asked.location);
     if (!entry) return entry.error();

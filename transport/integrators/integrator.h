@@ -82,6 +82,8 @@ struct CameraBatch {
     /// Whose pixels they are. Within an iteration of a synchronous integrator, no two threads hold batches of one tile.
     std::uint32_t tile = 0;
     bool startup = false;  ///< not of the image: see Integrator::starts_up
+    /// What light along each ray counts for; empty where all count alike. Integrators with the trait camera_weights.
+    std::span<const Real> weights{};
 };
 
 struct ThreadServices {
@@ -121,6 +123,8 @@ struct IntegratorTraits {
     std::optional<std::int64_t> max_depth;  ///< scattering events of a path at most
     bool media = false;                     ///< takes paths through participating media
     SavedState saved_state = SavedState::unknown;
+    /// Every contribution comes with its word: what a path atlas needs. False of those that sum them up by channels.
+    bool tells_words = true;
     /// Light lands at raster positions of its own (ThreadServices::raster). What needs samples that belong to a pixel
     /// is refused then: layers of statistics, adaptive sampling, sample filters, deep images, other rules than the
     /// pixel filter for light. Moments (ChannelDefinition::statistics) are not kept.
@@ -128,6 +132,8 @@ struct IntegratorTraits {
     /// Beside its splats it finds light by camera samples: layers of variance and adaptive sampling may be asked for,
     /// and are of that part. (Moments are kept for these alone.)
     bool pixel_samples = false;
+    /// Takes CameraBatch::weights: cameras whose rays count differently (Camera::weighs_rays) are refused otherwise.
+    bool camera_weights = false;
 };
 
 class Integrator {
@@ -191,9 +197,10 @@ struct ChosenIntegrator {
     std::unique_ptr<Integrator> integrator;
     std::string name;
     std::vector<Error> warnings;
+    std::optional<std::uint64_t> samples_per_pixel;  ///< that a scene's integrator asks for itself (mlt)
 };
-/// pbrt's integrators that are not here fall back to `path` with a warning; `volpath` means `path`, which takes media
-/// as they come; a name nobody knows is an Error. An empty type means `path`.
+/// pbrt's integrators of other names are ours, or `path`, with a warning that says how they differ; `volpath` means
+/// `path`, which takes media as they come; a name nobody knows is an Error. An empty type means `path`.
 Result<ChosenIntegrator> choose_integrator(const SceneEntity& entity, std::optional<std::int64_t> max_depth);
 
 }  // namespace raylex::transport

@@ -168,9 +168,9 @@ Found Pilot::sample_ray(const LightChooser& chooser, const PixelSampler& numbers
         Found found;
         for (const std::uint32_t light : lights.environments()) {
             if (!counts(light)) continue;
-            found.value += double{(s.weight * lights.environment_radiance(light, s.wi)).average()};
+            found.value += double{(s.weight * lights.environment_radiance(light, point_.position, s.wi)).average()};
             found.own = s.pdf;
-            found.other += lights.environment_density(chooser, light, s.wi);
+            found.other += lights.environment_density(chooser, light, point_.position, s.wi);
         }
         return found;
     }
@@ -180,7 +180,7 @@ Found Pilot::sample_ray(const LightChooser& chooser, const PixelSampler& numbers
     SurfaceSource source;
     scene_.geometry->surfaces({&ray, 1}, {&hit, 1}, {&there, 1}, {&source, 1});
     const std::uint32_t light = shape.first_light + hit.primitive;
-    const Rgb emitted = lights.emitted(light, there.geometric_normal, there.wo);
+    const Rgb emitted = lights.emitted(light, there, there.wo);
     return {double{(s.weight * emitted).average()}, s.pdf,
             lights.density(chooser, *scene_.geometry, light, {point_.position, point_.shading_normal}, there, hit)};
 }

@@ -28,13 +28,12 @@ class PathIntegrator final : public Integrator, private SplitTrials {
   public:
     explicit PathIntegrator(const PathParameters& parameters) : parameters_(parameters) {}
     [[nodiscard]] IntegratorTraits traits() const override {
-        return {true,
-                parameters_.strategy != PathStrategy::scattering,
-                true,
-                true,
-                parameters_.max_depth,
-                true,
-                SavedState::none};
+        IntegratorTraits traits;
+        traits.emitter_samples = traits.holdouts = traits.user_events = traits.media = traits.camera_weights = true;
+        traits.light_samples = parameters_.strategy != PathStrategy::scattering;
+        traits.max_depth = parameters_.max_depth;
+        traits.saved_state = SavedState::none;
+        return traits;
     }
     Status prepare(const IntegratorContext& context) override {
         context_ = context;
@@ -100,7 +99,7 @@ struct PathIntegrator::Ends : CameraEnds {
         const VertexBatch& v = camera.vertices();
         const SceneView& scene = self.context_.scene;
         const std::uint32_t light = scene.geometry->shapes()[v.hits[j].shape].first_light + v.hits[j].primitive;
-        const Rgb emitted = scene.lights->emitted(light, v.points[j].geometric_normal, v.points[j].wo);
+        const Rgb emitted = scene.lights->emitted(light, v.points[j], v.points[j].wo);
         if (emitted.is_black()) return;
         const Subpath& path = camera.path(v.rows[j]);
         add(v.rows[j], light, emitted,
@@ -113,10 +112,10 @@ struct PathIntegrator::Ends : CameraEnds {
         const LightTable& lights = *self.context_.scene.lights;
         const Subpath& path = camera.path(row);
         for (const std::uint32_t light : lights.environments())
-            add(row, light, lights.environment_radiance(light, ray.direction),
-                path.specular
-                    ? 0.0f
-                    : path.light_share * lights.environment_density(self.lights_[path.lights], light, ray.direction));
+            add(row, light, lights.environment_radiance(light, path.from, ray.direction),
+                path.specular ? 0.0f
+                              : path.light_share * lights.environment_density(self.lights_[path.lights], light,
+                                                                              path.from, ray.direction));
     }
     void volume_emits(std::uint32_t row, const Rgb& emitted) {
         const Subpath& path = camera.path(row);
@@ -145,6 +144,7 @@ void PathIntegrator::integrate(const CameraBatch& batch, IntegratorThread& state
     CameraSubpaths& camera = thread.camera;
     Ends ends{{}, *this, camera};
     camera.begin(batch.rays, batch.samplers, services.lpe, thread.counters);
+    if (!batch.weights.empty()) camera.weigh(batch.weights);
     while (camera.going() && !services.leaving()) {
         camera.advance(services.display, ends);
         write_first_hits(context_, camera.vertices(), camera.first_entries(), thread.first_hits, services.display);
@@ -206,10 +206,6 @@ Result<std::unique_ptr<Integrator>> make_path(const SceneEntity& entity, std::op
     auto splits = entity.parameters.boolean_or("splits", true);
     if (!splits) return splits.error();
     p.splits = *splits;
-    auto regularize = entity.parameters.boolean_or("regularize", false);
-    if (!regularize) return regularize.error();
-    if (*regularize)
-        return error_at(entity.location, "'regularize' is not supported: it would blur specular lobes; remove it");
     auto selection = entity.parameters.string_or("lightsampler", "bvh");
     if (!selection) return selection.error();
     // pbrt's "exhaustive" is its bvh without the tree, for reference.
@@ -244,8 +240,7 @@ Registry<IntegratorFactory>::Entry path_integrator_entry() {
           "behind it, where a pilot says that it pays"},
          {"lightsampler", T::string, "bvh",
           "which light a sample goes to: bvh, by what each can send to the point where more than 32 stand somewhere "
-          "and by power else; power; uniform; exhaustive of pbrt is bvh here"},
-         {"regularize", T::boolean, "false", "not supported"}},
+          "and by power else; power; uniform; exhaustive of pbrt is bvh here"}},
         make_path};
 }
 

@@ -45,7 +45,7 @@ void Pssmlt::begin_path(PssmltThread& thread, std::size_t row, PrimarySamples& n
         context_.camera->generate({camera.screen_x, camera.screen_y,
                                    context_.camera->has_lens() ? sampler.get_2d(lens_dimension) : Vec2{0, 0}, time});
     if (context_.scene.materials->filters_images())  // a chain stands for many samples
-        thread.rays[row].cone.spread *= pixel_share(~std::uint64_t{0});
+        thread.rays[row].cone = cone_of_sample(thread.rays[row].cone, ~std::uint64_t{0});
 }
 
 bool Pssmlt::trace(PssmltThread& thread, std::size_t count, ThreadServices& services) const {

@@ -99,6 +99,7 @@ IntegratorTraits Pssmlt::traits() const {
     traits.max_depth = parameters_.max_depth;
     traits.media = true;
     traits.raster_splats = true;
+    traits.tells_words = false;  // chains keep what channels get of a path, and splat that again and again
     return traits;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "transport/cameras/camera.h"
+#include "transport/paths/camera_subpaths.h"
 
 namespace raylex::transport {
 namespace {
@@ -93,7 +94,9 @@ class SplitPilot {
     display::LpeServices lpe_;
     std::vector<display::ChannelId> channels_;
     std::vector<display::CameraRow> rows_;
+    std::vector<CameraSample> camera_samples_;
     std::vector<Ray> rays_;
+    std::vector<Real> weights_;  // of rays_; empty where all count alike
     std::vector<PixelSampler> samplers_;
     std::vector<Sums> sums_;  // [channel]
     std::uint32_t rounds_ = 0;
@@ -112,7 +115,7 @@ Trial SplitPilot::make(std::uint8_t both_lobes, SplitPlan::Only only) const {
 /// One path through each pixel of a coarse grid over the image.
 void SplitPilot::make_rays(std::uint32_t round) {
     rows_.clear();
-    rays_.clear();
+    camera_samples_.clear();
     samplers_.clear();
     for (std::uint32_t y = 0; y < grid; ++y)
         for (std::uint32_t x = 0; x < grid; ++x) {
@@ -126,10 +129,18 @@ void SplitPilot::make_rays(std::uint32_t round) {
             row.pixel_x = static_cast<std::int32_t>(row.screen_x);
             row.pixel_y = static_cast<std::int32_t>(row.screen_y);
             row.sample = round;
-            rays_.push_back(context_.camera->generate(
-                {row.screen_x, row.screen_y, numbers.get_2d(lens_dimension), sample_time(context_.scene, numbers)}));
+            const Real time = sample_time(context_.scene, numbers);
+            row.shutter_time = to_float(time);
+            camera_samples_.push_back({row.screen_x, row.screen_y, numbers.get_2d(lens_dimension), time});
             samplers_.push_back(numbers);
         }
+    rays_.resize(rows_.size());
+    if (context_.camera->weighs_rays()) {
+        weights_.resize(rows_.size());
+        context_.camera->generate_weighed(camera_samples_, rays_, weights_);
+    } else {
+        context_.camera->generate_in_time(camera_samples_, rays_);
+    }
 }
 
 void SplitPilot::follow(Trial& trial) {
@@ -139,8 +150,9 @@ void SplitPilot::follow(Trial& trial) {
         const std::span<const display::CameraRow> rows{rows_.data() + first, count};
         table_.begin(rows);
         ThreadServices services{display_, lpe_};
-        trial.integrator->integrate({{rays_.data() + first, count}, {samplers_.data() + first, count}, rows},
-                                    *trial.thread, services);
+        CameraBatch batch{{rays_.data() + first, count}, {samplers_.data() + first, count}, rows};
+        if (!weights_.empty()) batch.weights = {weights_.data() + first, count};
+        trial.integrator->integrate(batch, *trial.thread, services);
         for (std::size_t c = 0; c < channels_.size(); ++c) {
             const double* values = table_.touched(channels_[c]) ? table_.values(channels_[c]) : nullptr;
             for (std::size_t i = 0; i < count; ++i) {

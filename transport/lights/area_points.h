@@ -50,4 +50,26 @@ inline Real sample_quadric_point(const Quadric& quadric, const Vec2& u, LightSam
     return static_cast<Real>(1 / (quadric.object_area() * point.area_scale));
 }
 
+/// The numbers in [0, 1]^2 that sample_*_point() takes to `at`, Hit's u and v.
+inline Vec2 numbers_of_point(const Light& light, const ShapeGeometry& shape, const Vec2& at) {
+    if (light.kind == LightKind::patch) return at;
+    if (light.kind == LightKind::triangle) {
+        const Real b0 = 1 - at.x - at.y, b1 = at.x;
+        return b0 < b1 ? Vec2{2 * b0, b1 + b0} : Vec2{b0 + b1, 2 * b1};
+    }
+    double a, b;
+    shape.quadric.area_numbers(static_cast<double>(at.x), static_cast<double>(at.y), a, b);
+    return {static_cast<Real>(a), static_cast<Real>(b)};
+}
+
+/// Per world area, where sample_*_point() puts points.
+inline double density_of_point(const Light& light, const ShapeGeometry& shape, const Vec2& at) {
+    if (light.kind == LightKind::triangle) return 1 / light.area;
+    if (light.kind == LightKind::patch) {
+        const BilinearPatch patch = shape.patch(light.primitive);
+        return 1 / length(cross(patch.dpdu(at.y), patch.dpdv(at.x)));
+    }
+    return 1 / (shape.quadric.object_area() * shape.quadric.world_point(at.x, at.y).area_scale);
+}
+
 }  // namespace raylex::transport

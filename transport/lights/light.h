@@ -17,9 +17,12 @@ enum class LightKind : std::uint8_t {
     sphere,  ///< area lights; `sphere`: a full one that its transform keeps a sphere
     point,
     spot,
+    goniometric,
+    projection,
     distant,  ///< delta lights: no ray ever hits them
     uniform_environment,
-    image_environment  ///< infinite
+    image_environment,
+    portal_environment  ///< infinite
 };
 
 struct Light {
@@ -27,23 +30,26 @@ struct Light {
     bool two_sided = false;
     bool hidden = false;  ///< area lights of alpha 0: no ray finds them, they only light (pbrt-v4's invisible lights)
     std::int32_t group = 0;  ///< index into LightTable::groups()
-    /// Radiance (area, environments; a factor on the image), radiant intensity (point, spot), or irradiance on a
-    /// surface facing it (distant).
+    /// Radiance (area, environments), radiant intensity (lights at a point), or irradiance on a surface facing it
+    /// (distant); where there is an image a factor on it.
     Rgb emission;
-    Vec3 position;         ///< point, spot; triangle: vertex 0
-    Vec3 direction;        ///< spot: its axis; distant: towards the light; triangle: unit normal, emitting side
+    Vec3 position;         ///< of a light at a point; triangle: vertex 0
+    Vec3 direction;        ///< spot, projection: the axis; distant: towards it; triangle: unit normal, emitting side
     Vec3 edge1, edge2;     ///< triangle
     OffsetBound offset{};  ///< triangle: of the triangle itself
     Real area = 0;         ///< triangle, patch: world; quadric: object space; sphere: world
-    /// Spot: 1 - cos of the angles where the falloff begins and ends. The cosines of narrow cones are 1 in float.
+    /// Spot: 1 - cos of the angles where the falloff begins and ends; projection: of the cone around its image. The
+    /// cosines of narrow cones are 1 in float.
     Real versine_full = 0, versine_zero = 1;
     std::uint32_t shape = 0, primitive = 0;  ///< area lights
-    std::int32_t environment = -1;           ///< index of the image
+    std::int32_t image = -1;                 ///< index in what LightImages has for the kind; -1: none
     double power = 0;                        ///< watts-like estimate, the weight of its selection
 
     [[nodiscard]] bool is_delta() const { return hidden || (kind >= LightKind::point && kind <= LightKind::distant); }
     [[nodiscard]] bool is_environment() const { return kind >= LightKind::uniform_environment; }
     [[nodiscard]] bool is_area() const { return kind < LightKind::point; }
+    /// Without an extent, at `position`.
+    [[nodiscard]] bool is_at_point() const { return kind >= LightKind::point && kind < LightKind::distant; }
 };
 
 /// 1 - cos of the angle between a spot light's axis and a unit direction away from it, without cancellation.

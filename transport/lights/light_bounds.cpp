@@ -94,7 +94,7 @@ LightBounds bounds_of(const Light& light, const EmbreeScene& geometry, Real rela
         bounds.upper = upper.to_real();
     } else {
         bounds.lower = bounds.upper = light.position;
-        if (light.kind == LightKind::spot) {
+        if (light.kind == LightKind::spot || light.kind == LightKind::projection) {
             bounds.axis = light.direction;
             bounds.cos_theta_o = 1 - light.versine_full;
             const Real beyond = angle_of(1 - light.versine_zero) - angle_of(bounds.cos_theta_o);

@@ -30,11 +30,20 @@ bool emit_from_area(const Light& light, Real area_density, Vec2 u, EmissionSampl
     return true;
 }
 
-bool emit_from_point(const Light& light, const Vec2& u, EmissionSample& s) {
+}  // namespace
+
+bool LightTable::emit_from_point(const Light& light, const Vec2& u, EmissionSample& s) const {
     s.origin = light.position;
     if (light.kind == LightKind::point) {
         s.direction = sample_uniform_sphere(u);
         s.power = light.emission * (4 * pi / s.from.pdf);
+        return true;
+    }
+    if (light.image >= 0) {
+        Rgb intensity;
+        Real pdf = 0;
+        if (!intensity_of(light).sample(u, s.direction, intensity, pdf)) return false;
+        s.power = light.emission * intensity * (1 / (pdf * s.from.pdf));
         return true;
     }
     if (!(light.versine_zero > 0)) return false;
@@ -45,17 +54,24 @@ bool emit_from_point(const Light& light, const Vec2& u, EmissionSample& s) {
     return falloff > 0;
 }
 
-/// Per world area, where sample_*_point() puts points on an area light.
-Real area_density(const Light& light, const ShapeGeometry& shape, const Vec2& uv) {
-    if (light.kind == LightKind::triangle) return 1 / light.area;
-    if (light.kind == LightKind::patch) {
-        const BilinearPatch patch = shape.patch(light.primitive);
-        return static_cast<Real>(1 / length(cross(patch.dpdu(uv.y), patch.dpdv(uv.x))));
-    }
-    return static_cast<Real>(1 / (shape.quadric.object_area() * shape.quadric.world_point(uv.x, uv.y).area_scale));
+/// Out of a direction drawn from the whole image, through a point of the portal. It begins beyond all of the scene:
+/// what stands outside the portal is in its way, as it is in a camera path's.
+bool LightTable::emit_through_portal(const Light& light, const EmbreeScene& geometry, const Vec2& u_position,
+                                     const Vec2& u_direction, EmissionSample& s) const {
+    const PortalImage& portal = portal_of(light);
+    Real pdf = 0;
+    Rgb radiance;
+    if (!portal.sample_emission(u_direction, s.from.wi, radiance, pdf)) return false;
+    const Real across = portal.density_across(s.from.wi);
+    if (!(across > 0)) return false;
+    s.from.pdf *= pdf;
+    s.from.infinite = true;
+    s.direction = -s.from.wi;
+    const Vec3 through = portal.point(u_position);
+    s.origin = through + s.from.wi * (length(through - geometry.bounds().center()) + covering_radius(geometry));
+    s.power = radiance * light.emission * (1 / (s.from.pdf * across));
+    return true;
 }
-
-}  // namespace
 
 EmissionDensity LightTable::emission_density(const EmbreeScene& geometry, const LightSample& at,
                                              const Vec3& direction) const {
@@ -64,19 +80,32 @@ EmissionDensity LightTable::emission_density(const EmbreeScene& geometry, const 
     if (light.is_area()) {
         const Real cosine = dot(at.target_normal, direction);
         const Real of_direction = light.two_sided ? 0.5f * std::abs(cosine) : std::max(cosine, Real(0));
-        return {chosen * area_density(light, geometry.shapes()[light.shape], at.uv), of_direction * inv_pi};
+        const ShapeGeometry& shape = geometry.shapes()[light.shape];
+        Real of_point = chosen * static_cast<Real>(density_of_point(light, shape, at.uv));
+        if (light.image >= 0) of_point *= image_density(light, shape, at.uv);
+        return {of_point, of_direction * inv_pi};
     }
     if (light.kind == LightKind::point) return {chosen, uniform_sphere_pdf()};
     if (light.kind == LightKind::spot)
         return {chosen,
                 spot_versine(light, direction) < light.versine_zero ? uniform_cone_pdf(light.versine_zero) : 0.0f};
+    if (light.is_at_point()) return {chosen, intensity_of(light).pdf(direction)};
+    if (light.kind == LightKind::portal_environment)
+        return {chosen * portal_of(light).emission_pdf(-direction), portal_of(light).density_across(-direction)};
     const Real radius = covering_radius(geometry), across = 1 / (pi * radius * radius);
     if (light.kind == LightKind::distant) return {chosen, across};
-    return {environment_density(chooser(LightChoice::light_sampling), at.light, -direction), across};
+    return {environment_density(chooser(LightChoice::light_sampling), at.light, Vec3(), -direction), across};
 }
 
-Real LightTable::sample_area_point(const EmbreeScene& geometry, const Light& light, const Vec2& u,
-                                   LightSample& s) const {
+Real LightTable::sample_area_point(const EmbreeScene& geometry, const Light& light, Vec2 u, LightSample& s) const {
+    if (light.image >= 0) {
+        const PixelDistribution::Drawn drawn = images_.points[static_cast<std::size_t>(light.image)].points.sample(u);
+        return drawn.density > 0 ? drawn.density * sample_plain_point(geometry, light, drawn.at, s) : Real(0);
+    }
+    return sample_plain_point(geometry, light, u, s);
+}
+
+Real LightTable::sample_plain_point(const EmbreeScene& geometry, const Light& light, const Vec2& u, LightSample& s) {
     if (light.kind == LightKind::triangle) return sample_triangle_point(light, u, s);
     const ShapeGeometry& shape = geometry.shapes()[light.shape];
     if (light.kind == LightKind::patch) return sample_patch_point(light, shape, u, s);
@@ -85,7 +114,7 @@ Real LightTable::sample_area_point(const EmbreeScene& geometry, const Light& lig
 
 Vec3 LightTable::some_point(const EmbreeScene& geometry, std::uint32_t light) const {
     LightSample sample;
-    sample_area_point(geometry, lights_[light], {0.5f, 0.5f}, sample);
+    sample_plain_point(geometry, lights_[light], {0.5f, 0.5f}, sample);
     return sample.target;
 }
 
@@ -104,9 +133,16 @@ bool LightTable::sample_emission(const EmbreeScene& geometry, Real u_choice, Vec
         case LightKind::patch:
         case LightKind::quadric:
         case LightKind::sphere:
-            return emit_from_area(light, sample_area_point(geometry, light, u_position, from), u_direction, s);
+            if (!emit_from_area(light, sample_area_point(geometry, light, u_position, from), u_direction, s))
+                return false;
+            if (light.image >= 0) s.power *= shown_at(light, geometry, from.uv);
+            return true;
+        case LightKind::portal_environment:
+            return emit_through_portal(light, geometry, u_position, u_direction, s);
         case LightKind::point:
         case LightKind::spot:
+        case LightKind::goniometric:
+        case LightKind::projection:
             return emit_from_point(light, u_direction, s);
         case LightKind::distant:
             from.wi = light.direction;
@@ -120,8 +156,7 @@ bool LightTable::sample_emission(const EmbreeScene& geometry, Real u_choice, Vec
         case LightKind::image_environment: {
             Real pdf = 0;
             Rgb radiance;
-            if (!images_[static_cast<std::size_t>(light.environment)].sample(u_direction, from.wi, radiance, pdf))
-                return false;
+            if (!environment_of(light).sample(u_direction, from.wi, radiance, pdf)) return false;
             from.pdf *= pdf;
             s.power = radiance * light.emission;
             break;

@@ -1,12 +1,10 @@
 // What pbrt-v4's LightSource and AreaLightSource directives mean. Parameters and defaults are pbrt's.
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include "display/services/elementary.h"
 #include "transport/color/spectrum.h"
-#include "transport/import/image.h"
-#include "transport/lights/light_table.h"
+#include "transport/lights/light_factories.h"
 
 namespace raylex::transport {
 namespace {
@@ -24,20 +22,6 @@ Result<Point> point_or(const ParameterSet& set, std::string_view name, const Poi
     if (p->type != ParameterType::point3 || p->numbers.size() != 3)
         return error_at(p->location, quoted(name).append(" must be one point3"));
     return Point{p->numbers[0], p->numbers[1], p->numbers[2]};
-}
-
-Status refuse(const ParameterSet& set, std::string_view name, const std::string& why) {
-    if (const Parameter* p = set.find(name)) return error_at(p->location, quoted(name).append(" ").append(why));
-    return success();
-}
-
-/// The colour parameter `name` times "scale".
-Result<Rgb> scaled_emission(const SceneEntity& light, std::string_view name, const LightContext& context) {
-    auto emission = spectrum_or(light.parameters, name, Rgb(1), SpectrumRole::illuminant, context.scene.color);
-    if (!emission) return emission;
-    auto scale = light.parameters.real_or("scale", 1);
-    if (!scale) return scale.error();
-    return *emission * static_cast<Real>(*scale);
 }
 
 Vec3 placed(const Transform& transform, const Point& p) {
@@ -113,89 +97,6 @@ Result<Light> make_distant(const SceneLight& source, LightContext& context) {
     return light;
 }
 
-/// Relative file names are looked up beside the scene file that names them.
-std::string resolve_path(const std::string& name, const std::string& beside) {
-    const std::filesystem::path path(name);
-    if (path.is_absolute()) return name;
-    return (std::filesystem::path(beside).parent_path() / path).string();
-}
-
-Result<EnvironmentImage> load_environment(const SceneLight& source, const std::string& file, LightContext& context) {
-    auto image =
-        read_image(resolve_path(file, source.location.file.empty() ? context.scene.file : source.location.file), "");
-    if (!image) {
-        Error error = image.error();
-        if (!error.hint.empty()) error.hint += "; ";
-        error.hint += "named by the infinite light at line " + std::to_string(source.location.line);
-        return error;
-    }
-    if (image->width != image->height)
-        return error_at(source.location, file + " is " + std::to_string(image->width) + " x " +
-                                             std::to_string(image->height) +
-                                             "; an equal-area octahedral environment must be square");
-    if (const auto invalid = clear_invalid_texels(*image))
-        context.warnings.push_back(error_at(source.location, "image '" + file + "' of an infinite light: " + *invalid));
-    const auto count = static_cast<std::size_t>(image->width) * static_cast<std::size_t>(image->height);
-    const bool grey = image->channels < 3;
-    std::vector<Rgb> pixels(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        const float* p = image->pixels.data() + i * static_cast<std::size_t>(image->channels);
-        const Rgb c = grey ? Rgb(p[0]) : Rgb(p[0], p[1], p[2]);
-        const auto& m = context.scene.color.rendering_from_scene;
-        for (int r = 0; r < 3; ++r) {
-            const auto& row = m[static_cast<std::size_t>(r)];
-            pixels[i][r] = std::max(Real(0), static_cast<Real>(row[0] * c.r + row[1] * c.g + row[2] * c.b));
-        }
-    }
-    return EnvironmentImage(image->width, std::move(pixels), Placement(source.to_world));
-}
-
-Result<Light> make_infinite(const SceneLight& source, LightContext& context) {
-    if (Status s =
-            refuse(source.parameters, "portal", "is not supported yet; expected an infinite light without a portal");
-        !s)
-        return s.error();
-    Light light;
-    light.kind = LightKind::uniform_environment;
-    auto file = source.parameters.string_or("filename", "");
-    if (!file) return file.error();
-    auto illuminance = source.parameters.real_or("illuminance", -1);
-    if (!illuminance) return illuminance.error();
-    if (file->empty()) {
-        auto radiance = scaled_emission(source, "L", context);
-        if (!radiance) return radiance.error();
-        light.emission =
-            *illuminance > 0 ? *radiance * static_cast<Real>(*illuminance / static_cast<double>(pi)) : *radiance;
-        return light;
-    }
-    if (Status s = refuse(source.parameters, "L", "and 'filename' exclude each other in an infinite light"); !s)
-        return s.error();
-    if (*illuminance > 0)
-        return error_at(source.location, "'illuminance' of an image light is not supported yet; use 'scale'");
-    auto scale = source.parameters.real_or("scale", 1);
-    if (!scale) return scale.error();
-    auto image = load_environment(source, *file, context);
-    if (!image) return image.error();
-    light.kind = LightKind::image_environment;
-    light.emission = Rgb(static_cast<Real>(*scale));
-    light.environment = static_cast<std::int32_t>(context.environments.size());
-    context.environments.push_back(std::move(*image));
-    return light;
-}
-
-Result<AreaEmission> make_diffuse(const SceneAreaLight& source, LightContext& context) {
-    for (const char* name : {"power", "filename"})
-        if (Status s = refuse(source.parameters, name,
-                              "of an area light is not supported yet; give radiance as 'L' and 'scale'");
-            !s)
-            return s.error();
-    auto radiance = scaled_emission(source, "L", context);
-    if (!radiance) return radiance.error();
-    auto two_sided = source.parameters.boolean_or("twosided", false);
-    if (!two_sided) return two_sided.error();
-    return AreaEmission{*radiance, *two_sided};
-}
-
 const ParameterDescription scale_parameter{"scale", ParameterType::real, "1", "factor on the emission"};
 
 Registry<LightFactory> make_lights() {
@@ -231,12 +132,38 @@ Registry<LightFactory> make_lights() {
                   {{"L", T::rgb, "1 1 1", "radiance"},
                    scale_parameter,
                    {"filename", T::string, "", "image instead of L"},
-                   {"illuminance", T::real, "", "of a surface facing it (uniform lights)"}},
+                   {"illuminance", T::real, "", "of a surface that faces the light's own +z"},
+                   {"portal", T::point3, "",
+                    "corners of a rectangle in the world, through which alone light comes; facing out by (p3 - p0) x "
+                    "(p1 - p0)"}},
                   make_infinite});
+    registry.add({"goniometric",
+                  "a point that shines by an image of directions, square and equal-area octahedral",
+                  {{"I", T::rgb, "1 1 1", "radiant intensity where the image is 1"},
+                   scale_parameter,
+                   {"power", T::real, "", "total power instead of I's"},
+                   {"filename", T::string, "", "the image; colours count as their mean"}},
+                  make_goniometric});
+    registry.add({"projection",
+                  "a point that throws an image along +z",
+                  {scale_parameter,
+                   {"power", T::real, "", "total power instead of the image's"},
+                   {"fov", T::real, "90", "degrees that the image's shorter side spans"},
+                   {"filename", T::string, "", "the image: radiant intensity"}},
+                  make_projection});
     return registry;
 }
 
 }  // namespace
+
+Result<Rgb> scaled_emission(const SceneEntity& light, std::string_view name, const LightContext& context) {
+    auto emission = spectrum_or(light.parameters, name, recorded_light(Rgb(1), context.scene.color),
+                                SpectrumRole::illuminant, context.scene.color);
+    if (!emission) return emission;
+    auto scale = light.parameters.real_or("scale", 1);
+    if (!scale) return scale.error();
+    return *emission * static_cast<Real>(*scale);
+}
 
 Registry<LightFactory>& light_registry() {
     static Registry<LightFactory> registry = make_lights();
@@ -250,8 +177,10 @@ Registry<AreaLightFactory>& area_light_registry() {
                "the same radiance in all directions of the normal's side",
                {{"L", ParameterType::rgb, "1 1 1", "radiance"},
                 scale_parameter,
+                {"filename", ParameterType::string, "", "image of radiance, by texture coordinates, instead of L"},
+                {"power", ParameterType::real, "", "of each primitive, instead of what the radiance gives"},
                 {"twosided", ParameterType::boolean, "false", "both sides shine"}},
-               make_diffuse});
+               make_diffuse_area});
         return r;
     }();
     return registry;

@@ -91,7 +91,13 @@ bool sample_sphere(const Light& light, const Quadric& quadric, bool cut_out, con
     return true;
 }
 
-bool sample_point(const Light& light, const Vec3& from, LightSample& s) {
+EnvironmentImage::By drawn_by(const LightChooser& chooser) {
+    return chooser.compensates() ? EnvironmentImage::By::excess : EnvironmentImage::By::radiance;
+}
+
+}  // namespace
+
+bool LightTable::sample_at_point(const Light& light, const Vec3& from, LightSample& s) const {
     const Vec3 d = light.position - from;
     const Real d2 = length_squared(d);
     if (!(d2 > 0)) return false;
@@ -107,12 +113,8 @@ bool sample_point(const Light& light, const Vec3& from, LightSample& s) {
     return true;
 }
 
-EnvironmentImage::By drawn_by(const LightChooser& chooser) {
-    return chooser.compensates() ? EnvironmentImage::By::excess : EnvironmentImage::By::radiance;
-}
-
-bool sample_infinite(const LightChooser& chooser, const Light& light, const std::vector<EnvironmentImage>& images,
-                     const Vec2& u, LightSample& s) {
+bool LightTable::sample_infinite(const LightChooser& chooser, const Light& light, const Vec3& from, const Vec2& u,
+                                 LightSample& s) const {
     s.infinite = true;
     if (light.kind == LightKind::distant) {
         s.wi = light.direction;
@@ -128,14 +130,37 @@ bool sample_infinite(const LightChooser& chooser, const Light& light, const std:
     }
     Real pdf = 0;
     Rgb radiance;
-    if (!images[static_cast<std::size_t>(light.environment)].sample(u, s.wi, radiance, pdf, drawn_by(chooser)))
-        return false;
+    const bool any = light.kind == LightKind::portal_environment
+                         ? portal_of(light).sample(from, u, s.wi, radiance, pdf)
+                         : environment_of(light).sample(u, s.wi, radiance, pdf, drawn_by(chooser));
+    if (!any) return false;
     s.radiance = radiance * light.emission;
     s.pdf *= pdf;
     return true;
 }
 
-}  // namespace
+/// Lights at a point and area lights that show an image.
+bool LightTable::sample_image_light(const Light& light, const EmbreeScene& geometry, const Vec3& from, const Vec2& u,
+                                    LightSample& s) const {
+    if (light.is_at_point()) {
+        if (!sample_at_point(light, from, s)) return false;
+        s.radiance *= intensity_of(light).intensity(-s.wi);
+        return !s.radiance.is_black();
+    }
+    const Real density = sample_area_point(geometry, light, u, s);
+    if (!(density > 0) || !finish_area_sample(light, from, density, s)) return false;
+    s.radiance *= shown_at(light, geometry, s.uv);
+    return true;
+}
+
+Rgb LightTable::shown_at(const Light& light, const EmbreeScene& geometry, const Vec2& at) const {
+    const Vec2 place = texture_coordinates(geometry.shapes()[light.shape], light.primitive, at);
+    return shown(light).radiance(place.x, place.y);
+}
+
+Real LightTable::image_density(const Light& light, const ShapeGeometry& shape, const Vec2& at) const {
+    return images_.points[static_cast<std::size_t>(light.image)].points.density_at(numbers_of_point(light, shape, at));
+}
 
 bool LightTable::sample(const LightChooser& chooser, const EmbreeScene& geometry, const LightReceiver& receiver,
                         Real u_choice, Vec2 u, LightSample& s) const {
@@ -148,6 +173,7 @@ bool LightTable::sample(const LightChooser& chooser, const EmbreeScene& geometry
     s.pdf = chosen.probability;
     const Light& light = lights_[s.light];
     s.delta = light.hidden;
+    if (light.image >= 0 && !light.is_environment()) return sample_image_light(light, geometry, from, u, s);
     switch (light.kind) {
         case LightKind::triangle:
             return sample_triangle(light, from, u, s);
@@ -160,9 +186,9 @@ bool LightTable::sample(const LightChooser& chooser, const EmbreeScene& geometry
                                  geometry.shapes()[light.shape].alpha >= 0, from, u, s);
         case LightKind::point:
         case LightKind::spot:
-            return sample_point(light, from, s);
+            return sample_at_point(light, from, s);
         default:
-            return sample_infinite(chooser, light, images_, u, s);
+            return sample_infinite(chooser, light, from, u, s);
     }
 }
 
@@ -173,22 +199,15 @@ Real LightTable::density(const LightChooser& chooser, const EmbreeScene& geometr
     const Real chosen = chooser.probability(receiver, index);
     if (!(chosen > 0)) return 0;
     const ShapeGeometry& shape = geometry.shapes()[light.shape];
-    double area_density = 0;
-    if (light.kind == LightKind::triangle) {
-        area_density = 1 / light.area;
-    } else if (light.kind == LightKind::patch) {
-        const BilinearPatch patch = shape.patch(light.primitive);
-        area_density = 1 / length(cross(patch.dpdu(hit.v), patch.dpdv(hit.u)));
-    } else {
-        if (light.kind == LightKind::sphere) {
-            const Cone cone = cone_of(light, shape.quadric, from);
-            // The cone's samples lie on the near side; the far side is seen only through holes in it.
-            const DVec3 out = DVec3(at.position) - shape.quadric.placement.to_world.point({0, 0, 0});
-            if (cone.outside && shape.alpha >= 0 && dot(out, DVec3(from) - DVec3(at.position)) < 0) return 0;
-            if (cone.outside) return chosen * static_cast<Real>(1 / (2 * 3.14159265358979323846 * cone.one_minus_cos));
-        }
-        area_density = 1 / (shape.quadric.object_area() * shape.quadric.world_point(hit.u, hit.v).area_scale);
+    if (light.kind == LightKind::sphere) {
+        const Cone cone = cone_of(light, shape.quadric, from);
+        // The cone's samples lie on the near side; the far side is seen only through holes in it.
+        const DVec3 out = DVec3(at.position) - shape.quadric.placement.to_world.point({0, 0, 0});
+        if (cone.outside && shape.alpha >= 0 && dot(out, DVec3(from) - DVec3(at.position)) < 0) return 0;
+        if (cone.outside) return chosen * static_cast<Real>(1 / (2 * 3.14159265358979323846 * cone.one_minus_cos));
     }
+    double area_density = density_of_point(light, shape, {hit.u, hit.v});
+    if (light.image >= 0) area_density *= static_cast<double>(image_density(light, shape, {hit.u, hit.v}));
     const Vec3 d = at.position - from;
     const Real d2 = length_squared(d);
     const Real cosine = std::abs(dot(at.geometric_normal, d)) / std::sqrt(d2);
@@ -207,24 +226,26 @@ Real LightTable::density(const LightChooser& chooser, const EmbreeScene& geometr
         hit.v = at.uv.y;
         return density(chooser, geometry, at.light, from, point, hit);
     }
-    if (light.is_environment()) return environment_density(chooser, at.light, at.wi);
+    if (light.is_environment()) return environment_density(chooser, at.light, from.position, at.wi);
     return chooser.probability(from, at.light);
 }
 
-Real LightTable::environment_density(const LightChooser& chooser, std::uint32_t index, const Vec3& direction) const {
+Real LightTable::environment_density(const LightChooser& chooser, std::uint32_t index, const Vec3& from,
+                                     const Vec3& direction) const {
     const Light& light = lights_[index];
     const Real chosen = chooser.probability(Vec3(), index);  // wherever it is seen from
     if (!(chosen > 0)) return 0;
-    return chosen * (light.kind == LightKind::uniform_environment
-                         ? uniform_sphere_pdf()
-                         : images_[static_cast<std::size_t>(light.environment)].pdf(direction, drawn_by(chooser)));
+    if (light.kind == LightKind::uniform_environment) return chosen * uniform_sphere_pdf();
+    return chosen * (light.kind == LightKind::portal_environment
+                         ? portal_of(light).pdf(from, direction)
+                         : environment_of(light).pdf(direction, drawn_by(chooser)));
 }
 
-Rgb LightTable::environment_radiance(std::uint32_t index, const Vec3& direction) const {
+Rgb LightTable::environment_radiance(std::uint32_t index, const Vec3& from, const Vec3& direction) const {
     const Light& light = lights_[index];
-    return light.kind == LightKind::uniform_environment
-               ? light.emission
-               : images_[static_cast<std::size_t>(light.environment)].radiance(direction) * light.emission;
+    if (light.kind == LightKind::uniform_environment) return light.emission;
+    return light.emission * (light.kind == LightKind::portal_environment ? portal_of(light).radiance(from, direction)
+                                                                         : environment_of(light).radiance(direction));
 }
 
 }  // namespace raylex::transport

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "transport/lights/area_images.h"
+
 namespace raylex::transport {
 
 std::int32_t LightTable::group_index(const std::string& group) {
@@ -37,13 +39,14 @@ Light make_triangle(const ShapeGeometry& shape, std::uint32_t primitive) {
     return light;
 }
 
-Light make_quadric(const ShapeGeometry& shape) {
+/// With an image, spheres too are sampled by their area.
+Light make_quadric(const ShapeGeometry& shape, bool has_image) {
     Light light;
     const Quadric& q = shape.quadric;
     double scale = 1;
     light.kind = LightKind::quadric;
     light.area = static_cast<Real>(q.object_area());
-    if (q.kind == ShapeKind::sphere && !q.partial && q.similarity(scale)) {
+    if (!has_image && q.kind == ShapeKind::sphere && !q.partial && q.similarity(scale)) {
         light.kind = LightKind::sphere;
         light.position = q.placement.to_world.point({0, 0, 0}).to_real();
         light.area = static_cast<Real>(q.object_area() * scale * scale);
@@ -101,6 +104,11 @@ Status LightTable::add_area_lights(const SceneDescription& scene, EmbreeScene& g
         const AreaEmission& emission = emissions[static_cast<std::size_t>(shape.area_light)];
         const std::int32_t group = group_index(scene.area_lights[static_cast<std::size_t>(shape.area_light)].group);
         shape.first_light = static_cast<std::uint32_t>(lights_.size());
+        if (emission.power > 0 && shape.primitive_count > 1)
+            warnings.push_back(
+                error_at(scene.area_lights[static_cast<std::size_t>(shape.area_light)].location,
+                         "'power' is that of each of the mesh's " + std::to_string(shape.primitive_count) +
+                             " primitives, as pbrt-v4 takes it; the mesh gives that many times as much"));
         for (std::uint32_t i = 0; i < shape.primitive_count; ++i) {
             Light light;
             if (shape.kind == ShapeKind::triangle_mesh) {
@@ -109,19 +117,38 @@ Status LightTable::add_area_lights(const SceneDescription& scene, EmbreeScene& g
                 light.kind = LightKind::patch;
                 light.area = static_cast<Real>(shape.patch(i).area());
             } else {
-                light = make_quadric(shape);
+                light = make_quadric(shape, emission.image >= 0);
             }
-            light.emission = emission.radiance;
-            light.two_sided = emission.two_sided;
             light.hidden = shape.hidden;
             light.group = group;
             light.shape = s;
             light.primitive = i;
-            light.power = double{luminance(light.emission)} * pi * world_area(shape, light) * (light.two_sided ? 2 : 1);
+            set_emission(emission, shape, light);
             lights_.push_back(light);
         }
     }
     return success();
+}
+
+/// What the primitive sends, and the weight of its selection.
+void LightTable::set_emission(const AreaEmission& emission, const ShapeGeometry& shape, Light& light) {
+    light.emission = emission.radiance;
+    light.two_sided = emission.two_sided;
+    const double sides = light.two_sided ? 2 : 1, area = world_area(shape, light);
+    double mean = 1;
+    if (emission.image >= 0) {
+        const EmissionImage& shown = images_.emissions[static_cast<std::size_t>(emission.image)];
+        light.image = static_cast<std::int32_t>(images_.points.size());
+        PrimitiveImage part = image_on_primitive(light, shape, shown);
+        images_.points.push_back({emission.image, std::move(part.points)});
+        mean = part.mean_luminance;
+    }
+    if (emission.power > 0) {
+        const double whole = emission.image >= 0 ? images_.emissions[static_cast<std::size_t>(emission.image)].mean : 1,
+                     given = static_cast<double>(pi) * area * sides * whole;
+        light.emission = given > 0 ? light.emission * static_cast<Real>(emission.power / given) : Rgb();
+    }
+    light.power = double{luminance(light.emission)} * pi * area * sides * mean;
 }
 
 void LightTable::finish(const EmbreeScene& geometry) {
@@ -131,9 +158,10 @@ void LightTable::finish(const EmbreeScene& geometry) {
         if (light.kind == LightKind::distant) light.power = double{luminance(light.emission)} * pi * radius * radius;
         if (light.is_environment()) {
             environment_lights_.push_back(i);
-            const double mean =
-                light.environment >= 0 ? images_[static_cast<std::size_t>(light.environment)].mean_luminance() : 1;
+            const double mean = light.kind == LightKind::image_environment ? environment_of(light).mean_luminance() : 1;
             light.power = double{luminance(light.emission)} * mean * 4 * pi * pi * radius * radius;
+            if (light.kind == LightKind::portal_environment)
+                light.power = double{luminance(light.emission)} * portal_of(light).flux();
         }
         if (!(light.power > 0) && !light.emission.is_black())
             light.power = light.emission.max();  // colours of negative luminance
@@ -147,7 +175,7 @@ void LightTable::finish(const EmbreeScene& geometry) {
 Result<LightTable> LightTable::build(const SceneDescription& scene, EmbreeScene& geometry,
                                      std::vector<Error>& warnings) {
     LightTable table;
-    LightContext context{scene, table.images_, warnings};
+    LightContext context{scene, table.images_, warnings, geometry.space()};
     if (Status s = table.add_area_lights(scene, geometry, context, warnings); !s) return s.error();
     for (const SceneLight& given : scene.lights) {
         SceneLight source = given;
@@ -158,7 +186,7 @@ Result<LightTable> LightTable::build(const SceneDescription& scene, EmbreeScene&
         if (!light) return light.error();
         for (std::size_t i = 0; i < given.parameters.parameters.size(); ++i)  // a look-up marks the copy's
             given.parameters.parameters[i].used |= source.parameters.parameters[i].used;
-        if (light->kind == LightKind::point || light->kind == LightKind::spot) {
+        if (light->is_at_point()) {
             const Vec3& at = light->position;
             if (!(std::max({std::abs(at.x), std::abs(at.y), std::abs(at.z)}) <= largest_coordinate))
                 return error_at(source.location,

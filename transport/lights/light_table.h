@@ -13,27 +13,42 @@
 
 #include "display/services/registry.h"
 #include "transport/geometry/embree_scene.h"
-#include "transport/lights/environment.h"
+#include "transport/lights/images/emission_image.h"
+#include "transport/lights/images/environment.h"
+#include "transport/lights/images/intensity_image.h"
+#include "transport/lights/images/portal_image.h"
 #include "transport/lights/light.h"
 #include "transport/lights/light_chooser.h"
 
 namespace raylex::transport {
 
+/// By kind of light: Light::image is an index into one of these.
+struct LightImages {
+    std::vector<EnvironmentImage> environments;
+    std::vector<PortalImage> portals;
+    std::vector<IntensityImage> intensities;
+    std::vector<EmissionImage> emissions;
+    std::vector<EmissionPoints> points;  ///< of area lights: one a primitive that shows an image
+};
+
 /// What a light's factory may use and add to.
 struct LightContext {
     const SceneDescription& scene;
-    std::vector<EnvironmentImage>& environments;
+    LightImages& images;
     std::vector<Error>& warnings;
+    RenderSpace space{};  ///< what the light's to_world leads to
 };
 /// The light's to_world leads to the space that EmbreeScene places everything in.
 using LightFactory = std::function<Result<Light>(const SceneLight&, LightContext&)>;
-/// point, spot, distant, infinite; plugins build theirs from the same kinds.
+/// point, spot, goniometric, projection, distant, infinite; plugins build theirs from the same kinds.
 Registry<LightFactory>& light_registry();
 
 /// What an AreaLightSource gives to each primitive of its shapes.
 struct AreaEmission {
     Rgb radiance;
     bool two_sided = false;
+    std::int32_t image = -1;  ///< of LightImages::emissions, which the radiance is a factor on
+    double power = 0;         ///< that each primitive is to give; 0: what its radiance gives
 };
 using AreaLightFactory = std::function<Result<AreaEmission>(const SceneAreaLight&, LightContext&)>;
 /// diffuse.
@@ -73,13 +88,14 @@ class LightTable {
     /// `from`, per steradian; of lights that no ray finds as LightSample::pdf has it.
     [[nodiscard]] Real density(const LightChooser& chooser, const EmbreeScene& geometry, const LightReceiver& from,
                                const LightSample& at) const;
-    [[nodiscard]] Real environment_density(const LightChooser& chooser, std::uint32_t light,
+    [[nodiscard]] Real environment_density(const LightChooser& chooser, std::uint32_t light, const Vec3& from,
                                            const Vec3& direction) const;
 
-    /// Radiance that an area light sends from a point with oriented normal `n` towards `wo`.
-    [[nodiscard]] Rgb emitted(std::uint32_t light, const Vec3& n, const Vec3& wo) const {
+    /// Radiance that an area light sends from a point of it towards `wo`.
+    [[nodiscard]] Rgb emitted(std::uint32_t light, const SurfacePoint& at, const Vec3& wo) const {
         const Light& l = lights_[light];
-        return l.two_sided || dot(n, wo) > 0 ? l.emission : Rgb();
+        if (!(l.two_sided || dot(at.geometric_normal, wo) > 0)) return {};
+        return l.image < 0 ? l.emission : l.emission * shown(l).radiance(at.u, at.v);
     }
     /// What the light of a sample sends towards `from` before distance thins it: radiance of what has an extent, else
     /// intensity, or irradiance across the beam of distant lights.
@@ -87,7 +103,8 @@ class LightTable {
         const bool point = !lights_[sample.light].is_area() && !sample.infinite;
         return point ? sample.radiance * length_squared(sample.target - from) : sample.radiance;
     }
-    [[nodiscard]] Rgb environment_radiance(std::uint32_t light, const Vec3& direction) const;
+    /// Of an infinite light, out of a unit direction.
+    [[nodiscard]] Rgb environment_radiance(std::uint32_t light, const Vec3& from, const Vec3& direction) const;
 
     [[nodiscard]] std::span<const Light> lights() const { return lights_; }
     [[nodiscard]] std::span<const std::uint32_t> environments() const { return environment_lights_; }
@@ -95,15 +112,41 @@ class LightTable {
     [[nodiscard]] const std::vector<std::string>& groups() const { return groups_; }
 
   private:
-    /// What sample_*_point() of area_points.h does for this kind of area light.
-    Real sample_area_point(const EmbreeScene& geometry, const Light& light, const Vec2& u, LightSample& s) const;
+    /// What sample_*_point() of area_points.h does for this kind of area light, `u` drawn by its image.
+    Real sample_area_point(const EmbreeScene& geometry, const Light& light, Vec2 u, LightSample& s) const;
+    static Real sample_plain_point(const EmbreeScene& geometry, const Light& light, const Vec2& u, LightSample& s);
+    /// What the image of an area light has where its primitive is hit at `at`, and the density with which it draws the
+    /// numbers that make that point.
+    [[nodiscard]] Rgb shown_at(const Light& light, const EmbreeScene& geometry, const Vec2& at) const;
+    [[nodiscard]] Real image_density(const Light& light, const ShapeGeometry& shape, const Vec2& at) const;
+    [[nodiscard]] const EmissionImage& shown(const Light& light) const {
+        return images_.emissions[static_cast<std::size_t>(images_.points[static_cast<std::size_t>(light.image)].image)];
+    }
+    [[nodiscard]] const IntensityImage& intensity_of(const Light& light) const {
+        return images_.intensities[static_cast<std::size_t>(light.image)];
+    }
+    [[nodiscard]] const PortalImage& portal_of(const Light& light) const {
+        return images_.portals[static_cast<std::size_t>(light.image)];
+    }
+    [[nodiscard]] const EnvironmentImage& environment_of(const Light& light) const {
+        return images_.environments[static_cast<std::size_t>(light.image)];
+    }
+    bool sample_image_light(const Light& light, const EmbreeScene& geometry, const Vec3& from, const Vec2& u,
+                            LightSample& s) const;
+    bool sample_infinite(const LightChooser& chooser, const Light& light, const Vec3& from, const Vec2& u,
+                         LightSample& s) const;
+    bool sample_at_point(const Light& light, const Vec3& from, LightSample& s) const;
+    bool emit_from_point(const Light& light, const Vec2& u, EmissionSample& s) const;
+    bool emit_through_portal(const Light& light, const EmbreeScene& geometry, const Vec2& u_position,
+                             const Vec2& u_direction, EmissionSample& s) const;
     Status add_area_lights(const SceneDescription& scene, EmbreeScene& geometry, LightContext& context,
                            std::vector<Error>& warnings);
+    void set_emission(const AreaEmission& emission, const ShapeGeometry& shape, Light& light);
     void finish(const EmbreeScene& geometry);
     std::int32_t group_index(const std::string& group);
     std::vector<Light> lights_;
     std::vector<std::uint32_t> environment_lights_;
-    std::vector<EnvironmentImage> images_;
+    LightImages images_;
     std::vector<std::string> groups_{std::string()};
     std::array<LightChooser, light_choices> choosers_;  ///< [LightChoice]
     bool any_to_hit_ = false;

@@ -27,6 +27,14 @@ void CameraSubpaths::begin(std::span<const Ray> rays, std::span<const PixelSampl
     }
 }
 
+void CameraSubpaths::weigh(std::span<const Real> weights) {
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+        Subpath& path = walk_.path(static_cast<std::uint32_t>(i));
+        path.beta = Rgb(weights[i]);
+        if (weights[i] > 0) path.roulette_scale = 1 / weights[i];  // a factor of the whole image makes no path weak
+    }
+}
+
 void CameraSubpaths::pass(display::DisplayServices& display, std::size_t j) {
     const VertexBatch& v = vertices();
     const std::uint32_t row = v.rows[j];
@@ -87,8 +95,8 @@ void CameraSubpaths::report_hidden_environments(const LightChooser& sampled, std
     const LightTable& lights = *scene_.lights;
     const Vec3& direction = vertices().rays[j].direction;
     for (const std::uint32_t light : lights.environments()) {
-        if (lights.environment_density(sampled, light, direction) > 0) continue;
-        const Rgb emitted = lights.environment_radiance(light, direction);
+        if (lights.environment_density(sampled, light, subpath.from, direction) > 0) continue;
+        const Rgb emitted = lights.environment_radiance(light, subpath.from, direction);
         record_.arrive(row, record_.events().terminal(light), {0, subpath.depth + 2},
                        {Rgb(), emitted, subpath.beta * emitted, 0});
     }

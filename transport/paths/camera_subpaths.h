@@ -59,6 +59,8 @@ class CameraSubpaths {
 
     void begin(std::span<const Ray> rays, std::span<const PixelSampler> samplers, display::LpeServices& lpe,
                IntegratorCounters& counters);
+    /// After begin(): rays that count differently.
+    void weigh(std::span<const Real> weights);
     [[nodiscard]] bool going() { return walk_.going() || (levels_in_use_ > 0 && go_back()); }
     template <class Ends>
     void advance(display::DisplayServices& display, Ends& ends) {

@@ -49,9 +49,30 @@ lpe::Event user_event(const std::string& object_label, UserLobe lobe, const lpe:
     return event;
 }
 
+std::vector<lpe::Event> scene_events(const SceneView& scene, const lpe::LobeSlots& slots) {
+    std::vector<LobeId> lobes;
+    for (std::size_t m = 0; m < scene.materials->size(); ++m) scene.materials->material(m)->append_lobes(lobes);
+    std::sort(lobes.begin(), lobes.end());
+    lobes.erase(std::unique(lobes.begin(), lobes.end()), lobes.end());
+    std::vector<lpe::Event> events;
+    for (const std::string& label : scene.geometry->object_labels()) {
+        for (const LobeId lobe : lobes) events.push_back(scattering_event(label, lobe_kinds()[lobe], slots));
+        events.push_back(straight_event(label));
+        for (std::size_t i = 0; i < user_lobes.size(); ++i)
+            events.push_back(user_event(label, static_cast<UserLobe>(i), slots));
+    }
+    for (const std::string& medium : scene.media->names()) events.push_back(phase_event(medium));
+    events.push_back(emission_event());
+    events.push_back(terminal_event(false, ""));
+    for (const Light& light : scene.lights->lights())
+        events.push_back(
+            terminal_event(light.is_environment(), scene.lights->groups()[static_cast<std::size_t>(light.group)]));
+    return events;
+}
+
 EventTable::EventTable(const display::LpeSetup& setup, const SceneView& scene, const lpe::LobeSlots& slots, bool prunes)
     : prunes_(prunes) {
-    any_ = setup.program().group_count() > 0;
+    any_ = setup.reads_words();
     const std::span<const LobeKind> kinds = lobe_kinds();
     lobe_count_ = kinds.size();
     for (const std::string& label : scene.geometry->object_labels()) {

@@ -99,6 +99,9 @@ class EventTable {
     display::Foresight foresight_;
 };
 
+/// Every event that EventTable asks a setup for and that this scene can produce: the columns of a path atlas.
+std::vector<lpe::Event> scene_events(const SceneView& scene, const lpe::LobeSlots& slots);
+
 /// The events behind EventTable, also what scene_alphabet() lists.
 lpe::Event scattering_event(const std::string& object_label, const LobeKind& lobe, const lpe::LobeSlots& slots);
 lpe::Event straight_event(const std::string& object_label);

@@ -31,6 +31,11 @@ Real pixel_share(std::uint64_t sample) {
     return std::max(least_share, 1 / std::sqrt(static_cast<Real>(std::min<std::uint64_t>(sample, 64)) + 1));
 }
 
+RayCone cone_of_sample(const RayCone& of_pixel, std::uint64_t sample) {
+    const Real share = pixel_share(sample);
+    return {of_pixel.width * share, of_pixel.spread * share};
+}
+
 SurfaceFootprint footprint_of(const SurfaceTangents& tangents, const SurfacePoint& point, Real width) {
     const Vec3& n = point.geometric_normal;
     const Real cosine = dot(n, point.wo), size = std::abs(width);

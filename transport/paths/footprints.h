@@ -12,6 +12,8 @@ namespace raylex::transport {
 /// How much of a pixel a sample stands for, as a length: each sample as if the image ended with it, since what several
 /// samples see need not be blurred by one. At least an eighth. Depends on nothing but the sample's number (Law 3).
 [[nodiscard]] Real pixel_share(std::uint64_t sample);
+/// A camera ray's cone, which is as wide as a pixel, as wide as what a sample stands for.
+[[nodiscard]] RayCone cone_of_sample(const RayCone& of_pixel, std::uint64_t sample);
 
 /// Of a cone that is `width` wide at `point` and runs along -wo: seen at a slant it is longer, 100 times at most.
 [[nodiscard]] SurfaceFootprint footprint_of(const SurfaceTangents& tangents, const SurfacePoint& point, Real width);

@@ -4,7 +4,7 @@
 
 namespace raylex::transport {
 
-LightLanguage::LightLanguage(const display::LpeSetup& setup) {
+LightLanguage::LightLanguage(const display::LpeSetup& setup) : keeps_paths_(setup.words() != nullptr) {
     if (Result<lpe::ReversedProgram> reversed = lpe::ReversedProgram::build(setup.program()))
         reversed_.emplace(std::move(*reversed));
 }

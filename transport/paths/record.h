@@ -164,8 +164,11 @@ class LightLanguage {
     explicit LightLanguage(const display::LpeSetup& setup);
     /// Null where the channels' program is too large to be reversed.
     [[nodiscard]] const lpe::ReversedProgram* reversed() const { return reversed_ ? &*reversed_ : nullptr; }
+    /// Whether a path atlas wants to know the events as well.
+    [[nodiscard]] bool keeps_paths() const { return keeps_paths_; }
 
   private:
+    bool keeps_paths_;
     std::optional<lpe::ReversedProgram> reversed_;
 };
 
@@ -175,7 +178,7 @@ class LightRecord {
     /// `language`: null when no channel reads words. Must outlive the record.
     LightRecord(const EventTable& events, const LightLanguage* language, std::size_t rows) : events_(&events) {
         if (language == nullptr) return;
-        words_.emplace(language->reversed());
+        words_.emplace(language->reversed(), language->keeps_paths());
         word_.resize(rows);
     }
     /// Forgets all words.

@@ -116,7 +116,7 @@ std::vector<std::int32_t> media_of_lights(const SceneView& scene, const Vec3& ca
             const ShapeGeometry& shape = scene.geometry->shapes()[light.shape];
             const bool border = shape.inside_medium != shape.outside_medium;
             media.push_back(border ? -1 : medium_at(scene, camera, scene.lights->some_point(*scene.geometry, i)));
-        } else if (light.kind == LightKind::point || light.kind == LightKind::spot) {
+        } else if (light.is_at_point()) {
             media.push_back(medium_at(scene, camera, light.position));
         } else {
             media.push_back(

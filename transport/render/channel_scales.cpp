@@ -22,8 +22,7 @@ double brightest_light(const BuiltScene& scene) {
     double brightest = 0;
     for (const Light& light : scene.view().lights->lights()) {
         const double emission = double(light.emission.max());
-        const bool point = light.kind == LightKind::point || light.kind == LightKind::spot;
-        const double seen = point && radius > 0 ? emission / (radius * radius) : emission;
+        const double seen = light.is_at_point() && radius > 0 ? emission / (radius * radius) : emission;
         brightest = std::max(brightest, seen);
     }
     // What glows along the scene's diameter.

@@ -120,7 +120,7 @@ RecordIdentity render_identity(const ResolvedJob& job) {
         identity.emplace_back(std::move(name), std::move(value));
     };
     add("resolution", std::to_string(job.grid.width) + "x" + std::to_string(job.grid.height));
-    if (settings.crop)
+    if (sampling.film.crop)
         add("crop", std::to_string(job.grid.region.x0) + "," + std::to_string(job.grid.region.y0) + "," +
                         std::to_string(job.grid.region.x1) + "," + std::to_string(job.grid.region.y1));
     add("seed", std::to_string(sampling.seed));

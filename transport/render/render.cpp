@@ -25,6 +25,7 @@ RenderOutput output_of(const ResolvedJob& job, RenderTarget target, FinishedLoop
                         .width = job.grid.width,
                         .height = job.grid.height,
                         .threads = job.threads,
+                        .crop = job.sampling.film.crop,
                         .samples_per_pixel = finished.samples_per_pixel,
                         .adaptive = std::move(finished.error),
                         .unconverged_pixels = finished.unconverged_pixels,

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -20,6 +21,7 @@
 #include "display/services/channel_settings.h"
 #include "display/services/display_services.h"
 #include "display/services/lpe_services.h"
+#include "display/services/word_alphabet.h"
 #include "geoaovs/cryptomatte.h"
 #include "lpe/channels/lobe_slots.h"
 #include "lpe/result.h"
@@ -38,6 +40,7 @@ struct RenderPlan {
     const display::PixelFilter* filter = nullptr;
     bool splat = false;
     bool raster = false;                      ///< the integrator's light lands anywhere on the image
+    std::shared_ptr<const display::WordAlphabet> words;  ///< what RenderSettings::words came to
     std::vector<display::ChannelId> altered;  ///< by sample filters: partitions with these do not sum
     std::vector<display::MemoryItem> memory;  ///< of the frame buffer, layer by layer, and cryptomattes
 };
@@ -95,6 +98,8 @@ struct RenderSettings {
     /// Called once before memory is taken; an Error ends the render. It may add to `sinks`, which get every finished
     /// batch beside the frame buffer; they must outlive the render.
     std::function<Status(const RenderPlan&, std::vector<display::SampleSink*>& sinks)> before_rendering;
+    /// Has the words of all light told apart by these rules and kept: for a path atlas, which is among the sinks.
+    std::optional<display::WordRules> words;
     std::vector<geoaovs::MatteKind> cryptomatte;  ///< which sets of mattes to make; not with negative pixel filters
     int cryptomatte_ranks = geoaovs::Cryptomatte::default_ranks;  ///< even, at most Cryptomatte::most_ranks
     /// Samples go where the error is above a tolerance, instead of samples_per_pixel everywhere.
@@ -129,7 +134,7 @@ struct RenderProgress {
 };
 
 struct RenderStatistics {
-    double build_seconds = 0, build_cpu_seconds = 0;  ///< scene tables and acceleration structure
+    double build_seconds = 0, build_cpu_seconds = 0;      ///< scene tables and acceleration structure
     double prepare_seconds = 0, prepare_cpu_seconds = 0;  ///< the integrator's tables and pilots
     double render_seconds = 0, render_cpu_seconds = 0;
     std::uint64_t camera_samples = 0, camera_rays = 0, scattering_rays = 0, shadow_rays = 0;
@@ -153,6 +158,7 @@ struct RenderOutput {
     RenderStatistics statistics;
     bool complete = true;  ///< false after an interrupt: fewer samples than asked for
     int width = 0, height = 0, threads = 0;
+    std::optional<display::PixelRegion> crop;           ///< what was rendered, where that is not all
     std::uint64_t samples_per_pixel = 0;                ///< asked for, or reached under a limit; the most when adaptive
     std::optional<display::AdaptiveProgress> adaptive;  ///< as it stood in the end; of a limit by error too
     std::uint64_t unconverged_pixels = 0;  ///< adaptive: with all the samples they may have, above the tolerance

@@ -56,6 +56,7 @@ Status RenderLoop::run_phases(TaskRunner& runner, const std::function<void()>& r
         auto whole = run_phase(runner, report);
         if (!whole) return whole.error();
         if (*whole) schedule_->end_phase(state_);
+        for (display::SampleSink* sink : state_.target.sinks) sink->end_phase();
         if (!*whole && !runner.stopped() && runner.ending()) {
             if (Status s = schedule_->after_overdue(state_); !s) return s;
             if (runner.ending()) break;

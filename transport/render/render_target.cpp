@@ -1,5 +1,6 @@
 #include "transport/render/render_target.h"
 
+#include <algorithm>
 #include <new>
 
 namespace raylex::transport {
@@ -14,10 +15,11 @@ RenderPlan plan_of(const ResolvedJob& job, const display::FrameBufferLayout& lay
                     .samples_per_pixel = job.budget.samples_per_pixel,
                     .channels = job.channels.list,
                     .beauty = job.channels.beauty,
-                    .crop = settings.crop.value_or(display::PixelRegion{0, 0, width, height}),
+                    .crop = job.sampling.film.crop.value_or(display::PixelRegion{0, 0, width, height}),
                     .filter = job.sampling.filter.get(),
                     .splat = job.sampling.splat,
                     .raster = job.raster(),
+                    .words = job.channels.lpe->words(),
                     .altered = job.channels.filters.alters(),
                     .memory = display::frame_buffer_memory(layout, job.channels.list, job.raster())};
     for (const geoaovs::MatteKind kind : settings.cryptomatte)
@@ -66,7 +68,9 @@ Result<RenderTarget> RenderTarget::allocate(const PreparedJob& prepared) {
     target.sinks = std::move(sinks);
     // Filters and deep images, which before_rendering() has added, look at samples one by one; cryptomattes do not.
     // With holdouts light is sent apart once one is met, and its sums would round as the batches happened to be.
-    if (job.channels.filters.empty() && target.sinks.empty() && !job.scene.view().geometry->has_holdouts())
+    const bool sinks_read = std::any_of(target.sinks.begin(), target.sinks.end(),
+                                        [](const display::SampleSink* sink) { return sink->reads_channels(); });
+    if (job.channels.filters.empty() && !sinks_read && !job.scene.view().geometry->has_holdouts())
         target.splat_sets = std::make_unique<const display::SplatSets>(
             job.channels.lpe->splat_sets(target.frame_buffer.sums_only(), layout.block_size));
     if (Status s = target.make_mattes(job); !s) return s.error();

@@ -34,7 +34,8 @@ void SplatGate::take(const display::SampleTable& table) {
         const std::uint64_t number = order_[begin].first / 2;
         TileLocks::Group adding = locks_.group(number, grid_, order_[begin].first % 2 != 0);
         const std::lock_guard lock(adding);
-        frame_buffer_.splat(table, rows_);
+        target_.frame_buffer.splat(table, rows_);
+        for (display::SampleSink* sink : target_.sinks) sink->splat(table, rows_);
     }
 }
 
@@ -47,7 +48,7 @@ RenderWorker::RenderWorker(const PreparedJob& prepared, RenderTarget& target, Ti
       table_(job_.channels.list, batch_capacity, job_.has_extra_rows ? 4 * batch_capacity : 0, target.splat_sets.get()),
       display_(table_),
       lpe_(*job_.channels.lpe, table_, job_.sampling.seed, job_.channels.attribution),
-      gate_(job_, locks, target.frame_buffer),
+      gate_(job_, locks, target),
       raster_(job_.raster()
                   ? std::make_unique<display::RasterSplats>(*job_.channels.lpe, job_.channels.list, job_.sampling.seed,
                                                             job_.channels.attribution, gate_)
@@ -56,6 +57,7 @@ RenderWorker::RenderWorker(const PreparedJob& prepared, RenderTarget& target, Ti
       rows_(batch_capacity),
       camera_samples_(batch_capacity),
       rays_(batch_capacity),
+      weights_(job_.sampling.camera->weighs_rays() ? batch_capacity : 0),
       samplers_(batch_capacity),
       leave_(leave) {}
 
@@ -119,15 +121,17 @@ void RenderWorker::flush() {
         return;
     }
     const Camera& camera = *job_.sampling.camera;
-    if (job_.sampling.times) camera.generate_in_time({camera_samples_.data(), count_}, {rays_.data(), count_});
+    const std::span<Real> weights(weights_.data(), weights_.empty() ? 0 : count_);
+    if (!weights.empty()) camera.generate_weighed({camera_samples_.data(), count_}, {rays_.data(), count_}, weights);
+    else if (job_.sampling.times) camera.generate_in_time({camera_samples_.data(), count_}, {rays_.data(), count_});
     else camera.generate({camera_samples_.data(), count_}, {rays_.data(), count_});
     if (job_.sampling.cones)
-        for (std::size_t i = 0; i < count_; ++i) rays_[i].cone.spread *= pixel_share(rows_[i].sample);
+        for (std::size_t i = 0; i < count_; ++i) rays_[i].cone = cone_of_sample(rays_[i].cone, rows_[i].sample);
     table_.begin({rows_.data(), count_});
     const double begin = aovs_.wants_time() ? thread_cpu_seconds() : 0;
     ThreadServices services{display_, lpe_, raster_.get(), &leave_};
     job_.integrator().integrate(
-        {{rays_.data(), count_}, {samplers_.data(), count_}, {rows_.data(), count_}, tile_, startup_}, *state_,
+        {{rays_.data(), count_}, {samplers_.data(), count_}, {rows_.data(), count_}, tile_, startup_, weights}, *state_,
         services);
     if (services.left) {
         left_ = true;

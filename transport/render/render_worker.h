@@ -22,8 +22,8 @@ struct WorkerTotals {
 /// One thread's splats on their way to the frame buffer: sorted by tiles, so that a lock serves many.
 class SplatGate final : public display::RasterSink {
   public:
-    SplatGate(const ResolvedJob& job, TileLocks& locks, display::FrameBuffer& frame_buffer)
-        : grid_(job.grid), filter_(*job.sampling.filter), locks_(locks), frame_buffer_(frame_buffer) {}
+    SplatGate(const ResolvedJob& job, TileLocks& locks, RenderTarget& target)
+        : grid_(job.grid), filter_(*job.sampling.filter), locks_(locks), target_(target) {}
     void take(const display::SampleTable& table) override;
     [[nodiscard]] std::uint64_t taken() const { return taken_; }  ///< tables so far
 
@@ -31,7 +31,7 @@ class SplatGate final : public display::RasterSink {
     const TileGrid& grid_;
     const display::PixelFilter& filter_;
     TileLocks& locks_;
-    display::FrameBuffer& frame_buffer_;
+    RenderTarget& target_;
     std::uint64_t taken_ = 0;
     std::vector<std::pair<std::uint64_t, int>> order_;  // tile and whether its neighbours are reached, row
     std::vector<int> rows_;
@@ -93,6 +93,7 @@ class RenderWorker {
     std::vector<display::CameraRow> rows_;
     std::vector<CameraSample> camera_samples_;
     std::vector<Ray> rays_;
+    std::vector<Real> weights_;      // of `rays_`; empty where all count alike
     geoaovs::RayBatch camera_rays_;  // of `rays_`, when an AOV asks for depth
     std::vector<PixelSampler> samplers_;
     std::size_t count_ = 0;

@@ -125,8 +125,8 @@ Result<TileGrid> resolve_grid(const RenderSettings& settings, const CameraSampli
     const int width = sampling.film.width, height = sampling.film.height;
     const int px = sampling.padding_x, py = sampling.padding_y;
     TileGrid grid{width, height, px, py, {-px, -py, width + px, height + py}};
-    if (!settings.crop) return grid;
-    const display::PixelRegion& crop = *settings.crop;
+    if (!sampling.film.crop) return grid;
+    const display::PixelRegion& crop = *sampling.film.crop;
     if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > width || crop.y1 > height || crop.x0 >= crop.x1 || crop.y0 >= crop.y1)
         return error_at({}, "the crop " + std::to_string(crop.x0) + "," + std::to_string(crop.y0) + "," +
                                 std::to_string(crop.x1) + "," + std::to_string(crop.y1) +

@@ -85,6 +85,7 @@ Result<JobChannels> resolve_channels(const RenderSettings& settings,
                                      std::span<const display::ChannelDefinition> patterns,
                                      const ChosenIntegrator& chosen) {
     JobChannels channels;
+    channels.keeps_words = settings.words.has_value();
     if (settings.picked_lobes) channels.attribution = display::LpeServices::Attribution::picked;
     if (Status s = list_channels(settings, patterns, ResolvedJob::splats_anywhere(chosen), channels); !s)
         return s.error();

@@ -21,6 +21,10 @@ Status check_traits(const ChosenIntegrator& chosen, const SceneView& scene, cons
     if (channels.lpe->needs_emitter_samples() >= 0 && !traits.emitter_samples)
         return refuse(channels.lpe->needs_emitter_samples(),
                       "does not report emitters apart from the path's throughput", "leave out 'nothruput;'");
+    if (channels.keeps_words && !traits.tells_words)
+        return error_at({}, "integrator '" + chosen.name + "' keeps no path atlas: what it splats is summed up by "
+                                                           "channels, and comes without its words",
+                        "leave out the atlas, or choose another integrator, such as path or bdpt");
     if (scene.geometry->has_holdouts() && !traits.holdouts)
         return error_at({}, "the scene has holdouts, which integrator '" + chosen.name + "' does not know",
                         "leave them out, or choose another integrator");
@@ -28,6 +32,14 @@ Status check_traits(const ChosenIntegrator& chosen, const SceneView& scene, cons
         return error_at({}, "the scene has participating media, which integrator '" + chosen.name + "' does not know",
                         "leave them out, or choose another integrator, such as path");
     return success();
+}
+
+Status check_camera(const ChosenIntegrator& chosen, const SceneEntity& entity, const Camera& camera) {
+    if (!camera.weighs_rays() || chosen.integrator->traits().camera_weights) return success();
+    return error_at(entity.location,
+                    "camera '" + entity.type + "' does not go with integrator '" + chosen.name +
+                        "': where light paths would meet its film cannot be told, nor what its rays count for",
+                    "choose another integrator, such as path, or another camera");
 }
 
 /// What needs samples that belong to a pixel is refused for light that lands anywhere.

@@ -10,6 +10,9 @@ Result<JobChannels> resolve_channels(const RenderSettings& settings,
                                      std::span<const display::ChannelDefinition> patterns,
                                      const ChosenIntegrator& chosen);
 
+/// Cameras whose rays count differently are refused with integrators that do not know that.
+Status check_camera(const ChosenIntegrator& chosen, const SceneEntity& entity, const Camera& camera);
+
 /// What needs samples that belong to a pixel is refused for light that lands anywhere.
 Status check_raster(const RenderSettings& settings, const ChosenIntegrator& chosen, const CameraSampling& sampling,
                     const JobChannels& channels, std::vector<Error>& warnings);

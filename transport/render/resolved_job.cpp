@@ -88,11 +88,12 @@ Result<CameraSampling> resolve_sampling(const BuiltScene& scene, const RenderSet
     auto film = read_film(scene.film, settings.resolution, warnings);
     if (!film) return film.error();
     sampling.film = *film;
+    if (settings.crop) sampling.film.crop = settings.crop;
     const bool lens_code = scene.view().general_code.contains(Effect::depth_of_field);
-    auto camera = make_camera(
-        scene.camera,
-        {scene.space().placed(scene.camera_to_world), film->width, film->height, lens_code, scene.camera_motion},
-        warnings);
+    auto camera = make_camera(scene.camera,
+                              {scene.space().placed(scene.camera_to_world), film->width, film->height, lens_code,
+                               scene.camera_motion, film->diagonal},
+                              warnings);
     if (!camera) return camera.error();
     sampling.camera = *std::move(camera);
     sampling.times = scene.view().asks_for_times();
@@ -114,6 +115,8 @@ Result<ResolvedJob> ResolvedJob::resolve(const BuiltScene& scene, const RenderSe
     if (!sampling) return sampling.error();
     auto chosen = choose_integrator(integrator_for(settings.integrator, scene.integrator), settings.max_depth);
     if (!chosen) return chosen.error();
+    if (chosen->samples_per_pixel && !settings.samples_per_pixel)
+        sampling->samples_per_pixel = *chosen->samples_per_pixel;
     job.warnings.insert(job.warnings.end(), chosen->warnings.begin(), chosen->warnings.end());
     auto channels = resolve_channels(settings, scene.pattern_channels(), *chosen);
     if (!channels) return channels.error();
@@ -127,6 +130,7 @@ Result<ResolvedJob> ResolvedJob::resolve(const BuiltScene& scene, const RenderSe
     if (!lpe) return lpe.error();
     channels->lpe = std::make_unique<display::LpeSetup>(*std::move(lpe));
     if (Status s = check_traits(*chosen, scene.view(), *channels); !s) return s.error();
+    if (Status s = check_camera(*chosen, scene.camera, *sampling->camera); !s) return s.error();
 
     job.sampling = *std::move(sampling);
     job.chosen = *std::move(chosen);

@@ -42,6 +42,7 @@ struct JobChannels {
     display::ChannelId beauty = display::invalid_channel;
     display::SampleFilterChain filters;
     std::unique_ptr<display::LpeSetup> lpe;
+    bool keeps_words = false;  ///< RenderSettings::words
     display::LpeServices::Attribution attribution = display::LpeServices::Attribution::exact;
 };
 

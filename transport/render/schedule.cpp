@@ -1,5 +1,7 @@
 #include "transport/render/schedule.h"
 
+#include <algorithm>
+
 #include "transport/render/render_state.h"
 #include "transport/render/schedules/adaptive_schedule.h"
 #include "transport/render/schedules/limited_schedule.h"
@@ -19,7 +21,9 @@ std::unique_ptr<Schedule> make_schedule(const PreparedJob& prepared, const Rende
     if (job.budget.only) return std::make_unique<ReplaySchedule>(job);
     if (job.budget.adaptive) return std::make_unique<AdaptiveSchedule>(job, target.frame_buffer);
     if (job.budget.limit) return std::make_unique<LimitedSchedule>(job, target.frame_buffer);
-    if (job.integrator().synchronous()) return std::make_unique<SynchronousSchedule>(job);
+    const auto wants_phases = [](const display::SampleSink* sink) { return sink->wants_phases(); };
+    if (job.integrator().synchronous() || std::any_of(target.sinks.begin(), target.sinks.end(), wants_phases))
+        return std::make_unique<SynchronousSchedule>(job);
     return std::make_unique<PlainSchedule>(job);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "transport/cameras/aperture.h"
 #include "transport/color/spectral_data.h"
 #include "transport/geometry/curve.h"
 #include "transport/import/curve_shapes.h"
@@ -14,7 +15,10 @@ namespace raylex::transport {
 namespace {
 
 bool names_a_file(const Parameter& parameter) {
-    return parameter.type == ParameterType::string && (parameter.name == "filename" || parameter.name == "normalmap");
+    return parameter.type == ParameterType::string &&
+           (parameter.name == "filename" || parameter.name == "normalmap" || parameter.name == "lensfile" ||
+            (parameter.name == "aperture" && !parameter.strings.empty() &&
+             !Aperture::is_built_in(parameter.strings.front())));
 }
 
 /// pbrt's three spellings of "nothing but a boundary".
@@ -87,14 +91,14 @@ Result<ParameterSet> SceneBuilder::checked(const std::string& type, EntityKind k
 }
 
 Result<SceneEntity> SceneBuilder::make_entity(const std::string& type, EntityKind kind, SceneParameters parameters,
-                                              const SourceLocation& where) {
+                                              const SourceLocation& where, bool float_texture) {
     SceneEntity entity;
     entity.type = type;
     entity.location = where;
     Result<ParameterSet> set = checked(type, kind, std::move(parameters), where);
     if (!set) return set.error();
     entity.parameters = std::move(*set);
-    if (Status status = resolve_files(entity.parameters); !status) return status.error();
+    if (Status status = resolve_entity(entity, float_texture); !status) return status.error();
     return entity;
 }
 
@@ -156,6 +160,7 @@ Status SceneBuilder::set_camera(const std::string& type, SceneParameters paramet
     const Result<Transform> transform = settled_camera(world_to_camera, where);
     if (!transform) return transform.error();
     if (Status s = settings(scene_.camera, EntityKind::camera, type, std::move(parameters), where); !s) return s;
+    if (Status s = resolve_files(scene_.camera.parameters); !s) return s;
     scene_.camera_to_world = transform->inverse();
     scene_.camera_moved_to.reset();
     scene_.camera_medium = medium.index;
@@ -247,7 +252,7 @@ Status SceneBuilder::add_texture(const SceneName& name, TextureValue value, cons
                              scene_.textures[found->second].location);
     const Result<Transform> transform = settled(to_world, where);
     if (!transform) return transform.error();
-    Result<SceneEntity> entity = make_entity(type, EntityKind::texture, std::move(parameters), where);
+    Result<SceneEntity> entity = make_entity(type, EntityKind::texture, std::move(parameters), where, !spectrum);
     if (!entity) return entity.error();
     SceneTexture texture;
     static_cast<SceneEntity&>(texture) = std::move(*entity);
@@ -296,6 +301,10 @@ Status SceneBuilder::add_shape(const std::string& type, SceneParameters paramete
     if (!transform) return transform.error();
     const Result<ParameterSet> set = checked(type, EntityKind::shape, std::move(parameters), where);
     if (!set) return set.error();
+    if (const Parameter* file = set->find("filename"); missing_ == MissingFiles::placeholders && type == "plymesh" &&
+                                                       file != nullptr && file->strings.size() == 1 &&
+                                                       !search_.find(file->strings.front(), file->location))
+        return place_missing_mesh(file->strings.front(), placement, where);
     Result<std::vector<SceneShape>> shapes =
         make_shapes(type, *set, {*transform, placement.reverse_orientation, search_}, scene_.warnings);
     if (!shapes) return shapes.error();

@@ -25,6 +25,7 @@
 
 #include "transport/import/input_file.h"
 #include "transport/import/known_parameters.h"
+#include "transport/scene/missing_files.h"
 #include "transport/scene/scene_description.h"
 #include "transport/scene/typed_parameters.h"
 
@@ -101,6 +102,8 @@ class SceneBuilder {
     /// the current folder.
     explicit SceneBuilder(std::string file, SearchPath search = {});
     void set_search(SearchPath search) { search_ = std::move(search); }
+    /// What a file that is not there does; by default it is refused.
+    void set_missing_files(MissingFiles missing) { missing_ = missing; }
 
     // The last argument of calls is where they stand, by default in the source that calls.
 
@@ -190,11 +193,17 @@ class SceneBuilder {
     // scene_builder.cpp
     Status settings(SceneEntity& target, EntityKind kind, const std::string& type, SceneParameters parameters,
                     const SourceLocation& where);
+    /// `float_texture`: a texture of single numbers.
     Result<SceneEntity> make_entity(const std::string& type, EntityKind kind, SceneParameters parameters,
-                                    const SourceLocation& where);
+                                    const SourceLocation& where, bool float_texture = false);
     Result<ParameterSet> checked(const std::string& type, EntityKind kind, SceneParameters parameters,
                                  const SourceLocation& where);
     Status resolve_files(ParameterSet& set) const;
+    /// Resolves an entity's files, or puts something magenta in its place, with a warning.
+    Status resolve_entity(SceneEntity& entity, bool float_texture);
+    void count_placeholder(const std::string& file, const SourceLocation& where);
+    /// A box of magenta from -0.5 to 0.5 where a mesh's file is missing.
+    Status place_missing_mesh(const std::string& file, const ShapePlacement& placement, const SourceLocation& where);
     Status place(std::vector<SceneShape> shapes, const ShapePlacement& placement, const SourceLocation& where);
     Result<ShapePlacement> as_moving_object(const ShapePlacement& placement, const SourceLocation& where);
     // scene_builder_names.cpp
@@ -207,6 +216,7 @@ class SceneBuilder {
 
     SceneDescription scene_;
     SearchPath search_;
+    MissingFiles missing_ = MissingFiles::refused;
     ParameterChecker parameters_;
     std::vector<Reference> material_references_, object_references_;
     std::size_t moving_shapes_ = 0;

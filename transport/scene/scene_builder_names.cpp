@@ -1,4 +1,5 @@
 // At the end of a scene: every name that was used must have been defined somewhere.
+#include "transport/color/film_sensor.h"
 #include "transport/scene/scene_builder.h"
 #include "transport/scene/used_surfaces.h"
 
@@ -18,6 +19,9 @@ Result<SceneDescription> SceneBuilder::finish() {
     if (Status status = resolve_materials(); !status) return status.error();
     if (Status status = resolve_objects(); !status) return status.error();
     if (Status status = check_textures(); !status) return status.error();
+    const auto sensor = read_sensor(scene_.film, scene_.camera, scene_.color.scene_space, scene_.warnings);
+    if (!sensor) return sensor.error();
+    scene_.color.sensor = *sensor;
     if (unfiltered_) read_images_unfiltered(scene_);
     return std::move(scene_);
 }

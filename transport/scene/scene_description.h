@@ -111,6 +111,9 @@ using FileColorConversion = std::function<void(std::span<float> rgb)>;
 struct ColorContext {
     ColorSpace scene_space = ColorSpace::srgb;
     std::array<std::array<double, 3>, 3> rendering_from_scene{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    /// From light in the scene to what the film records of it, in scene_space: exposure and white balance, which stand
+    /// in the colours of all lights (color/film_sensor.h). Before rendering_from_scene.
+    std::array<std::array<double, 3>, 3> sensor{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     /// How the colours of an image texture's file are read, unless its texture has an "encoding" of its own. Empty: as
     /// pbrt does, sRGB for 8-bit files and the values themselves for float files. Called once per file.
     std::function<Result<FileColorConversion>(const std::string& path)> file_color;
@@ -133,7 +136,8 @@ struct SceneDescription {
     std::vector<SceneInstance> instances;
     std::vector<SceneLight> lights;
     std::vector<SceneAreaLight> area_lights;
-    std::vector<Error> warnings;  ///< unknown but harmless: printed once, kept for --stats
+    std::vector<std::string> placeholders;  ///< files that are missing and have magenta in their place
+    std::vector<Error> warnings;            ///< unknown but harmless: printed once, kept for --stats
     /// Effects that are forced on: their code runs though nothing may call for it. The image is the same bits.
     EffectSet general_code;
 };

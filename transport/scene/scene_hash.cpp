@@ -134,8 +134,10 @@ class SceneHash {
 std::uint64_t scene_hash(const SceneDescription& scene) {
     const auto& [file, camera, film, filter, sampler, integrator, camera_to_world, camera_moved_to, transform_times,
                  moved_to, camera_medium, color, materials, textures, media, shapes, objects, instances, lights,
-                 area_lights, warnings, general_code] = scene;
-    static_cast<void>(file), static_cast<void>(warnings), static_cast<void>(general_code);
+                 area_lights, placeholders, warnings, general_code] = scene;
+    // Placeholders stand in the scene; the sensor follows from film and camera, but for scenes made by hand.
+    static_cast<void>(file), static_cast<void>(placeholders), static_cast<void>(warnings),
+        static_cast<void>(general_code);
     SceneHash hash;
     // Records of renders in float and in double are not to be added up.
     if (real_is_double) hash.add(real_is_double);
@@ -148,8 +150,9 @@ std::uint64_t scene_hash(const SceneDescription& scene) {
     }
     hash.add(camera_medium);
     hash.add(color.scene_space);
-    for (const auto& row : color.rendering_from_scene)
-        for (const double number : row) hash.add(number);
+    for (const auto* matrix : {&color.rendering_from_scene, &color.sensor})
+        for (const auto& row : *matrix)
+            for (const double number : row) hash.add(number);
     hash.add(materials);
     hash.add(textures);
     hash.add(media);

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "experiments/cli/lpe/commands.h"
-#include "experiments/cli/render_run.h"
+#include "experiments/cli/expression_options.h"
 #include "experiments/program/console.h"
 
 namespace raylex::experiments {

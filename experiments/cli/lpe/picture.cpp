@@ -4,6 +4,7 @@
 #include <map>
 
 #include "experiments/job/json.h"
+#include "experiments/program/columns.h"
 #include "experiments/program/console.h"
 #include "lpe/match.h"
 
@@ -13,11 +14,6 @@ namespace {
 constexpr std::size_t matrix_most = 16;  // channels of a matrix; more are folded
 constexpr std::size_t names_most = 8;    // of a list in one line
 constexpr std::size_t lines_most = 26;   // of one section
-
-std::string padded(std::string text, std::size_t width) {
-    text.resize(std::max(width, text.size()), ' ');
-    return text;
-}
 
 std::string with_events(const lpe::Witness& witness) {
     return witness.sentence + " (" + witness.text + ")";

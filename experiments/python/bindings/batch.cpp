@@ -108,7 +108,7 @@ std::shared_ptr<Points> Batch::trace(std::vector<Ray> rays, std::vector<std::uin
         for (std::size_t i = 0; i < rays.size(); ++i) {
             if (!hits[i].valid()) {
                 made->missed.push_back(rows[i]);
-                made->missed_directions.push_back(rays[i].direction);
+                made->missed_rays.push_back(rays[i]);
                 continue;
             }
             made->rows.push_back(rows[i]);
@@ -201,7 +201,7 @@ py::array_t<float> Points::emitted() const {
     return triples_of(count(), [&](std::size_t i) {
         const std::uint32_t from = light(i);
         if (from == Hit::none) return Vec3();
-        return vec_of(batch->scene().lights->emitted(from, points[i].geometric_normal, points[i].wo));
+        return vec_of(batch->scene().lights->emitted(from, points[i], points[i].wo));
     });
 }
 
@@ -274,6 +274,7 @@ py::array_t<bool> visible(const LightSamples& lights) {
             if (!(lights.samples[i].pdf > 0)) continue;
             shadow.push_back(transport::shadow_ray(from.points[i].position, from.points[i].geometric_normal,
                                                    from.sources[i].offset.here, lights.samples[i]));
+            shadow.back().time = from.hits[i].time;
             which.push_back(i);
         }
         std::vector<std::uint8_t> found(shadow.size());

@@ -81,9 +81,8 @@ struct Sample {
 class Points : public std::enable_shared_from_this<Points> {
   public:
     std::shared_ptr<Batch> batch;
-    std::vector<std::uint32_t> rows, missed;  ///< of the batch: with a point, and those whose ray hit nothing
-    std::vector<transport::Vec3> missed_directions;
-    std::vector<transport::Ray> rays;  ///< that found the points
+    std::vector<std::uint32_t> rows, missed;        ///< of the batch: with a point, and those whose ray hit nothing
+    std::vector<transport::Ray> rays, missed_rays;  ///< that found the points, and the others
     std::vector<transport::Hit> hits;
     std::vector<transport::SurfacePoint> points;
     std::vector<transport::SurfaceSource> sources;

@@ -85,7 +85,8 @@ void add_background(Batch& batch, const Points& points, const py::object& throug
     const transport::LightTable& lights = *batch.scene().lights;
     for (const std::uint32_t light : lights.environments())
         for (std::size_t i = 0; i < points.missed.size(); ++i) {
-            const transport::Rgb value = factor[i] * lights.environment_radiance(light, points.missed_directions[i]);
+            const transport::Ray& ray = points.missed_rays[i];
+            const transport::Rgb value = factor[i] * lights.environment_radiance(light, ray.origin, ray.direction);
             if (!value.is_black()) batch.contribute(points.missed[i], nullptr, i, nullptr, light, value);
         }
 }
@@ -96,8 +97,7 @@ void add_emission(Batch& batch, const Points& points, const py::object& throughp
     for (std::size_t i = 0; i < points.count(); ++i) {
         const std::uint32_t light = points.light(i);
         if (light == transport::Hit::none) continue;
-        const transport::Rgb value =
-            factor[i] * lights.emitted(light, points.points[i].geometric_normal, points.points[i].wo);
+        const transport::Rgb value = factor[i] * lights.emitted(light, points.points[i], points.points[i].wo);
         if (!value.is_black()) batch.contribute(points.rows[i], nullptr, i, nullptr, light, value);
     }
 }

@@ -112,6 +112,7 @@ class JobRender {
         loaded_ = scene_ ? take(experiments::prepare_job_scene(job_, labelled(*scene_)))
                          : take(experiments::load_job_scene(job_));
         warnings_ = loaded_->warnings;
+        experiments::ask_for_film_layers(loaded_->scene.film, job_);
         experiments::ChannelPlan plan =
             take(experiments::plan_channels(job_, take(experiments::scene_words(job_, loaded_->scene))));
         if (!plan.refuted.empty()) fail(plan.refuted, "nothing was rendered");

@@ -285,7 +285,7 @@ Result<ProbeResult> light_chi_squared(const ProbeInput& input) {
             SurfaceSource source;
             scene->geometry.surfaces({&ray, 1}, {&hit, 1}, {&point, 1}, {&source, 1});
             const std::uint32_t light = scene->geometry.shapes()[hit.shape].first_light + hit.primitive;
-            if (scene->lights.emitted(light, point.geometric_normal, -w).is_black()) return 0;
+            if (scene->lights.emitted(light, point, -w).is_black()) return 0;
             return scene->lights.density(scene->lights.chooser(LightChoice::mis), scene->geometry, light, from, point,
                                          hit);
         },

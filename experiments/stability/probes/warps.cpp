@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "experiments/stability/probes/probes.h"
-#include "transport/lights/environment.h"
+#include "transport/lights/images/environment.h"
 #include "transport/materials/microfacet.h"
 #include "transport/math/sampling.h"
 #include "transport/media/medium.h"

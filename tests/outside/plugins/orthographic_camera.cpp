@@ -70,7 +70,7 @@ Result<std::unique_ptr<Camera>> make_orthographic(const SceneEntity& entity, con
 }  // namespace
 
 RAYLEX_PLUGIN(host) {
-    host.add_camera({"orthographic",
+    host.add_camera({"parallel",
                      "parallel rays: size does not depend on distance",
                      {{"extent", ParameterType::real, "1", "half of the image's shorter side, in camera space"}},
                      make_orthographic});

@@ -1,4 +1,5 @@
-// A phase for each block of samples of the image: an iteration of a synchronous integrator, for which threads meet.
+// A phase for each block of samples of the image: an iteration of a synchronous integrator, or what a
+// sink takes in between two looks at its memory. Threads meet after it.
 #pragma once
 
 #include "transport/render/schedules/plain_schedule.h"

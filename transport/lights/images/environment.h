@@ -1,5 +1,5 @@
-// Image environments: radiance from every direction, in pbrt-v4's equal-area octahedral layout (P. Clarberg 2008, "Fast
-// Equal-Area Mapping of the (Hemi)Sphere using SIMD"), importance-sampled.
+// Image environments: radiance from every direction, in pbrt-v4's equal-area octahedral layout (math/octahedral.h),
+// importance-sampled.
 //
 // Where scattering finds the sky too, light samples are drawn by what stands out of it (MIS compensation: O. Karlik et
 // al. 2019, "MIS Compensation: Optimizing Sampling Techniques in Multiple Importance Sampling", ACM TOG 38(6)): by
@@ -10,17 +10,21 @@
 // exactly proportional to the luminance, and every pixel covers the same solid angle.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
 #include "transport/geometry/matrix34.h"
+#include "transport/lights/images/pixel_distribution.h"
+#include "transport/math/octahedral.h"
 #include "transport/math/real.h"
 
 namespace raylex::transport {
 
-/// Unit direction to the unit square and back; the square's (0, 0) is the image's top left corner.
-Vec2 octahedral_from_direction(const Vec3& direction);
-Vec3 direction_from_octahedral(const Vec2& uv);
+/// What a pixel is sampled by: the mean of its channels serves every primary alike.
+inline Real sampling_weight(const Rgb& c) {
+    return std::max(c.average(), Real(0));
+}
 
 class EnvironmentImage {
   public:
@@ -38,17 +42,9 @@ class EnvironmentImage {
 
   private:
     [[nodiscard]] std::size_t pixel_of(const Vec3& world_direction) const;
-    /// Piecewise constant over the pixels.
-    struct Distribution {
-        std::vector<Real> rows;     // [resolution + 1] cumulative share of the rows
-        std::vector<Real> columns;  // [resolution][resolution + 1] cumulative share within a row
-        [[nodiscard]] Real density(std::size_t n, std::size_t pixel) const;
-    };
-    [[nodiscard]] Distribution distribution(Real mean, Real plain_share) const;
-    [[nodiscard]] const Distribution& drawn(By by) const { return by == By::radiance ? by_radiance_ : by_excess_; }
-    int resolution_ = 0;
+    [[nodiscard]] const PixelDistribution& drawn(By by) const { return by == By::radiance ? by_radiance_ : by_excess_; }
     std::vector<Rgb> pixels_;
-    Distribution by_radiance_, by_excess_;
+    PixelDistribution by_radiance_, by_excess_;
     Placement placement_;
     double mean_ = 0;
 };

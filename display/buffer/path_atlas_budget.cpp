@@ -1,0 +1,108 @@
+// The atlas within its budget: words with least light give up their last scattering. A file of its own, for the rest
+// of the atlas does not know of it but by merged_into_.
+#include <algorithm>
+#include <numeric>
+
+#include "display/buffer/path_atlas_pixel.h"
+
+namespace raylex::display {
+
+void PathAtlas::end_phase() {
+    if (settings_.budget > 0 && memory_bytes() > settings_.budget) fit_budget();
+}
+
+/// The class that takes a word in: without its last scattering, with "one or more" in its place. Itself where there is
+/// none to give up.
+std::uint32_t PathAtlas::class_above(std::uint32_t word) {
+    const WordTree::Node terminal = words_.node(word);
+    std::uint32_t before = terminal.parent;
+    if (before == WordTree::root) return word;
+    if (words_.node(before).letter == WordAlphabet::open) before = words_.node(before).parent;
+    if (before == WordTree::root) return word;
+    const std::uint32_t prefix = words_.node(before).parent;
+    const std::uint32_t merged = words_.child(words_.child(prefix, WordAlphabet::open), terminal.letter);
+    for (auto next = static_cast<std::uint32_t>(merged_into_.size()); next < words_.size(); ++next)
+        merged_into_.push_back(next);
+    return merged;
+}
+
+void PathAtlas::fit_budget() {
+    const std::uint64_t fixed = pixels_.size() * sizeof(Pixel), per_entry = sizeof(Entry) + 2 * sizeof(std::uint32_t);
+    const std::uint64_t room = settings_.budget > fixed ? settings_.budget - fixed : 0;
+    const std::uint64_t most_entries = room / per_entry / 8 * 7;  // some room for the phases to come
+    while (entry_count() > most_entries && merge_round(most_entries)) {}
+    ++generation_;
+}
+
+namespace {
+
+/// Words in the order in which they are given up. Numbers of words are threads' doing, letters are not.
+struct Candidate {
+    double light = 0;
+    std::vector<WordTree::Letter> letters;
+    std::uint32_t word = 0, merged = 0;
+
+    [[nodiscard]] bool operator<(const Candidate& other) const {
+        return light != other.light ? light < other.light : letters < other.letters;
+    }
+};
+
+}  // namespace
+
+/// Merges as few words as will do, by one scattering each, and at most half of them. False when none has one left.
+bool PathAtlas::merge_round(std::uint64_t most_entries) {
+    const std::vector<double> light = light_of_words();
+    std::vector<Candidate> candidates;
+    std::vector<bool> alive(words_.size(), false);
+    for (const Pixel& pixel : pixels_)
+        for (const Entry& entry : pixel.entries) alive[entry.word >> 1] = true;
+    for (std::uint32_t word = 0; word < alive.size(); ++word) {
+        if (!alive[word]) continue;
+        if (const std::uint32_t merged = class_above(word); merged != word)
+            candidates.push_back({light[word], words_.letters(word), word, merged});
+    }
+    if (candidates.empty()) return false;
+    std::sort(candidates.begin(), candidates.end());
+    std::vector<std::uint32_t> target(words_.size());
+    std::vector<std::uint64_t> seen_at(2 * words_.size(), 0);
+    std::uint64_t stamp = 0;
+    const auto entries_with = [&](std::size_t merged) {
+        std::iota(target.begin(), target.end(), 0u);
+        for (std::size_t i = 0; i < merged; ++i) target[candidates[i].word] = candidates[i].merged;
+        std::uint64_t count = 0;
+        for (const Pixel& pixel : pixels_) {
+            ++stamp;
+            for (const Entry& entry : pixel.entries) {
+                std::uint64_t& at = seen_at[2 * std::size_t{target[entry.word >> 1]} + (entry.word & 1)];
+                if (at != stamp) ++count;
+                at = stamp;
+            }
+        }
+        return count;
+    };
+    // Of words that are many, the darker half at a time: what they come to may be bright, and is then left alone.
+    std::size_t few = 0, enough = (candidates.size() + 1) / 2;
+    if (entries_with(enough) <= most_entries)
+        while (enough - few > 1) {
+            const std::size_t middle = few + (enough - few) / 2;
+            (entries_with(middle) <= most_entries ? enough : few) = middle;
+        }
+    for (std::size_t i = 0; i < enough; ++i) merged_into_[candidates[i].word] = candidates[i].merged;
+    merged_words_ += enough;
+    apply_merges();
+    return true;
+}
+
+void PathAtlas::apply_merges() {
+    for (Pixel& pixel : pixels_) {
+        std::vector<Entry> before;
+        before.swap(pixel.entries);
+        pixel.slots.clear();
+        for (const Entry& entry : before) {
+            Entry& to = pixel.entry(2 * survivor(entry.word >> 1) + (entry.word & 1));
+            for (std::size_t i = 0; i < entry.sums.size(); ++i) static_cast<void>(add_fixed(to.sums[i], entry.sums[i]));
+        }
+    }
+}
+
+}  // namespace raylex::display

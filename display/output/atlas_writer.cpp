@@ -1,0 +1,159 @@
+#include <algorithm>
+#include <exception>
+
+#include <ImfChannelList.h>
+#include <ImfDeepFrameBuffer.h>
+#include <ImfDeepScanLineOutputPart.h>
+#include <ImfFrameBuffer.h>
+#include <ImfMultiPartOutputFile.h>
+#include <ImfOutputPart.h>
+#include <ImfPartType.h>
+#include <ImfStringAttribute.h>
+#include <half.h>
+
+#include "display/output/atlas_layout.h"
+#include "display/output/atlas_table.h"
+#include "display/output/exr_header.h"
+
+namespace raylex::display {
+namespace {
+
+constexpr int atlas_rows_written = 16;
+
+void add_atlas_attributes(Imf::Header& header, const std::map<std::string, std::string>& attributes) {
+    for (const auto& [name, value] : attributes) header.insert(name, Imf::StringAttribute(value));
+}
+
+std::vector<Imf::Header> atlas_headers(const AtlasSource& source, const ImageDescription& description) {
+    std::vector<Imf::Header> headers;
+    for (const char* name : AtlasLayout::parts) {
+        Imf::Header header = base_header(name, source.width(), source.height(), description);
+        const bool flat = headers.empty();
+        header.setType(flat ? Imf::SCANLINEIMAGE : Imf::DEEPSCANLINE);
+        header.compression() = flat ? Imf::ZIP_COMPRESSION : Imf::ZIPS_COMPRESSION;
+        headers.push_back(header);
+    }
+    for (const std::string& plane : AtlasLayout::flat_planes())
+        headers[0].channels().insert(plane, Imf::Channel(Imf::FLOAT));
+    headers[1].channels().insert(AtlasLayout::word, Imf::Channel(Imf::UINT));
+    for (const char* plane : AtlasLayout::colors) headers[1].channels().insert(plane, Imf::Channel(Imf::FLOAT));
+    for (std::size_t k = 0; k < PathAtlas::parts; ++k)
+        headers[2].channels().insert(AtlasLayout::part(k), Imf::Channel(Imf::HALF));
+    add_atlas_attributes(headers[0], description.attributes);
+    if (!description.complete) headers[0].insert("raylex/incomplete", Imf::StringAttribute("true"));
+    headers[0].insert("colorInteropID", Imf::StringAttribute(color_interop_id(description.chromaticities)));
+    add_atlas_attributes(headers[1], table_attributes(source.table()));
+    return headers;
+}
+
+/// A band of rows as OpenEXR wants it.
+class AtlasBand {
+  public:
+    AtlasBand(AtlasSource& source, int y0, int y1) : width_(source.width()), y0_(y0) {
+        AtlasRow row;
+        for (int y = y0; y < y1 && status_; ++y) {
+            status_ = source.row(y, row);
+            if (!status_) return;
+            for (std::size_t x = 0; x < static_cast<std::size_t>(width_); ++x)
+                counts_.push_back(row.begin[x + 1] - row.begin[x]);
+            for (const WordSample& sample : row.samples) add(sample);
+            for (std::size_t x = 0; x < static_cast<std::size_t>(width_); ++x) {
+                flat_.insert(flat_.end(), row.rgba[x].begin(), row.rgba[x].end());
+                flat_.insert(flat_.end(), row.counts[x].begin(), row.counts[x].end());
+            }
+        }
+    }
+    [[nodiscard]] const Status& status() const { return status_; }
+
+    void write(Imf::OutputPart& flat, Imf::DeepScanLineOutputPart& words, Imf::DeepScanLineOutputPart& parts, int rows) {
+        write_flat(flat, rows);
+        Imf::DeepFrameBuffer of_words = with_counts(), of_parts = with_counts();
+        insert(of_words, AtlasLayout::word, Imf::UINT, words_);
+        for (std::size_t c = 0; c < 3; ++c) insert(of_words, AtlasLayout::colors[c], Imf::FLOAT, colors_[c]);
+        for (std::size_t k = 0; k < PathAtlas::parts; ++k)
+            insert(of_parts, AtlasLayout::part(k), Imf::HALF, parts_[k]);
+        words.setFrameBuffer(of_words);
+        words.writePixels(rows);
+        parts.setFrameBuffer(of_parts);
+        parts.writePixels(rows);
+    }
+
+  private:
+    void add(const WordSample& sample) {
+        words_.push_back(sample.word);
+        for (std::size_t c = 0; c < 3; ++c) colors_[c].push_back(sample.rgb[c]);
+        for (std::size_t k = 0; k < PathAtlas::parts; ++k)
+            parts_[k].push_back(Imath::half(std::clamp(sample.parts[k], -65504.0f, 65504.0f)));
+    }
+    void write_flat(Imf::OutputPart& part, int rows) {
+        const std::vector<std::string> planes = AtlasLayout::flat_planes();
+        const std::size_t pixel = planes.size() * sizeof(float), line = pixel * static_cast<std::size_t>(width_);
+        const auto before = static_cast<std::ptrdiff_t>(static_cast<std::size_t>(y0_) * line);
+        Imf::FrameBuffer buffer;
+        for (std::size_t p = 0; p < planes.size(); ++p)
+            buffer.insert(planes[p], Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(flat_.data() + p) - before, pixel,
+                                                line));
+        part.setFrameBuffer(buffer);
+        part.writePixels(rows);
+    }
+    [[nodiscard]] std::ptrdiff_t before() const { return static_cast<std::ptrdiff_t>(y0_) * width_; }
+    [[nodiscard]] Imf::DeepFrameBuffer with_counts() {
+        Imf::DeepFrameBuffer buffer;
+        buffer.insertSampleCountSlice(Imf::Slice(Imf::UINT, reinterpret_cast<char*>(counts_.data() - before()),
+                                                 sizeof(unsigned),
+                                                 sizeof(unsigned) * static_cast<std::size_t>(width_)));
+        return buffer;
+    }
+    template <class Value>
+    void insert(Imf::DeepFrameBuffer& buffer, const std::string& name, Imf::PixelType type,
+                std::vector<Value>& values) {
+        std::vector<char*>& pointers = pointers_.emplace_back();
+        std::size_t at = 0;
+        for (const unsigned count : counts_) {
+            pointers.push_back(reinterpret_cast<char*>(values.data() + at));
+            at += count;
+        }
+        buffer.insert(name, Imf::DeepSlice(type, reinterpret_cast<char*>(pointers.data() - before()), sizeof(char*),
+                                           sizeof(char*) * static_cast<std::size_t>(width_), sizeof(Value)));
+    }
+
+    std::ptrdiff_t width_;
+    int y0_;
+    Status status_ = success();
+    std::vector<unsigned> counts_;
+    std::vector<std::uint32_t> words_;
+    std::array<std::vector<float>, 3> colors_;
+    std::array<std::vector<Imath::half>, PathAtlas::parts> parts_;
+    std::vector<float> flat_;
+    std::vector<std::vector<char*>> pointers_;
+};
+
+}  // namespace
+
+Status write_atlas(const std::string& path, AtlasSource& source, const ImageDescription& description) {
+    Result<AtomicFile> file = AtomicFile::create(path);
+    if (!file) return std::move(file).error();
+    try {
+        start_encoder_threads();
+        const std::vector<Imf::Header> headers = atlas_headers(source, description);
+        HeaderRecorder stream(*file);
+        stream.stop_recording();
+        Imf::MultiPartOutputFile output(stream, headers.data(), static_cast<int>(headers.size()));
+        Imf::OutputPart flat(output, 0);
+        Imf::DeepScanLineOutputPart words(output, 1), parts(output, 2);
+        for (int y = 0; y < source.height(); y += atlas_rows_written) {
+            const int end = std::min(y + atlas_rows_written, source.height());
+            AtlasBand band(source, y, end);
+            if (!band.status()) return band.status();
+            band.write(flat, words, parts, end - y);
+        }
+    } catch (const std::exception& exception) {
+        Error error = file->failed() ? file->failure() : Error{};
+        if (!file->failed()) error.message = std::string("cannot write the atlas: ") + exception.what();
+        error.file = path;
+        return error;
+    }
+    return file->commit();
+}
+
+}  // namespace raylex::display

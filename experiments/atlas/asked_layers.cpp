@@ -1,0 +1,244 @@
+#include "experiments/atlas/asked_layers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "lpe/algebra/check.h"
+#include "lpe/program.h"
+
+namespace raylex::experiments {
+namespace {
+
+using Parts = std::array<double, display::PathAtlas::parts>;
+
+Status check_channel(const display::ChannelDefinition& channel, const display::AtlasFile& atlas) {
+    const SourceLocation where = display::location_of(channel);
+    if (channel.style != display::ChannelStyle::expression)
+        return error_at(where, "channel '" + channel.name + "' is no light; an atlas answers light path expressions",
+                        "render it: raylex render --aov " + channel.name);
+    lpe::ChannelSource source;
+    source.expression = channel.expression;
+    source.dialect = channel.dialect;
+    const auto prefixes = channel.rest_of.empty() ? lpe::expression_prefixes(source)
+                                                  : Result<std::vector<std::string>>(std::vector<std::string>());
+    if (!prefixes) return prefixes.error();
+    if (!prefixes->empty())
+        return error_at(where, "channel '" + channel.name + "' has the prefix '" + prefixes->front() +
+                                   "', and an atlas keeps the light of words, which prefixes change",
+                        "render it with --lpe, or leave out the prefix");
+    if (channel.dialect == lpe::Dialect::osl && atlas.table().dropped_straight)
+        return error_at(where, "channel '" + channel.name +
+                                   "' is of the dialect osl, which sees light pass straight through cutouts, and "
+                                   "the atlas " + atlas.path() + " did not keep that",
+                        "render the atlas with --atlas-by label,lobe,group,straight");
+    return success();
+}
+
+}  // namespace
+
+double standard_error(const Parts& luminance, const std::array<float, display::PathAtlas::parts>& counts) {
+    double mean = 0, count = 0;
+    int parts = 0;
+    for (std::size_t k = 0; k < luminance.size(); ++k) {
+        if (!(counts[k] > 0)) continue;
+        mean += luminance[k];
+        count += static_cast<double>(counts[k]);
+        ++parts;
+    }
+    if (parts < 2) return std::numeric_limits<double>::infinity();
+    double sum = 0;
+    for (std::size_t k = 0; k < luminance.size(); ++k) {
+        const double share = static_cast<double>(counts[k]) / count;
+        if (!(share > 0)) continue;
+        const double off = luminance[k] / share - mean;
+        sum += share * off * off;
+    }
+    return std::sqrt(sum / (parts - 1));
+}
+
+Result<lpe::Program> compile_plan(const ChannelPlan& plan, std::vector<std::int32_t>& program_channel) {
+    program_channel.assign(plan.channels.size(), -1);
+    std::vector<lpe::ChannelSource> sources;
+    for (std::size_t i = 0; i < plan.channels.size(); ++i) {
+        const display::ChannelDefinition& channel = plan.channels[i];
+        if (channel.style != display::ChannelStyle::expression) continue;
+        program_channel[i] = static_cast<std::int32_t>(sources.size());
+        lpe::ChannelSource source;
+        source.name = channel.name;
+        source.expression = channel.expression;
+        source.dialect = channel.dialect;
+        source.origin = channel.origin;
+        source.origin_line = channel.origin_line;
+        source.origin_column = channel.origin_column;
+        for (const std::size_t other : channel.rest_of)
+            source.rest_of.push_back(static_cast<std::size_t>(program_channel[other]));
+        sources.push_back(std::move(source));
+    }
+    return lpe::Program::compile(sources);
+}
+
+/// Row by row, from words to layers.
+class AskedLayers::Builder {
+  public:
+    Builder(display::AtlasFile& atlas, const ChannelPlan& plan, const AskSettings& settings, AskedLayers& to)
+        : atlas_(atlas), plan_(plan), settings_(settings), to_(to) {}
+
+    Status run() {
+        for (const display::ChannelDefinition& channel : plan_.channels)
+            if (Status good = check_channel(channel, atlas_); !good) return good;
+        std::vector<std::int32_t> program_channel;
+        auto program = compile_plan(plan_, program_channel);
+        if (!program) return program.error();
+        const WordAnswers answers(atlas_.table(), *program);
+        if (Status planned = plan_layers(answers, program_channel); !planned) return planned;
+        atlas_.read_parts(settings_.errors);
+        display::AtlasRow row;
+        for (int y = 0; y < atlas_.height(); ++y) {
+            if (Status read = atlas_.row(y, row); !read) return read;
+            for (std::size_t x = 0; x < row.rgba.size(); ++x) add_pixel(row, x, answers);
+        }
+        return success();
+    }
+
+  private:
+    /// What a channel of the program leads to: layers of the image.
+    struct Target {
+        int least = 0, most = -1, error = -1;
+    };
+    struct Sum {
+        std::array<double, 3> sure{}, possible{};
+        Parts luminance{};
+    };
+
+    int add_layer(const std::string& name, const display::ChannelDefinition& like, bool light) {
+        display::ChannelDefinition channel = like;
+        channel.name = name;
+        channel.rest_of.clear();
+        if (!light) {
+            channel.style = display::ChannelStyle::name;
+            channel.type = display::ChannelType::real;
+            channel.space = "standard error of the luminance of " + like.name;
+        }
+        to_.channels_.push_back(std::move(channel));
+        const std::size_t components = light ? 3 : 1;
+        to_.layers_.push_back({components, {}});
+        to_.layers_.back().pixels.reserve(components * static_cast<std::size_t>(atlas_.width()) *
+                                          static_cast<std::size_t>(atlas_.height()));
+        return static_cast<int>(to_.channels_.size()) - 1;
+    }
+
+    Status plan_layers(const WordAnswers& answers, const std::vector<std::int32_t>& program_channel) {
+        to_.layout_.width = atlas_.width();
+        to_.layout_.height = atlas_.height();
+        display::ChannelDefinition whole;
+        whole.style = display::ChannelStyle::expression;
+        whole.expression = "C.*";
+        whole.space = "rendering colour space";
+        add_layer("beauty", whole, true);
+        for (std::size_t i = 0; i < plan_.channels.size(); ++i) {
+            const display::ChannelDefinition& channel = plan_.channels[i];
+            const std::int64_t word = answers.undecided_word(static_cast<std::uint16_t>(program_channel[i]));
+            if (word >= 0 && !settings_.intervals) return refuse(channel, static_cast<std::uint32_t>(word));
+            Target target;
+            target.least = add_layer(word < 0 ? channel.name : channel.name + "_least", channel, true);
+            if (word >= 0) {
+                target.most = add_layer(channel.name + "_most", channel, true);
+                to_.undecided_.push_back(channel.name);
+            } else if (settings_.errors) {
+                target.error = add_layer(channel.name + "_error", channel, false);
+            }
+            targets_.push_back(target);
+        }
+        sums_.resize(targets_.size());
+        if (!to_.undecided_.empty() && atlas_.table().is_signed)
+            return error_at({atlas_.path(), 0, 0},
+                            "light of single words may be negative here, for the pixel filter has negative lobes: there "
+                            "are no intervals for channel '" + to_.undecided_.front() + "'",
+                            "render the atlas with box, triangle, gaussian or blackman-harris");
+        return success();
+    }
+    Error refuse(const display::ChannelDefinition& channel, std::uint32_t word) const {
+        return error_at(display::location_of(channel),
+                        "channel '" + channel.name + "' cannot be answered exactly: it takes some of the paths that " +
+                            atlas_.path() + " keeps together as '" + word_text(atlas_.table(), word) + "'",
+                        "--intervals gives what it is at least and at most; --atlas-length, --atlas-by and "
+                        "--atlas-budget say what a render keeps apart");
+    }
+
+    void add_pixel(const display::AtlasRow& row, std::size_t x, const WordAnswers& answers) {
+        std::fill(sums_.begin(), sums_.end(), Sum());
+        for (std::size_t i = row.begin[x]; i < row.begin[x + 1]; ++i) {
+            const display::WordSample& sample = row.samples[i];
+            for (const std::uint16_t channel : answers.all(sample.word)) {
+                Sum& sum = sums_[channel];
+                add(sample.rgb, sum.sure);
+                if (settings_.errors) add_parts(sample, sum.luminance);
+            }
+            for (const std::uint16_t channel : answers.some(sample.word)) add(sample.rgb, sums_[channel].possible);
+        }
+        const std::array<float, 4>& rgba = row.rgba[x];
+        put(beauty, {rgba[0], rgba[1], rgba[2]});
+        to_.alpha_.push_back(rgba[3]);
+        for (std::size_t channel = 0; channel < sums_.size(); ++channel) {
+            const Sum& sum = sums_[channel];
+            put(targets_[channel].least, sum.sure);
+            if (targets_[channel].most >= 0)
+                put(targets_[channel].most, {sum.sure[0] + sum.possible[0], sum.sure[1] + sum.possible[1],
+                                             sum.sure[2] + sum.possible[2]});
+            if (targets_[channel].error >= 0)
+                to_.layers_[static_cast<std::size_t>(targets_[channel].error)].pixels.push_back(
+                    static_cast<float>(standard_error(sum.luminance, row.counts[x])));
+        }
+    }
+    static void add(const std::array<float, 3>& rgb, std::array<double, 3>& sum) {
+        for (std::size_t c = 0; c < 3; ++c) sum[c] += static_cast<double>(rgb[c]);
+    }
+    static void add_parts(const display::WordSample& sample, Parts& luminance) {
+        const double whole = (static_cast<double>(sample.rgb[0]) + static_cast<double>(sample.rgb[1]) +
+                              static_cast<double>(sample.rgb[2])) / 3;
+        for (std::size_t k = 0; k < luminance.size(); ++k)
+            luminance[k] += whole * static_cast<double>(sample.parts[k]);
+    }
+    void put(int layer, const std::array<double, 3>& rgb) {
+        std::vector<float>& pixels = to_.layers_[static_cast<std::size_t>(layer)].pixels;
+        for (const double value : rgb) pixels.push_back(static_cast<float>(value));
+    }
+
+    display::AtlasFile& atlas_;
+    const ChannelPlan& plan_;
+    const AskSettings& settings_;
+    AskedLayers& to_;
+    std::vector<Target> targets_;  // [program channel]
+    std::vector<Sum> sums_;        // of a pixel
+};
+
+Result<AskedLayers> AskedLayers::make(display::AtlasFile& atlas, const ChannelPlan& plan, const AskSettings& settings) {
+    AskedLayers layers;
+    if (Status built = Builder(atlas, plan, settings, layers).run(); !built) return built.error();
+    return layers;
+}
+
+std::vector<double> AskedLayers::resolve(display::ChannelId id, const display::PixelRegion& region) const {
+    const Layer& layer = layers_[static_cast<std::size_t>(id)];
+    std::vector<double> values;
+    for (int y = region.y0; y < region.y1; ++y) {
+        const std::size_t first = (static_cast<std::size_t>(y) * static_cast<std::size_t>(layout_.width) +
+                                   static_cast<std::size_t>(region.x0)) * layer.components;
+        const std::size_t count = static_cast<std::size_t>(region.width()) * layer.components;
+        for (std::size_t i = first; i < first + count; ++i) values.push_back(static_cast<double>(layer.pixels[i]));
+    }
+    return values;
+}
+
+std::vector<double> AskedLayers::resolve_alpha(const display::PixelRegion& region) const {
+    std::vector<double> values;
+    for (int y = region.y0; y < region.y1; ++y)
+        for (int x = region.x0; x < region.x1; ++x)
+            values.push_back(static_cast<double>(alpha_[static_cast<std::size_t>(y) *
+                                                            static_cast<std::size_t>(layout_.width) +
+                                                        static_cast<std::size_t>(x)]));
+    return values;
+}
+
+}  // namespace raylex::experiments

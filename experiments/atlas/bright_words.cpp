@@ -1,0 +1,169 @@
+#include "experiments/atlas/bright_words.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "experiments/atlas/asked_layers.h"
+
+namespace raylex::experiments {
+namespace {
+
+using display::PathAtlas;
+using display::WordAlphabet;
+using display::WordTable;
+using Parts = std::array<double, PathAtlas::parts>;
+
+double luminance_of(const std::array<float, 3>& rgb) {
+    return (static_cast<double>(rgb[0]) + static_cast<double>(rgb[1]) + static_cast<double>(rgb[2])) / 3;
+}
+
+void add_parts(const display::WordSample& sample, Parts& sum) {
+    const double whole = luminance_of(sample.rgb);
+    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += whole * static_cast<double>(sample.parts[k]);
+}
+
+/// An event as an expression that knows no labels of objects, and no difference between glossy and singular; and as
+/// part of a name.
+struct Notation {
+    std::string expression, name;
+};
+
+Notation notation_of(const lpe::Event& event, bool groups) {
+    switch (event.type) {
+        case lpe::EventType::volume:
+            return {"V", "V"};
+        case lpe::EventType::emission:
+            return {"O", "O"};
+        case lpe::EventType::light:
+        case lpe::EventType::background: {
+            // In renderman L matches the background too.
+            const std::string group = event.labels.empty() ? "" : event.labels.front();
+            if (!groups) return {"L", "L"};
+            std::string quoted, plain;
+            for (const char c : group) {
+                if (c == '\'' || c == '\\' || c == '*' || c == '?') quoted += '\\';
+                quoted += c;
+                plain += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
+            }
+            return {group.empty() ? "<L.''>" : "<L.'" + quoted + "'>", group.empty() ? "L" : "L_" + plain};
+        }
+        default: {
+            const char type = event.type == lpe::EventType::reflection ? 'R' : 'T';
+            const char scatter = event.scatter == lpe::Scatter::diffuse ? 'D' : 'S';
+            return {std::string("<") + type + scatter + ">", std::string(1, type) + scatter};
+        }
+    }
+}
+
+/// Words of one notation are one layer. Empty where the word is a class, whose scatterings are not all known.
+Notation notation_of(const WordTable& table, const std::vector<WordTable::Letter>& word) {
+    Notation all{"C", "C"};
+    for (const WordTable::Letter letter : word) {
+        if (letter == WordAlphabet::open) return {};
+        for (std::size_t i = 0; i < table.events.size(); ++i) {
+            if (table.letters[i] != letter) continue;
+            if (table.events[i].scatter == lpe::Scatter::straight) break;  // no event in renderman
+            const Notation one = notation_of(table.events[i], table.rules.groups);
+            all.expression += one.expression;
+            all.name += "_" + one.name;
+            break;
+        }
+    }
+    return all;
+}
+
+/// Per kind of word, in one pixel and over the image.
+struct Kind {
+    Notation notation;
+    Parts here{};
+    bool touched = false;
+    double light = 0, variance = 0;
+};
+
+}  // namespace
+
+Result<BrightPixel> bright_words(display::AtlasFile& atlas, int x, int y, std::size_t most) {
+    if (x < 0 || y < 0 || x >= atlas.width() || y >= atlas.height())
+        return error_at({"--at", 0, 0}, "pixel (" + std::to_string(x) + ", " + std::to_string(y) +
+                                            ") is outside the image of " + std::to_string(atlas.width()) + " x " +
+                                            std::to_string(atlas.height()) + " pixels");
+    display::AtlasRow row;
+    if (Status read = atlas.row(y, row); !read) return read.error();
+    const auto at = static_cast<std::size_t>(x);
+    BrightPixel pixel;
+    pixel.rgba = row.rgba[at];
+    Parts whole{};
+    for (const float count : row.counts[at]) pixel.samples += static_cast<double>(count);
+    for (std::size_t i = row.begin[at]; i < row.begin[at + 1]; ++i) {
+        const display::WordSample& sample = row.samples[i];
+        Parts parts{};
+        add_parts(sample, parts);
+        add_parts(sample, whole);
+        pixel.words.push_back(
+            {sample.word, sample.rgb, luminance_of(sample.rgb), standard_error(parts, row.counts[at])});
+    }
+    pixel.luminance = luminance_of({pixel.rgba[0], pixel.rgba[1], pixel.rgba[2]});
+    pixel.error = standard_error(whole, row.counts[at]);
+    std::stable_sort(pixel.words.begin(), pixel.words.end(), [](const BrightWord& a, const BrightWord& b) {
+        return std::abs(a.luminance) > std::abs(b.luminance);
+    });
+    pixel.more = pixel.words.size() - std::min(pixel.words.size(), most);
+    pixel.words.resize(std::min(pixel.words.size(), most));
+    return pixel;
+}
+
+Result<std::vector<SuggestedLayer>> suggest_partition(display::AtlasFile& atlas, std::size_t most) {
+    const WordTable& table = atlas.table();
+    std::vector<Kind> kinds;
+    std::vector<std::size_t> kind_of;
+    std::map<std::string, std::size_t> known;
+    for (const auto& word : table.words) {
+        Notation notation = notation_of(table, word);
+        const auto [place, fresh] = known.try_emplace(notation.expression, kinds.size());
+        if (fresh) kinds.emplace_back().notation = std::move(notation);
+        kind_of.push_back(place->second);
+    }
+    double light = 0, variance = 0;
+    display::AtlasRow row;
+    std::vector<std::size_t> here;
+    for (int y = 0; y < atlas.height(); ++y) {
+        if (Status read = atlas.row(y, row); !read) return read.error();
+        for (std::size_t x = 0; x < row.rgba.size(); ++x) {
+            here.clear();
+            for (std::size_t i = row.begin[x]; i < row.begin[x + 1]; ++i) {
+                Kind& kind = kinds[kind_of[row.samples[i].word]];
+                if (!std::exchange(kind.touched, true)) here.push_back(kind_of[row.samples[i].word]);
+                add_parts(row.samples[i], kind.here);
+                kind.light += luminance_of(row.samples[i].rgb);
+            }
+            for (const std::size_t k : here) {
+                const double error = standard_error(kinds[k].here, row.counts[x]);
+                if (std::isfinite(error)) kinds[k].variance += error * error;
+                kinds[k].here = {};
+                kinds[k].touched = false;
+            }
+        }
+    }
+    for (const Kind& kind : kinds) {
+        light += kind.light;
+        variance += kind.variance;
+    }
+    if (!(variance > 0)) return std::vector<SuggestedLayer>();
+    std::stable_sort(kinds.begin(), kinds.end(), [](const Kind& a, const Kind& b) { return a.variance > b.variance; });
+    std::vector<SuggestedLayer> layers;
+    SuggestedLayer rest{"rest", {}, 0, 0};
+    for (const Kind& kind : kinds) {
+        const double brings = light != 0 ? kind.light / light : 0, noise = kind.variance / variance;
+        if (layers.size() < most && !kind.notation.expression.empty()) {
+            layers.push_back({kind.notation.name, kind.notation.expression, brings, noise});
+        } else {
+            rest.light += brings;
+            rest.noise += noise;
+        }
+    }
+    layers.push_back(rest);
+    return layers;
+}
+
+}  // namespace raylex::experiments

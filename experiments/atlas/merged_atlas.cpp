@@ -1,0 +1,195 @@
+#include "experiments/atlas/merged_atlas.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "lpe/match.h"
+
+namespace raylex::experiments {
+namespace {
+
+using display::PathAtlas;
+using display::WordTable;
+
+std::string attribute(const display::AtlasFile& file, const char* name) {
+    const auto& attributes = file.description().attributes;
+    const auto found = attributes.find(name);
+    return found == attributes.end() ? std::string() : found->second;
+}
+
+std::uint64_t number_attribute(const display::AtlasFile& file, const char* name) {
+    return std::strtoull(attribute(file, name).c_str(), nullptr, 10);
+}
+
+/// What makes two atlases those of different images; empty: nothing.
+std::string difference(const display::AtlasFile& a, const display::AtlasFile& b) {
+    const auto size = [](const display::AtlasFile& file) {
+        return std::to_string(file.width()) + " x " + std::to_string(file.height()) + " pixels";
+    };
+    if (size(a) != size(b)) return "have " + size(a) + " and " + size(b);
+    const auto rules = [](const display::AtlasFile& file) {
+        return "'" + to_string(file.table().rules) + "' and length " + std::to_string(file.table().rules.length);
+    };
+    if (rules(a) != rules(b)) return "tell words apart by " + rules(a) + ", and " + rules(b);
+    if (attribute(a, "atlas/scene") != attribute(b, "atlas/scene")) return "are of scenes with other events";
+    if (a.description().chromaticities != b.description().chromaticities) return "have other chromaticities";
+    for (const char* name : {"raylex/scene", "raylex/integrator", "raylex/filter", "raylex/job"})
+        if (attribute(a, name) != attribute(b, name))
+            return "have '" + attribute(a, name) + "' and '" + attribute(b, name) + "' as " + name;
+    return {};
+}
+
+Status check_pair(const display::AtlasFile& a, const display::AtlasFile& b) {
+    if (const std::string what = difference(a, b); !what.empty())
+        return error_at({b.path(), 0, 0}, "cannot be merged with " + a.path() + ": the two " + what +
+                                              "; expected atlases of one scene, rendered alike");
+    if (attribute(a, "raylex/seed") == attribute(b, "raylex/seed"))
+        return error_at({b.path(), 0, 0},
+                        "cannot be merged with " + a.path() + ": both have seed " + attribute(a, "raylex/seed") +
+                            ", so the same samples would count twice",
+                        "render one of them with another --seed");
+    return success();
+}
+
+double mean_luminance(const display::WordSample& sample) {
+    return (static_cast<double>(sample.rgb[0]) + static_cast<double>(sample.rgb[1]) +
+            static_cast<double>(sample.rgb[2])) / 3;
+}
+
+/// In an order of their own, so that it does not matter which file came first.
+double sum_of(std::vector<double>& terms) {
+    std::sort(terms.begin(), terms.end());
+    double sum = 0;
+    for (const double term : terms) sum += term;
+    terms.clear();
+    return sum;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<MergedAtlas>> MergedAtlas::open(const std::vector<std::string>& paths) {
+    std::unique_ptr<MergedAtlas> merged(new MergedAtlas());
+    for (const std::string& path : paths) {
+        auto file = display::AtlasFile::open(path);
+        if (!file) return file.error();
+        if ((*file)->table().is_signed)
+            return error_at({path, 0, 0},
+                            "its pixel filter has negative lobes, and atlases do not keep what its samples weighed in "
+                            "all: it cannot be merged; expected box, triangle, gaussian or blackman-harris");
+        for (const auto& other : merged->files_)
+            if (Status good = check_pair(*other, **file); !good) return good.error();
+        merged->files_.push_back(*std::move(file));
+    }
+    if (Status joined = merged->join_tables(); !joined) return joined.error();
+    merged->rows_.resize(merged->files_.size());
+    return merged;
+}
+
+Status MergedAtlas::join_tables() {
+    std::map<std::string, std::pair<WordTable::Letter, lpe::Event>> letter_of;
+    std::map<std::vector<WordTable::Letter>, std::uint32_t> words;
+    table_.rules = files_.front()->table().rules;
+    for (const auto& file : files_) {
+        const WordTable& table = file->table();
+        for (std::size_t i = 0; i < table.events.size(); ++i) {
+            const auto [place, fresh] = letter_of.try_emplace(lpe::to_text(table.events[i]),
+                                                              std::pair(table.letters[i], table.events[i]));
+            if (!fresh && place->second.first != table.letters[i])
+                return error_at({file->path(), 0, 0}, "cannot be merged with " + files_.front()->path() +
+                                                          ": their letters stand for other events");
+        }
+        for (const auto& word : table.words) words.try_emplace(word, 0);
+        table_.dropped_straight = table_.dropped_straight || table.dropped_straight;
+        table_.merged += table.merged;
+    }
+    for (const auto& [text, letter] : letter_of) {
+        table_.letters.push_back(letter.first);
+        table_.events.push_back(letter.second);
+    }
+    for (auto& [word, number] : words) {
+        number = static_cast<std::uint32_t>(table_.words.size());
+        table_.words.push_back(word);
+    }
+    for (const auto& file : files_) {
+        std::vector<std::uint32_t>& number_of = number_of_.emplace_back();
+        for (const auto& word : file->table().words) number_of.push_back(words.at(word));
+    }
+    return success();
+}
+
+Status MergedAtlas::row(int y, display::AtlasRow& row) {
+    for (std::size_t i = 0; i < files_.size(); ++i)
+        if (Status read = files_[i]->row(y, rows_[i]); !read) return read;
+    row.begin.assign(1, 0);
+    row.samples.clear();
+    const auto columns = static_cast<std::size_t>(width());
+    row.rgba.resize(columns);
+    row.counts.resize(columns);
+    for (std::size_t x = 0; x < columns; ++x) merge_pixel(x, row);
+    return success();
+}
+
+void MergedAtlas::merge_pixel(std::size_t x, display::AtlasRow& row) {
+    std::vector<double> samples(rows_.size(), 0), terms;
+    double all = 0;
+    parts_.clear();
+    for (std::size_t f = 0; f < rows_.size(); ++f) {
+        for (const float count : rows_[f].counts[x]) samples[f] += static_cast<double>(count);
+        all += samples[f];  // whole numbers: exact in any order
+        for (std::size_t i = rows_[f].begin[x]; i < rows_[f].begin[x + 1]; ++i)
+            parts_.push_back({number_of_[f][rows_[f].samples[i].word], samples[f], &rows_[f].samples[i]});
+    }
+    const double scale = all > 0 ? 1 / all : 0;
+    for (std::size_t c = 0; c < 4; ++c) {
+        for (std::size_t f = 0; f < rows_.size(); ++f)
+            terms.push_back(samples[f] * static_cast<double>(rows_[f].rgba[x][c]));
+        row.rgba[x][c] = static_cast<float>(sum_of(terms) * scale);
+    }
+    for (std::size_t k = 0; k < PathAtlas::parts; ++k) {
+        row.counts[x][k] = 0;
+        for (const display::AtlasRow& from : rows_) row.counts[x][k] += from.counts[x][k];
+    }
+    std::stable_sort(parts_.begin(), parts_.end(), [](const Part& a, const Part& b) { return a.word < b.word; });
+    for (std::size_t i = 0, end = 0; i < parts_.size(); i = end) {
+        while (end < parts_.size() && parts_[end].word == parts_[i].word) ++end;
+        display::WordSample& sample = row.samples.emplace_back();
+        sample.word = parts_[i].word;
+        for (std::size_t c = 0; c < 3; ++c) {
+            for (std::size_t p = i; p < end; ++p)
+                terms.push_back(parts_[p].samples * static_cast<double>(parts_[p].sample->rgb[c]));
+            sample.rgb[c] = static_cast<float>(sum_of(terms) * scale);
+        }
+        const double luminance = mean_luminance(sample);
+        for (std::size_t k = 0; k < PathAtlas::parts; ++k) {
+            for (std::size_t p = i; p < end; ++p)
+                terms.push_back(parts_[p].samples * mean_luminance(*parts_[p].sample) *
+                                static_cast<double>(parts_[p].sample->parts[k]));
+            const double part = sum_of(terms) * scale;
+            sample.parts[k] = luminance == 0 ? 0 : static_cast<float>(part / luminance);
+        }
+    }
+    row.begin.push_back(static_cast<std::uint32_t>(row.samples.size()));
+}
+
+display::ImageDescription MergedAtlas::description() const {
+    display::ImageDescription description = files_.front()->description();
+    std::set<std::uint64_t> seeds;
+    std::uint64_t per_pixel = 0, in_all = 0;
+    for (const auto& file : files_) {
+        seeds.insert(number_attribute(*file, "raylex/seed"));
+        per_pixel += number_attribute(*file, "raylex/samples_per_pixel");
+        in_all += number_attribute(*file, "raylex/camera_samples");
+        description.complete = description.complete && file->description().complete;
+    }
+    std::string list;
+    for (const std::uint64_t seed : seeds) list += (list.empty() ? "" : ",") + std::to_string(seed);
+    description.attributes["raylex/seed"] = list;
+    description.attributes["raylex/samples_per_pixel"] = std::to_string(per_pixel);
+    description.attributes["raylex/camera_samples"] = std::to_string(in_all);
+    for (const char* of_one : {"raylex/time", "raylex/host", "raylex/command"}) description.attributes.erase(of_one);
+    return description;
+}
+
+}  // namespace raylex::experiments

@@ -1,0 +1,84 @@
+#include "experiments/cli/expression_options.h"
+
+#include <utility>
+
+#include <CLI/Validators.hpp>
+
+#include "experiments/job/channel_set.h"
+#include "experiments/program/console.h"
+
+namespace raylex::experiments {
+namespace {
+
+SourceLocation at_option(const std::string& name) {
+    return {name, 0, 0};
+}
+
+/// The channels of a file, as if each stood behind an --lpe of its own.
+Status read_channel_file(const std::string& file, lpe::Dialect dialect, Job& job) {
+    auto set = read_channel_files({file}, {}, dialect);
+    if (!set) return set.error();
+    std::vector<std::string> warnings = std::move(set->file.warnings);
+    Status added = add_to_job(*set, job, warnings);
+    if (!added) {
+        Error error = added.error();
+        if (error.file == "--channels") error.file = file;
+        return error;
+    }
+    for (const std::string& warning : warnings) print_warning(warning);
+    return added;
+}
+
+}  // namespace
+
+Result<ExpressionRequest> parse_named_expression(const std::string& text, lpe::Dialect dialect,
+                                                 const std::string& option) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0)
+        return error_at(at_option(option),
+                        "'" + text + "' is no named expression; expected NAME=EXPR, such as caustics='CDS+L'");
+    ExpressionRequest request;
+    request.name = text.substr(0, equals);
+    request.expression = text.substr(equals + 1);
+    request.dialect = dialect;
+    request.location = at_option(option + " " + request.name);
+    return request;
+}
+
+void add_expression_options(const OptionGroup& group, ExpressionOptions& options) {
+    group.add_repeated("--lpe", options.expressions, "NAME=EXPR",
+                       "adds a layer NAME with the light that the light path expression accepts");
+    group.add_repeated(
+        "--channels", options.channel_files, "FILE",
+        "adds the channels of a file as --lpe does, and the partitions that it declares: RIB DisplayChannel lines, "
+        "rendermn.ini, USD ASCII RenderVar prims or TOML");
+    group.add_repeated("--dialect", options.dialects, "D",
+                       "language of the --lpe and of USD channel files that follow: renderman (default) or osl");
+    group.add("--partition", options.partition, "shipped", "'shipped' adds the layers of the shipped partition")
+        ->check(CLI::IsMember({"shipped"}));
+    group.add_flag("--light-groups", options.light_groups,
+                   "adds a layer per light group, and one for lights without a group");
+}
+
+Status read_expressions(const CLI::App& command, const ExpressionOptions& options, Job& job) {
+    lpe::Dialect dialect = lpe::Dialect::renderman;
+    std::size_t next_expression = 0, next_dialect = 0, next_file = 0;
+    for (const CLI::Option* option : command.parse_order()) {
+        if (option->get_name() == "--dialect") {
+            auto parsed = parse_dialect(options.dialects[next_dialect++], at_option("--dialect"));
+            if (!parsed) return parsed.error();
+            dialect = *parsed;
+        } else if (option->get_name() == "--lpe") {
+            auto request = parse_named_expression(options.expressions[next_expression++], dialect, "--lpe");
+            if (!request) return request.error();
+            job.expressions.push_back(std::move(*request));
+        } else if (option->get_name() == "--channels") {
+            if (Status read = read_channel_file(options.channel_files[next_file++], dialect, job); !read) return read;
+        }
+    }
+    if (!options.partition.empty()) job.shipped_partition = true;
+    if (options.light_groups) job.light_groups = true;
+    return success();
+}
+
+}  // namespace raylex::experiments

@@ -1,0 +1,319 @@
+// raylex render --atlas and raylex ask: layers asked for after the render.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "tests/experiments/support.h"
+
+using namespace raylex;
+using namespace raylex::test;
+using raylex::display::ExrImage;
+
+namespace {
+
+/// A glass ball and a glossy wall over a labelled floor; a lamp of group key, a point light without one and a sky.
+const char* const glass_over_floor = R"(Film "rgb" "integer xresolution" 14 "integer yresolution" 10
+Sampler "independent" "integer pixelsamples" 8
+PixelFilter "box"
+Integrator "path" "integer maxdepth" 6
+LookAt 0 1.2 4  0 0.8 0  0 1 0
+Camera "perspective" "float fov" 55
+WorldBegin
+LightSource "infinite" "rgb L" [.1 .15 .3]
+LightSource "point" "rgb I" [3 3 3] "point3 from" [0 3 1]
+MakeNamedMaterial "ground" "string type" "coateddiffuse" "rgb reflectance" [.5 .4 .3] "float roughness" .2
+MakeNamedMaterial "wall" "string type" "conductor" "float roughness" .3
+MakeNamedMaterial "glass" "string type" "dielectric"
+MakeNamedMaterial "lamp" "string type" "diffuse" "rgb reflectance" [.1 .1 .1]
+NamedMaterial "ground"
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-2 0 2 2 0 2 2 0 -2 -2 0 -2]
+NamedMaterial "wall"
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-2 0 -2 2 0 -2 2 1 -2 -2 1 -2]
+AttributeBegin
+NamedMaterial "glass" Translate -0.5 0.6 0.5
+Shape "sphere" "float radius" 0.5
+AttributeEnd
+AttributeBegin
+NamedMaterial "lamp"
+AreaLightSource "diffuse" "rgb L" [4 4 3]
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [.3 2 -1 1.3 2 -1 1.3 1.2 -1 .3 1.2 -1]
+AttributeEnd
+)";
+
+/// With that scene as scene.pbrt, and a job that names a light group.
+struct AtlasFolder : Folder {
+    AtlasFolder() {
+        write("scene.pbrt", glass_over_floor);
+        write("job.toml",
+              "[scene]\nfile = \"scene.pbrt\"\n[[light_group]]\narea_light_material = \"lamp\"\ngroup = \"key\"\n");
+    }
+    /// A render with an atlas; `more` are its options.
+    void render_atlas(const std::string& name, const std::string& more = {}) const {
+        const Outcome outcome =
+            run_raylex(*this, "render job.toml --atlas " + name + ".atlas.exr -o " + name + ".exr " + more);
+        INFO(outcome.out << outcome.err);
+        REQUIRE(outcome.code == 0);
+    }
+};
+
+std::string random_expression(std::mt19937& random) {
+    static const char* const events[] = {"D", "S",    "<RD>",         "<RS>",         "<TS>",
+                                         ".", "[DS]", "<R.'ground'>", "<.D'ground'>", "<RS'wall'>"};
+    static const char* const times[] = {"", "", "*", "+"};
+    static const char* const ends[] = {"L", "O", "[LO]", "<L.'key'>", "<L.>", ".*"};
+    std::string text = "C";
+    for (auto count = random() % 4; count > 0; --count) {
+        text += events[random() % std::size(events)];
+        text += times[random() % std::size(times)];
+    }
+    return text + ends[random() % std::size(ends)];
+}
+
+std::vector<std::string> layers_of(const ExrImage& image) {
+    std::vector<std::string> names;
+    for (const auto& layer : image.layers)
+        if (layer.is_color()) names.push_back(layer.name);
+    return names;
+}
+
+/// Every layer of `asked` against the one of `rendered`, by the sum over the layers of their magnitudes.
+double largest_difference(const ExrImage& asked, const ExrImage& rendered) {
+    const std::vector<std::string> names = layers_of(rendered);
+    CHECK(layers_of(asked) == names);
+    double largest = 0;
+    for (const char* component : {"R", "G", "B"}) {
+        std::vector<double> sum, difference;
+        for (const std::string& name : names) {
+            const std::vector<float> a = plane(asked, name, component), b = plane(rendered, name, component);
+            sum.resize(a.size());
+            difference.resize(a.size());
+            for (std::size_t i = 0; i < a.size(); ++i) {
+                const auto x = static_cast<double>(a[i]), y = static_cast<double>(b[i]);
+                if (!name.empty()) sum[i] += std::abs(y);
+                difference[i] = std::max(difference[i], std::abs(x - y));
+            }
+        }
+        for (std::size_t i = 0; i < sum.size(); ++i)
+            if (difference[i] > 0) largest = std::max(largest, sum[i] > 0 ? difference[i] / sum[i] : 1);
+    }
+    return largest;
+}
+
+ExrImage image_of(const Folder& folder, const std::string& name) {
+    auto image = display::read_exr(folder.path(name));
+    REQUIRE(image);
+    return *std::move(image);
+}
+
+/// What `raylex verify` says of a file.
+void check_verified(const Folder& folder, const std::string& name) {
+    const Outcome verified = run_raylex(folder, "verify " + name);
+    INFO(verified.out << verified.err);
+    CHECK(verified.code == 0);
+}
+
+}  // namespace
+
+TEST_CASE("what is asked afterwards is what a render had given: random expressions and partitions", "[atlas]") {
+    const AtlasFolder folder;
+    std::mt19937 random(17);
+    for (const char* method : {"path", "bdpt"}) {
+        const std::string how = std::string("--integrator ") + method;
+        folder.render_atlas("kept", how + " --atlas-length 6");
+        for (int round = 0; round < 2; ++round) {
+            std::string wishes = " --partition shipped --light-groups";
+            for (int i = 0; i < 25; ++i)
+                wishes += " --lpe \"e" + std::to_string(i) + "=" + random_expression(random) + "\"";
+            const Outcome rendered = run_raylex(folder, "render job.toml " + how + " -o rendered.exr" + wishes);
+            INFO(wishes << rendered.err);
+            REQUIRE(rendered.code == 0);
+            const Outcome asked = run_raylex(folder, "ask kept.atlas.exr -o asked.exr" + wishes);
+            INFO(asked.err);
+            REQUIRE(asked.code == 0);
+            const ExrImage a = image_of(folder, "asked.exr"), b = image_of(folder, "rendered.exr");
+            // Words, their sum and the rendered layer are rounded to float once each, 2^-24 of the layer at most, and
+            // every pixel's light is in a layer of two partitions as well: 3 2^-24 / 2 of the sum of the layers.
+            CHECK(largest_difference(a, b) <= 0x1p-23);
+            CHECK(a.partitions.size() == b.partitions.size());
+            for (const char* component : {"R", "G", "B", "A"})
+                CHECK(plane(a, "", component) == plane(b, "", component));
+        }
+        check_verified(folder, "asked.exr");
+        check_verified(folder, "kept.atlas.exr");
+    }
+}
+
+TEST_CASE("an atlas changes no bit of the image, and threads none of the atlas", "[atlas][law2][law3]") {
+    const AtlasFolder folder;
+    REQUIRE(run_raylex(folder, "render job.toml -o plain.exr").code == 0);
+    // A budget that has words merged: merges, too, depend on the samples alone.
+    for (const std::string budget : {"2GiB", "150KiB"}) {
+        const ExrImage plain = image_of(folder, "plain.exr");
+        std::vector<std::string> words;
+        for (const std::string threads : {"1", "2"}) {
+            folder.render_atlas("t" + threads, "--atlas-budget " + budget + " --threads " + threads);
+            const ExrImage with = image_of(folder, "t" + threads + ".exr");
+            for (const char* component : {"R", "G", "B", "A"})
+                CHECK(plane(with, "", component) == plane(plain, "", component));
+            const Outcome asked =
+                run_raylex(folder, "ask t" + threads + ".atlas.exr --errors --partition shipped -o a" + threads +
+                                       ".exr --intervals");
+            INFO(asked.err);
+            REQUIRE(asked.code == 0);
+            std::string all;
+            for (const char* at : {"2,2", "7,5", "12,9"}) {
+                const Outcome top = run_raylex(folder, "ask t" + threads + ".atlas.exr --top 1000 --at " + at);
+                REQUIRE(top.code == 0);
+                all += top.out;
+            }
+            words.push_back(all);
+        }
+        CHECK(words[0] == words[1]);
+        const ExrImage one = image_of(folder, "a1.exr"), two = image_of(folder, "a2.exr");
+        REQUIRE(layers_of(one) == layers_of(two));
+        for (const std::string& layer : layers_of(one))
+            for (const char* component : {"R", "G", "B"})
+                CHECK(plane(one, layer, component) == plane(two, layer, component));
+    }
+}
+
+TEST_CASE("what an atlas cannot tell is refused, or between what it is at least and at most", "[atlas]") {
+    const AtlasFolder folder;
+    REQUIRE(run_raylex(folder, "render job.toml -o true.exr --lpe c='CDS+L' --lpe d='CDD+L' --lpe s='C<TS>+L'").code ==
+            0);
+    const ExrImage truth = image_of(folder, "true.exr");
+    const Outcome length_two = run_raylex(folder, "render job.toml -o a.exr --atlas a.atlas.exr --atlas-length 2");
+    REQUIRE(length_two.code == 0);
+    const Outcome merged = run_raylex(folder, "render job.toml -o b.exr --atlas b.atlas.exr --atlas-budget 60KiB");
+    INFO(merged.out << merged.err);
+    REQUIRE(merged.code == 0);
+    for (const std::string name : {"a", "b"}) {
+        check_verified(folder, name + ".atlas.exr");
+        check_refused(folder, "ask " + name + ".atlas.exr --lpe c='CDS+L' -o c.exr",
+                      {"channel 'c' cannot be answered exactly", "...", "--intervals"});
+        const Outcome asked =
+            run_raylex(folder, "ask " + name +
+                                   ".atlas.exr --intervals --lpe c='CDS+L' --lpe d='CDD+L' --lpe s='C<TS>+L' -o i.exr");
+        INFO(asked.err);
+        REQUIRE(asked.code == 0);
+        const ExrImage answer = image_of(folder, "i.exr");
+        std::size_t intervals = 0, open = 0;
+        for (const std::string channel : {"c", "d", "s"}) {
+            if (answer.layer(channel) != nullptr) continue;
+            ++intervals;
+            const std::vector<float> least = plane(answer, channel + "_least", "G"),
+                                     most = plane(answer, channel + "_most", "G"), is = plane(truth, channel, "G");
+            for (std::size_t i = 0; i < is.size(); ++i) {
+                // Three roundings to float on the way, 2^-24 each, of values up to the larger end.
+                const double slack = 3 * 0x1p-24 * static_cast<double>(most[i]);
+                CHECK(static_cast<double>(least[i]) <= static_cast<double>(is[i]) + slack);
+                CHECK(static_cast<double>(is[i]) <= static_cast<double>(most[i]) + slack);
+                open += least[i] < most[i] ? 1 : 0;
+            }
+        }
+        CHECK(intervals > 0);
+        CHECK(open > 0);
+        // The light of all words is told exactly whatever was merged.
+        const Outcome whole = run_raylex(folder, "ask " + name + ".atlas.exr --lpe all='C.*' -o w.exr");
+        CHECK(whole.code == 0);
+    }
+    check_refused(folder, "render job.toml -o n.exr --atlas n.atlas.exr --atlas-budget lots", {"--atlas-budget"});
+}
+
+TEST_CASE("labels, lobes and groups that an atlas did not keep are not answered", "[atlas]") {
+    const AtlasFolder folder;
+    folder.render_atlas("plain", "--atlas-by group --atlas-length 6");
+    check_refused(folder, "ask plain.atlas.exr --lpe f=\"C<RD'ground'>L\" -o f.exr",
+                  {"channel 'f' cannot be answered exactly", "ground"});
+    CHECK(run_raylex(folder, "ask plain.atlas.exr --lpe key=\"C.*<L.'key'>\" -o g.exr").code == 0);
+    check_refused(folder, "render job.toml -o n.exr --atlas n.atlas.exr --atlas-by labels", {"did you mean 'label'?"});
+    check_refused(folder, "render job.toml -o n.exr --atlas-length 4", {"--atlas FILE.exr"});
+    check_refused(folder, "render job.toml -o n.exr --atlas n.atlas.exr --no-beauty --lpe d=CDL",
+                  {"expected a render with beauty"});
+    check_refused(folder, "render job.toml -o n.exr --atlas n.atlas.exr --integrator pssmlt", {"keeps no path atlas"});
+}
+
+TEST_CASE("why a pixel is bright, and what is noisy", "[atlas]") {
+    const AtlasFolder folder;
+    folder.render_atlas("a", "--atlas-length 6");
+    const Outcome top = run_raylex(folder, "ask a.atlas.exr --top 2 --at 4,6");
+    INFO(top.out << top.err);
+    REQUIRE(top.code == 0);
+    CHECK(count_matches(top.out, "pixel \\(4, 6\\): \\(.*\\), luminance [0-9.]+ \\+- [0-9.]+, 8 samples") == 1);
+    CHECK(count_matches(top.out, "\n  [0-9.]+ % +[0-9.e-]+ \\+- [0-9.e-]+ +C [RTLBO]") == 2);
+    const Outcome suggested = run_raylex(folder, "ask a.atlas.exr --suggest 3");
+    INFO(suggested.out << suggested.err);
+    REQUIRE(suggested.code == 0);
+    // The command that it ends with is one.
+    const std::size_t line = suggested.out.rfind("raylex ask ");
+    REQUIRE(line != std::string::npos);
+    const Outcome asked = run_shell(folder, "\"$RAYLEX\" " + suggested.out.substr(line + 7));
+    INFO(asked.err);
+    REQUIRE(asked.code == 0);
+    CHECK(image_of(folder, "layers.exr").partitions.size() == 1);
+    check_verified(folder, "layers.exr");
+    check_refused(folder, "ask a.atlas.exr --top 2 --at 14,0", {"outside the image of 14 x 10"});
+    check_refused(folder, "ask a.atlas.exr --top 2 --at 4", {"expected X,Y"});
+}
+
+TEST_CASE("atlases of several seeds are one, in any order", "[atlas]") {
+    const AtlasFolder folder;
+    folder.render_atlas("a", "--seed 1");
+    folder.render_atlas("b", "--seed 2 --spp 4");
+    folder.render_atlas("c", "--seed 3");
+    REQUIRE(run_raylex(folder, "ask --merge a.atlas.exr b.atlas.exr c.atlas.exr -o abc.exr").code == 0);
+    REQUIRE(run_raylex(folder, "ask --merge c.atlas.exr a.atlas.exr b.atlas.exr -o cab.exr").code == 0);
+    check_verified(folder, "abc.exr");
+    for (const char* name : {"abc", "cab", "a.atlas", "b.atlas", "c.atlas"})
+        REQUIRE(
+            run_raylex(folder, std::string("ask ") + name + ".exr --partition shipped -o of_" + name + ".exr").code ==
+            0);
+    const ExrImage abc = image_of(folder, "of_abc.exr"), cab = image_of(folder, "of_cab.exr");
+    const ExrImage a = image_of(folder, "of_a.atlas.exr"), b = image_of(folder, "of_b.atlas.exr"),
+                   c = image_of(folder, "of_c.atlas.exr");
+    for (const std::string& layer : layers_of(abc)) {
+        CHECK(plane(abc, layer, "G") == plane(cab, layer, "G"));
+        const std::vector<float> merged = plane(abc, layer, "G"), of_a = plane(a, layer, "G"),
+                                 of_b = plane(b, layer, "G"), of_c = plane(c, layer, "G");
+        for (std::size_t i = 0; i < merged.size(); ++i) {
+            const double mean = (8 * static_cast<double>(of_a[i]) + 4 * static_cast<double>(of_b[i]) +
+                                 8 * static_cast<double>(of_c[i])) /
+                                20;
+            // Words and layers of each file and of the merged one: four roundings to float.
+            CHECK(std::abs(static_cast<double>(merged[i]) - mean) <= 4 * 0x1p-24 * mean);
+        }
+    }
+    check_refused(folder, "ask --merge a.atlas.exr a.atlas.exr -o n.exr", {"both have seed 1", "--seed"});
+    folder.render_atlas("d", "--seed 4 --atlas-length 2");
+    check_refused(folder, "ask --merge a.atlas.exr d.atlas.exr -o n.exr", {"length 8", "length 2"});
+    check_refused(folder, "ask --merge a.atlas.exr -o n.exr", {"at least two"});
+}
+
+TEST_CASE("questions to no atlas end in a message", "[atlas][law7]") {
+    const AtlasFolder folder;
+    folder.render_atlas("a");
+    check_refused(folder, "ask a.exr --lpe d=CDL -o d.exr", {"a.exr", "no path atlas"});
+    check_refused(folder, "ask job.toml --lpe d=CDL -o d.exr", {"job.toml"});
+    check_refused(folder, "ask absent.exr --lpe d=CDL -o d.exr", {"absent.exr"});
+    check_refused(folder, "ask a.atlas.exr --lpe d=CDL -o a.atlas.exr", {"would be replaced"});
+    check_refused(folder, "ask a.atlas.exr --lpe d=CDL", {"-o LAYERS.exr"});
+    check_refused(folder, "ask a.atlas.exr -o d.exr", {"--lpe"});
+    check_refused(folder, "ask a.atlas.exr --lpe d='C<RX>L' -o d.exr", {"found 'X'"});
+    const std::string bytes = folder.read("a.atlas.exr");
+    // Cut anywhere: within the header, the tables, the pixels.
+    for (const double part : {0.02, 0.1, 0.3, 0.6, 0.9}) {
+        folder.write("cut.exr", bytes.substr(0, static_cast<std::size_t>(part * static_cast<double>(bytes.size()))));
+        check_refused(folder, "ask cut.exr --errors --lpe d=CDL -o d.exr", {"cut.exr"});
+    }
+    std::string other = bytes;
+    const std::size_t version = other.find("atlas/version");
+    REQUIRE(version != std::string::npos);
+    other[other.find('1', version)] = '7';
+    folder.write("other.exr", other);
+    check_refused(folder, "ask other.exr --lpe d=CDL -o d.exr", {"version '7'", "expected version 1"});
+}

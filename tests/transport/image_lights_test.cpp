@@ -1,0 +1,429 @@
+// Lights that show images: goniometric, projection, portals, textured area lights; "power" and "illuminance".
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <functional>
+
+#include "tests/transport/image_file.h"
+#include "tests/transport/lit_scene.h"
+#include "transport/math/sampling.h"
+#include "transport/replicates.h"
+#include "transport/samplers/pixel_sampler.h"
+
+using namespace raylex;
+using namespace raylex::transport;
+
+namespace image_lights {
+
+constexpr double pi_d = 3.14159265358979323846;
+
+PixelSampler numbers(std::uint64_t i) {
+    return PixelSampler(SamplerKind::sobol, 7, 0, 0, i);
+}
+
+bool draw(const Lit& scene, const Vec3& from, std::uint64_t i, LightSample& s) {
+    const PixelSampler sampler = numbers(i);
+    return scene.lights.sample(scene.lights.chooser(LightChoice::mis), scene.geometry, from, sampler.get_1d(1),
+                               sampler.get_2d(2), s);
+}
+
+struct Mean {
+    double value = 0, error = 0;
+};
+
+/// Of `count` values; the standard error as if they were independent, which is too large for Sobol' points.
+Mean mean_of(int count, const std::function<double(std::uint64_t)>& value) {
+    double sum = 0, squares = 0;
+    for (int i = 0; i < count; ++i) {
+        const double v = value(static_cast<std::uint64_t>(i));
+        sum += v;
+        squares += v * v;
+    }
+    const double mean = sum / count;
+    return {mean, std::sqrt(std::max(0.0, squares / count - mean * mean) / count)};
+}
+
+/// Irradiance (green) at `p` on a plane with normal `n`, unoccluded.
+Mean irradiance(const Lit& scene, const Vec3& p, const Vec3& n, int count = 1 << 14) {
+    return mean_of(count, [&](std::uint64_t i) {
+        LightSample s;
+        if (!draw(scene, p, i, s)) return 0.0;
+        return std::max(
+            0.0, static_cast<double>(dot(n, s.wi)) * static_cast<double>(s.radiance.g) / static_cast<double>(s.pdf));
+    });
+}
+
+/// Chi-squared of where samples fall over n x n cells of equal solid angle, against the integral of `density` over the
+/// cells. Cells that expect fewer than 8 are put together.
+void check_directions(const std::function<bool(std::uint64_t, Vec3&)>& sample,
+                      const std::function<double(const Vec3&)>& density) {
+    constexpr int n = 12, looks = 24, count = 40000;
+    std::vector<double> found(n * n, 0), expected(n * n, 0);
+    double whole = 0;
+    for (int y = 0; y < n * looks; ++y)
+        for (int x = 0; x < n * looks; ++x) {
+            const Vec2 at{(static_cast<Real>(x) + 0.5f) / (n * looks), (static_cast<Real>(y) + 0.5f) / (n * looks)};
+            const double share = density(direction_from_octahedral(at)) * 4 * pi_d / (n * looks * n * looks);
+            expected[static_cast<std::size_t>(y / looks * n + x / looks)] += count * share;
+            whole += share;
+        }
+    int drawn = 0;
+    for (std::uint64_t i = 0; i < count; ++i) {
+        Vec3 d;
+        if (!sample(i, d)) continue;
+        ++drawn;
+        const Vec2 at = octahedral_from_direction(d);
+        const int x = std::min(static_cast<int>(at.x * n), n - 1), y = std::min(static_cast<int>(at.y * n), n - 1);
+        ++found[static_cast<std::size_t>(y * n + x)];
+    }
+    // The midpoint rule of 24 x 24 places a cell misses edges of the density by about half a place's width.
+    CHECK(whole == Approx(static_cast<double>(drawn) / count).margin(0.02));
+    double chi2 = 0, rest_found = 0, rest_expected = 0;
+    int cells = 0;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        if (expected[i] < 8) {
+            rest_found += found[i];
+            rest_expected += expected[i];
+            continue;
+        }
+        // The quadrature's error of 2 % of a cell is added to the variance.
+        chi2 += (found[i] - expected[i]) * (found[i] - expected[i]) /
+                (expected[i] + 0.02 * 0.02 * expected[i] * expected[i]);
+        ++cells;
+    }
+    CAPTURE(chi2, cells, rest_found, rest_expected);
+    CHECK(cells >= 4);
+    // Of k degrees of freedom: mean k, variance 2 k; 5 standard deviations.
+    CHECK(chi2 < cells + 5 * std::sqrt(2.0 * cells));
+    CHECK(std::abs(rest_found - rest_expected) < 5 * std::sqrt(rest_expected + 1) + 0.02 * count * 0.1);
+}
+
+const std::string sphere_in_the_middle = "\nShape \"sphere\" \"float radius\" 0.5\n";
+
+TEST_CASE("a goniometric light sends its image into pbrt's directions", "[lights]") {
+    // The image's axis is y of the light's space: rows and columns of the octahedral layout with z and y exchanged.
+    constexpr int n = 8;
+    std::vector<Rgb> pixels;
+    for (int i = 0; i < n * n; ++i) pixels.emplace_back(static_cast<Real>(1 + i % 5), 0, static_cast<Real>(i % 3));
+    const ImageFile file(n, n, pixels);
+    const Lit scene = lit("Translate 1 2 3\nLightSource \"goniometric\" \"rgb I\" [2 2 2] \"float scale\" 0.5" +
+                          file.parameter() + sphere_in_the_middle);
+    for (int i = 0; i < n * n; ++i) {
+        const Vec3 w =
+            direction_from_octahedral({(static_cast<Real>(i % n) + 0.5f) / n, (static_cast<Real>(i / n) + 0.5f) / n});
+        const Vec3 direction{w.x, w.z, w.y};
+        LightSample s;
+        REQUIRE(draw(scene, Vec3{1, 2, 3} + direction * 2, 0, s));
+        const Rgb& p = pixels[static_cast<std::size_t>(i)];
+        // Colours count as their mean; 4 is the distance squared. A few float operations.
+        CHECK(static_cast<double>(s.radiance.g) == Approx(double{p.r + p.g + p.b} / 3 / 4).epsilon(1e-5));
+        CHECK(s.delta);
+    }
+}
+
+TEST_CASE("goniometric and projection lights give their power, and draw directions as they say", "[lights]") {
+    constexpr int w = 12, h = 12;
+    std::vector<Rgb> pixels;
+    for (int i = 0; i < w * h; ++i) pixels.emplace_back(i % 7 == 0 ? 5.f : i % 5 == 0 ? 0.f : 0.5f);
+    const ImageFile square(w, h, pixels);
+    pixels.resize(w * 6);
+    const ImageFile wide(w, 6, pixels);
+    const std::string turned = "Translate 0.3 0 0\nRotate 40 1 1 0\n";
+    struct Case {
+        std::string text;
+        double power;
+    };
+    for (const Case& each :
+         {Case{turned + "LightSource \"goniometric\" \"float power\" 30 \"rgb I\" [1 1 1]" + square.parameter(), 30},
+          Case{turned + "LightSource \"projection\" \"float power\" 30 \"float fov\" 60" + wide.parameter(), 30},
+          Case{turned + "LightSource \"projection\" \"float power\" 30 \"float scale\" 2 \"float fov\" 120" +
+                   wide.parameter(),
+               60},
+          // Stretched: the image's directions are squeezed, and the light keeps its intensity in each of its own.
+          Case{"Scale 1 2 0.7\nLightSource \"goniometric\" \"rgb I\" [1 1 1]" + square.parameter(), 0}}) {
+        INFO(each.text);
+        const Lit scene = lit(each.text + sphere_in_the_middle);
+        const auto emit = [&](std::uint64_t i, EmissionSample& s) {
+            const PixelSampler sampler = numbers(i);
+            return scene.lights.sample_emission(scene.geometry, sampler.get_1d(1), sampler.get_2d(2), sampler.get_2d(3),
+                                                s);
+        };
+        if (each.power > 0) {
+            // Drawn by pixel, so only the solid angle within pixels varies: 2^14 points.
+            const Mean power = mean_of(1 << 14, [&](std::uint64_t i) {
+                EmissionSample s;
+                return emit(i, s) ? static_cast<double>(s.power.g) : 0.0;
+            });
+            CHECK(std::abs(power.value - each.power) < 4 * power.error + 0.004 * each.power);  // midpoints of pixels
+        }
+        for (std::uint64_t i = 0; i < 500; ++i) {
+            EmissionSample s;
+            if (!emit(i, s)) continue;
+            const EmissionDensity density = scene.lights.emission_density(scene.geometry, s.from, s.direction);
+            REQUIRE(density.position == 1);
+            // Power times density is the intensity that a light sample finds in that direction.
+            LightSample seen;
+            REQUIRE(draw(scene, s.origin + s.direction, i, seen));
+            const double both = static_cast<double>(s.power.g) * static_cast<double>(density.direction);
+            const double there = static_cast<double>(seen.radiance.g);
+            if (std::abs(both - there) > 1e-3 * both) {
+                // Within rounding of a pixel's edge either of two pixels may answer.
+                REQUIRE((std::abs(both / there - 10) < 0.1 || std::abs(there / both - 10) < 0.1));
+            }
+        }
+        check_directions(
+            [&](std::uint64_t i, Vec3& d) {
+                EmissionSample s;
+                if (!emit(i, s)) return false;
+                d = s.direction;
+                return true;
+            },
+            [&](const Vec3& d) {
+                return static_cast<double>(scene.lights.emission_density(scene.geometry, LightSample(), d).direction);
+            });
+    }
+}
+
+TEST_CASE("a projection light throws its image upright and ends at its border", "[lights]") {
+    // 4 x 2 pixels, 90 degrees over the shorter side: half sizes 2 and 1 at distance 1.
+    std::vector<Rgb> pixels;
+    for (int i = 0; i < 8; ++i) pixels.emplace_back(static_cast<Real>(1 + i));
+    const ImageFile file(4, 2, pixels);
+    const Lit scene = lit("LightSource \"projection\"" + file.parameter() + sphere_in_the_middle);
+    for (int y = 0; y < 2; ++y)
+        for (int x = 0; x < 4; ++x) {
+            const Vec3 at{-1.5f + static_cast<Real>(x), 0.5f - static_cast<Real>(y), 1};  // left is -x, up is +y
+            LightSample s;
+            REQUIRE(draw(scene, at, 0, s));
+            CHECK(static_cast<double>(s.radiance.g * length_squared(at)) == Approx(1 + 4 * y + x).epsilon(1e-5));
+        }
+    LightSample s;
+    for (const Vec3& outside : {Vec3{2.01f, 0, 1}, Vec3{0, 1.01f, 1}, Vec3{0, 0, -1}, Vec3{0, -1.01f, 1}})
+        CHECK_FALSE(draw(scene, outside, 0, s));
+}
+
+TEST_CASE("a portal in front of a white sky gives Lambert's polygon formula", "[lights]") {
+    const std::string portal = "\"point3 portal\" [-1 -0.5 2  -1 0.5 2  1 0.5 2  1 -0.5 2]";
+    const ImageFile white(16, 16, std::vector<Rgb>(256, Rgb(3)));
+    const Vec3 corner[4] = {{-1, -0.5f, 2}, {-1, 0.5f, 2}, {1, 0.5f, 2}, {1, -0.5f, 2}};
+    for (const std::string& sky : {"LightSource \"infinite\" \"rgb L\" [3 3 3] " + portal,
+                                   "Rotate 50 1 2 3\nLightSource \"infinite\" " + portal + white.parameter()}) {
+        INFO(sky);
+        const Lit scene = lit(sky + sphere_in_the_middle);
+        for (const Vec3& p : {Vec3{0, 0, 0}, Vec3{1.4f, 0.3f, 1}, Vec3{-3, -2, -4}}) {
+            const Vec3 n = normalize(Vec3{0.2f, 0.1f, 1});
+            double sum = 0;
+            for (int i = 0; i < 4; ++i) {
+                const DVec3 a = normalize(DVec3(corner[i]) - DVec3(p)),
+                            b = normalize(DVec3(corner[(i + 1) % 4]) - DVec3(p));
+                sum += std::acos(dot(a, b)) * dot(normalize(cross(a, b)), DVec3(n));
+            }
+            // All of the portal is above this plane. What is left to chance is the cosine.
+            const Mean found = irradiance(scene, p, n);
+            CHECK(std::abs(found.value - 3 * std::abs(sum) / 2) < 4 * found.error + 1e-4 * found.value);
+        }
+        LightSample s;
+        CHECK_FALSE(draw(scene, {0, 0, 2.5f}, 0, s));  // from outside nothing comes in
+        CHECK(scene.lights.environment_radiance(0, {}, {0, 0, 1}).g == Approx(3).epsilon(1e-5));
+        CHECK(scene.lights.environment_radiance(0, {}, {0, 0, -1}).is_black());
+        CHECK(scene.lights.environment_radiance(0, {}, normalize(Vec3{1.1f, 0, 2})).is_black());
+        CHECK(scene.lights.environment_radiance(0, {1, 0, 0}, normalize(Vec3{-1.9f, 0.4f, 2})).g ==
+              Approx(3).epsilon(1e-5));
+        // Through the whole portal: pi L A.
+        const Mean power = mean_of(1 << 14, [&](std::uint64_t i) {
+            const PixelSampler sampler = numbers(i);
+            EmissionSample e;
+            if (!scene.lights.sample_emission(scene.geometry, 0, sampler.get_2d(2), sampler.get_2d(3), e)) return 0.0;
+            return static_cast<double>(e.power.g);
+        });
+        CHECK(std::abs(power.value - pi_d * 3 * 2) < 4 * power.error);
+    }
+}
+
+TEST_CASE("portals draw their image and know its density", "[lights]") {
+    constexpr int n = 32;
+    std::vector<Rgb> pixels(n * n, Rgb(0.2f));
+    for (int i = 0; i < n * n; i += 11) pixels[static_cast<std::size_t>(i)] = Rgb(4, 2, 1);
+    for (int i = 300; i < 340; ++i) pixels[static_cast<std::size_t>(i)] = Rgb(0);
+    const ImageFile file(n, n, pixels);
+    const Lit scene =
+        lit("LightSource \"infinite\" \"point3 portal\" [-1 -1 1  -1 1 1  1 1 1  1 -1 1]" + file.parameter() +
+            "AreaLightSource \"diffuse\" \"rgb L\" [4 4 4]\nTranslate 0 0 -9\nShape \"sphere\"");
+    const LightChooser& chooser = scene.lights.chooser(LightChoice::mis);
+    const std::uint32_t sky = scene.lights.environments()[0];
+    for (const Vec3& from : {Vec3{0, 0, 0}, Vec3{2, 0.5f, 0.3f}}) {
+        const double chosen = static_cast<double>(chooser.probability(from, sky));
+        int found = 0;
+        for (std::uint64_t i = 0; i < 4000; ++i) {
+            LightSample s;
+            if (!draw(scene, from, i, s) || s.light != sky) continue;
+            ++found;
+            const double again = static_cast<double>(scene.lights.environment_density(chooser, sky, from, s.wi));
+            // At the border of pixel or portal rounding may decide otherwise.
+            if (std::abs(again / static_cast<double>(s.pdf) - 1) > 1e-3) --found;
+            else CHECK(scene.lights.environment_radiance(sky, from, s.wi) == s.radiance);
+        }
+        CHECK(found > 4000 * chosen * 0.97);
+        check_directions(
+            [&](std::uint64_t i, Vec3& d) {
+                LightSample s;
+                if (!draw(scene, from, i, s) || s.light != sky) return false;
+                d = s.wi;
+                return true;
+            },
+            [&](const Vec3& d) {
+                return static_cast<double>(scene.lights.environment_density(chooser, sky, from, d));
+            });
+    }
+}
+
+TEST_CASE("'illuminance' scales an image light as pbrt does", "[lights]") {
+    constexpr int n = 64;
+    std::vector<Rgb> pixels;
+    for (int i = 0; i < n * n; ++i) pixels.emplace_back(static_cast<Real>(1 + i % 4));
+    const ImageFile file(n, n, pixels);
+    const Lit scene =
+        lit("LightSource \"infinite\" \"float illuminance\" 100" + file.parameter() + sphere_in_the_middle);
+    // pbrt counts 2 pi of the 4 pi that the pixels cover: the surface gets twice what was asked.
+    const Mean found = irradiance(scene, {0, 0, 0}, {0, 0, 1}, 1 << 15);
+    CHECK(std::abs(found.value - 200) < 4 * found.error);
+}
+
+TEST_CASE("an image on an area light: pbrt's orientation, means, densities, power", "[lights]") {
+    // Left half dark at the top: values 1 2 / 3 8, from the top left.
+    const ImageFile file(2, 2, {Rgb(1), Rgb(2), Rgb(3), Rgb(8)});
+    const std::string light = "AreaLightSource \"diffuse\"" + file.parameter();
+    const std::string quad =
+        "\nShape \"trianglemesh\" \"integer indices\" [0 2 1 0 3 2] \"point3 P\" [-1 -1 2 1 -1 2 1 1 2 -1 1 2]"
+        " \"point2 uv\" [0 0 1 0 1 1 0 1]";
+    const auto shown = [](double u, double v) {  // bilinear between texel centres, the border held
+        const double x = std::min(std::max(2 * u - 0.5, 0.0), 1.0), y = std::min(std::max(2 * (1 - v) - 0.5, 0.0), 1.0);
+        return (1 * (1 - x) + 2 * x) * (1 - y) + (3 * (1 - x) + 8 * x) * y;
+    };
+    struct Case {
+        std::string shape;
+        bool flat;
+    };
+    for (const Case& each : {Case{quad, true},
+                             Case{"\nShape \"bilinearmesh\" \"point3 P\" [-1 -1 2 -1 1 2 1 -1 2 1 1 2]"
+                                  " \"point2 uv\" [0 0 0 1 1 0 1 1]",
+                                  true},
+                             Case{"\nTranslate 0.2 0 3 Shape \"sphere\" \"float radius\" 0.8", false},
+                             Case{"\nTranslate 0 0 3 Rotate 180 1 0 0 Shape \"disk\"", false},
+                             Case{"\nTranslate 3 0 0 Shape \"cylinder\"", false}}) {
+        INFO(each.shape);
+        const Lit scene = lit(light + " \"float scale\" 2 \"bool twosided\" true" + each.shape);
+        const Vec3 n = each.shape.find("cylinder") == std::string::npos ? Vec3{0, 0, 1} : Vec3{1, 0, 0};
+        const LightChooser& chooser = scene.lights.chooser(LightChoice::mis);
+        // By light samples and by tracing directions: the same mean, and the same densities.
+        const Mean sampled = irradiance(scene, {}, n);
+        const Mean traced = mean_of(1 << 15, [&](std::uint64_t i) {
+            Ray ray;
+            const Vec3 local = sample_cosine_hemisphere(numbers(i).get_2d(2));
+            ray.direction = normalize(Frame::from_normal(n).to_world(local));
+            Hit hit;
+            scene.geometry.intersect({&ray, 1}, {&hit, 1});
+            if (!hit.valid()) return 0.0;
+            SurfacePoint point;
+            SurfaceSource source;
+            scene.geometry.surfaces({&ray, 1}, {&hit, 1}, {&point, 1}, {&source, 1});
+            const std::uint32_t index = scene.geometry.shapes()[hit.shape].first_light + hit.primitive;
+            return pi_d * static_cast<double>(scene.lights.emitted(index, point, point.wo).g);
+        });
+        CAPTURE(sampled.value, sampled.error, traced.value, traced.error);
+        // A sphere is two-sided and sampled by area: samples of its far side are hidden by the near one.
+        if (each.shape.find("sphere") == std::string::npos && each.shape.find("cylinder") == std::string::npos)
+            CHECK(std::abs(sampled.value - traced.value) < 4 * std::hypot(sampled.error, traced.error));
+        for (std::uint64_t i = 0; i < 300; ++i) {
+            LightSample s;
+            if (!draw(scene, {}, i, s)) continue;
+            const double again = static_cast<double>(scene.lights.density(chooser, scene.geometry, Vec3(), s));
+            // A cell of the image's grid ends somewhere: next to that rounding may take the neighbour's density.
+            if (std::abs(again / static_cast<double>(s.pdf) - 1) > 1e-3) {
+                CHECK(i > 0);
+                REQUIRE(again > 0.05 * static_cast<double>(s.pdf));
+            }
+            if (!each.flat) continue;
+            const double u = (static_cast<double>(s.target.x) + 1) / 2, v = (static_cast<double>(s.target.y) + 1) / 2;
+            CHECK(static_cast<double>(s.radiance.g) == Approx(2 * shown(u, v)).epsilon(1e-4));
+        }
+    }
+    // Two triangles of power 10 each, on both sides; a sphere of 10.
+    for (const auto& [shape, power, warnings] :
+         {std::tuple{quad, 20.0, std::size_t{1}}, {std::string("\nShape \"sphere\" \"float radius\" 2"), 10.0, 0}}) {
+        const Lit scene =
+            lit("AreaLightSource \"diffuse\" \"rgb L\" [3 3 3] \"float power\" 10 \"bool twosided\" true" + shape);
+        const Mean found = mean_of(1 << 12, [&, &scene = scene](std::uint64_t i) {
+            const PixelSampler sampler = numbers(i);
+            EmissionSample s;
+            if (!scene.lights.sample_emission(scene.geometry, sampler.get_1d(1), sampler.get_2d(2), sampler.get_2d(3),
+                                              s))
+                return 0.0;
+            return static_cast<double>(s.power.g);
+        });
+        CHECK(found.value == Approx(3 * power).epsilon(1e-4));  // L's 3 stays a factor, as in pbrt
+        CHECK(scene.warnings.size() == warnings);
+    }
+}
+
+TEST_CASE("lights with images name what is wrong with them", "[lights]") {
+    const ImageFile wide(4, 2, std::vector<Rgb>(8, Rgb(1))), black(2, 2, std::vector<Rgb>(4, Rgb(0)));
+    struct Case {
+        std::string text, message;
+    };
+    for (const Case& each :
+         {Case{"LightSource \"goniometric\"", "without 'filename'"}, Case{"LightSource \"projection\"", "without"},
+          Case{"LightSource \"goniometric\"" + wide.parameter(), "must be square"},
+          Case{"LightSource \"infinite\"" + wide.parameter(), "must be square"},
+          Case{"LightSource \"projection\" \"float fov\" 180" + wide.parameter(), "between 0 and 180"},
+          Case{"LightSource \"projection\" \"float power\" 5" + black.parameter(), "its image is black"},
+          Case{"LightSource \"infinite\" \"float illuminance\" 5" + black.parameter(), "its image is black"},
+          Case{"LightSource \"infinite\" \"point3 portal\" [0 0 0 1 0 0 1 1 0]", "four point3"},
+          Case{"LightSource \"infinite\" \"point3 portal\" [0 0 0 1 0 0 1 1 1 0 1 0]", "not a rectangle"},
+          Case{"LightSource \"infinite\" \"point3 portal\" [0 0 0 1 0 0 2 1 0 0 1 0]", "right angles"},
+          Case{"LightSource \"infinite\" \"point3 portal\" [0 0 0 0 0 0 1 1 0 0 1 0]", "the same point"},
+          Case{"AreaLightSource \"diffuse\" \"rgb L\" [1 1 1]" + wide.parameter() + "\nShape \"sphere\"",
+               "exclude each other"}}) {
+        INFO(each.text);
+        const auto made = try_lit(each.text);
+        REQUIRE_FALSE(made.ok());
+        const Error& error = made.error();
+        CHECK(error.to_string().find(each.message) != std::string::npos);
+        CHECK(error.file == "test.pbrt");
+        CHECK(error.line == 2);
+    }
+}
+
+TEST_CASE("methods that begin at the lights find the path tracer's image under lights with images",
+          "[bdpt][lighttracer][render][statistical]") {
+    const std::string integrator = GENERATE("bdpt", "lighttracer");
+    std::vector<Rgb> pixels;
+    for (int i = 0; i < 64; ++i) pixels.emplace_back(i % 3 == 0 ? 1.5f : 0.2f);
+    const ImageFile file(8, 8, pixels);
+    // A room without a ceiling's middle: the sky comes in by the portal there, the screen at the back is an area light.
+    const std::string scene = render_test::plain_film + R"(
+PixelFilter "box" "float xradius" 0.5 "float yradius" 0.5
+LookAt 0 1 4.5  0 0.8 0  0 1 0
+Camera "perspective" "float fov" 45
+WorldBegin
+AttributeBegin LightSource "infinite" "float scale" 3 "point3 portal" [-1 2 -1  1 2 -1  1 2 1  -1 2 1] )" +
+                              file.parameter() + R"( AttributeEnd
+AttributeBegin Translate -1.2 1.5 0.5 LightSource "goniometric" "rgb I" [2 2 2] )" +
+                              file.parameter() + R"( AttributeEnd
+AttributeBegin Translate 1.2 1.2 1 Rotate 90 1 0 0 LightSource "projection" "float scale" 3 "float fov" 70 )" +
+                              file.parameter() + R"( AttributeEnd
+Material "diffuse" "rgb reflectance" [0.6 0.6 0.6]
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-2 0 2 2 0 2 2 0 -2 -2 0 -2]
+AttributeBegin AreaLightSource "diffuse" "bool twosided" true )" +
+                              file.parameter() + R"(
+Shape "bilinearmesh" "point3 P" [-1 0.3 -1.5 1 0.3 -1.5 -1 1.6 -1.5 1 1.6 -1.5] AttributeEnd
+AttributeBegin Translate 0 0.5 0 Shape "sphere" "float radius" 0.4 AttributeEnd
+)";
+    transport::RenderSettings settings;
+    settings.max_depth = 3;
+    settings.samples_per_pixel = 128;
+    render_test::compare_with_path(scene, settings, render_test::integrator_named(integrator), 10, 128,
+                                   {"C<RD>B", "C<RD>L", "C<RD><RD>+B", "C<RD><RD>+L", "CL", "C.*[LB]"});
+}
+
+}  // namespace image_lights
