@@ -7,6 +7,7 @@
 #include <cstring>
 #include <exception>
 #include <filesystem>
+#include <fstream>
 
 #include "lpe/budgets.h"
 
@@ -32,6 +33,35 @@ auto guarded(const std::string& path, const Call& call) -> Result<decltype(call(
     }
 }
 
+/// The library takes it for granted that names end with a zero, and that what is listed is there.
+Status check_segments(const std::string& path, std::uint64_t size) {
+    std::ifstream file(path, std::ios::binary);
+    std::uint64_t at = 0;  // at most `size`: so much has been read
+    const auto take = [&](auto& record) {
+        at += sizeof(record);
+        return static_cast<bool>(file.read(reinterpret_cast<char*>(&record), sizeof(record)));
+    };
+    nanovdb::io::Header segment;
+    while (take(segment) && segment.magic == NANOVDB_MAGIC_NUMBER) {  // the library names another beginning
+        std::uint64_t bytes = 0;
+        for (int i = 0; i < segment.gridCount; ++i) {
+            nanovdb::io::MetaData grid;
+            if (!take(grid)) return damaged(path, "it ends in its list of grids");
+            if (grid.nameSize == 0 || grid.nameSize > size - at)
+                return damaged(path, "a grid's name is longer than the file");
+            at += grid.nameSize;
+            if (file.seekg(grid.nameSize - 1, std::ios::cur); file.get() != 0)
+                return damaged(path, "a grid's name does not end");
+            if (grid.fileSize > size || bytes + grid.fileSize > size - at)
+                return damaged(path, "a grid is larger than the file");
+            bytes += grid.fileSize;
+        }
+        at += bytes;
+        file.seekg(static_cast<std::streamoff>(at));
+    }
+    return success();
+}
+
 Result<std::vector<MetaData>> read_meta_data(const std::string& path) {
     std::error_code failed;
     const std::uint64_t size = std::filesystem::file_size(path, failed);
@@ -39,6 +69,7 @@ Result<std::vector<MetaData>> read_meta_data(const std::string& path) {
         return Error{"expected a NanoVDB file; found no regular file", path, 0, 0, {}, {}};
     if (size > budget(Budget::file_bytes))
         return over_budget(Budget::file_bytes, "the NanoVDB file has " + std::to_string(size) + " bytes", path);
+    if (Status s = check_segments(path, size); !s) return s.error();
     Result<std::vector<MetaData>> grids = guarded(path, [&] { return nanovdb::io::readGridMetaData(path); });
     if (!grids) return grids;
     if (grids->empty()) return Error{"not a readable NanoVDB file: it has no grid", path, 0, 0, {}, {}};
@@ -76,6 +107,13 @@ class TreeReader {
         const auto address = reinterpret_cast<std::uintptr_t>(at), begin = reinterpret_cast<std::uintptr_t>(begin_);
         return address >= begin && address % 8 == 0 && address - begin <= size_ && bytes <= size_ - (address - begin);
     }
+    /// At an offset that the file says: no pointer is made of it before it is known to lead to within.
+    [[nodiscard]] bool holds(const void* from, std::int64_t offset, std::uint64_t bytes) const {
+        const auto size = static_cast<std::int64_t>(size_);
+        const std::int64_t start = static_cast<const std::uint8_t*>(from) - begin_;
+        if (offset < -size || offset > size || start + offset < 0 || start + offset > size) return false;
+        return holds(begin_ + (start + offset), bytes);
+    }
     Status read_box(const Root& root);
     Status visit(const Root& root);
     Status visit(const Upper& node, const nanovdb::Coord& origin);
@@ -111,9 +149,11 @@ class TreeReader {
 template <class Build>
 Result<NanoVdbGrid> TreeReader<Build>::read() {
     const auto* grid = reinterpret_cast<const Grid*>(begin_);
-    const Root& root = grid->tree().root();
-    if (!holds(&root, sizeof(Root)) ||
-        !holds(&root, sizeof(Root) + root.data()->mTableSize * std::uint64_t{sizeof(typename Root::Tile)}))
+    const auto& tree = grid->tree();
+    if (!holds(&tree, static_cast<std::int64_t>(tree.data()->mNodeOffset[3]), sizeof(Root)))
+        return damaged(path_, "its tree lies outside of the grid");
+    const Root& root = tree.root();
+    if (!holds(&root, sizeof(Root) + root.data()->mTableSize * std::uint64_t{sizeof(typename Root::Tile)}))
         return damaged(path_, "its tree lies outside of the grid");
     const nanovdb::Vec3d zero = grid->map().applyMap(nanovdb::Vec3d(0, 0, 0));
     for (int c = 0; c < 3; ++c) {
@@ -209,9 +249,9 @@ Status TreeReader<Build>::visit(const Root& root) {
             if (Status s = take_tile(static_cast<float>(tile->value), tile->origin(), edge); !s) return s;
             continue;
         }
-        const Upper& child = *root.data()->getChild(tile);
-        if (!holds(&child, sizeof(Upper))) return damaged(path_, "an upper node lies outside of the grid");
-        if (Status s = visit(child, tile->origin()); !s) return s;
+        if (!holds(root.data(), tile->child, sizeof(Upper)))
+            return damaged(path_, "an upper node lies outside of the grid");
+        if (Status s = visit(*root.data()->getChild(tile), tile->origin()); !s) return s;
     }
     return success();
 }
@@ -222,9 +262,9 @@ Status TreeReader<Build>::visit(const Upper& node, const nanovdb::Coord& origin)
     for (std::uint32_t n = 0; n < Upper::SIZE; ++n) {
         const nanovdb::Coord at = origin + (Upper::OffsetToLocalCoord(n) << Lower::TOTAL);
         if (node.data()->mChildMask.isOn(n)) {
-            const Lower& child = *node.data()->getChild(n);
-            if (!holds(&child, sizeof(Lower))) return damaged(path_, "a lower node lies outside of the grid");
-            if (Status s = visit(child, at); !s) return s;
+            if (!holds(node.data(), node.data()->mTable[n].child, sizeof(Lower)))
+                return damaged(path_, "a lower node lies outside of the grid");
+            if (Status s = visit(*node.data()->getChild(n), at); !s) return s;
         } else if (Status s = take_tile(static_cast<float>(node.data()->getValue(n)), at, 1 << Lower::TOTAL); !s) {
             return s;
         }
@@ -238,9 +278,9 @@ Status TreeReader<Build>::visit(const Lower& node, const nanovdb::Coord& origin)
     for (std::uint32_t n = 0; n < Lower::SIZE; ++n) {
         const nanovdb::Coord at = origin + (Lower::OffsetToLocalCoord(n) << Leaf::TOTAL);
         if (node.data()->mChildMask.isOn(n)) {
-            const Leaf& child = *node.data()->getChild(n);
-            if (!holds(&child, sizeof(Leaf))) return damaged(path_, "a leaf lies outside of the grid");
-            if (Status s = visit(child, at); !s) return s;
+            if (!holds(node.data(), node.data()->mTable[n].child, sizeof(Leaf)))
+                return damaged(path_, "a leaf lies outside of the grid");
+            if (Status s = visit(*node.data()->getChild(n), at); !s) return s;
         } else if (Status s = take_tile(static_cast<float>(node.data()->getValue(n)), at, 1 << Leaf::TOTAL); !s) {
             return s;
         }
