@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "experiments/invariants/scene_under_test.h"
+#include "transport/scene/material_kinds.h"
 #include "transport/scene/typed_parameters.h"
 
 namespace raylex::experiments {
@@ -22,6 +23,16 @@ void multiply(ParameterSet& set, const std::string& name, double factor) {
     set.parameters.push_back(transport::typed::real(name, factor));
 }
 
+/// x y z of one point after another.
+void move_points(std::vector<double>& numbers, const Transform& change) {
+    for (std::size_t i = 0; i + 3 <= numbers.size(); i += 3) {
+        const auto p = change.point_in_double({numbers[i], numbers[i + 1], numbers[i + 2]});
+        numbers[i] = p.x;
+        numbers[i + 1] = p.y;
+        numbers[i + 2] = p.z;
+    }
+}
+
 }  // namespace
 
 SceneDescription moved(SceneDescription scene, const Transform& change) {
@@ -30,7 +41,11 @@ SceneDescription moved(SceneDescription scene, const Transform& change) {
     for (transport::SceneInstance& instance : scene.instances) instance.to_world = change * instance.to_world;
     if (scene.camera_moved_to) *scene.camera_moved_to = change * *scene.camera_moved_to;
     for (transport::Transform& last : scene.moved_to) last = change * last;
-    for (transport::SceneLight& light : scene.lights) light.to_world = change * light.to_world;
+    for (transport::SceneLight& light : scene.lights) {
+        light.to_world = change * light.to_world;
+        for (Parameter& parameter : light.parameters.parameters)
+            if (parameter.name == "portal") move_points(parameter.numbers, change);  // they stand in the world
+    }
     for (transport::SceneTexture& texture : scene.textures) texture.to_world = change * texture.to_world;
     return scene;
 }
@@ -38,7 +53,11 @@ SceneDescription moved(SceneDescription scene, const Transform& change) {
 SceneDescription scaled(SceneDescription scene, double factor) {
     scene = moved(std::move(scene), Transform::scale(factor, factor, factor));
     for (transport::SceneLight& light : scene.lights)
-        if (light.type == "point" || light.type == "spot") multiply(light.parameters, "scale", factor * factor);
+        if (transport::is_light_at_point(light)) multiply(light.parameters, "scale", factor * factor);
+    for (transport::SceneAreaLight& light : scene.area_lights) {
+        const auto power = light.parameters.real_or("power", -1);  // of a surface that is larger now
+        if (power && *power > 0) multiply(light.parameters, "scale", factor * factor);
+    }
     for (transport::SceneEntity& medium : scene.media) multiply(medium.parameters, "scale", 1 / factor);
     const auto factor_in_real = static_cast<transport::Real>(factor);
     for (SceneShape& shape : scene.shapes) shape.edge_length *= factor_in_real;  // of displaced meshes, in the world

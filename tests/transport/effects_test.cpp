@@ -70,6 +70,10 @@ std::vector<Example> examples(const std::string& image) {
          replaced(effects_scene(lamp), plain_camera,
                   std::string(plain_camera) + " \"float lensradius\" 0.1 \"float focaldistance\" 3"),
          effects_scene(lamp)},
+        {Effect::depth_of_field,
+         replaced(effects_scene(lamp), plain_camera,
+                  "Camera \"orthographic\" \"float lensradius\" 0.1 \"float focaldistance\" 3"),
+         replaced(effects_scene(lamp), plain_camera, "Camera \"orthographic\" \"float focaldistance\" 3")},
         {Effect::image_textures, replaced(effects_scene(with_texture), plain_material, textured),
          // The image is black and white in halves of a quarter and three quarters.
          replaced(effects_scene(lamp), plain_material, "Material \"diffuse\" \"rgb reflectance\" [0.25 0.25 0.25]")},
@@ -109,6 +113,10 @@ std::vector<Example> examples(const std::string& image) {
                   "\"rgb sigma_s\" [1 .5 .5]\nMediumInterface \"\" \"fog\"\nCamera")},
         {Effect::emissive_meshes, effects_scene(shining), effects_scene(dark)},
         {Effect::delta_lights, effects_scene(lamp), effects_scene()},
+        {Effect::delta_lights,
+         effects_scene("AttributeBegin\nTranslate 2 3 4\nLightSource \"goniometric\" \"string filename\" \"" + image +
+                       "\"\nAttributeEnd"),
+         effects_scene()},
         {Effect::environment, effects_scene("LightSource \"infinite\" \"rgb L\" [0.5 0.6 0.7]"), effects_scene()},
         {Effect::instances,
          effects_scene(lamp + "\nObjectBegin \"ball\"\n" + plain_shape +

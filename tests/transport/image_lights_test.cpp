@@ -334,19 +334,19 @@ TEST_CASE("an image on an area light: pbrt's orientation, means, densities, powe
         // A sphere is two-sided and sampled by area: samples of its far side are hidden by the near one.
         if (each.shape.find("sphere") == std::string::npos && each.shape.find("cylinder") == std::string::npos)
             CHECK(std::abs(sampled.value - traced.value) < 4 * std::hypot(sampled.error, traced.error));
+        int at_borders = 0;
         for (std::uint64_t i = 0; i < 300; ++i) {
             LightSample s;
             if (!draw(scene, {}, i, s)) continue;
             const double again = static_cast<double>(scene.lights.density(chooser, scene.geometry, Vec3(), s));
-            // A cell of the image's grid ends somewhere: next to that rounding may take the neighbour's density.
-            if (std::abs(again / static_cast<double>(s.pdf) - 1) > 1e-3) {
-                CHECK(i > 0);
-                REQUIRE(again > 0.05 * static_cast<double>(s.pdf));
-            }
+            at_borders += std::abs(again / static_cast<double>(s.pdf) - 1) > 1e-3 ? 1 : 0;
             if (!each.flat) continue;
             const double u = (static_cast<double>(s.target.x) + 1) / 2, v = (static_cast<double>(s.target.y) + 1) / 2;
             CHECK(static_cast<double>(s.radiance.g) == Approx(2 * shown(u, v)).epsilon(1e-4));
         }
+        // A cell of the image's grid ends somewhere: next to that rounding may take the neighbour's density. The grid
+        // is 2 x 2 here, and less than one sample in 10,000 falls within 1e-5 of its lines.
+        CHECK(at_borders <= 1);
     }
     // Two triangles of power 10 each, on both sides; a sphere of 10.
     for (const auto& [shape, power, warnings] :

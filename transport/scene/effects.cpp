@@ -27,7 +27,8 @@ constexpr std::array<EffectInfo, effect_count> catalogue{{
     {Effect::facet_compensation, "facet-compensation", "a material in use has raylex:compensate",
      "facets scatter once, as in pbrt", ""},
     {Effect::emissive_meshes, "emissive-meshes", "a shape shines", "it does not", ""},
-    {Effect::delta_lights, "delta-lights", "there is a point, spot or distant light", "they are dark", ""},
+    {Effect::delta_lights, "delta-lights", "there is a point, spot, goniometric, projection or distant light",
+     "they are dark", ""},
     {Effect::environment, "environment", "there is an infinite light", "black", ""},
     {Effect::instances, "instances", "an object is placed by instances", "nothing where they stood", ""},
     {Effect::motion, "motion", "an object, a shape or the camera moves while the shutter is open",
@@ -95,10 +96,12 @@ EffectFinding find_media(const SceneDescription& scene, const UsedSurfaces& used
 }
 
 EffectFinding find_lens(const SceneDescription& scene) {
-    if (!scene.camera.type.empty() && scene.camera.type != "perspective")
-        return {false, "camera '" + scene.camera.type + "' is a plugin's, and its own business"};
+    const std::string& type = scene.camera.type;
+    if (type == "spherical") return {false, "a spherical camera"};
+    if (!type.empty() && type != "perspective" && type != "orthographic")
+        return {false, "camera '" + type + "' cannot be without the lens that it may have"};
     const Result<double> radius = scene.camera.parameters.real_or("lensradius", 0);
-    if (!radius || !(*radius > 0)) return {false, "a pinhole camera"};
+    if (!radius || !(*radius > 0)) return {false, "a camera without a lens"};
     return {true, "a lens"};
 }
 

@@ -37,8 +37,11 @@ namespace raylex::transport {
     return medium.type == "uniformgrid" || medium.type == "rgbgrid" || medium.type == "cloud" ||
            medium.type == "nanovdb";
 }
+[[nodiscard]] inline bool is_light_at_point(const SceneEntity& light) {
+    return light.type == "point" || light.type == "spot" || light.type == "goniometric" || light.type == "projection";
+}
 [[nodiscard]] inline bool is_delta_light(const SceneEntity& light) {
-    return light.type == "point" || light.type == "spot" || light.type == "distant";
+    return is_light_at_point(light) || light.type == "distant";
 }
 [[nodiscard]] inline bool is_environment(const SceneEntity& light) {
     return light.type == "infinite";
