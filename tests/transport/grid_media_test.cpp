@@ -163,7 +163,8 @@ TEST_CASE("grids are looked up as in pbrt, and majorants bound them", "[media][g
     CHECK(grey.media.grid_bytes() > nx * ny * nz * sizeof(float));
 }
 
-TEST_CASE("flights, transmittance and emission have their means, whatever the majorant", "[media][grids][statistical]") {
+TEST_CASE("flights, transmittance and emission have their means, whatever the majorant",
+          "[media][grids][statistical]") {
     const std::string density = " \"float density\"" + list(numbers(nx * ny * nz, 4, 0.4)) + counts + box;
     const std::string radiance = " \"float Lescale\"" + list(numbers(nx * ny * nz, 5, 0.5));
     const std::string colours = " \"rgb sigma_a\"" + list(numbers(3 * nx * ny * nz, 6, 0.2)) + " \"rgb sigma_s\"" +
