@@ -8,8 +8,8 @@
 namespace raylex::display {
 namespace {
 
-constexpr std::array rules{FilterRule::filter, FilterRule::zmin, FilterRule::zmax,   FilterRule::min,
-                           FilterRule::max,    FilterRule::sum,  FilterRule::average};
+constexpr std::array filter_rules{FilterRule::filter, FilterRule::zmin, FilterRule::zmax,   FilterRule::min,
+                                  FilterRule::max,    FilterRule::sum,  FilterRule::average};
 constexpr std::array statistics{Statistic::variance, Statistic::mse, Statistic::even, Statistic::odd};
 
 /// The value whose name is `text`.
@@ -83,7 +83,7 @@ const char* statistic_name(Statistic statistic) {
 
 Result<RuleRequest> parse_rule_request(const std::string& channel, const std::string& rule,
                                        const SourceLocation& where) {
-    const auto parsed = named("rule", rule, rules, rule_name, where);
+    const auto parsed = named("rule", rule, filter_rules, rule_name, where);
     if (!parsed) return parsed.error();
     return RuleRequest{channel, *parsed, where};
 }
