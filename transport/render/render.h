@@ -43,6 +43,8 @@ struct RenderPlan {
     std::shared_ptr<const display::WordAlphabet> words;  ///< what RenderSettings::words came to
     std::vector<display::ChannelId> altered;             ///< by sample filters: partitions with these do not sum
     std::vector<display::MemoryItem> memory;             ///< of the frame buffer, layer by layer, and cryptomattes
+    /// What a checkpoint of this render says that it is of, the caller's fields before the render's own.
+    display::RecordIdentity identity{};
 };
 
 /// Saving the render now and then, so that it can go on after a crash. See render/checkpoint.h for how.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <new>
 
+#include "transport/render/checkpoint.h"
+
 namespace raylex::transport {
 namespace {
 
@@ -21,7 +23,8 @@ RenderPlan plan_of(const ResolvedJob& job, const display::FrameBufferLayout& lay
                     .raster = job.raster(),
                     .words = job.channels.lpe->words(),
                     .altered = job.channels.filters.alters(),
-                    .memory = display::frame_buffer_memory(layout, job.channels.list, job.raster())};
+                    .memory = display::frame_buffer_memory(layout, job.channels.list, job.raster()),
+                    .identity = render_identity(job)};
     for (const geoaovs::MatteKind kind : settings.cryptomatte)
         plan.memory.push_back({geoaovs::matte_layer(kind), display::RankedCoverage::expected_bytes(width, height)});
     if (settings.adaptive)  // an error and a decision a pixel
