@@ -82,7 +82,7 @@ std::optional<RunMark> finished_mark(const std::string& directory) {
 std::string error_mark(const std::string& directory) {
     std::error_code failed;
     if (!fs::exists(directory + "/error.txt", failed)) return {};
-    auto text = read_record(directory + "/error.txt", "what ended a run");
+    auto text = raylex::read_record(directory + "/error.txt", "what ended a run");
     std::string message = text ? *text : text.error().to_string();
     while (!message.empty() && message.back() == '\n') message.pop_back();
     return message.empty() ? "it ended with an error" : message;
