@@ -78,7 +78,7 @@ submit() { "$raylex" submit --slurm study.toml -o "$1" --shards 8 --no-report "$
 
 # As it goes, beside the local runner.
 start=$(seconds)
-"$raylex" experiment run study.toml -o local >local.log 2>&1 || { tail local.log; exit 1; }
+"$raylex" experiment run "$folder/study.toml" -o local >local.log 2>&1 || { tail local.log; exit 1; }
 local_seconds=$(since "$start")
 start=$(seconds)
 said=$(submit calm)

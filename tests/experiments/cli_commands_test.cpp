@@ -109,7 +109,7 @@ TEST_CASE("commands that cannot be are refused, and templates with a slip name i
     check_refused(folder, render + "--shards 2", {"--shards without --commands"});
     check_refused(folder, render + "--commands", {"expected --shards N"});
     check_refused(folder, render + "--shards 5 --commands", {"5 shards of 64 samples per pixel; expected at most 4"});
-    check_refused(folder, render + "--shards 2 --commands=mke", {"'mke' is no format", "did you mean 'make'?"});
+    check_refused(folder, render + "--shards 2 --commands=mke", {"'mke' is no format"});
     check_refused(folder, render + "--shards 2 --commands --integrator pssmlt", {"Markov chains"});
     folder.write("t.mk", "{{#commands}}\n{{comand}}\n{{/commands}}\n");
     check_refused(folder, render + "--shards 2 --commands=t.mk", {"t.mk:2", "'comand'", "did you mean 'command'?"});
@@ -123,7 +123,7 @@ TEST_CASE("commands that cannot be are refused, and templates with a slip name i
 
 TEST_CASE("the commands of a study end in the cells of one run, whatever was killed [law3]") {
     const StudyFolder folder;
-    done(folder, "exec \"$RAYLEX\" experiment run c.toml -o local");
+    done(folder, "exec \"$RAYLEX\" experiment run \"$PWD/c.toml\" -o local");
     folder.write("commands", done(folder, plan + "--shards 3 --split-cells 2 --commands").out);
     CHECK(contains(folder.read("commands"), "--only-references"));
     // The second shard is killed at once, and the merge has nothing to merge.
@@ -208,7 +208,7 @@ TEST_CASE("a worker killed half way: GNU parallel, Make and Snakemake end in the
     for (const char* tool : {"parallel", "make", "snakemake"})
         if (!has_tool(folder, tool)) RAYLEX_SKIP(std::string("needs the package ") + tool);
     done(folder,
-         "sed -i 's/^samples = .*/samples = [4096]/' c.toml && exec \"$RAYLEX\" experiment run c.toml -o local");
+         "sed -i 's/^samples = .*/samples = [4096]/' c.toml && exec \"$RAYLEX\" experiment run \"$PWD/c.toml\" -o local");
     const std::string local = folder.bits("local");
     // The folder's name is of this test alone.
     const std::string worker = "pgrep -f '" + folder.path("all/parts/2") + " '";

@@ -74,10 +74,10 @@ Result<Message> CellWorker::ask(const Message& request, double timeout, double s
     }
 }
 
-Result<SceneFacts> CellWorker::describe(std::size_t scene, std::size_t variant) {
+Result<DescribedScene> CellWorker::describe(std::size_t scene, std::size_t variant) {
     auto answer = ask(request_of(Operation::describe, scene, variant), config_.timeout, 0, {});
     if (!answer) return answer.error();
-    return SceneFacts{scene_of_message(answer->at("info")), partitions_of_message(answer->at("partitions"))};
+    return DescribedScene{scene_of_message(answer->at("info")), partitions_of_message(answer->at("partitions"))};
 }
 
 Result<std::uint64_t> CellWorker::frame_buffer_bytes(std::size_t scene, std::size_t variant) {

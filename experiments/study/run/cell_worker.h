@@ -16,7 +16,7 @@
 namespace raylex::experiments {
 
 /// A scene as far as its loading tells.
-struct SceneFacts {
+struct DescribedScene {
     SceneInfo info;  ///< hash, size, channels
     std::vector<PartitionInfo> partitions;
 };
@@ -35,7 +35,7 @@ class CellWorker {
     CellWorker(const ExperimentConfig& config, const Plan& plan, std::string directory, const std::atomic<bool>* stop,
                bool isolated, std::function<void()> in_process = {});
 
-    Result<SceneFacts> describe(std::size_t scene, std::size_t variant);
+    Result<DescribedScene> describe(std::size_t scene, std::size_t variant);
     Result<std::uint64_t> frame_buffer_bytes(std::size_t scene, std::size_t variant);
     /// reason_of_scene() of cell_parts.h; empty where the scene cannot be loaded: its cells will say so.
     std::string reason_to_keep(std::size_t scene, std::size_t variant);
