@@ -111,6 +111,9 @@ class FrameBuffer final : public PixelImage {
     /// The whole record as bytes, appended to `bytes`: layout, channels, every plane. What from_record() takes; shards,
     /// checkpoints and experiment cells are this. Not while samples are being added.
     void append_record(std::string& bytes) const;
+    /// The same of rows [first, end) alone, counted in this buffer: the record of a frame buffer of that band, with
+    /// layout().first_row.
+    void append_record(std::string& bytes, int first, int end) const;
     /// The frame buffer that append_record() was called on: the same bits in every respect. An Error when the bytes are
     /// no record of this version or end too early; damage within is for the file around them to find (checkpoint/). The
     /// kernels of splat mode and raster splats are there by name only: what is to take in samples again adopts them.

@@ -9,7 +9,7 @@ namespace raylex::display {
 namespace {
 
 /// Raise it with every change of what stands in a record, but for planes: those have names.
-constexpr std::uint32_t record_version = 4;
+constexpr std::uint32_t record_version = 5;
 
 /// A binding that no longer fits says that ChannelDefinition has a member which no record holds yet.
 void write_channel(RecordWriter& writer, const ChannelDefinition& definition) {
@@ -84,28 +84,43 @@ void visit_planes(Storage& storage, Visit visit) {
 }  // namespace
 
 void FrameBuffer::append_record(std::string& bytes) const {
+    append_record(bytes, 0, storage_->layout.height);
+}
+
+void FrameBuffer::append_record(std::string& bytes, int first, int end) const {
     const Storage& storage = *storage_;
+    const auto rows = static_cast<std::size_t>(storage.layout.height);
+    // A plane's numbers of the rows; what is kept once stands in every band, so that each can be resolved alone.
+    const auto of_rows = [&]<class T>(std::span<const T> values) {
+        if (static_cast<const void*>(values.data()) == storage.light_paths.values().data()) return values;
+        const std::size_t a_row = values.size() / rows;
+        return values.subspan(static_cast<std::size_t>(first) * a_row, static_cast<std::size_t>(end - first) * a_row);
+    };
     // Address space for all of it, so that nothing is copied twice; pages that stay zero are not written.
     std::size_t most = bytes.size() + 4096 * (storage.channels.size() + 1);
-    visit_planes(storage, [&](const std::string& name, const auto& plane, auto) {
-        most += name.size() + plane.bytes().size() * 257 / 256 + 64;
+    visit_planes(storage, [&]<class T>(const std::string& name, const Plane<T>& plane, auto) {
+        most += name.size() + of_rows(plane.values()).size_bytes() * 257 / 256 + 64;
     });
     bytes.reserve(most);
     RecordWriter writer(bytes);
     writer.number(record_version);
     writer.number(storage.layout.width);
-    writer.number(storage.layout.height);
+    writer.number(end - first);
     writer.number(storage.layout.block_size);
     writer.number(storage.layout.quantum_exponent);
+    writer.number(storage.layout.first_row + first);
     writer.text(storage.kernel_name);
     writer.text(storage.raster_kernel_name);
     writer.number(static_cast<std::uint64_t>(storage.channels.size()));
     for (const ChannelDefinition& definition : storage.definitions) write_channel(writer, definition);
-    for (std::size_t i = 0; i <= storage.channels.size(); ++i) writer.number(storage.rejected[i].load());
+    // Counted once, in the band that has the first row.
+    for (std::size_t i = 0; i <= storage.channels.size(); ++i)
+        writer.number(first == 0 ? storage.rejected[i].load() : std::uint64_t{0});
     visit_planes(storage, [&]<class T>(const std::string& name, const Plane<T>& plane, auto like) {
         writer.text(name);
-        if constexpr (std::is_same_v<T, Int128>) writer.sums(plane.values(), like);
-        else writer.plane(plane.bytes());
+        const std::span<const T> values = of_rows(plane.values());
+        if constexpr (std::is_same_v<T, Int128>) writer.sums(values, like.empty() ? like : of_rows(like));
+        else writer.plane({reinterpret_cast<const char*>(values.data()), values.size_bytes()});
     });
 }
 
@@ -118,8 +133,11 @@ Result<FrameBuffer> FrameBuffer::from_record(std::string_view bytes) {
     layout.height = reader.number<int>();
     layout.block_size = reader.number<int>();
     layout.quantum_exponent = reader.number<int>();
+    layout.first_row = reader.number<int>();
     constexpr int longest_side = 1 << 20;  // so that no size below overflows
-    if (layout.width > longest_side || layout.height > longest_side) return record_error("its size is out of range");
+    if (layout.width > longest_side || layout.height > longest_side || layout.first_row < 0 ||
+        layout.first_row > longest_side)
+        return record_error("its size is out of range");
     const std::string kernel = reader.text(), raster_kernel = reader.text();
     const auto count = reader.number<std::uint64_t>();
     std::vector<ChannelDefinition> channels;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -133,10 +134,11 @@ class RenderRun {
     }
 
     void ask_for_checkpoints() {
-        if (job_.checkpoint_seconds == 0) return;
+        if (job_.checkpoint_seconds == 0 && !job_.settings.buckets) return;
         transport::CheckpointSettings settings;
         settings.file = checkpoint_file(job_);
-        settings.seconds = job_.checkpoint_seconds;
+        settings.seconds =
+            job_.checkpoint_seconds > 0 ? job_.checkpoint_seconds : std::numeric_limits<double>::infinity();
         settings.resume = job_.resume;
         settings.identity = checkpoint_identity(job_, loaded_->color);
         job_.settings.checkpoint = std::move(settings);
@@ -144,8 +146,10 @@ class RenderRun {
 
     /// The image is safe under its name, and so are all other files: what would bring it back is not needed any more.
     void remove_checkpoint() {
-        if (job_.checkpoint_seconds == 0 || !output_->complete) return;
-        if (Status removed = display::remove_file(checkpoint_file(job_)); !removed) warn(removed.error().to_string());
+        if (!output_->complete || (job_.checkpoint_seconds == 0 && !output_->bands)) return;
+        const std::string file = checkpoint_file(job_);
+        const Status removed = output_->bands ? transport::remove_buckets(file) : display::remove_file(file);
+        if (!removed) warn(removed.error().to_string());
     }
 
     Step render() {
@@ -250,7 +254,7 @@ class RenderRun {
         const fs::path folder = fs::temp_directory_path(failed);
         const std::string path = (folder / fs::path(job_.output).filename()).string();
         if (!failed && !fs::exists(path, failed) &&
-            display::write_exr(path, outputs_.filtered(output_->frame_buffer), output_->beauty, description)) {
+            display::write_exr(path, outputs_.filtered(output_->image()), output_->beauty, description)) {
             Error error = failure;
             error.hint = "the image was saved as " + path + " instead";
             return report_error(error);
@@ -260,14 +264,19 @@ class RenderRun {
 
     /// Judges the file as a reader finds it, not the buffers it came from.
     Step judge() {
-        auto image = display::read_exr(job_.output);
-        if (!image) return report_error(image.error());
-        if (!image->partitions.empty()) {
-            auto verdicts = display::check_declared_splits(*image);
+        auto file = display::ExrBands::open(job_.output);
+        if (!file) return report_error(file.error());
+        image_ = file->image();
+        if (!image_.partitions.empty()) {
+            auto verdicts = display::check_declared_splits(*file);
             if (!verdicts) return report_error(verdicts.error());
             splits_ = std::move(*verdicts);
         }
-        image_ = std::move(*image);
+        if (outputs_.deep() != nullptr) {
+            auto pixels = display::read_exr(job_.output);
+            if (!pixels) return report_error(pixels.error());
+            image_ = *std::move(pixels);
+        }
         auto deep = outputs_.judge_deep(image_);
         if (!deep) return report_error(deep.error());
         deep_ = std::move(*deep);
@@ -314,7 +323,7 @@ class RenderRun {
             line += interrupt_flag().load() ? "; INCOMPLETE: interrupted"
                                             : "; INCOMPLETE: the time was up before all pixels had as many samples";
         print_line(line);
-        if (!output_->complete && job_.checkpoint_seconds > 0 && fs::exists(checkpoint_file(job_), failed))
+        if (!output_->complete && (job_.checkpoint_seconds > 0 || output_->bands) && fs::exists(checkpoint_file(job_), failed))
             print_line(checkpoint_file(job_) + ": --resume goes on from here");
         print_sampling();
         if (!beauties_.empty())
@@ -362,7 +371,7 @@ class RenderRun {
     std::optional<transport::RenderOutput> output_;
     std::optional<display::DeepVerdict> deep_;
     std::optional<display::AtlasVerdict> atlas_;
-    display::ExrImage image_;
+    display::ExrImage image_;  // its pixels only where a deep image is compared with them
     std::vector<display::SplitVerdict> splits_;
     std::map<std::string, PhaseTime> phases_;
     std::map<std::string, std::string> attributes_;
