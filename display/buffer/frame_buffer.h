@@ -103,6 +103,7 @@ class FrameBuffer final : public PixelImage {
     /// That many more light paths are in, whether or not they splatted anything. Any thread, any time.
     void count_light_paths(std::uint64_t paths);
     [[nodiscard]] std::uint64_t light_path_count() const;
+    [[nodiscard]] bool takes_raster_splats() const;
 
     /// Adds the record of another buffer of the same layout and channels: exact, in any order (Law 3). The samples of
     /// the two must be disjoint and whole blocks. On error this buffer is unchanged.
@@ -118,6 +119,11 @@ class FrameBuffer final : public PixelImage {
     /// no record of this version or end too early; damage within is for the file around them to find (checkpoint/). The
     /// kernels of splat mode and raster splats are there by name only: what is to take in samples again adopts them.
     static Result<FrameBuffer> from_record(std::string_view bytes);
+    /// An empty one of another size, with this one's channels and ways of taking samples in.
+    [[nodiscard]] Result<FrameBuffer> like(const FrameBufferLayout& layout) const;
+    /// Puts a band of this image where it belongs, in place of what is there; counts of refused sums are added up. An
+    /// Error when it is none.
+    Status place(const FrameBuffer& band);
     /// After from_record(): the kernels of a buffer from which this one does not differ.
     void adopt_kernels(const FrameBuffer& other);
 
@@ -149,6 +155,9 @@ class FrameBuffer final : public PixelImage {
     struct Storage;
     struct Run;
     struct Channel;
+    static Result<FrameBuffer> of_kernels_by_name(const FrameBufferLayout& layout,
+                                                  std::span<const ChannelDefinition> channels,
+                                                  const std::string& kernel, const std::string& raster_kernel);
     void accumulate_run(const SampleTable& table, const Run& run);
     void accumulate_channels(const SampleTable& table, const Run& run);
     std::unique_ptr<Storage> storage_;

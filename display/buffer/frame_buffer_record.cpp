@@ -124,6 +124,46 @@ void FrameBuffer::append_record(std::string& bytes, int first, int end) const {
     });
 }
 
+/// Planes and checks are those of the mode, whatever the kernel.
+Result<FrameBuffer> FrameBuffer::of_kernels_by_name(const FrameBufferLayout& layout,
+                                                    std::span<const ChannelDefinition> channels,
+                                                    const std::string& kernel, const std::string& raster_kernel) {
+    const FilterProfile box([](double) { return 1.0; }, 0.5, 1);
+    const PixelFilter any("box", box, box);
+    auto buffer = create(layout, channels, kernel.empty() ? nullptr : &any, raster_kernel.empty() ? nullptr : &any);
+    if (!buffer) return buffer;
+    buffer->storage_->kernel_name = kernel;
+    buffer->storage_->raster_kernel_name = raster_kernel;
+    return buffer;
+}
+
+Result<FrameBuffer> FrameBuffer::like(const FrameBufferLayout& layout) const {
+    return of_kernels_by_name(layout, channels(), storage_->kernel_name, storage_->raster_kernel_name);
+}
+
+Status FrameBuffer::place(const FrameBuffer& band) {
+    Storage& mine = *storage_;
+    const Storage& theirs = *band.storage_;
+    FrameBufferLayout layout = mine.layout;
+    layout.height = theirs.layout.height;
+    layout.first_row = theirs.layout.first_row;
+    const auto alike = band.like(layout);
+    const int first = layout.first_row - mine.layout.first_row;
+    if (!alike || !alike->difference_from(band).empty() || first < 0 || first + layout.height > mine.layout.height)
+        return error_at({}, "a band that is none of this image");
+    const auto put = [&]<class T>(Plane<T>& to, const Plane<T>& from) {
+        if (from.empty()) return;
+        const auto rows = static_cast<std::size_t>(layout.height);
+        const std::size_t at = to.size() == from.size() ? 0 : static_cast<std::size_t>(first) * (from.size() / rows);
+        std::copy(from.values().begin(), from.values().end(), to.values().begin() + static_cast<std::ptrdiff_t>(at));
+    };
+    Storage::for_each_plane([&](const char*, auto plane) { put(mine.*plane, theirs.*plane); });
+    for (std::size_t i = 0; i < mine.channels.size(); ++i)
+        Channel::for_each_plane([&](const char*, auto plane) { put(mine.channels[i].*plane, theirs.channels[i].*plane); });
+    for (std::size_t i = 0; i <= mine.channels.size(); ++i) mine.rejected[i].fetch_add(theirs.rejected[i].load());
+    return success();
+}
+
 Result<FrameBuffer> FrameBuffer::from_record(std::string_view bytes) {
     RecordReader reader(bytes);
     if (const auto version = reader.number<std::uint32_t>(); version != record_version)
@@ -143,14 +183,9 @@ Result<FrameBuffer> FrameBuffer::from_record(std::string_view bytes) {
     std::vector<ChannelDefinition> channels;
     for (std::uint64_t i = 0; i < count && reader.ok(); ++i) channels.push_back(read_channel(reader));
     if (!reader.ok()) return record_error("it ends or goes wrong among the channels");
-    // Planes and checks are those of the mode, whatever the kernel.
-    const FilterProfile box([](double) { return 1.0; }, 0.5, 1);
-    const PixelFilter any("box", box, box);
-    auto buffer = create(layout, channels, kernel.empty() ? nullptr : &any, raster_kernel.empty() ? nullptr : &any);
+    auto buffer = of_kernels_by_name(layout, channels, kernel, raster_kernel);
     if (!buffer) return buffer.error();
     Storage& storage = *buffer->storage_;
-    storage.kernel_name = kernel;
-    storage.raster_kernel_name = raster_kernel;
     for (std::size_t i = 0; i <= channels.size(); ++i) storage.rejected[i].store(reader.number<std::uint64_t>());
     visit_planes(storage, [&]<class T>(const std::string& name, Plane<T>& plane, auto like) {
         if (reader.text() != name) reader.fail();
