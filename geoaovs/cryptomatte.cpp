@@ -128,6 +128,12 @@ Cryptomatte::Cryptomatte(MatteKind kind, int ranks, int width, int height, const
     }
 }
 
+std::vector<std::string> Cryptomatte::names() const {
+    std::vector<std::string> result;
+    for (const auto& [name, id] : names_) result.push_back(name);
+    return result;
+}
+
 std::vector<std::string> Cryptomatte::planes() const {
     std::vector<std::string> result;
     for (int rank = 0; rank < ranks_; ++rank) {

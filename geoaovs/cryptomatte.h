@@ -51,6 +51,9 @@ class Cryptomatte {
     [[nodiscard]] display::RankedCoverage& coverage() { return coverage_; }
     [[nodiscard]] const display::RankedCoverage& coverage() const { return coverage_; }
     [[nodiscard]] std::size_t name_count() const { return names_.size(); }
+    [[nodiscard]] MatteKind kind() const { return kind_; }
+    /// In order; with them and the coverage's record the set is made again.
+    [[nodiscard]] std::vector<std::string> names() const;
     /// Pairs of names that have one id and so share a matte, for a warning.
     [[nodiscard]] const std::vector<std::pair<std::string, std::string>>& collisions() const { return collisions_; }
 

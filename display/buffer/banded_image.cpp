@@ -78,4 +78,30 @@ std::vector<double> BandedImage::resolve_alpha(const PixelRegion& region) const 
                     [](const FrameBuffer& band, const PixelRegion& part) { return band.resolve_alpha(part); });
 }
 
+Result<FrameBuffer> BandedImage::rows(const RowRange& rows) const {
+    const std::lock_guard lock(mutex_);
+    std::optional<FrameBuffer> all;
+    try {
+        for (int y = rows.first; y < rows.end;) {
+            const FrameBuffer& band = band_of(y);
+            const int first = band.layout().first_row, end = std::min(rows.end, first + band.layout().height);
+            std::string bytes;
+            band.append_record(bytes, y - first, end - first);
+            auto part = FrameBuffer::from_record(bytes);
+            if (!part || (y == rows.first && end == rows.end)) return part;
+            if (!all) {
+                FrameBufferLayout layout = part->layout();
+                layout.first_row = rows.first;
+                layout.height = rows.end - rows.first;
+                auto made = part->like(layout);
+                if (!made) return made;
+                all = *std::move(made);
+            }
+            if (Status placed = all->place(*part); !placed) return placed.error();
+            y = end;
+        }
+    } catch (const BandFailure& failure) { return failure.error(); }
+    return *std::move(all);
+}
+
 }  // namespace raylex::display

@@ -46,6 +46,9 @@ class BandedImage final : public PixelImage {
     [[nodiscard]] std::vector<double> resolve(ChannelId id, const PixelRegion& region) const override;
     [[nodiscard]] std::vector<double> resolve_alpha(const PixelRegion& region) const override;
 
+    /// The sums of these rows, taken from the bands that have them.
+    [[nodiscard]] Result<FrameBuffer> rows(const RowRange& rows) const;
+
   private:
     struct Band {
         RowRange rows;

@@ -37,7 +37,8 @@ void apply_time_limit(double seconds, Job& job);
 /// Puts samples_per_pixel where adaptive sampling looks: it is the most that a pixel may have.
 void apply_sample_limit(std::uint64_t samples_per_pixel, display::AdaptiveSettings& adaptive);
 
-/// Where a render of this job is saved: beside its image. Of a render in buckets, a folder.
+/// Where a render of this job is saved: beside its image, or beside the record of its shard. Of a render in buckets, a
+/// folder.
 std::string checkpoint_file(const Job& job);
 
 /// Before a render: a checkpoint of an unfinished render that would be lost, --resume without one, and what no

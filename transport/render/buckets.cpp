@@ -184,9 +184,10 @@ Result<std::optional<BucketPlan>> plan_buckets(const PreparedJob& prepared) {
 namespace {
 
 /// Shows the caller the plan, and makes the folder.
-Status begin_buckets(const ResolvedJob& job, const BucketPlan& plan) {
+Status begin_buckets(const ResolvedJob& job, const BucketPlan& plan, const display::RecordIdentity& identity) {
     if (job.settings.before_rendering) {
         RenderPlan told = plan_of(job);
+        told.identity = identity;
         told.buckets = plan.buckets.size();
         for (const RowRange& rows : plan.buckets) told.bucket_rows = std::max(told.bucket_rows, rows.end - rows.first);
         std::vector<display::SampleSink*> sinks;
@@ -240,6 +241,7 @@ Result<RenderOutput> render_buckets(PreparedJob& prepared, const BucketPlan& pla
                                     const std::atomic<bool>* stop) {
     ResolvedJob& job = prepared.job;
     const display::PixelRegion region = job.grid.region;
+    const display::RecordIdentity identity = render_identity(job);  // of the whole image
     const auto report = of_whole(job, region, progress);
     std::optional<RenderOutput> output;
     std::vector<RowRange> there;
@@ -249,7 +251,7 @@ Result<RenderOutput> render_buckets(PreparedJob& prepared, const BucketPlan& pla
         job.bucket = rows;
         job.grid.region = {region.x0, rows.first, region.x1, rows.end};
         if (&rows == &plan.buckets.front())
-            if (Status s = begin_buckets(job, plan); !s) return s.error();
+            if (Status s = begin_buckets(job, plan, identity); !s) return s.error();
         job.checkpoint->file = plan.file_of(rows);
         display::remove_abandoned(job.checkpoint->file);
         std::error_code failed;

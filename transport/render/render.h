@@ -46,6 +46,8 @@ struct RenderPlan {
     std::vector<display::MemoryItem> memory;             ///< of the frame buffer, layer by layer, and cryptomattes
     int bucket_rows = 0;                                 ///< at most, of a render in buckets, whose memory is of one
     std::size_t buckets = 0;                             ///< how many; 0: the image is in memory as a whole
+    /// What a checkpoint of this render says that it is of, the caller's fields before the render's own.
+    display::RecordIdentity identity{};
 };
 
 /// An image larger than memory: it is rendered a bucket, a band of its rows, after another, and each finished bucket is

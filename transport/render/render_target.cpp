@@ -4,6 +4,8 @@
 #include <cmath>
 #include <new>
 
+#include "transport/render/checkpoint.h"
+
 namespace raylex::transport {
 
 display::FrameBufferLayout layout_of(const ResolvedJob& job) {
@@ -30,7 +32,8 @@ RenderPlan plan_of(const ResolvedJob& job) {
                     .raster = job.raster(),
                     .words = job.channels.lpe->words(),
                     .altered = job.channels.filters.alters(),
-                    .memory = display::frame_buffer_memory(layout, job.channels.list, job.raster())};
+                    .memory = display::frame_buffer_memory(layout, job.channels.list, job.raster()),
+                    .identity = render_identity(job)};
     for (const geoaovs::MatteKind kind : settings.cryptomatte)
         plan.memory.push_back({geoaovs::matte_layer(kind), display::RankedCoverage::expected_bytes(width, height)});
     if (settings.adaptive)  // an error and a decision a pixel
