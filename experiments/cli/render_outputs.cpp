@@ -159,7 +159,9 @@ Status RenderOutputs::begin(const transport::RenderPlan& plan, std::vector<displ
     if (Status atlas = atlas_.make(*job_, plan); !atlas) return atlas;
     if (atlas_.buffer() != nullptr) memory_.push_back({"atlas", atlas_.buffer()->expected_bytes()});
     if (deep_) memory_.push_back({"deep", deep_->expected_bytes()});
-    if (Status fits = display::check_memory(memory_, job_->outputs.memory_limit); !fits) return fits;
+    const std::string in_buckets =
+        plan.buckets == 0 ? "--memory SIZE renders it in buckets, each saved when it is finished" : "";
+    if (Status fits = display::check_memory(memory_, job_->outputs.memory_limit, in_buckets); !fits) return fits;
     if (deep_) sinks.push_back(deep_.get());
     if (atlas_.buffer() != nullptr) sinks.push_back(atlas_.buffer());
     display::DriverImage image;
