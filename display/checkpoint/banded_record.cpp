@@ -90,23 +90,7 @@ Result<FrameBuffer> BandedRecord::read(const RowRange& rows) const {
     return error_at({file_.path(), 0, 0}, "section '" + section_of(rows) + "' is of other rows");
 }
 
-Result<FrameBuffer> BandedRecord::read_all() const {
-    if (bands_.size() == 1) return read(bands_.front());
-    std::optional<FrameBuffer> all;
-    for (const RowRange& rows : bands_) {
-        const auto band = read(rows);
-        if (!band) return band.error();
-        if (!all) {
-            auto made = band->like(layout_);
-            if (!made) return at_file(made.error(), file_.path());
-            all = *std::move(made);
-        }
-        if (Status placed = all->place(*band); !placed) return at_file(placed.error(), file_.path());
-    }
-    return *std::move(all);
-}
-
-Result<FrameBuffer> sum_of_band(const std::vector<BandedRecord>& records, const RowRange& rows) {
+Result<FrameBuffer> sum_of_band(std::span<const BandedRecord> records, const RowRange& rows) {
     std::optional<FrameBuffer> sum;
     for (const BandedRecord& record : records) {
         auto band = record.read(rows);
@@ -115,6 +99,22 @@ Result<FrameBuffer> sum_of_band(const std::vector<BandedRecord>& records, const 
         else if (Status merged = sum->merge(*band); !merged) return at_file(merged.error(), record.file().path());
     }
     return *std::move(sum);
+}
+
+Result<FrameBuffer> sum_of_records(std::span<const BandedRecord> records) {
+    const BandedRecord& first = records.front();
+    std::optional<FrameBuffer> all;
+    for (const RowRange& rows : first.bands()) {
+        auto band = sum_of_band(records, rows);
+        if (!band || first.bands().size() == 1) return band;
+        if (!all) {
+            auto made = band->like(first.layout());
+            if (!made) return at_file(made.error(), first.file().path());
+            all = *std::move(made);
+        }
+        if (Status placed = all->place(*band); !placed) return at_file(placed.error(), first.file().path());
+    }
+    return *std::move(all);
 }
 
 }  // namespace raylex::display

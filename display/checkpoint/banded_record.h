@@ -40,8 +40,6 @@ class BandedRecord {
     [[nodiscard]] std::uint64_t light_path_count() const { return light_paths_; }
     /// One of bands(). Errors name the file.
     [[nodiscard]] Result<FrameBuffer> read(const RowRange& rows) const;
-    /// All of it, in memory.
-    [[nodiscard]] Result<FrameBuffer> read_all() const;
 
   private:
     explicit BandedRecord(RecordFileReader file) : file_(std::move(file)) {}
@@ -55,6 +53,8 @@ class BandedRecord {
 
 /// The exact sum of records in a band (FrameBuffer::merge): in any order the same bits. Memory: two bands. An Error
 /// names the record that does not fit.
-Result<FrameBuffer> sum_of_band(const std::vector<BandedRecord>& records, const RowRange& rows);
+Result<FrameBuffer> sum_of_band(std::span<const BandedRecord> records, const RowRange& rows);
+/// Of all bands, in memory; of one record, what it holds.
+Result<FrameBuffer> sum_of_records(std::span<const BandedRecord> records);
 
 }  // namespace raylex::display
