@@ -82,6 +82,16 @@ void add_schedule_options(const OptionGroup& group, RenderOptions& options) {
     group.add_flag("--resume", options.resume,
                    "goes on from OUT.exr.checkpoint to the same bits as if nothing had happened, saving every 60s or "
                    "as --checkpoint says");
+    group.add(
+        "--shard", options.shard, "PART/PARTS",
+        "renders some of the samples alone, such as 2/4, to OUT.exr.shard-2-of-4, and nothing when that is there; "
+        "begun again it goes on from its checkpoint. 'raylex merge' makes the image of all shards, the bits of "
+        "one render");
+    group
+        .add("--shards", options.shards, "N",
+             "with --commands: prints the commands for so many shards, and that which merges them, with the memory, "
+             "CPU seconds and cores that each takes")
+        ->check(CLI::Range(1U, 1000000U));
 }
 
 void add_machine_options(const OptionGroup& group, RenderOptions& options) {
@@ -177,6 +187,7 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
     add_sampling_options(sampling, options);
     add_image_options(image, options);
     add_schedule_options(schedule, options);
+    add_command_output_options(command, options.commands, "Long renders");
     add_machine_options(machine, options);
     add_plugin_option(command, options.plugins);
     command.get_option("--plugin")->group("Machine");

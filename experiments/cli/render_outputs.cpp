@@ -51,6 +51,11 @@ void print_memory(const RenderOutputs& outputs, std::uint64_t limit) {
 }
 
 std::vector<std::string> requested_files(const Job& job) {
+    if (job.shard) {
+        std::vector<std::string> files{job.shard->record, job.statistics};
+        if (job.statistics.empty()) files.pop_back();
+        return files;
+    }
     std::vector<std::string> files{job.output, job.preview, job.statistics, job.outputs.deep.file,
                                    job.outputs.atlas.file};
     for (const display::DriverRequest& request : job.outputs.drivers) files.push_back(file_of(request));
@@ -64,6 +69,7 @@ Status RenderOutputs::make(const Job& job, const ColorSetup& color) {
     const display::DriverContext context{color.manager ? &*color.manager : nullptr, job.display, job.view,
                                          job.exposure};
     std::vector<display::DriverRequest> requests;
+    if (job.shard) return success();
     if (!job.output.empty()) requests.push_back(main_image(job));
     if (!job.preview.empty()) requests.push_back(preview_request(job.preview, {"--preview", 0, 0}));
     requests.insert(requests.end(), job.outputs.drivers.begin(), job.outputs.drivers.end());

@@ -156,7 +156,7 @@ void read_time(TomlTable& render, Job& job) {
 }
 
 std::string checkpoint_file(const Job& job) {
-    return job.output + ".checkpoint";
+    return (job.shard ? job.shard->record : job.output) + ".checkpoint";
 }
 
 Status check_recovery(const Job& job) {
@@ -175,6 +175,7 @@ Status check_recovery(const Job& job) {
     const std::string file = checkpoint_file(job);
     std::error_code failed;
     const bool exists = std::filesystem::exists(file, failed);
+    if (job.shard) return success();  // it goes on from what is there
     if (exists && !job.resume)
         return error_at({file, 0, 0},
                         "this is the checkpoint of a render that was not finished; a new render would "
