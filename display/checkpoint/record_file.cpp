@@ -253,6 +253,12 @@ Result<std::string> RecordFileReader::read(std::string_view name) const {
     return file_error(path_, "the record has no section '" + std::string(name) + "'");
 }
 
+Status RecordFileReader::check() const {
+    for (const Section& section : sections_)
+        if (const auto sound = content(section); !sound) return sound.error();
+    return success();
+}
+
 Result<std::string> RecordFileReader::content(const Section& section) const {
     const std::unique_ptr<std::FILE, FileCloser> handle(std::fopen(path_.c_str(), "rb"));
     if (!handle) return file_error(path_, std::string("cannot read the file: ") + std::strerror(errno));

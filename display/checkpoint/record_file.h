@@ -80,6 +80,8 @@ class RecordFileReader {
     [[nodiscard]] bool has(std::string_view name) const;
     /// The content of a section; an Error when there is none of that name, or it is damaged.
     [[nodiscard]] Result<std::string> read(std::string_view name) const;
+    /// Whether every section is sound.
+    [[nodiscard]] Status check() const;
 
   private:
     struct Section {

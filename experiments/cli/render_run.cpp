@@ -67,6 +67,10 @@ class RenderRun {
         auto samples = samples_of_job(job_, loaded_->scene);
         if (!samples) return report_error(samples.error());
         estimate.samples_per_pixel = *samples;
+        // What does not fit in memory is not rendered here either.
+        const std::uint64_t most_memory = job_.settings.buckets ? job_.settings.buckets->memory : 0;
+        calibrate = calibrate && !job_.settings.buckets;
+        job_.settings.buckets.reset();
         constexpr double seconds = 2;
         job_.settings.limit = transport::SampleLimit{seconds, 0, 0};
         double pixels = 0;
@@ -81,6 +85,7 @@ class RenderRun {
         // What is resident now, the image and its copy for the limit included; a checkpoint is such a copy, a record
         // that is written another one.
         estimate.memory_bytes = peak_memory_bytes() + (output ? 1 : 3) * image_bytes;
+        if (most_memory > 0) estimate.memory_bytes = std::min(estimate.memory_bytes, most_memory);
         if (!output || output->statistics.camera_samples == 0) return go_on;
         estimate.cpu_seconds = output->statistics.render_cpu_seconds * pixels * static_cast<double>(*samples) /
                                static_cast<double>(output->statistics.camera_samples);

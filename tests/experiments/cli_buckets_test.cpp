@@ -19,20 +19,6 @@ const std::string bucket_layers =
     " --resolution 40x37 --lpe direct=CDL --aov z --aov Nn --aov id --layer nearest=z:zmin --layer mean=Nn:average"
     " --statistics beauty=variance,mse,even,odd";
 
-/// Every number of every layer, and which layers there are.
-std::string layer_bits(const Folder& folder, const std::string& name) {
-    auto image = raylex::display::read_exr(folder.path(name));
-    INFO((image ? std::string() : image.error().to_string()));
-    REQUIRE(image);
-    std::string bits;
-    for (const auto& layer : image->layers)
-        for (const auto& plane : layer.planes) {
-            bits += layer.name + "." + plane.name + ":";
-            bits.append(reinterpret_cast<const char*>(plane.values.data()), plane.values.size() * sizeof(float));
-        }
-    return bits;
-}
-
 std::vector<std::string> buckets_in(const Folder& folder) {
     std::vector<std::string> names;
     std::error_code failed;
@@ -47,7 +33,7 @@ std::vector<std::string> buckets_in(const Folder& folder) {
 TEST_CASE("an image in buckets has the bits of the whole, for any size of buckets and threads", "[buckets][law3]") {
     const SceneFolder folder;
     REQUIRE(run_raylex(folder, "render room.pbrt -o whole.exr --preview whole.png" + bucket_layers).code == 0);
-    const std::string expected = layer_bits(folder, "whole.exr");
+    const std::string expected = image_bits(folder.path("whole.exr"));
     for (const auto& [rows, threads] : {std::pair{1, 2}, {5, 1}, {16, 3}, {36, 2}, {64, 1}}) {
         CAPTURE(rows, threads);
         const Outcome outcome = run_raylex(folder, "render room.pbrt -o out.exr --preview out.png --stats s.json" +
@@ -56,7 +42,7 @@ TEST_CASE("an image in buckets has the bits of the whole, for any size of bucket
         CAPTURE(outcome.err, outcome.out);
         REQUIRE(outcome.code == 0);
         CHECK(contains(outcome.out, "partition 'auto': 2 layers sum to beauty"));
-        CHECK((layer_bits(folder, "out.exr") == expected));
+        CHECK((image_bits(folder.path("out.exr")) == expected));
         CHECK((folder.read("out.png") == folder.read("whole.png")));
         CHECK_FALSE(folder.has("out.exr.checkpoint"));
         const auto json = raylex::experiments::parse_json(folder.read("s.json"));
@@ -76,7 +62,7 @@ TEST_CASE("crops, display filters and single parts go with buckets", "[buckets][
     const Outcome outcome = run_raylex(folder, what + "out.exr --bucket-rows 9");
     CAPTURE(outcome.err);
     REQUIRE(outcome.code == 0);
-    CHECK((layer_bits(folder, "out.exr") == layer_bits(folder, "whole.exr")));
+    CHECK((image_bits(folder.path("out.exr")) == image_bits(folder.path("whole.exr"))));
 }
 
 TEST_CASE("--memory makes buckets of what does not fit, and stays within it", "[buckets]") {
@@ -84,7 +70,7 @@ TEST_CASE("--memory makes buckets of what does not fit, and stays within it", "[
     const std::string what = "render room.pbrt -o out.exr --spp 1 --resolution 800x700 --threads 2 --lpe 'a=CDL' "
                              "--lpe 'b=C<RD>[DS]+L' --statistics beauty=mse --stats s.json";
     REQUIRE(run_raylex(folder, what + " --memory 64G").code == 0);
-    const std::string expected = layer_bits(folder, "out.exr");
+    const std::string expected = image_bits(folder.path("out.exr"));
     CHECK_FALSE(raylex::display::read_exr(folder.path("out.exr"))->attributes.contains("raylex/buckets"));
     CHECK_FALSE(folder.has("out.exr.checkpoint"));
     const Outcome too_little = run_raylex(folder, what + " --memory 1MiB");
@@ -98,7 +84,7 @@ TEST_CASE("--memory makes buckets of what does not fit, and stays within it", "[
     const Outcome outcome = run_raylex(folder, what + " --memory " + std::to_string(memory) + "MiB");
     CAPTURE(outcome.err, outcome.out);
     REQUIRE(outcome.code == 0);
-    CHECK((layer_bits(folder, "out.exr") == expected));
+    CHECK((image_bits(folder.path("out.exr")) == expected));
     CHECK(raylex::display::read_exr(folder.path("out.exr"))->attributes.contains("raylex/buckets"));
     const auto json = raylex::experiments::parse_json(folder.read("s.json"));
     CHECK(json["peak_memory_bytes"].get<double>() <= memory * 1048576.0);
@@ -146,7 +132,7 @@ TEST_CASE("finished buckets are not rendered again after a kill, whatever the si
     const auto resumed = all_matches(outcome.out, "resumed from a checkpoint with ([0-9]+) of 1515520 samples");
     REQUIRE(resumed.size() == 1);
     CHECK(std::stoul(resumed[0][1]) >= 2 * 4 * 40 * 1024);
-    CHECK((layer_bits(folder, "out.exr") == layer_bits(folder, "whole.exr")));
+    CHECK((image_bits(folder.path("out.exr")) == image_bits(folder.path("whole.exr"))));
     CHECK_FALSE(folder.has("out.exr.checkpoint"));
 }
 
@@ -168,7 +154,7 @@ TEST_CASE("what is stopped amid a bucket is written, and goes on amid it", "[buc
     CAPTURE(outcome.err, outcome.out);
     REQUIRE(outcome.code == 0);
     CHECK(contains(outcome.out, "resumed from a checkpoint with "));
-    CHECK((layer_bits(folder, "out.exr") == layer_bits(folder, "whole.exr")));
+    CHECK((image_bits(folder.path("out.exr")) == image_bits(folder.path("whole.exr"))));
 }
 
 TEST_CASE("what cannot be rendered in buckets is refused by name", "[buckets][law7]") {
