@@ -12,6 +12,7 @@
 #include "display/output/exr_writer.h"
 #include "display/output/split_check.h"
 #include "experiments/cli/judge.h"
+#include "experiments/cli/loading_line.h"
 #include "experiments/cli/progress.h"
 #include "experiments/cli/render_outputs.h"
 #include "experiments/job/channel_plan.h"
@@ -24,6 +25,7 @@
 #include "experiments/program/exit_codes.h"
 #include "experiments/program/interrupt.h"
 #include "experiments/program/tint.h"
+#include "transport/render/built_scene.h"
 
 namespace raylex::experiments {
 namespace {
@@ -38,12 +40,12 @@ class RenderRun {
     int run() {
         at_once_.emplace("raylex: interrupted before anything was rendered; no file was written\n");
         if (job_.settings.only) {
-            for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::plan})
+            for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::build, &RenderRun::plan})
                 if (const std::optional<int> code = (this->*step)()) return *code;
             return replay();
         }
         for (std::optional<int> (RenderRun::*step)() :
-             {&RenderRun::check_outputs, &RenderRun::load, &RenderRun::plan, &RenderRun::render,
+             {&RenderRun::check_outputs, &RenderRun::load, &RenderRun::build, &RenderRun::plan, &RenderRun::render,
               &RenderRun::write_image, &RenderRun::judge, &RenderRun::write_statistics})
             if (const std::optional<int> code = (this->*step)()) return *code;
         print_summary();
@@ -89,10 +91,13 @@ class RenderRun {
 
     Step load() {
         const PhaseClock clock;
-        auto loaded = load_job_scene(job_);
+        LoadingLine loading;
+        auto loaded = load_job_scene(job_, loading.progress());
+        loading.finish();
         if (!loaded) return report_error(loaded.error());
         loaded_ = std::move(*loaded);
         ask_for_film_layers(loaded_->scene.film, job_);
+        if (const auto ignored = ask_for_film_clamp(loaded_->scene, job_)) warn(*ignored);
         for (const std::string& warning : loaded_->warnings) warn(warning);
         for (const std::string& line : job_.show_effects ? effect_table(loaded_->effects, job_.effects)
                                                          : effect_summary(loaded_->effects, job_.effects))
@@ -103,9 +108,20 @@ class RenderRun {
         return interrupted_early();
     }
 
+    /// Once: the plan goes by the same tables as the render, so that no image and no grid is read again.
+    Step build() {
+        LoadingLine loading;
+        auto built = transport::BuiltScene::build(
+            loaded_->scene, {job_.settings.isa, job_.settings.threads, loading.progress()});
+        loading.finish();
+        if (!built) return report_error(built.error());
+        built_ = std::move(*built);
+        return interrupted_early();
+    }
+
     Step plan() {
         const PhaseClock clock;
-        auto words = scene_words(job_, loaded_->scene);
+        auto words = scene_words(job_, loaded_->scene, built_.get());
         if (!words) return report_error(words.error());
         auto plan = plan_channels(job_, *words);
         if (!plan) return report_error(plan.error());
@@ -160,7 +176,7 @@ class RenderRun {
             return begun;
         };
         auto output = transport::render(
-            loaded_->scene, job_.settings,
+            loaded_->scene, *built_, job_.settings,
             [&](const transport::RenderProgress& now) {
                 progress.update(now);
                 outputs_.update(now);
@@ -203,7 +219,7 @@ class RenderRun {
     /// One sample of one pixel, told and not written. Exit code 1 when something of it is refused.
     int replay() {
         const transport::SampleChoice& only = *job_.settings.only;
-        auto output = transport::render(loaded_->scene, job_.settings, {}, &interrupt_flag());
+        auto output = transport::render(loaded_->scene, *built_, job_.settings, {}, &interrupt_flag());
         if (!output) return report_error(output.error());
         const transport::RenderStatistics& statistics = output->statistics;
         const std::span<const display::ChannelDefinition> channels = output->frame_buffer.channels();
@@ -356,6 +372,7 @@ class RenderRun {
     const InterruptsWait wait_;
     std::optional<InterruptsAtOnce> at_once_;
     std::unique_ptr<JobScene> loaded_;
+    std::shared_ptr<const transport::BuiltScene> built_;
     std::vector<display::PartitionDeclaration> partitions_;
     std::vector<std::string> beauties_;
     RenderOutputs outputs_;
