@@ -47,7 +47,7 @@ const Slip syntax[] = {
      "unknown parameter type 'point'", "point3"},
     {"a parameter of one word", "WorldBegin Shape \"sphere\" \"radius\" 1", 1, 27,
      "expected a parameter, \"type name\"", ""},
-    {"a parameter of three words", "WorldBegin Shape \"sphere\" \"float the radius\" 1", 1, 27, "expected a parameter",
+    {"a parameter of three words", "WorldBegin Shape \"sphere\" \"float the radius\" 1", 1, 27, "shape 'sphere' has no parameter 'the'",
      ""},
     {"a parameter without value", "WorldBegin Shape \"sphere\" \"float radius\"", 1, 41,
      "expected a number for 'float radius'", ""},

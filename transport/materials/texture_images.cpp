@@ -1,10 +1,7 @@
 // Image textures: their files, read once however many textures and roles use them, and what becomes of their values.
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <filesystem>
 
+#include "transport/import/read_in_parallel.h"
 #include "transport/materials/parameter_reader.h"
 #include "transport/materials/texture_storage.h"
 
@@ -69,21 +66,12 @@ void TextureTable::Storage::read_ahead(const SceneDescription& scene, int thread
     if (progress != nullptr) progress->begin("images", wanted.size());
     std::vector<std::pair<const ImageKey*, ReadImage*>> work;
     for (const auto& [key, filtered] : wanted) work.emplace_back(&key, &images_ahead[key]);
-    tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
-    arena.execute([&] {
-        tbb::parallel_for(
-            tbb::blocked_range<std::size_t>(0, work.size(), 1),
-            [&](const tbb::blocked_range<std::size_t>& range) {
-                for (std::size_t i = range.begin(); i != range.end(); ++i) {
-                    ReadImage& result = *work[i].second;
-                    result = read(*work[i].first);
-                    const Result<Image>& image = *result.image;
-                    if (wanted.at(*work[i].first) && image && !image->pixels.empty())
-                        result.pyramid = ImagePyramid::of(*image);
-                    if (progress != nullptr) progress->count();
-                }
-            },
-            tbb::simple_partitioner());
+    read_in_parallel(work.size(), threads, [&](std::size_t i) {
+        ReadImage& result = *work[i].second;
+        result = read(*work[i].first);
+        const Result<Image>& image = *result.image;
+        if (wanted.at(*work[i].first) && image && !image->pixels.empty()) result.pyramid = ImagePyramid::of(*image);
+        if (progress != nullptr) progress->count();
     });
 }
 

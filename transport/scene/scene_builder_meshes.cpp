@@ -1,11 +1,8 @@
 // Mesh files: read at the end, in parallel, and put where the order of calls has them.
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <iterator>
 #include <optional>
 
+#include "transport/import/read_in_parallel.h"
 #include "transport/import/shapes.h"
 #include "transport/scene/scene_builder.h"
 
@@ -40,20 +37,11 @@ Status SceneBuilder::read_meshes() {
     if (meshes_.empty()) return success();
     if (progress_ != nullptr) progress_->begin("meshes", meshes_.size());
     std::vector<ReadMesh> read(meshes_.size());
-    tbb::task_arena arena(threads_ > 0 ? threads_ : tbb::task_arena::automatic);
-    arena.execute([&] {
-        tbb::parallel_for(
-            tbb::blocked_range<std::size_t>(0, meshes_.size(), 1),
-            [&](const tbb::blocked_range<std::size_t>& range) {
-                for (std::size_t i = range.begin(); i != range.end(); ++i) {
-                    const NamedMesh& mesh = meshes_[i];
-                    read[i].shapes = make_shapes("plymesh", mesh.parameters,
-                                                 {mesh.to_world, mesh.placement.reverse_orientation, mesh.search},
-                                                 read[i].warnings);
-                    if (progress_ != nullptr) progress_->count();
-                }
-            },
-            tbb::simple_partitioner());
+    read_in_parallel(meshes_.size(), threads_, [&](std::size_t i) {
+        const NamedMesh& mesh = meshes_[i];
+        const ShapeContext context{mesh.to_world, mesh.placement.reverse_orientation, mesh.search};
+        read[i].shapes = make_shapes("plymesh", mesh.parameters, context, read[i].warnings);
+        if (progress_ != nullptr) progress_->count();
     });
     std::map<std::vector<SceneShape>*, std::vector<std::pair<std::size_t, std::vector<SceneShape>>>> shapes;
     std::vector<std::pair<std::size_t, std::vector<Error>>> warnings;
