@@ -13,6 +13,7 @@
 #include "display/output/exr_writer.h"
 #include "display/output/split_check.h"
 #include "experiments/cli/judge.h"
+#include "experiments/cli/loading_line.h"
 #include "experiments/cli/progress.h"
 #include "experiments/cli/render_outputs.h"
 #include "experiments/job/channel_plan.h"
@@ -27,6 +28,7 @@
 #include "experiments/program/tint.h"
 #include "experiments/shards/shard_lock.h"
 #include "experiments/shards/shard_render.h"
+#include "transport/render/built_scene.h"
 
 namespace raylex::experiments {
 namespace {
@@ -41,13 +43,13 @@ class RenderRun {
     int run() {
         at_once_.emplace("raylex: interrupted before anything was rendered; no file was written\n");
         if (job_.settings.only) {
-            for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::plan})
+            for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::build, &RenderRun::plan})
                 if (const std::optional<int> code = (this->*step)()) return *code;
             return replay();
         }
         if (job_.shard) return run_shard();
         for (std::optional<int> (RenderRun::*step)() :
-             {&RenderRun::check_outputs, &RenderRun::load, &RenderRun::plan, &RenderRun::render,
+             {&RenderRun::check_outputs, &RenderRun::load, &RenderRun::build, &RenderRun::plan, &RenderRun::render,
               &RenderRun::write_image, &RenderRun::judge, &RenderRun::write_statistics})
             if (const std::optional<int> code = (this->*step)()) return *code;
         print_summary();
@@ -61,7 +63,7 @@ class RenderRun {
     /// What all samples would take.
     std::optional<int> estimate(bool calibrate, RenderEstimate& estimate) {
         quiet_ = true;
-        for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::plan})
+        for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::build, &RenderRun::plan})
             if (const std::optional<int> code = (this->*step)()) return code;
         if (Status possible = check_shardable(job_, loaded_->scene); !possible) return report_error(possible.error());
         auto samples = samples_of_job(job_, loaded_->scene);
@@ -100,7 +102,8 @@ class RenderRun {
     int run_shard() {
         for (std::optional<int> (RenderRun::*step)() :
              {&RenderRun::check_outputs, &RenderRun::lock_shard, &RenderRun::load, &RenderRun::begin_shard,
-              &RenderRun::plan, &RenderRun::render, &RenderRun::write_shard, &RenderRun::write_statistics})
+              &RenderRun::build, &RenderRun::plan, &RenderRun::render, &RenderRun::write_shard,
+              &RenderRun::write_statistics})
             if (const std::optional<int> code = (this->*step)()) return *code;
         const transport::RenderStatistics& statistics = output_->statistics;
         print_line(shard_->record() + ": " + shard_->text() + ", " + duration_text(statistics.render_seconds) + " (" +
@@ -139,10 +142,13 @@ class RenderRun {
 
     Step load() {
         const PhaseClock clock;
-        auto loaded = load_job_scene(job_);
+        LoadingLine loading;
+        auto loaded = load_job_scene(job_, loading.progress());
+        loading.finish();
         if (!loaded) return report_error(loaded.error());
         loaded_ = std::move(*loaded);
         ask_for_film_layers(loaded_->scene.film, job_);
+        if (const auto ignored = ask_for_film_clamp(loaded_->scene, job_)) warn(*ignored);
         for (const std::string& warning : loaded_->warnings) warn(warning);
         if (!quiet_)
             for (const std::string& line : job_.show_effects ? effect_table(loaded_->effects, job_.effects)
@@ -151,6 +157,17 @@ class RenderRun {
         if (!job_.settings.only)
             if (Status made = outputs_.make(job_, loaded_->color); !made) return report_error(made.error());
         phases_["load"] = clock.elapsed();
+        return interrupted_early();
+    }
+
+    /// Once: the plan goes by the same tables as the render, so that no image and no grid is read again.
+    Step build() {
+        LoadingLine loading;
+        auto built = transport::BuiltScene::build(loaded_->scene,
+                                                  {job_.settings.isa, job_.settings.threads, loading.progress()});
+        loading.finish();
+        if (!built) return report_error(built.error());
+        built_ = std::move(*built);
         return interrupted_early();
     }
 
@@ -184,7 +201,7 @@ class RenderRun {
 
     Step plan() {
         const PhaseClock clock;
-        auto words = scene_words(job_, loaded_->scene);
+        auto words = scene_words(job_, loaded_->scene, built_.get());
         if (!words) return report_error(words.error());
         auto plan = plan_channels(job_, *words);
         if (!plan) return report_error(plan.error());
@@ -242,7 +259,7 @@ class RenderRun {
             return begun && shard_ ? look_for_record(plan) : begun;
         };
         auto output = transport::render(
-            loaded_->scene, job_.settings,
+            loaded_->scene, *built_, job_.settings,
             [&](const transport::RenderProgress& now) {
                 progress.update(now);
                 outputs_.update(now);
@@ -289,7 +306,7 @@ class RenderRun {
     /// One sample of one pixel, told and not written. Exit code 1 when something of it is refused.
     int replay() {
         const transport::SampleChoice& only = *job_.settings.only;
-        auto output = transport::render(loaded_->scene, job_.settings, {}, &interrupt_flag());
+        auto output = transport::render(loaded_->scene, *built_, job_.settings, {}, &interrupt_flag());
         if (!output) return report_error(output.error());
         const transport::RenderStatistics& statistics = output->statistics;
         const std::span<const display::ChannelDefinition> channels = output->frame_buffer.channels();
@@ -422,7 +439,8 @@ class RenderRun {
             line += interrupt_flag().load() ? "; INCOMPLETE: interrupted"
                                             : "; INCOMPLETE: the time was up before all pixels had as many samples";
         print_line(line);
-        if (!output_->complete && (job_.checkpoint_seconds > 0 || output_->bands) && fs::exists(checkpoint_file(job_), failed))
+        if (!output_->complete && (job_.checkpoint_seconds > 0 || output_->bands) &&
+            fs::exists(checkpoint_file(job_), failed))
             print_line(checkpoint_file(job_) + ": --resume goes on from here");
         print_sampling();
         if (!beauties_.empty())
@@ -464,6 +482,7 @@ class RenderRun {
     const InterruptsWait wait_;
     std::optional<InterruptsAtOnce> at_once_;
     std::unique_ptr<JobScene> loaded_;
+    std::shared_ptr<const transport::BuiltScene> built_;
     std::vector<display::PartitionDeclaration> partitions_;
     std::vector<std::string> beauties_;
     RenderOutputs outputs_;
