@@ -221,7 +221,7 @@ TEST_CASE("a file read in bands has the rows and verdicts of the whole", "[displ
     REQUIRE((expected.ok() && found.ok()));
     REQUIRE(found->size() == 2);
     for (std::size_t i = 0; i < 2; ++i) {
-        CHECK((*found)[i].holds == (i == 1));
+        CHECK((*found)[i].holds == (i == 0));  // "auto" comes before "wrong"
         CHECK((*found)[i].exceeding == (*expected)[i].exceeding);
         CHECK((*found)[i].residual == (*expected)[i].residual);
         CHECK((*found)[i].largest_absolute == (*expected)[i].largest_absolute);
