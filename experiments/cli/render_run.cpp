@@ -25,7 +25,7 @@
 #include "experiments/program/exit_codes.h"
 #include "experiments/program/interrupt.h"
 #include "experiments/program/tint.h"
-#include "experiments/shards/shard_lock.h"
+#include "experiments/program/work_lock.h"
 #include "experiments/shards/shard_render.h"
 
 namespace raylex::experiments {
@@ -155,7 +155,7 @@ class RenderRun {
     }
 
     Step lock_shard() {
-        auto lock = ShardLock::take(job_.shard->record);
+        auto lock = WorkLock::take(shard_lock(job_.shard->record), "is rendering this shard");
         if (!lock) return report_error(lock.error());
         lock_.emplace(*std::move(lock));
         return go_on;
@@ -467,7 +467,7 @@ class RenderRun {
     std::vector<display::PartitionDeclaration> partitions_;
     std::vector<std::string> beauties_;
     RenderOutputs outputs_;
-    std::optional<ShardLock> lock_;
+    std::optional<WorkLock> lock_;
     std::optional<ShardRender> shard_;
     bool shard_is_done_ = false, quiet_ = false;
     std::optional<transport::RenderOutput> output_;
