@@ -102,8 +102,8 @@ inline Real one_minus_cos_of_sin2(Real sin2) {
 /// Barycentrics (b0, b1), b2 = 1 - b0 - b1, uniform over a triangle by folding, which keeps strata compact
 /// (Heitz 2019, "A Low-Distortion Map Between Triangle and Square").
 inline Vec2 sample_uniform_triangle(const Vec2& u) {
-    if (u.x < u.y) return {u.x * 0.5f, u.y - u.x * 0.5f};
-    return {u.x - u.y * 0.5f, u.y * 0.5f};
+    const Real half = std::min(u.x, u.y) * 0.5f;  // the smaller one less its half is its half, to the bit
+    return {u.x - half, u.y - half};
 }
 
 /// Density proportional to lerp(x, a, b) on [0, 1]; a, b >= 0, not both 0.
