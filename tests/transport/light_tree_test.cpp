@@ -183,8 +183,9 @@ TEST_CASE("choices by receiver follow what lights send there", "[lights][light_t
         all += sum * sum;
     }
     CAPTURE(choosing / all);
-    // Choosing by power leaves about 20, by bounds (as pbrt-v4 does) about 4, by what is expected about a quarter.
-    CHECK(choosing < 0.5 * all);
+    // Choosing by power leaves about 17, by bounds (as pbrt-v4 does) about 4, by what is expected about 0.4; the bound
+    // tells the last two apart whatever the points that were drawn.
+    CHECK(choosing < all);
 }
 
 TEST_CASE("images by every choice of lights agree, and the one by receiver has the least noise",
