@@ -213,6 +213,9 @@ class RenderRun {
         if (!job_.settings.beauty && plan->channels.empty())
             return report_error("--no-beauty leaves nothing to render; expected at least one --lpe or --aov with it");
         job_.settings.channels = plan->channels;
+        for (const std::string& line :
+             job_.show_effects ? aov_table(job_.settings.channels) : aov_summary(job_.settings.channels))
+            print_line(line);
         if (!job_.settings.only)
             if (Status atlas = outputs_.atlas().prepare(job_, *words); !atlas) return report_error(atlas.error());
         partitions_ = plan->partitions;

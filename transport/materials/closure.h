@@ -244,7 +244,7 @@ inline BsdfSample Bsdf::sample(const Vec3& wo, Real u_lobe, const Vec2& u) const
     const Real cos_o = dot(wo, frame_.n);
     if (cos_o == 0) return result;
     const Vec3 local = sample_cosine_hemisphere(u);
-    result.wi = frame_.s * local.x + frame_.t * local.y + frame_.n * (cos_o > 0 ? local.z : -local.z);
+    result.wi = frame_.s * local.x + frame_.t * local.y + frame_.n * std::copysign(local.z, cos_o);
     const Real cos_i = dot(result.wi, frame_.n);  // of the direction as it was rounded: what pdf() will find
     if (!(cos_i * cos_o > 0)) return result;
     result.pdf = std::abs(cos_i) * inv_pi;
