@@ -104,8 +104,8 @@ LightSource "distant" "rgb L" [1 1 1] "point3 from" [-1 0 0] "point3 to" [0 0 0]
 Material "diffuse" "rgb reflectance" [0.5 0.5 0.5]
 Shape "bilinearmesh" "point3 P" [1 -0.9 -0.1 1 -0.5 -0.1 1 -0.9 0.1 1 -0.5 0.1]
 Material "dielectric" "spectrum eta" "glass-F11"
-)" + face({0, 0}, first, half_width, 0.15) +
-               face(through, last, 0.1, 0.15);
+)" + face({0, 0}, first, half_width, 0.03) +
+               face(through, last, 0.1, 0.03);
     }
 };
 
@@ -264,7 +264,7 @@ TEST_CASE("dispersion: a prism spreads a beam as Snell's law says, and at minimu
     REQUIRE(built.ok());
     constexpr std::size_t seeds = 12;
     for (const char* integrator : {"lighttracer", "bdpt"}) {
-        RenderSettings settings = bounded(integrator == std::string("bdpt") ? 256 : 1024);
+        RenderSettings settings = bounded(2048);
         settings.beauty = false;
         settings.integrator = integrator_named(integrator);
         settings.channels = {osl("caustic", "C<RD><TS><TS>L")};
