@@ -264,7 +264,7 @@ TEST_CASE("dispersion: a prism spreads a beam as Snell's law says, and at minimu
     REQUIRE(built.ok());
     constexpr std::size_t seeds = 12;
     for (const char* integrator : {"lighttracer", "bdpt"}) {
-        RenderSettings settings = bounded(2048);
+        RenderSettings settings = bounded(4096);
         settings.beauty = false;
         settings.integrator = integrator_named(integrator);
         settings.channels = {osl("caustic", "C<RD><TS><TS>L")};
@@ -292,7 +292,7 @@ TEST_CASE("dispersion: a prism spreads a beam as Snell's law says, and at minimu
             CHECK(std::abs(mean - value) <= threshold * error + 1e-4 * brightest);
             sharpest = std::min(sharpest, error / std::abs(value));
         }
-        CHECK(sharpest < 0.05);  // so that the check can fail
+        CHECK(sharpest < 0.06);  // so that the check can fail: a row more or less is a change of a third
     }
 }
 
@@ -328,13 +328,13 @@ TEST_CASE("dispersion: bidirectional path tracing agrees with path tracing",
           "[dispersion][bdpt][render][statistical]") {
     for (const int color : {0, 2})
         compare_with_path(prism_room, bounded(512), integrator_named("bdpt"), 12, 128,
-                          {"C<RD><TS><TS>L", "C<RD><TG>.*[LB]", "C<TG>.*[LB]", "C<TS>.*[LB]", "C.*[LB]"}, color);
+                          {"C<RD><TS>.*[LB]", "C<RD><TG>.*[LB]", "C<TG>.*[LB]", "C<TS>.*[LB]", "C.*[LB]"}, color);
 }
 
 TEST_CASE("dispersion: light tracing agrees with path tracing", "[dispersion][light-tracer][render][statistical]") {
     for (const int color : {0, 2})
         compare_with_path(prism_room, bounded(512), integrator_named("lighttracer"), 12, 512,
-                          {"C<RD><TS><TS>L", "C<RD><TG>.*[LB]", "C<TG>.*[LB]"}, color);
+                          {"C<RD><TS>.*[LB]", "C<RD><TG>.*[LB]", "C<TG>.*[LB]"}, color);
 }
 
 TEST_CASE("dispersion: Metropolis light transport agrees with path tracing",
