@@ -111,8 +111,8 @@ class RenderRun {
     /// Once: the plan goes by the same tables as the render, so that no image and no grid is read again.
     Step build() {
         LoadingLine loading;
-        auto built = transport::BuiltScene::build(
-            loaded_->scene, {job_.settings.isa, job_.settings.threads, loading.progress()});
+        auto built = transport::BuiltScene::build(loaded_->scene,
+                                                  {job_.settings.isa, job_.settings.threads, loading.progress()});
         loading.finish();
         if (!built) return report_error(built.error());
         built_ = std::move(*built);

@@ -98,8 +98,9 @@ TEST_CASE("raylex scene check finds what can hardly be meant, each at its line, 
 
 TEST_CASE("raylex scene check tells all files that are missing, each at its line with the folders searched") {
     const Folder folder;
-    folder.write("gaps.pbrt", "WorldBegin\nLightSource \"infinite\" \"string filename\" \"no/sky.exr\"\n"
-                              "Shape \"plymesh\" \"string filename\" \"no/mesh.ply\"\n");
+    folder.write("gaps.pbrt",
+                 "WorldBegin\nLightSource \"infinite\" \"string filename\" \"no/sky.exr\"\n"
+                 "Shape \"plymesh\" \"string filename\" \"no/mesh.ply\"\n");
     const Outcome outcome = run_raylex(folder, "scene check gaps.pbrt");
     INFO(outcome.out << outcome.err);
     CHECK(outcome.code == 1);

@@ -121,8 +121,7 @@ Result<TextureNode> TextureTable::Storage::compile_image(const SceneTexture& sou
     stage.invert = reader.boolean("invert", false);
     const TextureMapping mapping = read_mapping(reader, source.to_world);
     if (reader.error()) return *reader.error();
-    Result<const Image*> image =
-        load_image(name, encoding, by_file_rules(source, encoding, role), reader.where(*file));
+    Result<const Image*> image = load_image(name, encoding, by_file_rules(source, encoding, role), reader.where(*file));
     if (!image) return std::move(image).error();
     stage.sampler.image = *image;
     stage.sampler.alpha_varies = alpha_varies(**image);
