@@ -115,7 +115,8 @@ display::ImageDescription image_description(const Job& job, const JobScene& scen
     description.chromaticities = scene.primaries;
     for (const geoaovs::Cryptomatte& matte : output.cryptomatte)
         description.data_parts.push_back(
-            {matte.name(), matte.planes(), matte.attributes(), [&matte] { return matte.values(); }});
+            {matte.name(), matte.planes(), matte.attributes(),
+             [&matte](const display::PixelRegion& rows) { return matte.values(rows.y0, rows.y1); }});
     description.world_to_camera = output.world_to_camera;
     description.world_to_screen = output.world_to_screen;
     description.complete = output.complete;

@@ -156,7 +156,7 @@ std::string statistics_json(const RunRecord& record) {
     json["path_length_histogram"] = statistics.path_length_histogram;
     json["attribution_overflow"] = statistics.attribution_overflow;
     json["invalid_samples"] = invalid_json(record);
-    json["rejected_block_sums"] = output.frame_buffer.rejected_count();
+    json["rejected_block_sums"] = output.rejected_block_sums;
     json["refused_services_calls"] = statistics.refused_services_calls;
     json["memory"] = memory_json(record);
     if (record.deep != nullptr) json["deep"] = deep_json(record.deep->counts());

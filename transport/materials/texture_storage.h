@@ -81,7 +81,7 @@ inline bool odd(Real x) {
 
 /// An image as it was read, before anybody asked for it.
 struct ReadImage {
-    std::optional<Result<Image>> image;
+    Result<Image> image = Image{};
     std::optional<std::string> warning;
     std::optional<ImagePyramid> pyramid;  ///< of images that are filtered
 };
