@@ -42,11 +42,11 @@ const char* answer_markup(const SplitVerdict& verdict) {
 
 class Page {
   public:
-    Page(const display::ColorManager& color, const PageOptions& options, std::size_t images)
+    Page(const display::ColorManager& color, const PageOptions& options, std::size_t images, std::size_t atlases)
         : color_(color),
           options_(options),
-          image_share_(std::max<std::size_t>(images, 1)),
-          layers_(color, options, page_bytes / image_share_) {}
+          layers_(color, options, page_bytes / std::max<std::size_t>(images, 1)),
+          bytes_of_words_(words_bytes / std::max<std::size_t>(atlases, 1)) {}
 
     /// `atlas`: null, or the words of the image. An atlas alone is `path` itself.
     Status add(const std::string& path, const ExrImage& image, display::AtlasFile* atlas) {
@@ -59,7 +59,7 @@ class Page {
         add_introduction(image, *verdicts);
         body_ += "</header>\n" + *pictures;
         if (atlas != nullptr) {
-            auto words = words_html(*atlas, atlases_++, words_bytes / image_share_);
+            auto words = words_html(*atlas, atlases_++, bytes_of_words_);
             if (!words) return words.error();
             body_ += *words;
         }
@@ -168,8 +168,8 @@ class Page {
 
     const display::ColorManager& color_;
     const PageOptions& options_;
-    const std::size_t image_share_;
     PageLayers layers_;
+    const std::size_t bytes_of_words_;
     std::string body_;
     std::size_t atlases_ = 0;
     int judged_ = 0, failed_ = 0;
@@ -179,7 +179,8 @@ class Page {
 
 Result<std::string> make_page(const std::vector<std::string>& images, const display::ColorManager& color,
                               const PageOptions& options) {
-    Page page(color, options, images.size());
+    const auto atlases = static_cast<std::size_t>(std::count_if(images.begin(), images.end(), display::is_atlas));
+    Page page(color, options, images.size() - atlases, atlases);
     for (std::size_t i = 0; i < images.size(); ++i) {
         const bool alone = display::is_atlas(images[i]);
         auto image = alone ? image_of_atlas(images[i]) : display::read_exr(images[i]);

@@ -80,8 +80,8 @@
       rows.forEach((row, i) => {
         const layer = layers[i], whole = layer.whole === null ? null : values[layer.whole];
         if (values[i]) writeValues(row, layer, values[i]);
-        const known = layer.light && whole && values[i];
-        setShare(row, known ? sum(values[i]) / sum(whole) : NaN, known);
+        const known = layer.light && (whole || layer.wholeAt) && values[i];
+        setShare(row, known ? sum(values[i]) / (whole ? sum(whole) : layer.wholeAt(index)) : NaN, known);
       });
       const layer = layers[state.layer], own = values[state.layer];
       const spot = block > 1 ? `mean of ${block} x ${block} pixels from (${state.x * block}, ${state.y * block})`
@@ -99,11 +99,12 @@
       rows[next].scrollIntoView({ block: 'nearest' });
     };
     rows.forEach((row, i) => row.addEventListener('click', () => choose(i)));
-    // A layer that was not in the file: { name, expression, planes, light, whole, share, data, planesOf }, and its row.
+    // A layer that was not in the file: { name, expression, planes, light, share, data, planesOf, wholeAt }, and its row.
     const addLayer = (layer, row) => {
       const index = layers.push(layer) - 1;
       rows.push(row);
       row.addEventListener('click', () => choose(index));
+      paintLight(layer, Math.max(1, Math.ceil(width / 96))).then(small => part(row, '.thumb').append(small));
       choose(index);
     };
     section.querySelectorAll('[data-show]').forEach(each =>

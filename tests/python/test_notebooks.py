@@ -63,7 +63,7 @@ class Notebooks(Case):
     def test_ask_later(self):
         cells = self.outputs("ask-later.ipynb")
         self.assertIn("True", cells[0])
-        self.assertIn("C <", cells[1])
+        self.assertIn("C R,D", cells[1])
         self.assertIn("data:image/png;base64,", cells[2])
         self.assertIn("auto:", cells[2])
         self.assertIn("&plusmn;", cells[3])

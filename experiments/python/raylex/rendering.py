@@ -88,7 +88,7 @@ def render(scene, *, progress=None, **arguments):
     :param until_error: 0.01: each pixel until its standard error is 1 % of its value
     :param plugins: files of C++ plugins
     :param output: an OpenEXR file to write as well
-    :param atlas: a file for the path atlas (:class:`raylex.Atlas`), or {"file": ..., "by": "label,lobe,group", "length": 8,
+    :param atlas: a file for the path atlas (:class:`raylex.Atlas`), or {"file": ..., "by": "label,lobe,group", "length": 12,
         "budget": "2GiB"}
     :param job: further tables of a job, {"exr": {"light": "half zip"}, ...}; experiments/README.md lists every key
     :param progress: called a few times a second with a :class:`Progress`; returning False ends the render

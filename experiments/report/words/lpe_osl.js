@@ -27,9 +27,12 @@ var raylexOsl = (function (Reader, events) {
   }
   function eventsOf(sequences, open) {
     return { none: [], any: sequences.map(function (symbols) {
-      var cores = events.cores(function (type, scatter) {
-        return events.labelMatches(symbols[0], type) && events.labelMatches(symbols[1], scatter === 'x' ? none : scatter);
-      });
+      var takesType = {}, takesScatter = {}, i;
+      for (i = 0; i < events.types.length; ++i)
+        takesType[events.types[i]] = events.labelMatches(symbols[0], events.types[i]);
+      for (i = 0; i < events.scatters.length; ++i)
+        takesScatter[events.scatters[i]] = events.labelMatches(symbols[1], i === 0 ? none : events.scatters[i]);
+      var cores = events.cores(function (type, scatter) { return takesType[type] && takesScatter[scatter]; });
       var labels = symbols.slice(2).map(function (test) {  // a label that is there is never NONE
         return { negated: test.negated, globs: [], names: test.names.filter(function (name) { return name !== none; }) };
       });

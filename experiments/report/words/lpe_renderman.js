@@ -44,13 +44,17 @@ var raylexRenderman = (function (Reader, events) {
   var prefixNames = ['unoccluded', 'noclamp', 'nothruput', 'shadows', 'holdouts', 'overwrite', 'noinfinitecheck',
     'unweighted'];
 
+  var known = {};  // sets that letters stand for: never changed, so made once
+  function once(key, test) {
+    return known[key] = known[key] || events.both(universe, events.cores(test));
+  }
   function ofType(letters) {
-    return events.both(universe, events.cores(function (type) { return letters.indexOf(type) >= 0; }));
+    return once(letters, function (type) { return letters.indexOf(type) >= 0; });
   }
   function ofScatter(letters, number) {
-    return events.both(universe, events.cores(function (type, scatter, n) {
+    return once(letters + number, function (type, scatter, n) {
       return letters.indexOf(scatter) >= 0 && (number === 0 || n === number);
-    }));
+    });
   }
   function isTechnique(word) {
     var found = /^(?:beyond([0-9]+)|s([0-9]+)t([0-9]+))$/.exec(word);

@@ -40,8 +40,8 @@ struct PageWords {
     std::vector<float> errors;            ///< standard errors of their luminance
 };
 
-/// Words of a page take about eleven bytes: four halves of 1.75 (page_layers.cpp), and a number.
-constexpr std::size_t bytes_per_word = 11;
+/// About what a word of a pixel takes in the page, packed: four halves of 1.75 (page_layers.cpp), and a number.
+constexpr std::size_t bytes_per_word = 8;
 
 class Reducer {
   public:

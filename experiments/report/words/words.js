@@ -114,24 +114,28 @@ const raylexWords = (section, page) => {
 
   // Planes of the page's pixels: what surely is the expression's, and what may be more of it.
   const sumsOf = (atlas, answers) => {
-    const sums = [new Float32Array(3 * pixels), new Float32Array(3 * pixels)], total = [0, 0, 0];
+    const sums = [new Float32Array(3 * pixels), new Float32Array(3 * pixels)], all = new Float32Array(pixels);
+    const total = [0, 0, 0];
     for (let pixel = 0; pixel < pixels; ++pixel)
       for (let entry = atlas.begin[pixel]; entry < atlas.begin[pixel + 1]; ++entry) {
         const kind = answers[atlas.numbers.at(entry)], rgb = atlas.rgb(entry);
         total[2] += rgb[0] + rgb[1] + rgb[2];
+        all[pixel] += rgb[0] + rgb[1] + rgb[2];
         if (kind === 0) continue;
         total[kind === 2 ? 0 : 1] += rgb[0] + rgb[1] + rgb[2];
         for (let c = 0; c < 3; ++c) sums[kind === 2 ? 0 : 1][c * pixels + pixel] += rgb[c];
       }
-    return { sure: sums[0], more: sums[1], share: total[0] / total[2], moreShare: total[1] / total[2] };
+    return { sure: sums[0], more: sums[1], all, share: total[0] / total[2], moreShare: total[1] / total[2] };
+  };
+  // The atlas's pixel that a pixel of the page is in.
+  const placeOf = i => {
+    if (page.block === info.block) return i;
+    const x = (i % page.width) * page.block, y = Math.floor(i / page.width) * page.block;
+    return Math.floor(y / info.block) * info.width + Math.floor(x / info.block);
   };
   const placed = values => {
-    const size = page.width * page.height, same = page.block === info.block;
-    const place = i => {
-      const x = (i % page.width) * page.block, y = Math.floor(i / page.width) * page.block;
-      return Math.floor(y / info.block) * info.width + Math.floor(x / info.block);
-    };
-    return { count: 3 * size, at: i => same ? values[i] : values[Math.floor(i / size) * pixels + place(i % size)] };
+    const size = page.width * page.height;
+    return { count: 3 * size, at: i => values[Math.floor(i / size) * pixels + placeOf(i % size)] };
   };
   const rowElement = (name, expression) => {
     const row = section.querySelector('.layer.light').cloneNode(true), image = row.querySelector('.thumb');
@@ -145,22 +149,22 @@ const raylexWords = (section, page) => {
     return row;
   };
   let asked = 0;
-  const add = (name, expression, values, share) => addRow(name, expression, { data: `asked-${info.id}-${++asked}`,
-    planesOf: placed(values), share });
-  const addRow = (name, expression, more) => page.addLayer({ name, expression, planes: ['R', 'G', 'B'], light: true, whole: 0,
-    look: '', empty: false, ...more }, rowElement(name, expression));
+  const add = (name, expression, values, all, share) => page.addLayer({ name, expression, planes: ['R', 'G', 'B'], light: true,
+    whole: null, look: '', empty: false, data: `asked-${info.id}-${++asked}`, planesOf: placed(values), share,
+    wholeAt: index => all[placeOf(index)] }, rowElement(name, expression));
 
   const percent = share => `${digits(100 * share)} %`;
   const ask = async () => {
     const program = compiled(), expression = input.value, atlas = await loaded;
     const answers = byTechnique(raylexLpe.answers(program, atlas.table), program.prefixes[0], atlas.table.techniques);
     const count = kind => answers.filter(each => each === kind).length;
-    const { sure, more, share, moreShare } = sumsOf(atlas, answers), open = count(1), name = `asked ${asked + 1}`;
+    const { sure, more, all, share, moreShare } = sumsOf(atlas, answers), open = count(1), name = `asked ${asked + 1}`;
     if (open > 0 && info.signed)
       throw { refused: `'${atlas.textOf(answers.indexOf(1))}' is kept together, and light of words may be negative here`, offset: 0 };
     taken = answers;
-    if (open > 0) add(`${name}, at most`, expression, sure.map((value, i) => value + more[i]), share + moreShare);
-    add(open > 0 ? `${name}, at least` : name, expression, sure, share);
+    if (open > 0) add(`${name}, at most`, expression, sure.map((value, i) => value + more[i]), all,
+      share + moreShare);
+    add(open > 0 ? `${name}, at least` : name, expression, sure, all, share);
     say(`${count(2)} of ${answers.length} words, ${percent(share)} of the light`
       + (open > 0 ? `; ${open} more stand for paths that it tells apart, such as '${atlas.textOf(answers.indexOf(1))}': up to `
         + `${percent(share + moreShare)}` : '')
