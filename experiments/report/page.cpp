@@ -98,8 +98,9 @@ class Page {
 
   private:
     [[nodiscard]] static std::string words_scripts() {
-        return "<script>" + std::string(matcher_scripts()) + "</script>\n<script>const raylexNames = " +
-               script_json(expression_names()) + ";\n" + std::string(words_script()) + "</script>\n";
+        return "<script>" + std::string(matcher_scripts()) +
+               "</script>\n<script>const raylexNames = " + script_json(expression_names()) + ";\n" +
+               std::string(words_script()) + "</script>\n";
     }
     [[nodiscard]] std::string shown_through() const {
         const std::string display = options_.display.empty() ? color_.default_display() : options_.display;

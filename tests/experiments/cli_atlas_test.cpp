@@ -346,7 +346,8 @@ TEST_CASE("atlases of several seeds are one, in any order", "[atlas]") {
         const std::string job = folder.read("job.toml");
         folder.write("s" + seed + ".toml", job + "[render]\nseed = " + seed + "\nspp = 2\n[output]\nfile = \"s" + seed +
                                                ".exr\"\n[atlas]\nfile = \"s" + seed + ".atlas.exr\"\n");
-        folder.write("c" + seed + ".toml", job + "[render]\nseed = " + seed + "\nspp = 2\ncrop = [" + (seed == "7" ? "0, 0, 7" : "1, 0, 8") + ", 7]\n");
+        folder.write("c" + seed + ".toml", job + "[render]\nseed = " + seed + "\nspp = 2\ncrop = [" +
+                                               (seed == "7" ? "0, 0, 7" : "1, 0, 8") + ", 7]\n");
         REQUIRE(run_raylex(folder, "render s" + seed + ".toml").code == 0);
         REQUIRE(run_raylex(folder, "render c" + seed + ".toml -o c.exr --atlas c" + seed + ".atlas.exr").code == 0);
     }

@@ -1,8 +1,8 @@
 // Expressions that are typed into a page: its scripts, in an embedded interpreter, against the compiler; and the page.
 #include <catch2/catch.hpp>
 
-#include <algorithm>
 #include <duktape.h>
+#include <algorithm>
 
 #include <fstream>
 #include <memory>
@@ -147,11 +147,13 @@ void compare(PageMatcher& page, const std::string& text, lpe::Dialect dialect, c
 
 /// A text of pieces of the language, well-formed or not.
 std::string random_text(oracle::Random& random) {
-    static const char* const pieces[] = {"C",    "L",        "D",        "S8",   "G",     "<RD>", "<T",   ">",   "[",   "]",
-                                         "^",    "(",        ")",        "|",    "*",     "+",    "?",    "{2}", "{0,", "}",
-                                         "&",    "-",        "!",        ".",    "'a'",   "'a*'", "'\\*'", "x",   "s",   " ",
-                                         "lpe:", "noclamp;", "$diffuse", "B",    "O",     "V",    "U2",   "1",   "'é'", "#\n",
-                                         "<L.>", "diffuse",  "_key",     "<.[DS]'b'>", "<R[^D]['a''b']>", "[^DS]"};
+    static const char* const pieces[] = {
+        "C",    "L", "D",   "S8",   "G",        "<RD>",     "<T",   ">",          "[",
+        "]",    "^", "(",   ")",    "|",        "*",        "+",    "?",          "{2}",
+        "{0,",  "}", "&",   "-",    "!",        ".",        "'a'",  "'a*'",       "'\\*'",
+        "x",    "s", " ",   "lpe:", "noclamp;", "$diffuse", "B",    "O",          "V",
+        "U2",   "1", "'é'", "#\n",  "<L.>",     "diffuse",  "_key", "<.[DS]'b'>", "<R[^D]['a''b']>",
+        "[^DS]"};
     std::string text = random.below(2) == 0 ? "C" : "";
     for (std::size_t count = 1 + random.below(7); count > 0; --count) text += pieces[random.below(std::size(pieces))];
     return text;
@@ -201,7 +203,8 @@ TEST_CASE("the matcher of pages agrees with the compiler on random expressions, 
 TEST_CASE("the matcher of pages tells words that the atlas merged as raylex ask does", "[words]") {
     PageMatcher page;
     display::WordTable table;
-    const auto events = lpe::parse_events("R,D,floor R,S,wall,coat T,S,ball T,s V,-,fog R,G,floor L,-,key L,- B,- O,-,'a b'");
+    const auto events =
+        lpe::parse_events("R,D,floor R,S,wall,coat T,S,ball T,s V,-,fog R,G,floor L,-,key L,- B,- O,-,'a b'");
     REQUIRE(events);
     table.events = *events;
     for (std::size_t i = 0; i < table.events.size(); ++i) table.events[i].labels.resize(i < 6 ? 2 : 1);
@@ -219,8 +222,8 @@ TEST_CASE("the matcher of pages tells words that the atlas merged as raylex ask 
             table.words.push_back(std::move(word));
         }
         const lpe::Dialect dialect = round % 2 == 0 ? lpe::Dialect::renderman : lpe::Dialect::osl;
-        static const char* const texts[] = {"C<RD'floor'>.*<L.'key'>", "C.*<L.>", "CD[SV]*L", "C[^S]*O", "C<T.>{0,2}.B",
-                                            "C.*<.G>.*L", "C.{2}[LB]"};
+        static const char* const texts[] = {
+            "C<RD'floor'>.*<L.'key'>", "C.*<L.>", "CD[SV]*L", "C[^S]*O", "C<T.>{0,2}.B", "C.*<.G>.*L", "C.{2}[LB]"};
         const std::string text = round % 3 == 0
                                      ? texts[random.below(std::size(texts))]
                                      : "C" + oracle::text_of(oracle::random_expression(random, dialect, 4), dialect);
@@ -268,21 +271,24 @@ TEST_CASE("a page of an image and its atlas shows words and takes expressions", 
         "    clientY: box.top + 0.75 * box.height }));\n"
         "});</script>";
     folder.write("acted.html", page + act);
-    const Outcome shown = in_browser(folder, "acted.html", "1400,1000", {"[data-asked=CDL]", ".words td", "[data-read=yes]"});
+    const Outcome shown =
+        in_browser(folder, "acted.html", "1400,1000", {"[data-asked=CDL]", ".words td", "[data-read=yes]"});
     CAPTURE(shown.err);
     CHECK(shown.err.find("Uncaught") == std::string::npos);
     REQUIRE_FALSE(shown.out.empty());
     // The layer that was rendered and the one that was asked for have the same value at the pointer.
-    const auto values = all_matches(shown.out, "<code class=\"value\">([^<]*)</code><code class=\"formula\">CDL</code>");
+    const auto values =
+        all_matches(shown.out, "<code class=\"value\">([^<]*)</code><code class=\"formula\">CDL</code>");
     REQUIRE(values.size() == 2);
     CHECK(values[0][1] == values[1][1]);
     CHECK_FALSE(values[0][1].empty());
     CHECK(count_matches(shown.out, "class=\"taken\"") > 0);
-    folder.write("wrong.html", page + "<script>addEventListener('load', () => {\n"
-                                      "  const input = document.querySelector('.ask input');\n"
-                                      "  input.value = 'C<RX>L';\n"
-                                      "  input.dispatchEvent(new Event('input'));\n"
-                                      "});</script>");
+    folder.write("wrong.html", page +
+                                   "<script>addEventListener('load', () => {\n"
+                                   "  const input = document.querySelector('.ask input');\n"
+                                   "  input.value = 'C<RX>L';\n"
+                                   "  input.dispatchEvent(new Event('input'));\n"
+                                   "});</script>");
     const Outcome wrong = in_browser(folder, "wrong.html", "1400,1000", {".answer.fails"});
     CHECK(contains(wrong.out, "found 'X'; expected a scattering"));
 }

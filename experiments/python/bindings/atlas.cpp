@@ -84,8 +84,8 @@ std::shared_ptr<Image> ask(Atlas& atlas, const std::vector<Question>& channels, 
         const auto answer = std::make_shared<const experiments::AtlasAnswer>(
             take(experiments::answer_question(file, job, {intervals, errors})));
         if (!answer->refuted.empty()) fail(answer->refuted);
-        auto image = std::make_shared<Image>(display::image_in_memory(
-            answer->layers, experiments::AskedLayers::beauty, answer->description));
+        auto image = std::make_shared<Image>(
+            display::image_in_memory(answer->layers, experiments::AskedLayers::beauty, answer->description));
         image->warnings = answer->notes;
         image->complete = answer->description.complete;
         image->write = [answer](const std::string& path) {
@@ -134,7 +134,8 @@ py::dict entries(Atlas& atlas) {
     constexpr auto parts = static_cast<py::ssize_t>(display::PathAtlas::parts);
     const auto count = static_cast<py::ssize_t>(all.word.size());
     py::dict arrays;
-    arrays["begin"] = owning_array(std::move(all.begin), {py::ssize_t{atlas.file().width()} * atlas.file().height() + 1});
+    arrays["begin"] =
+        owning_array(std::move(all.begin), {py::ssize_t{atlas.file().width()} * atlas.file().height() + 1});
     arrays["word"] = owning_array(std::move(all.word), {count});
     arrays["rgb"] = owning_array(std::move(all.rgb), {count, 3});
     arrays["parts"] = owning_array(std::move(all.parts), {count, parts});
@@ -196,12 +197,15 @@ void add_answers(py::module_& module) {
 
 void add_atlas(py::module_& module) {
     add_answers(module);
-    py::class_<Atlas>(module, "Atlas",
-                      "What `raylex render --atlas` or render(atlas=) wrote: per pixel the light of each distinct word.")
+    py::class_<Atlas>(
+        module, "Atlas",
+        "What `raylex render --atlas` or render(atlas=) wrote: per pixel the light of each distinct word.")
         .def(py::init<const std::filesystem::path&>(), "path"_a)
         .def_property_readonly("path", [](const Atlas& atlas) { return atlas.file().path(); })
-        .def_property_readonly("width", [](const Atlas& atlas) { return atlas.file().width(); }, "pixels")
-        .def_property_readonly("height", [](const Atlas& atlas) { return atlas.file().height(); }, "pixels")
+        .def_property_readonly(
+            "width", [](const Atlas& atlas) { return atlas.file().width(); }, "pixels")
+        .def_property_readonly(
+            "height", [](const Atlas& atlas) { return atlas.file().height(); }, "pixels")
         .def_property_readonly("words", &word_texts,
                                "what each word is, by number: 'C <R.D.'floor'> ... L'; '...' is one scattering or more")
         .def_property_readonly(
@@ -222,9 +226,10 @@ void add_atlas(py::module_& module) {
         .def("_suggest", &suggest, "count"_a)
         .def("_ask", &ask, "channels"_a, "shipped"_a, "light_groups"_a, "intervals"_a, "errors"_a)
         .def("_entries", &entries)
-        .def("_verify", [](Atlas& atlas) {
-            return atlas.read([](display::AtlasFile& file) { return take(display::check_atlas(file)); });
-        })
+        .def("_verify",
+             [](Atlas& atlas) {
+                 return atlas.read([](display::AtlasFile& file) { return take(display::check_atlas(file)); });
+             })
         .def("__repr__", [](const Atlas& atlas) {
             return "Atlas('" + atlas.file().path() + "': " + std::to_string(atlas.file().width()) + "x" +
                    std::to_string(atlas.file().height()) + ", " + std::to_string(atlas.table().words.size()) +

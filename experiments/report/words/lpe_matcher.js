@@ -28,7 +28,8 @@ var raylexLpe = (function (Reader, readRenderman, readOsl, events) {
     if (this.table.hasOwnProperty(name)) return { text: this.table[name], group: '' };
     for (var bar = name.lastIndexOf('_'); bar > 0; bar = name.lastIndexOf('_', bar - 1)) {
       var stem = name.slice(0, bar);
-      if (bar + 1 < name.length && this.table.hasOwnProperty(stem)) return { text: this.table[stem], group: name.slice(bar + 1) };
+      if (bar + 1 < name.length && this.table.hasOwnProperty(stem))
+        return { text: this.table[stem], group: name.slice(bar + 1) };
     }
     return null;
   };
@@ -38,8 +39,8 @@ var raylexLpe = (function (Reader, readRenderman, readOsl, events) {
   // What a text without 'lpe:' and prefixes says, names replaced; `<L.>` becomes the light group.
   Names.prototype.body = function (text, group) {
     var self = this, blank = '(?:[ \\t\\r\\n]|#[^\\n]*)*';
-    var piece = new RegExp('\'(?:\\\\[\\s\\S]|[^\'\\\\])*\'?|#[^\\n]*|\\$(\\{?)([A-Za-z_0-9]*)(\\}?)|<' + blank + 'L' + blank +
-      '\\.' + blank + '>', 'g');
+    var piece = new RegExp('\'(?:\\\\[\\s\\S]|[^\'\\\\])*\'?|#[^\\n]*|\\$(\\{?)([A-Za-z_0-9]*)(\\}?)|' +
+      '<' + blank + 'L' + blank + '\\.' + blank + '>', 'g');
     return text.replace(piece, function (all, open, name, close) {
       if (all[0] === '<') return group ? '<L.\'' + group.replace(/[\'\\*?]/g, '\\$&') + '\'>' : all;
       if (all[0] !== '$') return all;
@@ -56,7 +57,8 @@ var raylexLpe = (function (Reader, readRenderman, readOsl, events) {
     var known = name ? this.find(name) : null;
     if (known) {
       var inner = headOf(known.text);
-      return text.slice(0, begin) + known.text.slice(inner.mark, inner.body) + this.body(known.text.slice(inner.body), known.group);
+      return text.slice(0, begin) + known.text.slice(inner.mark, inner.body) +
+        this.body(known.text.slice(inner.body), known.group);
     }
     if (/[a-z][a-z]/.test(name)) this.unknown(name);
     return text.slice(0, head.body) + this.body(text.slice(head.body), '');
@@ -132,7 +134,8 @@ var raylexLpe = (function (Reader, readRenderman, readOsl, events) {
     if (max === 0 || a === this.empty) return this.empty;
     if (a === this.none) return min === 0 ? this.empty : this.none;
     if (min === 1 && max === 1) return a;
-    return this.made('*' + a.id + ',' + min + ',' + max, 'repeat', { a: a, min: min, max: max, nullable: min === 0 || a.nullable });
+    return this.made('*' + a.id + ',' + min + ',' + max, 'repeat',
+      { a: a, min: min, max: max, nullable: min === 0 || a.nullable });
   };
   Languages.prototype.of = function (tree) {
     var self = this, whole, i;
@@ -186,7 +189,8 @@ var raylexLpe = (function (Reader, readRenderman, readOsl, events) {
       case 'not':
         return this.columns[column].inside ? this.not(after(node.a)) : this.none;
       case 'repeat':
-        return this.sequence(after(node.a), this.repeat(node.a, Math.max(node.min - 1, 0), node.max < 0 ? -1 : node.max - 1));
+        rest = this.repeat(node.a, Math.max(node.min - 1, 0), node.max < 0 ? -1 : node.max - 1);
+        return this.sequence(after(node.a), rest);
       default:
         return this.none;
     }

@@ -34,10 +34,10 @@ struct BlockWord {
 /// What the page keeps, pixel after pixel.
 struct PageWords {
     int block = 1, width = 0, height = 0;
-    std::vector<float> counts;            ///< [pixel] words of it
-    std::vector<float> words;             ///< their numbers, ascending within a pixel
+    std::vector<float> counts;  ///< [pixel] words of it
+    std::vector<float> words;   ///< their numbers, ascending within a pixel
     std::array<std::vector<float>, 3> rgb;
-    std::vector<float> errors;            ///< standard errors of their luminance
+    std::vector<float> errors;  ///< standard errors of their luminance
 };
 
 /// About what a word of a pixel takes in the page, packed: four halves of 1.75 (page_layers.cpp), and a number.
@@ -100,7 +100,7 @@ class Reducer {
     int block_;
     PageWords page_;
     display::AtlasRow row_;
-    std::vector<std::map<std::uint32_t, BlockWord>> blocks_;             // [block of a row]
+    std::vector<std::map<std::uint32_t, BlockWord>> blocks_;  // [block of a row]
     std::vector<std::array<float, PathAtlas::parts>> samples_;
     std::vector<double> pixels_;
 };
@@ -136,8 +136,8 @@ Json table_json(const WordTable& table) {
 }
 
 /// What a header says of the render that its pixels are of.
-constexpr std::array names_of_a_render{"raylex/scene", "raylex/seed", "raylex/samples_per_pixel", "raylex/camera_samples",
-                                       "raylex/integrator", "raylex/filter"};
+constexpr std::array names_of_a_render{"raylex/scene",          "raylex/seed",       "raylex/samples_per_pixel",
+                                       "raylex/camera_samples", "raylex/integrator", "raylex/filter"};
 
 /// The power of two that brings values into the range of half floats from above, and small ones away from its steps.
 float scale_of(std::span<const float> values) {
@@ -194,7 +194,8 @@ Result<std::string> words_html(display::AtlasFile& atlas, std::size_t number, st
                     {"straightDropped", table.dropped_straight},
                     {"signed", table.is_signed}};
     return "<script type=\"application/json\" class=\"words\">" + script_json(json_text(data)) + "</script>\n" +
-           element(id + "-table", pack_bytes(std::span(reinterpret_cast<const unsigned char*>(text.data()), text.size()))) +
+           element(id + "-table",
+                   pack_bytes(std::span(reinterpret_cast<const unsigned char*>(text.data()), text.size()))) +
            element(id + "-counts", pack_integers(page->counts)) + element(id + "-numbers", pack_integers(page->words)) +
            element(id + "-light", pack_halves(light)) + element(id + "-errors", pack_halves(page->errors));
 }

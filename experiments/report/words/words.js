@@ -149,18 +149,20 @@ const raylexWords = (section, page) => {
     return row;
   };
   let asked = 0;
-  const add = (name, expression, values, all, share) => page.addLayer({ name, expression, planes: ['R', 'G', 'B'], light: true,
-    whole: null, look: '', empty: false, data: `asked-${info.id}-${++asked}`, planesOf: placed(values), share,
+  const add = (name, expression, values, all, share) => page.addLayer({ name, expression, planes: ['R', 'G', 'B'],
+    light: true, whole: null, look: '', empty: false, data: `asked-${info.id}-${++asked}`, planesOf: placed(values), share,
     wholeAt: index => all[placeOf(index)] }, rowElement(name, expression));
 
   const percent = share => `${digits(100 * share)} %`;
   const ask = async () => {
     const program = compiled(), expression = input.value, atlas = await loaded;
-    const answers = byTechnique(raylexLpe.answers(program, atlas.table), program.prefixes[0], atlas.table.techniques);
+    const { table } = atlas;
+    const answers = byTechnique(raylexLpe.answers(program, table), program.prefixes[0], table.techniques);
     const count = kind => answers.filter(each => each === kind).length;
     const { sure, more, all, share, moreShare } = sumsOf(atlas, answers), open = count(1), name = `asked ${asked + 1}`;
     if (open > 0 && info.signed)
-      throw { refused: `'${atlas.textOf(answers.indexOf(1))}' is kept together, and light of words may be negative here`, offset: 0 };
+      throw { refused: `'${atlas.textOf(answers.indexOf(1))}' is kept together, and light of words may be negative here`,
+        offset: 0 };
     taken = answers;
     if (open > 0) add(`${name}, at most`, expression, sure.map((value, i) => value + more[i]), all,
       share + moreShare);
