@@ -128,6 +128,12 @@ Cryptomatte::Cryptomatte(MatteKind kind, int ranks, int width, int height, const
     }
 }
 
+std::vector<std::string> Cryptomatte::names() const {
+    std::vector<std::string> result;
+    for (const auto& [name, id] : names_) result.push_back(name);
+    return result;
+}
+
 std::vector<std::string> Cryptomatte::planes() const {
     std::vector<std::string> result;
     for (int rank = 0; rank < ranks_; ++rank) {
@@ -139,13 +145,14 @@ std::vector<std::string> Cryptomatte::planes() const {
     return result;
 }
 
-std::vector<float> Cryptomatte::values() const {
-    const std::size_t pixels =
-        static_cast<std::size_t>(coverage_.width()) * static_cast<std::size_t>(coverage_.height());
+std::vector<float> Cryptomatte::values(int first, int end) const {
+    const auto width = static_cast<std::size_t>(coverage_.width());
+    const std::size_t before = static_cast<std::size_t>(first) * width,
+                      pixels = static_cast<std::size_t>(end - first) * width;
     std::vector<display::RankedCoverage::Rank> found(static_cast<std::size_t>(ranks_));
     std::vector<float> result(2 * found.size() * pixels);
     for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
-        coverage_.resolve(pixel, found);
+        coverage_.resolve(before + pixel, found);
         for (std::size_t rank = 0; rank < found.size(); ++rank) {
             result[2 * rank * pixels + pixel] = std::bit_cast<float>(found[rank].id);
             result[(2 * rank + 1) * pixels + pixel] = static_cast<float>(found[rank].coverage);

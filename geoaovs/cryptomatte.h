@@ -51,12 +51,17 @@ class Cryptomatte {
     [[nodiscard]] display::RankedCoverage& coverage() { return coverage_; }
     [[nodiscard]] const display::RankedCoverage& coverage() const { return coverage_; }
     [[nodiscard]] std::size_t name_count() const { return names_.size(); }
+    [[nodiscard]] MatteKind kind() const { return kind_; }
+    /// In order; with them and the coverage's record the set is made again.
+    [[nodiscard]] std::vector<std::string> names() const;
     /// Pairs of names that have one id and so share a matte, for a warning.
     [[nodiscard]] const std::vector<std::pair<std::string, std::string>>& collisions() const { return collisions_; }
 
-    /// Names of the planes, "CryptoObject00.R" ..., and their values, plane after plane, rows from the top.
+    /// Names of the planes, "CryptoObject00.R" ..., and their values in rows [first, end), plane after plane, rows from
+    /// the top.
     [[nodiscard]] std::vector<std::string> planes() const;
-    [[nodiscard]] std::vector<float> values() const;
+    [[nodiscard]] std::vector<float> values() const { return values(0, coverage_.height()); }
+    [[nodiscard]] std::vector<float> values(int first, int end) const;
     /// Header attributes, the manifest among them.
     [[nodiscard]] std::map<std::string, std::string> attributes() const;
 

@@ -92,7 +92,10 @@ int run_command_line(int argc, const char* const* argv) {
     add_compare_command(app, context);
     add_preview_command(app, context);
     add_report_command(app, context);
+    add_merge_command(app, context);
     add_experiment_command(app, context);
+    add_submit_command(app, context);
+    add_status_command(app, context);
     add_scene_command(app, context);
     add_stability_command(app, context);
     add_plugins_command(app, context);

@@ -11,12 +11,15 @@
 
 #include "experiments/cli/commands.h"
 #include "experiments/cli/plugin_options.h"
+#include "experiments/cli/render_commands.h"
 #include "experiments/cli/render_options.h"
 #include "experiments/cli/render_run.h"
 #include "experiments/job/effect_report.h"
 #include "experiments/job/job_file.h"
 #include "experiments/job/sampling_requests.h"
 #include "experiments/program/console.h"
+#include "experiments/shards/shard_render.h"
+#include "experiments/study/run/runner.h"
 
 namespace raylex::experiments {
 namespace {
@@ -85,8 +88,23 @@ Status read_sampling(const RenderOptions& options, Job& job) {
         if (!seconds) return seconds.error();
         job.checkpoint_seconds = *seconds;
     }
+    if (!options.memory.empty()) {
+        auto memory = display::parse_memory_size(options.memory, flag("--memory"));
+        if (!memory) return memory.error();
+        bucket_settings(job).memory = *memory;
+    }
+    if (options.bucket_rows) bucket_settings(job).rows = *options.bucket_rows;
     job.resume = options.resume;
-    if (job.resume && job.checkpoint_seconds == 0) job.checkpoint_seconds = 60;
+    if ((job.resume || job.shard) && job.checkpoint_seconds == 0) job.checkpoint_seconds = 60;
+    return success();
+}
+
+/// --shard PART/PARTS
+Status read_shard(const RenderOptions& options, Job& job) {
+    if (options.shard.empty()) return success();
+    auto shard = parse_shard(options.shard, flag("--shard"));
+    if (!shard) return shard.error();
+    job.shard = ShardRequest{shard->part, shard->parts, shard_file(job.output, shard->part, shard->parts)};
     return success();
 }
 
@@ -167,6 +185,7 @@ Result<Job> assemble(const CLI::App& command, const RenderOptions& options) {
     override_entity(options.sampler, "--sampler", job.settings.sampler);
     override_entity(options.filter, "--filter", job.settings.filter);
     if (Status outputs = apply_output_options(options.outputs, job); !outputs) return outputs.error();
+    if (Status shard = read_shard(options, job); !shard) return shard.error();
     if (Status sampling = read_sampling(options, job); !sampling) return sampling.error();
     if (Status expressions = read_expressions(command, options, job); !expressions) return expressions.error();
     if (Status settings = read_channel_settings(options, job.settings); !settings) return settings.error();
@@ -201,7 +220,10 @@ void add_render_command(CLI::App& app, CommandContext& context) {
         "experiments/README.md; flags override the job.");
     command->callback([command, options, &context] {
         auto job = assemble(*command, *options);
-        context.exit_code = job ? run_render(std::move(*job), context.arguments) : report_error(job.error());
+        if (!job) context.exit_code = report_error(job.error());
+        else if (!options->commands.format.empty() || options->shards > 0)
+            context.exit_code = print_render_commands(*command, *options, std::move(*job), context.arguments);
+        else context.exit_code = run_render(std::move(*job), context.arguments);
     });
 }
 

@@ -82,6 +82,16 @@ void add_schedule_options(const OptionGroup& group, RenderOptions& options) {
     group.add_flag("--resume", options.resume,
                    "goes on from OUT.exr.checkpoint to the same bits as if nothing had happened, saving every 60s or "
                    "as --checkpoint says");
+    group.add(
+        "--shard", options.shard, "PART/PARTS",
+        "renders some of the samples alone, such as 2/4, to OUT.exr.shard-2-of-4, and nothing when that is there; "
+        "begun again it goes on from its checkpoint. 'raylex merge' makes the image of all shards, the bits of "
+        "one render");
+    group
+        .add("--shards", options.shards, "N",
+             "with --commands: prints the commands for so many shards, and that which merges them, with the memory, "
+             "CPU seconds and cores that each takes")
+        ->check(CLI::Range(1U, 1000000U));
 }
 
 void add_machine_options(const OptionGroup& group, RenderOptions& options) {
@@ -91,6 +101,12 @@ void add_machine_options(const OptionGroup& group, RenderOptions& options) {
               "instruction set: sse2, sse4.2, avx, avx2 or avx512; default: the best there is");
     group.add("--memory-limit", options.outputs.memory_limit, "SIZE",
               "refuses a render whose layers need more, such as 8G; default none");
+    group.add("--memory", options.memory, "SIZE",
+              "what the whole program may take, such as 2GiB: an image that needs more is rendered in buckets, bands of "
+              "its rows, each saved in the folder OUT.exr.checkpoint once it is finished; same bits. --resume goes on "
+              "with the buckets that are not there; default no limit");
+    group.add("--bucket-rows", options.bucket_rows, "N", "renders in buckets of N rows, whether or not the image fits")
+        ->check(CLI::Range(1, 65536));
 }
 
 void add_method_options(const OptionGroup& group, RenderOptions& options) {
@@ -171,6 +187,7 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
     add_sampling_options(sampling, options);
     add_image_options(image, options);
     add_schedule_options(schedule, options);
+    add_command_output_options(command, options.commands, "Long renders");
     add_machine_options(machine, options);
     add_plugin_option(command, options.plugins);
     command.get_option("--plugin")->group("Machine");

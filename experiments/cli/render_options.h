@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "experiments/cli/command_output.h"
 #include "experiments/cli/expression_options.h"
 #include "experiments/cli/output_options.h"
 
@@ -13,13 +14,17 @@ namespace raylex::experiments {
 
 struct RenderOptions : ExpressionOptions {
     std::string input, output, statistics, resolution, integrator, sampler, filter, techniques;
-    std::string missing, crop, ocio, rendering_space, isa, until_error, time, checkpoint, replay, filter_mode, prune;
+    std::string missing, crop, ocio, rendering_space, isa, until_error, time, checkpoint, replay, filter_mode, prune,
+        shard;
     std::optional<std::uint64_t> spp, seed;
     std::optional<int> threads;
     std::optional<std::int64_t> max_depth;
     std::vector<std::string> aovs, cryptomatte, rules, layers, statistic_layers, plugins, effects;
-    std::optional<int> cryptomatte_ranks;
+    std::string memory;
+    std::optional<int> cryptomatte_ranks, bucket_rows;
     bool no_beauty = false, resume = false, show_effects = false;
+    unsigned shards = 0;
+    CommandOutputOptions commands;
     OutputOptions outputs;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -12,6 +13,7 @@
 #include "display/output/exr_writer.h"
 #include "display/output/split_check.h"
 #include "experiments/cli/judge.h"
+#include "experiments/cli/loading_line.h"
 #include "experiments/cli/progress.h"
 #include "experiments/cli/render_outputs.h"
 #include "experiments/job/channel_plan.h"
@@ -24,6 +26,9 @@
 #include "experiments/program/exit_codes.h"
 #include "experiments/program/interrupt.h"
 #include "experiments/program/tint.h"
+#include "experiments/program/work_lock.h"
+#include "experiments/shards/shard_render.h"
+#include "transport/render/built_scene.h"
 
 namespace raylex::experiments {
 namespace {
@@ -38,12 +43,13 @@ class RenderRun {
     int run() {
         at_once_.emplace("raylex: interrupted before anything was rendered; no file was written\n");
         if (job_.settings.only) {
-            for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::plan})
+            for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::build, &RenderRun::plan})
                 if (const std::optional<int> code = (this->*step)()) return *code;
             return replay();
         }
+        if (job_.shard) return run_shard();
         for (std::optional<int> (RenderRun::*step)() :
-             {&RenderRun::check_outputs, &RenderRun::load, &RenderRun::plan, &RenderRun::render,
+             {&RenderRun::check_outputs, &RenderRun::load, &RenderRun::build, &RenderRun::plan, &RenderRun::render,
               &RenderRun::write_image, &RenderRun::judge, &RenderRun::write_statistics})
             if (const std::optional<int> code = (this->*step)()) return *code;
         print_summary();
@@ -54,9 +60,56 @@ class RenderRun {
                    : exit_does_not_hold;
     }
 
+    /// What all samples would take.
+    std::optional<int> estimate(bool calibrate, RenderEstimate& estimate) {
+        quiet_ = true;
+        for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::build, &RenderRun::plan})
+            if (const std::optional<int> code = (this->*step)()) return code;
+        if (Status possible = check_shardable(job_, loaded_->scene); !possible) return report_error(possible.error());
+        auto samples = samples_of_job(job_, loaded_->scene);
+        if (!samples) return report_error(samples.error());
+        estimate.samples_per_pixel = *samples;
+        // What does not fit in memory is not rendered here either.
+        const std::uint64_t most_memory = job_.settings.buckets ? job_.settings.buckets->memory : 0;
+        calibrate = calibrate && !job_.settings.buckets;
+        job_.settings.buckets.reset();
+        constexpr double seconds = 2;
+        job_.settings.limit = transport::SampleLimit{seconds, 0, 0};
+        double pixels = 0;
+        std::uint64_t image_bytes = 0;
+        job_.settings.before_rendering = [&](const transport::RenderPlan& plan, std::vector<display::SampleSink*>&) {
+            pixels = static_cast<double>(plan.crop.width()) * static_cast<double>(plan.crop.height());
+            image_bytes = display::total_bytes(plan.memory) / 2;  // the other half is for the limit
+            return calibrate ? success() : Status(error_at({}, "nothing is rendered"));
+        };
+        const auto output = transport::render(loaded_->scene, job_.settings, {}, &interrupt_flag());
+        if (!output && pixels == 0) return report_error(output.error());
+        // What is resident now, the image and its copy for the limit included; a checkpoint is such a copy, a record
+        // that is written another one.
+        estimate.memory_bytes = peak_memory_bytes() + (output ? 1 : 3) * image_bytes;
+        if (most_memory > 0) estimate.memory_bytes = std::min(estimate.memory_bytes, most_memory);
+        if (!output || output->statistics.camera_samples == 0) return go_on;
+        estimate.cpu_seconds = output->statistics.render_cpu_seconds * pixels * static_cast<double>(*samples) /
+                               static_cast<double>(output->statistics.camera_samples);
+        return go_on;
+    }
+
   private:
     using Step = std::optional<int>;
     static constexpr std::nullopt_t go_on = std::nullopt;
+
+    /// Some of the samples, to a record of their sums.
+    int run_shard() {
+        for (std::optional<int> (RenderRun::*step)() :
+             {&RenderRun::check_outputs, &RenderRun::lock_shard, &RenderRun::load, &RenderRun::begin_shard,
+              &RenderRun::build, &RenderRun::plan, &RenderRun::render, &RenderRun::write_shard,
+              &RenderRun::write_statistics})
+            if (const std::optional<int> code = (this->*step)()) return *code;
+        const transport::RenderStatistics& statistics = output_->statistics;
+        print_line(shard_->record() + ": " + shard_->text() + ", " + duration_text(statistics.render_seconds) + " (" +
+                   duration_text(statistics.render_cpu_seconds) + " CPU)");
+        return exit_holds;
+    }
 
     void warn(const std::string& message) {
         print_warning(message);
@@ -70,7 +123,7 @@ class RenderRun {
                                 "' has no name ending in .exr; expected an OpenEXR file name");
         if (Status recovery = check_recovery(job_); !recovery) return report_error(recovery.error());
         if (Status fits = check_exr_requests(job_.outputs); !fits) return report_error(fits.error());
-        if (job_.resume)
+        if (job_.resume && !job_.shard)
             for (const std::string& path : {job_.output, checkpoint_file(job_)}) display::remove_abandoned(path);
         std::vector<std::string> taken{job_.scene_file, job_.job_file};
         for (const std::string& path : requested_files(job_)) {
@@ -89,23 +142,66 @@ class RenderRun {
 
     Step load() {
         const PhaseClock clock;
-        auto loaded = load_job_scene(job_);
+        LoadingLine loading;
+        auto loaded = load_job_scene(job_, loading.progress());
+        loading.finish();
         if (!loaded) return report_error(loaded.error());
         loaded_ = std::move(*loaded);
         ask_for_film_layers(loaded_->scene.film, job_);
+        if (const auto ignored = ask_for_film_clamp(loaded_->scene, job_)) warn(*ignored);
         for (const std::string& warning : loaded_->warnings) warn(warning);
-        for (const std::string& line : job_.show_effects ? effect_table(loaded_->effects, job_.effects)
-                                                         : effect_summary(loaded_->effects, job_.effects))
-            print_line(line);
+        if (!quiet_)
+            for (const std::string& line : job_.show_effects ? effect_table(loaded_->effects, job_.effects)
+                                                             : effect_summary(loaded_->effects, job_.effects))
+                print_line(line);
         if (!job_.settings.only)
             if (Status made = outputs_.make(job_, loaded_->color); !made) return report_error(made.error());
         phases_["load"] = clock.elapsed();
         return interrupted_early();
     }
 
+    /// Once: the plan goes by the same tables as the render, so that no image and no grid is read again.
+    Step build() {
+        LoadingLine loading;
+        auto built = transport::BuiltScene::build(loaded_->scene,
+                                                  {job_.settings.isa, job_.settings.threads, loading.progress()});
+        loading.finish();
+        if (!built) return report_error(built.error());
+        built_ = std::move(*built);
+        return interrupted_early();
+    }
+
+    Step lock_shard() {
+        auto lock = WorkLock::take(shard_lock(job_.shard->record), "is rendering this shard");
+        if (!lock) return report_error(lock.error());
+        lock_.emplace(*std::move(lock));
+        return go_on;
+    }
+
+    Step begin_shard() {
+        if (!job_.preview.empty() || !job_.outputs.drivers.empty())
+            print_note(
+                "previews and viewers are of whole images and left out here; 'raylex preview' shows what "
+                "'raylex merge' writes");
+        auto shard = ShardRender::make(job_, loaded_->scene);
+        if (!shard) return report_error(shard.error());
+        shard_ = *std::move(shard);
+        return go_on;
+    }
+
+    /// Whether the record of this shard is there. Then render() ends before a ray is traced.
+    Status look_for_record(const transport::RenderPlan& plan) {
+        std::string warning;
+        auto done = shard_->is_done(plan, warning);
+        if (!done) return done.error();
+        if (!warning.empty()) warn(warning);
+        shard_is_done_ = *done;
+        return *done ? Status(error_at({}, "this shard is done")) : success();
+    }
+
     Step plan() {
         const PhaseClock clock;
-        auto words = scene_words(job_, loaded_->scene);
+        auto words = scene_words(job_, loaded_->scene, built_.get());
         if (!words) return report_error(words.error());
         auto plan = plan_channels(job_, *words);
         if (!plan) return report_error(plan.error());
@@ -117,6 +213,9 @@ class RenderRun {
         if (!job_.settings.beauty && plan->channels.empty())
             return report_error("--no-beauty leaves nothing to render; expected at least one --lpe or --aov with it");
         job_.settings.channels = plan->channels;
+        for (const std::string& line :
+             job_.show_effects ? aov_table(job_.settings.channels) : aov_summary(job_.settings.channels))
+            print_line(line);
         if (!job_.settings.only)
             if (Status atlas = outputs_.atlas().prepare(job_, *words); !atlas) return report_error(atlas.error());
         partitions_ = plan->partitions;
@@ -133,10 +232,11 @@ class RenderRun {
     }
 
     void ask_for_checkpoints() {
-        if (job_.checkpoint_seconds == 0) return;
+        if (job_.checkpoint_seconds == 0 && !job_.settings.buckets) return;
         transport::CheckpointSettings settings;
         settings.file = checkpoint_file(job_);
-        settings.seconds = job_.checkpoint_seconds;
+        settings.seconds =
+            job_.checkpoint_seconds > 0 ? job_.checkpoint_seconds : std::numeric_limits<double>::infinity();
         settings.resume = job_.resume;
         settings.identity = checkpoint_identity(job_, loaded_->color);
         job_.settings.checkpoint = std::move(settings);
@@ -144,8 +244,10 @@ class RenderRun {
 
     /// The image is safe under its name, and so are all other files: what would bring it back is not needed any more.
     void remove_checkpoint() {
-        if (job_.checkpoint_seconds == 0 || !output_->complete) return;
-        if (Status removed = display::remove_file(checkpoint_file(job_)); !removed) warn(removed.error().to_string());
+        if (!output_->complete || (job_.checkpoint_seconds == 0 && !output_->bands)) return;
+        const std::string file = checkpoint_file(job_);
+        const Status removed = output_->bands ? transport::remove_buckets(file) : display::remove_file(file);
+        if (!removed) warn(removed.error().to_string());
     }
 
     Step render() {
@@ -157,10 +259,10 @@ class RenderRun {
             progress.begin(plan);
             Status begun = outputs_.begin(plan, sinks, loaded_->primaries, partitions_);
             if (begun) print_memory(outputs_, job_.outputs.memory_limit);
-            return begun;
+            return begun && shard_ ? look_for_record(plan) : begun;
         };
         auto output = transport::render(
-            loaded_->scene, job_.settings,
+            loaded_->scene, *built_, job_.settings,
             [&](const transport::RenderProgress& now) {
                 progress.update(now);
                 outputs_.update(now);
@@ -168,6 +270,10 @@ class RenderRun {
             &interrupt_flag());
         progress.finish();
         for (const std::string& warning : outputs_.take_warnings()) warn(warning);
+        if (shard_is_done_) {
+            print_line(shard_->record() + ": " + shard_->text() + " is done already");
+            return exit_holds;
+        }
         if (!output) return report_error(output.error());
         output_.emplace(std::move(*output));
         for (const Error& warning : output_->warnings) warn(warning.to_string());
@@ -203,7 +309,7 @@ class RenderRun {
     /// One sample of one pixel, told and not written. Exit code 1 when something of it is refused.
     int replay() {
         const transport::SampleChoice& only = *job_.settings.only;
-        auto output = transport::render(loaded_->scene, job_.settings, {}, &interrupt_flag());
+        auto output = transport::render(loaded_->scene, *built_, job_.settings, {}, &interrupt_flag());
         if (!output) return report_error(output.error());
         const transport::RenderStatistics& statistics = output->statistics;
         const std::span<const display::ChannelDefinition> channels = output->frame_buffer.channels();
@@ -226,14 +332,31 @@ class RenderRun {
         return statistics.invalid_samples > 0 ? exit_does_not_hold : exit_holds;
     }
 
-    Step write_image() {
-        const PhaseClock clock;
+    /// What the file or the record says of the image.
+    display::ImageDescription describe_image() {
         attributes_ = header_attributes(job_, *output_, arguments_, loaded_->color.description);
         if (!beauties_.empty()) attributes_["raylex/is_beauty"] = listed(beauties_);
         if (!loaded_->color.texture_spaces->empty())
             attributes_["raylex/texture_spaces"] = *loaded_->color.texture_spaces;
-        const display::ImageDescription description =
-            image_description(job_, *loaded_, *output_, partitions_, attributes_);
+        return image_description(job_, *loaded_, *output_, partitions_, attributes_);
+    }
+
+    Step write_shard() {
+        const PhaseClock clock;
+        if (!output_->complete) {
+            print_line(shard_->record() + ": " + shard_->text() + ", INTERRUPTED; the same command goes on from here");
+            return exit_interrupted;
+        }
+        if (Status s = shard_->write(*output_, describe_image(), job_.outputs.filters); !s)
+            return report_error(s.error());
+        remove_checkpoint();
+        phases_["write"] = clock.elapsed();
+        return go_on;
+    }
+
+    Step write_image() {
+        const PhaseClock clock;
+        const display::ImageDescription description = describe_image();
         Status written = outputs_.close(*output_, description);
         for (const std::string& warning : outputs_.take_warnings()) warn(warning);
         if (!written && written.error().file == job_.output) return rescue(written.error(), description);
@@ -250,7 +373,7 @@ class RenderRun {
         const fs::path folder = fs::temp_directory_path(failed);
         const std::string path = (folder / fs::path(job_.output).filename()).string();
         if (!failed && !fs::exists(path, failed) &&
-            display::write_exr(path, outputs_.filtered(output_->frame_buffer), output_->beauty, description)) {
+            display::write_exr(path, outputs_.filtered(output_->image()), output_->beauty, description)) {
             Error error = failure;
             error.hint = "the image was saved as " + path + " instead";
             return report_error(error);
@@ -260,14 +383,19 @@ class RenderRun {
 
     /// Judges the file as a reader finds it, not the buffers it came from.
     Step judge() {
-        auto image = display::read_exr(job_.output);
-        if (!image) return report_error(image.error());
-        if (!image->partitions.empty()) {
-            auto verdicts = display::check_declared_splits(*image);
+        auto file = display::ExrBands::open(job_.output);
+        if (!file) return report_error(file.error());
+        image_ = file->image();
+        if (!image_.partitions.empty()) {
+            auto verdicts = display::check_declared_splits(*file);
             if (!verdicts) return report_error(verdicts.error());
             splits_ = std::move(*verdicts);
         }
-        image_ = std::move(*image);
+        if (outputs_.deep() != nullptr) {
+            auto pixels = display::read_exr(job_.output);
+            if (!pixels) return report_error(pixels.error());
+            image_ = *std::move(pixels);
+        }
         auto deep = outputs_.judge_deep(image_);
         if (!deep) return report_error(deep.error());
         deep_ = std::move(*deep);
@@ -314,7 +442,8 @@ class RenderRun {
             line += interrupt_flag().load() ? "; INCOMPLETE: interrupted"
                                             : "; INCOMPLETE: the time was up before all pixels had as many samples";
         print_line(line);
-        if (!output_->complete && job_.checkpoint_seconds > 0 && fs::exists(checkpoint_file(job_), failed))
+        if (!output_->complete && (job_.checkpoint_seconds > 0 || output_->bands) &&
+            fs::exists(checkpoint_file(job_), failed))
             print_line(checkpoint_file(job_) + ": --resume goes on from here");
         print_sampling();
         if (!beauties_.empty())
@@ -356,13 +485,17 @@ class RenderRun {
     const InterruptsWait wait_;
     std::optional<InterruptsAtOnce> at_once_;
     std::unique_ptr<JobScene> loaded_;
+    std::shared_ptr<const transport::BuiltScene> built_;
     std::vector<display::PartitionDeclaration> partitions_;
     std::vector<std::string> beauties_;
     RenderOutputs outputs_;
+    std::optional<WorkLock> lock_;
+    std::optional<ShardRender> shard_;
+    bool shard_is_done_ = false, quiet_ = false;
     std::optional<transport::RenderOutput> output_;
     std::optional<display::DeepVerdict> deep_;
     std::optional<display::AtlasVerdict> atlas_;
-    display::ExrImage image_;
+    display::ExrImage image_;  // its pixels only where a deep image is compared with them
     std::vector<display::SplitVerdict> splits_;
     std::map<std::string, PhaseTime> phases_;
     std::map<std::string, std::string> attributes_;
@@ -370,6 +503,12 @@ class RenderRun {
 };
 
 }  // namespace
+
+std::optional<int> estimate_render(Job job, const std::vector<std::string>& arguments, bool calibrate,
+                                   RenderEstimate& estimate) {
+    install_interrupt_handler();
+    return RenderRun(std::move(job), arguments).estimate(calibrate, estimate);
+}
 
 int run_render(Job job, const std::vector<std::string>& arguments) {
     install_interrupt_handler();

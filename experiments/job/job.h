@@ -50,6 +50,12 @@ struct TechniqueRequest {
 /// "pyramid" (of beauty), or "pyramid:" and names of channels between commas.
 Result<TechniqueRequest> parse_techniques(const std::string& text, const SourceLocation& where);
 
+/// A render of some of the image's samples, whose sums are a file for `raylex merge`.
+struct ShardRequest {
+    unsigned part = 1, parts = 1;  ///< the part-th of so many, counted from 1
+    std::string record;            ///< where its sums go
+};
+
 /// A plugin that the job file names.
 struct PluginRequest {
     std::string file;
@@ -61,9 +67,10 @@ struct Job {
     std::string job_file, job_text;  ///< the TOML this came from; empty for a bare scene
     std::string output, preview, statistics;
     std::string ocio_config, rendering_space, display, view;
-    double exposure = 0;            ///< stops by which previews show light brighter
-    double checkpoint_seconds = 0;  ///< between checkpoints; 0 = none
-    bool resume = false;            ///< go on from the checkpoint beside the output
+    double exposure = 0;                  ///< stops by which previews show light brighter
+    double checkpoint_seconds = 0;        ///< between checkpoints; 0 = none
+    bool resume = false;                  ///< go on from the checkpoint beside the output
+    std::optional<ShardRequest> shard{};  ///< instead of the image
     transport::MissingFiles missing = transport::MissingFiles::refused;  ///< files that the scene names
     bool texture_rules = false;  ///< colours of image textures by the colour config's file rules, not pbrt's
     OutputRequests outputs;

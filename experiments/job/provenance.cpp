@@ -100,6 +100,7 @@ std::map<std::string, std::string> header_attributes(const Job& job, const trans
     }
     if (const std::uint64_t paths = output.frame_buffer.light_path_count(); paths > 0)
         attributes["raylex/light_paths"] = std::to_string(paths);
+    if (output.bands) attributes["raylex/buckets"] = std::to_string(output.buckets.size());
     if (job.settings.adaptive) attributes["raylex/adaptive"] = describe(*job.settings.adaptive);
     if (job.effects.any()) attributes["raylex/effects"] = job.effects.text();
     if (output.resumed_samples > 0) attributes["raylex/resumed_samples"] = std::to_string(output.resumed_samples);

@@ -30,20 +30,6 @@ const std::string what = " --lpe direct=CDL --aov Nn --aov id --aov sampleCount 
 /// Shell: goes on when the first checkpoint is there, so that the program is well amid its render.
 const std::string until_saved = "for i in $(seq 1500); do [ -e out.exr.checkpoint ] && break; sleep 0.02; done\n";
 
-/// Every number of every layer, and which layers there are.
-std::string bits_of(const std::string& path) {
-    auto image = raylex::display::read_exr(path);
-    INFO((image ? std::string() : image.error().to_string()));
-    REQUIRE(image);
-    std::string bits;
-    for (const auto& layer : image->layers)
-        for (const auto& plane : layer.planes) {
-            bits += layer.name + "." + plane.name + ":";
-            bits.append(reinterpret_cast<const char*>(plane.values.data()), plane.values.size() * sizeof(float));
-        }
-    return bits;
-}
-
 /// The statistics that add up over sessions.
 std::string sums_of(const Folder& folder, const std::string& name) {
     auto json = raylex::experiments::parse_json(folder.read(name));
@@ -119,7 +105,7 @@ TEST_CASE("a render that is killed goes on to the same bits [law3]", "[release-o
         REQUIRE(outcome.code == 0);
         CHECK(outcome.out.find("resumed from a checkpoint with ") != std::string::npos);
     }
-    CHECK((bits_of(folder.path("out.exr")) == bits_of(folder.path("whole.exr"))));
+    CHECK((image_bits(folder.path("out.exr")) == image_bits(folder.path("whole.exr"))));
     CHECK(sums_of(folder, "s.json") == sums);
     CHECK(folder.names() == std::vector<std::string>{"out.exr", "room.pbrt", "s.json", "whole.exr"});
 }
@@ -141,7 +127,7 @@ TEST_CASE("Ctrl-C leaves an image of what there is and a checkpoint to go on fro
           std::string::npos);
     REQUIRE(run_raylex(folder, render + " -o out.exr --resume").code == 0);
     REQUIRE(run_raylex(folder, render + " -o whole.exr").code == 0);
-    CHECK((bits_of(folder.path("out.exr")) == bits_of(folder.path("whole.exr"))));
+    CHECK((image_bits(folder.path("out.exr")) == image_bits(folder.path("whole.exr"))));
     CHECK_FALSE(folder.has("out.exr.checkpoint"));
 }
 
@@ -266,7 +252,7 @@ TEST_CASE("--time ends a render by the clock, and --spp with the samples it reac
     const std::string spp = std::to_string(std::stoull(timed.out.substr(at + 6)));
     CHECK(timed.out.find(spp + " samples per pixel; --spp " + spp + " gives the same bits") != std::string::npos);
     REQUIRE(run_raylex(folder, "render room.pbrt -o counted.exr --spp " + spp).code == 0);
-    CHECK((bits_of(folder.path("timed.exr")) == bits_of(folder.path("counted.exr"))));
+    CHECK((image_bits(folder.path("timed.exr")) == image_bits(folder.path("counted.exr"))));
     // --spp is the most, and the job's key is the same limit.
     folder.write("job.toml", "[scene]\nfile = \"room.pbrt\"\n[render]\ntime = \"30s\"\nspp = 3\n");
     CHECK(run_raylex(folder, "render job.toml").out.find("time: 3 samples per pixel") != std::string::npos);
@@ -290,7 +276,7 @@ TEST_CASE("a fault in any write, sync or rename of a run costs no bit [law7]", "
     const std::string out = folder.path("out.exr"), checkpoint = out + ".checkpoint";
     setenv("TMPDIR", folder.path().c_str(), 1);  // where an image goes that cannot be written to its place
     REQUIRE(run_here(short_run(folder, false)) == 0);
-    const std::string expected = bits_of(out);
+    const std::string expected = image_bits(out);
     // An image of an earlier run: it must stand until the new one takes its place.
     const std::string earlier = folder.read("out.exr");
     int failed_runs = 0, faults = 0;
@@ -321,13 +307,13 @@ TEST_CASE("a fault in any write, sync or rename of a run costs no bit [law7]", "
             REQUIRE((code == 0 || code == 2));
             if (for_checkpoints) CHECK(code == 0);  // no reason to lose a render
             if (code == 0) {
-                CHECK((bits_of(out) == expected));
+                CHECK((image_bits(out) == expected));
                 continue;
             }
             ++failed_runs;
             CHECK((folder.read("out.exr") == earlier));
             REQUIRE(run_here(short_run(folder, std::filesystem::exists(checkpoint))) == 0);
-            CHECK((bits_of(out) == expected));
+            CHECK((image_bits(out) == expected));
             CHECK_FALSE(std::filesystem::exists(checkpoint));
         }
     unsetenv("TMPDIR");
@@ -358,7 +344,7 @@ TEST_CASE("a death at any file call of a run costs no bit [law7]", "[.full][reco
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     REQUIRE(run_here(short_run(folder, false)) == 0);
-    const std::string out = folder.path("out.exr"), checkpoint = out + ".checkpoint", expected = bits_of(out),
+    const std::string out = folder.path("out.exr"), checkpoint = out + ".checkpoint", expected = image_bits(out),
                       earlier = folder.read("out.exr");
     int deaths = 0, resumed = 0;
     for (;; ++deaths) {
@@ -368,13 +354,13 @@ TEST_CASE("a death at any file call of a run costs no bit [law7]", "[.full][reco
                                                       "' RAYLEX_TEST_CALL=" + std::to_string(deaths) + "\nexec '" +
                                                       binary_dir() + "/test_experiments' '[recovery-child]'");
         CAPTURE(deaths, outcome.code, outcome.err);
-        CHECK((bits_of(out) == expected));  // the earlier image or the new one, never a part
+        CHECK((image_bits(out) == expected));  // the earlier image or the new one, never a part
         if (outcome.code == 0) break;
         REQUIRE(outcome.code == 137);
         const bool goes_on = std::filesystem::exists(checkpoint);
         resumed += goes_on ? 1 : 0;
         REQUIRE(run_here(short_run(folder, goes_on)) == 0);
-        CHECK((bits_of(out) == expected));
+        CHECK((image_bits(out) == expected));
         CHECK_FALSE(std::filesystem::exists(checkpoint));
     }
     std::printf("%d deaths at file calls, %d resumed from a checkpoint, all with the same bits\n", deaths, resumed);
@@ -390,7 +376,7 @@ TEST_CASE("a hundred random kills cost no bit [law3]", "[.full][recovery]") {
     for (const std::string& how : {std::string(" --spp 16384"), std::string(" --until-error 2% --spp 65536")}) {
         const std::string render = "render room.pbrt --stats s.json" + how + what;
         REQUIRE(run_raylex(folder, render + " -o whole.exr").code == 0);
-        const std::string expected = bits_of(folder.path("whole.exr")), sums = sums_of(folder, "s.json");
+        const std::string expected = image_bits(folder.path("whole.exr")), sums = sums_of(folder, "s.json");
         for (const int most = kills + 50; kills < most;) {
             std::remove(folder.path("out.exr").c_str());
             for (bool ended = false; !ended;) {
@@ -411,7 +397,7 @@ TEST_CASE("a hundred random kills cost no bit [law3]", "[.full][recovery]") {
                 }
             }
             ++images;
-            CHECK((bits_of(folder.path("out.exr")) == expected));
+            CHECK((image_bits(folder.path("out.exr")) == expected));
             CHECK(sums_of(folder, "s.json") == sums);
             CHECK_FALSE(folder.has("out.exr.checkpoint"));
         }

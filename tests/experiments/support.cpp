@@ -79,6 +79,19 @@ std::vector<float> plane(const display::ExrImage& image, const std::string& laye
     return image.layer(layer)->plane(name)->values;
 }
 
+std::string image_bits(const std::string& path) {
+    auto image = display::read_exr(path);
+    INFO((image ? std::string() : image.error().to_string()));
+    REQUIRE(image);
+    std::string bits;
+    for (const auto& layer : image->layers)
+        for (const auto& each : layer.planes) {
+            bits += layer.name + "." + each.name + ":";
+            bits.append(reinterpret_cast<const char*>(each.values.data()), each.values.size() * sizeof(float));
+        }
+    return bits;
+}
+
 std::string small_scene() {
     return R"(Film "rgb" "integer xresolution" 16 "integer yresolution" 16
 Sampler "independent" "integer pixelsamples" 4

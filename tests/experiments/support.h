@@ -31,6 +31,9 @@ std::vector<std::vector<std::string>> all_matches(const std::string& text, const
 /// The values of a plane that must be there.
 std::vector<float> plane(const display::ExrImage& image, const std::string& layer, const std::string& name);
 
+/// Every number of every layer of an image that must be there, and which layers there are.
+std::string image_bits(const std::string& path);
+
 /// A plane under a point light and an area light, 16x16 pixels, 4 samples.
 std::string small_scene();
 

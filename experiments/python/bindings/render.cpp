@@ -113,6 +113,7 @@ class JobRender {
                          : take(experiments::load_job_scene(job_));
         warnings_ = loaded_->warnings;
         experiments::ask_for_film_layers(loaded_->scene.film, job_);
+        if (const auto ignored = experiments::ask_for_film_clamp(loaded_->scene, job_)) warnings_.push_back(*ignored);
         const experiments::SceneWords words = take(experiments::scene_words(job_, loaded_->scene));
         experiments::ChannelPlan plan = take(experiments::plan_channels(job_, words));
         if (!plan.refuted.empty()) fail(plan.refuted, "nothing was rendered");

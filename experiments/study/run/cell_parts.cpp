@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <set>
 
-#include "display/checkpoint/record_file.h"
+#include "display/checkpoint/banded_record.h"
 #include "display/services/parameters.h"
 #include "experiments/job/json.h"
+#include "experiments/shards/recorded_image.h"
 #include "experiments/study/run/cell_files.h"
 #include "transport/integrators/integrator.h"
 #include "transport/render/tiles.h"
@@ -24,41 +25,6 @@ std::string reason_of_plan(const ExperimentConfig& config, const PlannedCell& pl
                " comes to is found while rendering";
     if (!config.base.settings.cryptomatte.empty()) return "cryptomattes are of whole renders";
     return {};
-}
-
-Json vector_json(const std::array<double, 2>& xy) {
-    return Json::array({xy[0], xy[1]});
-}
-
-std::string image_text(const display::ImageDescription& description, display::ChannelId beauty) {
-    Json partitions = Json::array();
-    for (const display::PartitionDeclaration& each : description.partitions)
-        partitions.push_back({{"name", each.name}, {"of", each.of}, {"layers", each.layers}});
-    const display::Chromaticities& c = description.chromaticities;
-    const Json json{
-        {"beauty", beauty},
-        {"attributes", description.attributes},
-        {"partitions", partitions},
-        {"chromaticities", {vector_json(c.red), vector_json(c.green), vector_json(c.blue), vector_json(c.white)}},
-        {"world_to_camera", description.world_to_camera},
-        {"world_to_screen", description.world_to_screen}};
-    return json_text(json);
-}
-
-/// What image_text() was made from. Throws where the text is something else.
-display::ImageDescription image_of(const Json& json, display::ChannelId& beauty) {
-    display::ImageDescription description;
-    beauty = whole(json.at("beauty"));
-    description.attributes = json.at("attributes").get<std::map<std::string, std::string>>();
-    for (const Json& each : json.at("partitions"))
-        description.partitions.push_back(
-            {each.at("name"), each.at("of"), each.at("layers").get<std::vector<std::string>>()});
-    display::Chromaticities& c = description.chromaticities;
-    const auto colors = json.at("chromaticities").get<std::array<std::array<double, 2>, 4>>();
-    c = {colors[0], colors[1], colors[2], colors[3]};
-    json.at("world_to_camera").get_to(description.world_to_camera);
-    json.at("world_to_screen").get_to(description.world_to_screen);
-    return description;
 }
 
 std::string range_text(const Cell& part) {
@@ -123,13 +89,11 @@ WorkList split_cells(const ExperimentConfig& config, const Plan& plan, const Rea
 
 Status write_part_record(const std::string& directory, const Rendered& rendered, const JobScene& scene,
                          const std::map<std::string, std::string>& attributes) {
-    display::RecordFile record;
-    record.identity = record_identity(rendered);
-    rendered.output.frame_buffer.append_record(record.add("frame buffer"));
-    record.add("image") =
-        image_text(image_description(rendered.job, scene, rendered.output, rendered.partitions, attributes),
-                   rendered.output.beauty);
-    return display::write_record_file(directory + "/record.bin", record, display::FileSync::later);
+    RecordedImage image;
+    image.description = image_description(rendered.job, scene, rendered.output, rendered.partitions, attributes);
+    image.beauty = rendered.output.beauty;
+    return write_sums(directory + "/record.bin", record_identity(rendered), rendered.output.frame_buffer,
+                      json_text(image_json(image)));
 }
 
 Status check_parts(const Cell& cell, std::vector<const Cell*>& parts) {
@@ -182,6 +146,8 @@ Cell merged_cell(const Cell& planned, const std::vector<const Cell*>& parts) {
         cell.invalid_samples += part->invalid_samples;
         cell.peak_memory_bytes = std::max(cell.peak_memory_bytes, part->peak_memory_bytes);
         cell.threads = std::max(cell.threads, part->threads);
+        if (("\n" + cell.machine + "\n").find("\n" + part->machine + "\n") == std::string::npos)
+            cell.machine += (cell.machine.empty() ? "" : "\n") + part->machine;
         for (const Phase& phase : part->phases) {
             auto same = std::find_if(cell.phases.begin(), cell.phases.end(),
                                      [&](const Phase& each) { return each.name == phase.name; });
@@ -203,44 +169,40 @@ Cell merged_cell(const Cell& planned, const std::vector<const Cell*>& parts) {
 
 Result<std::vector<PartitionVerdict>> write_merged_files(const std::string& directory, const Cell& cell,
                                                          const std::vector<const Cell*>& parts) {
-    std::optional<display::FrameBuffer> sum;
-    display::RecordIdentity identity;
-    display::ImageDescription description;
-    display::ChannelId beauty = display::invalid_channel;
+    std::vector<display::BandedRecord> records;
+    RecordedImage whole_image;
     std::uint64_t camera_samples = 0;
     for (const Cell* part : parts) {
         const std::string path = part->directory + "/record.bin";
-        auto record = display::read_record_file(path);
-        if (!record) return record.error();
-        auto buffer = frame_buffer_of(*record, path);
-        if (!buffer) return buffer.error();
-        const display::RecordSection* image = record->find("image");
-        if (image == nullptr) return error_at({path, 0, 0}, "this record is not of a part of a cell");
+        auto file = display::RecordFileReader::open(path);
+        if (!file) return file.error();
+        if (!file->has("image")) return error_at({path, 0, 0}, "this record is not of a part of a cell");
+        const auto image = file->read("image");
+        if (!image) return image.error();
         try {
-            const Json json = parse_json(image->content);
-            if (!sum) description = image_of(json, beauty);
+            const Json json = parse_json(*image);
+            if (records.empty()) whole_image = image_of(json);
             camera_samples += std::stoull(json.at("attributes").at("raylex/camera_samples").get<std::string>());
         } catch (const std::exception& error) {
             return error_at({path, 0, 0}, std::string("the record's image is damaged: ") + error.what());
         }
-        if (!sum) {
-            sum = std::move(*buffer);
-            identity = std::move(record->identity);
-        } else if (Status s = sum->merge(*buffer); !s) {
-            Error error = s.error();
-            error.file = path;
-            return error;
-        }
+        auto record = display::BandedRecord::open(*std::move(file));
+        if (!record) return record.error();
+        records.push_back(*std::move(record));
     }
+    const auto sum = display::sum_of_records(records);
+    if (!sum) return sum.error();
+    display::RecordIdentity identity = records.front().file().identity();
     const std::string samples = std::to_string(cell.samples_per_pixel);
     for (auto& [name, value] : identity)
         if (name == "samples per pixel") value = samples;
+    display::ImageDescription& description = whole_image.description;
     description.attributes["raylex/samples_per_pixel"] = samples;
     description.attributes["raylex/camera_samples"] = std::to_string(camera_samples);
     description.attributes["raylex/parts"] = std::to_string(parts.size());
     if (const std::uint64_t paths = sum->light_path_count(); paths > 0)
         description.attributes["raylex/light_paths"] = std::to_string(paths);
-    return write_buffer_files(directory, *sum, beauty, std::move(description), std::move(identity));
+    return write_buffer_files(directory, *sum, whole_image.beauty, std::move(description), std::move(identity));
 }
 
 }  // namespace raylex::experiments

@@ -1,0 +1,211 @@
+// raylex render --shard and raylex merge: the very image of one render, whatever ends a shard and whenever.
+#include <catch2/catch.hpp>
+
+#include "display/checkpoint/record_file.h"
+#include "support.h"
+
+using namespace raylex::test;
+
+namespace {
+
+Outcome succeed(const Folder& folder, const std::string& arguments) {
+    Outcome outcome = run_raylex(folder, arguments);
+    INFO(arguments << "\n" << outcome.out << outcome.err);
+    REQUIRE(outcome.code == 0);
+    return outcome;
+}
+
+std::string part_of(int part, int parts) {
+    return " --shard " + std::to_string(part) + "/" + std::to_string(parts);
+}
+
+/// The records of all shards, the last one first.
+std::string records(int parts, const std::string& image = "out.exr") {
+    std::string list;
+    for (int part = parts; part >= 1; --part)
+        list += " " + image + ".shard-" + std::to_string(part) + "-of-" + std::to_string(parts);
+    return list;
+}
+
+}  // namespace
+
+TEST_CASE("shards merge to the very image of one render, with layers of every kind [law3]") {
+    const SceneFolder folder;
+    folder.write("job.toml", R"(
+[scene]
+file = "room.pbrt"
+[render]
+spp = 56
+crop = [2, 1, 15, 13]
+[exr]
+value = "float none"
+color = "half piz"
+[[display_filter]]
+type = "background"
+color = [0.1, 0.2, 0.3]
+[channels]
+aovs = ["Nn", "z", "id", "albedo", "sampleCount", "invalidSamples"]
+cryptomatte = ["object", "material"]
+light_groups = true
+statistics = { beauty = ["mse", "even"] }
+rules = { Nn = "zmin" }
+[[channel]]
+name = "direct"
+lpe = "CDL"
+[[light_group]]
+light = "area:0"
+group = "key"
+)");
+    for (const std::string& render :
+         {std::string("job.toml"), std::string("room.pbrt --spp 56 --lpe direct=CDL --integrator bdpt"),
+          std::string("room.pbrt --spp 40 --lpe direct=CDL --partition shipped --integrator lighttracer"),
+          std::string("room.pbrt --spp 48 --filter-mode splat --filter gaussian --exr single --aov P")}) {
+        CAPTURE(render);
+        const Folder place;
+        const std::string command = "render '" + folder.path() + "/'" + render;
+        const Outcome whole = succeed(place, command + " -o whole.exr");
+        for (const int part : {3, 1, 2}) succeed(place, command + " -o out.exr --threads 2" + part_of(part, 3));
+        const Outcome merged = succeed(place, "merge" + records(3) + " -o out.exr");
+        CHECK(image_bits(place.path("whole.exr")) == image_bits(place.path("out.exr")));
+        // What is judged is judged alike.
+        for (const auto& line : all_matches(whole.out, "partition '[^\n]*")) CHECK(contains(merged.out, line.front()));
+        auto one = raylex::display::read_exr(place.path("whole.exr")),
+             sum = raylex::display::read_exr(place.path("out.exr"));
+        CHECK(sum->attributes["raylex/shards"] == "3");
+        for (auto* each : {&*one, &*sum})  // of this run, not of the image
+            for (const char* name :
+                 {"raylex/shards", "raylex/merge_command", "raylex/command", "raylex/time", "raylex/threads"})
+                each->attributes.erase(name);
+        CHECK(one->attributes == sum->attributes);
+    }
+}
+
+TEST_CASE("a shard that is done is not rendered again, and one of another render is not taken for it [law7]") {
+    const SceneFolder folder;
+    const std::string shard = "render room.pbrt -o out.exr --spp 32 --lpe direct=CDL", record = "out.exr.shard-1-of-2";
+    CHECK(contains(succeed(folder, shard + part_of(1, 2)).out, record + ": shard 1/2, samples 0 to 15 of 32"));
+    const std::string bits = folder.read(record);
+    CHECK(contains(succeed(folder, shard + part_of(1, 2)).out, "samples 0 to 15 of 32 is done already"));
+    CHECK((folder.read(record) == bits));
+    check_refused(folder, shard + part_of(1, 2) + " --seed 1",
+                  {record, "the record of another render", "seed: 0 there, 1 here", "remove this one"});
+    check_refused(folder, shard + part_of(1, 2) + " --spp 64", {"samples per pixel: 32 there, 64 here"});
+    check_refused(folder, shard + part_of(1, 2) + " --lpe more=CSL", {"channel more"});
+    // Damage is seen, and mended.
+    std::string damaged = bits;
+    damaged[damaged.size() / 2] ^= 1;
+    folder.write(record, damaged);
+    check_refused(folder, "merge " + record + " -o out.exr", {record, "damaged"});
+    CHECK(contains(succeed(folder, shard + part_of(1, 2)).err, "this shard is rendered again"));
+    succeed(folder, shard + part_of(2, 2));
+    succeed(folder, "merge" + records(2) + " -o out.exr");
+}
+
+TEST_CASE("what is no whole render is not merged, by name, and what has no shards is refused [law7]") {
+    const SceneFolder folder;
+    const std::string shard = "render room.pbrt -o out.exr --spp 48";
+    for (const int part : {1, 2, 3}) succeed(folder, shard + part_of(part, 3));
+    succeed(folder, shard + part_of(2, 2));
+    succeed(folder, shard + " --seed 7 -o other.exr" + part_of(3, 3));
+    const std::string first = "out.exr.shard-1-of-3", second = "out.exr.shard-2-of-3", third = "out.exr.shard-3-of-3";
+    const std::string to = " -o sum.exr";
+    check_refused(folder, "merge " + first + " " + third + to,
+                  {"samples 16 to 31 of 48 are in none of the records", "run the shard that has them"});
+    check_refused(folder, "merge " + second + " " + first + to, {"samples 32 to 47 of 48"});
+    check_refused(folder, "merge" + records(3) + " " + second + to, {second, "they overlap", "leave out one"});
+    check_refused(folder, "merge" + records(3) + " out.exr.shard-2-of-2" + to, {"out.exr.shard-2-of-2", "overlap"});
+    check_refused(folder, "merge " + first + " " + second + " other.exr.shard-3-of-3" + to,
+                  {"other.exr.shard-3-of-3", "of another render than '" + first + "'", "seed: 7 there, 0 here"});
+    check_refused(folder, "merge room.pbrt" + to, {"room.pbrt", "record"});
+    check_refused(folder, "merge gone" + to, {"gone"});
+    check_refused(folder, "merge" + records(3) + " -o sum.png", {"sum.png", ".exr"});
+    // Halves and thirds of one render go together where they fit.
+    succeed(folder, shard + part_of(1, 2));
+    check_refused(folder, "merge out.exr.shard-1-of-2 " + third + to, {"samples 16 to 31"});
+    succeed(folder, "merge out.exr.shard-2-of-2 " + first + to);
+
+    check_refused(folder, shard + part_of(1, 4), {"4 shards of 48 samples per pixel; expected at most 3"});
+    check_refused(folder, shard + " --shard 4/3", {"--shard", "PART from 1 to PARTS"});
+    check_refused(folder, shard + part_of(1, 3) + " --until-error 1%", {"adaptive sampling in shards"});
+    check_refused(folder, shard + part_of(1, 3) + " --time 1s", {"--time", "expected --spp"});
+    check_refused(folder, shard + part_of(1, 3) + " --deep d.exr", {"a deep image"});
+    check_refused(folder, shard + part_of(1, 3) + " --atlas a.atlas.exr", {"a path atlas"});
+    check_refused(folder, shard + part_of(1, 3) + " --replay 1,1,1", {"--replay"});
+    check_refused(folder, shard + part_of(1, 3) + " --integrator pssmlt", {"Markov chains of integrator 'pssmlt'"});
+}
+
+TEST_CASE("a shard that was killed at any time ends in the same bits [law3]") {
+    const SceneFolder folder;
+    const std::string shard =
+        "render room.pbrt -o out.exr --spp 4096 --lpe direct=CDL --cryptomatte object --threads 2";
+    succeed(folder, shard);
+    const std::string whole = image_bits(folder.path("out.exr"));
+    for (const char* ending : {"-KILL", "-TERM"}) {
+        CAPTURE(ending);
+        const std::string record = "out.exr.shard-1-of-2";
+        const Outcome killed =
+            run_shell(folder, "rm -f out.exr*; \"$RAYLEX\" " + shard + part_of(1, 2) +
+                                  " --checkpoint 0.02s & pid=$!\nfor i in $(seq 1500); do [ -e " + record +
+                                  ".checkpoint ] && break; sleep 0.02; done\nkill " + ending + " $pid; wait $pid");
+        CHECK(killed.code == (std::string(ending) == "-KILL" ? 137 : 130));
+        CHECK_FALSE(folder.has(record));
+        REQUIRE(folder.has(record + ".checkpoint"));
+        check_refused(folder, shard + part_of(1, 2) + " --seed 3", {"the checkpoint is of another render", "seed"});
+        succeed(folder, shard + part_of(1, 2));
+        CHECK_FALSE(folder.has(record + ".checkpoint"));
+        succeed(folder, shard + part_of(2, 2));
+        succeed(folder, "merge" + records(2) + " -o out.exr");
+        CHECK((image_bits(folder.path("out.exr")) == whole));
+    }
+}
+
+TEST_CASE("shards of another build, scene, seed or config are refused by that name [law7]") {
+    const SceneFolder folder;
+    for (const int part : {1, 2}) succeed(folder, "render room.pbrt -o out.exr --spp 32" + part_of(part, 2));
+    const std::string first = "out.exr.shard-1-of-2", second = "out.exr.shard-2-of-2";
+    const auto record = raylex::display::read_record_file(folder.path(second));
+    REQUIRE(record.ok());
+    for (const auto& [field, kind] : {std::pair<const char*, const char*>{"raylex", "build of raylex"},
+                                      {"scene", "scene"},
+                                      {"seed", "seed"},
+                                      {"instruction set", "instruction set"},
+                                      {"sampler", "config"},
+                                      {"colour config", "config"}}) {
+        CAPTURE(field);
+        auto other = *record;
+        bool changed = false;
+        for (auto& [name, value] : other.identity)
+            if (name == field) value = "another", changed = true;
+        REQUIRE(changed);
+        REQUIRE(raylex::display::write_record_file(folder.path("other"), other).ok());
+        check_refused(folder, "merge " + first + " other -o sum.exr",
+                      {"other", "of another render than '" + first + "' (here), of another " + kind + ":",
+                       std::string(field) + ": another there, "});
+    }
+    // As they are mixed up in fact.
+    folder.write("other.pbrt", folder.read("room.pbrt") + "\nLightSource \"point\"\n");
+    succeed(folder, "render other.pbrt -o scene.exr --spp 32" + part_of(2, 2));
+    check_refused(folder, "merge " + first + " scene.exr.shard-2-of-2 -o sum.exr", {"of another scene:", "scene: "});
+    succeed(folder, "render room.pbrt -o config.exr --spp 32 --max-depth 2" + part_of(2, 2));
+    check_refused(folder, "merge " + first + " config.exr.shard-2-of-2 -o sum.exr", {"of another config:", "max depth: 2"});
+    // One that was cut on its way.
+    const std::string bytes = folder.read(second);
+    for (const std::size_t size : {std::size_t{10}, bytes.size() / 2, bytes.size() - 1}) {
+        folder.write("cut", bytes.substr(0, size));
+        check_refused(folder, "merge " + first + " cut -o sum.exr",
+                      {"cut", "truncated: it ends after " + std::to_string(size) + " bytes"});
+    }
+    check_refused(folder, "merge " + first + " " + second + " " + second + " -o sum.exr", {second, "they overlap"});
+    check_refused(folder, "merge " + first + " -o sum.exr", {"samples 16 to 31 of 32 are in none of the records"});
+}
+
+TEST_CASE("shards in buckets of any size merge to the very image of one render [buckets][law3]") {
+    const SceneFolder folder;
+    const std::string what = "render room.pbrt --spp 56 --resolution 40x37 --lpe direct=CDL --aov z --statistics beauty=mse";
+    succeed(folder, what + " -o whole.exr");
+    for (const int part : {1, 2, 3})
+        succeed(folder, what + " -o out.exr --bucket-rows " + std::to_string(5 * part) + part_of(part, 3));
+    for (const int part : {1, 2, 3}) CHECK_FALSE(folder.has("out.exr.shard-" + std::to_string(part) + "-of-3.checkpoint"));
+    succeed(folder, "merge" + records(3) + " -o out.exr");
+    CHECK((image_bits(folder.path("whole.exr")) == image_bits(folder.path("out.exr"))));
+}
