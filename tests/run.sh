@@ -11,7 +11,7 @@
 #                                       words of a test case's name; * is a wildcard
 #   bash tests/run.sh NAME --sanitize the same under the address and undefined sanitizers too
 #   bash tests/run.sh --full          adds the long half: statistical figures, reference images, exhaustive comparison,
-#                                       fuzzing, notebooks, installing by pip
+#                                       fuzzing, notebooks, installing by pip, queues (GNU parallel, Snakemake, Slurm)
 #   bash tests/run.sh --release-only  skips the sanitizer build
 #   bash tests/run.sh --benchmark lpe|exr|rays [GOOGLE BENCHMARK'S OPTIONS]   builds and runs one benchmark
 #   bash tests/run.sh --instructions [--renew] [CASE...]   counts by valgrind what the inner loops of a Release build
@@ -158,10 +158,12 @@ choose() {
 [ -n "$name" ] && [ "$sanitize" = 1 ] && sanitize=0
 
 bash "$root/experiments/install_packages.sh" || exit 2
-# What the notebooks use beside the module; without them their tests are skipped, and those of frames and plots.
+# What the notebooks use beside the module, and queues; without them their tests are skipped, and those of frames and
+# plots.
 if [ "$full" = 1 ]; then
     bash "$root/experiments/install_packages.sh" python3-pandas python3-matplotlib python3-xarray jupyter-nbconvert \
-        python3-ipykernel python3-pip python3-venv python3-setuptools python3-wheel || exit 2
+        python3-ipykernel python3-pip python3-venv python3-setuptools python3-wheel \
+        parallel make snakemake slurm-wlm munge || exit 2
 fi
 
 results=$(mktemp -d)
@@ -261,6 +263,25 @@ run_python() {
     failures+=("python")
 }
 
+# run_slurm: a study on a Slurm of its own.
+run_slurm() {
+    say "Slurm"
+    local log="$results/slurm.log" counts
+    bash tests/cluster/slurm.sh build/release/raylex >"$log" 2>&1
+    local status=$?
+    grep -E '^(SKIPPED|FAILED|measured)' "$log"
+    counts=$(tail -n 1 "$log" | grep -oE '^[0-9]+ passed, [0-9]+ failed$')
+    if grep -q '^SKIPPED' "$log"; then
+        skipped=$((skipped + 1))
+    elif [ -z "$counts" ]; then
+        tail -n 40 "$log"
+        fail "the study on Slurm (status $status)"
+    else
+        passed=$((passed + ${counts%% *}))
+        [ "$status" -eq 0 ] || fail "the study on Slurm: $counts"
+    fi
+}
+
 # The gate's alone: 34 MB of packages and 3 s for the format; clang-tidy where a mistake costs most, --tidy all by hand.
 check_sources() {
     bash experiments/install_packages.sh clang-format-14 clang-tidy-14 || exit 2
@@ -282,6 +303,7 @@ if configure_and_build release "${warnings[@]}"; then
     if [ "$full" = 1 ]; then
         say "Long tests (Release)"
         run_programs release full "[.full]"
+        [ -n "$name" ] || run_slurm
     fi
 fi
 

@@ -94,6 +94,8 @@ int run_command_line(int argc, const char* const* argv) {
     add_report_command(app, context);
     add_merge_command(app, context);
     add_experiment_command(app, context);
+    add_submit_command(app, context);
+    add_status_command(app, context);
     add_scene_command(app, context);
     add_stability_command(app, context);
     add_plugins_command(app, context);

@@ -90,11 +90,6 @@ std::string absolute_path(const std::string& path) {
     return fs::absolute(path).lexically_normal().string();
 }
 
-std::string program_path() {
-    std::error_code failed;
-    return fs::read_symlink("/proc/self/exe", failed).string();
-}
-
 int print_commands(const CommandPlan& plan, const std::string& format) {
     auto text = plan_text(plan, format);
     if (!text) return report_error(text.error());

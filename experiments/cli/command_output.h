@@ -24,9 +24,6 @@ std::vector<std::string> standing_alone(const CLI::App& command, const std::vect
                                         const std::set<std::string>& without);
 
 std::string absolute_path(const std::string& path);
-/// Of this program.
-std::string program_path();
-
 /// Prints the plan; the exit code.
 int print_commands(const CommandPlan& plan, const std::string& format);
 

@@ -25,6 +25,8 @@ void add_stability_command(CLI::App& app, CommandContext& context);
 void add_plugins_command(CLI::App& app, CommandContext& context);
 void add_report_command(CLI::App& app, CommandContext& context);
 void add_merge_command(CLI::App& app, CommandContext& context);
+void add_submit_command(CLI::App& app, CommandContext& context);
+void add_status_command(CLI::App& app, CommandContext& context);
 void add_experiment_command(CLI::App& app, CommandContext& context);
 void add_scene_command(CLI::App& app, CommandContext& context);
 

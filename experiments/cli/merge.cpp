@@ -12,8 +12,8 @@
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
 #include "experiments/program/tint.h"
+#include "experiments/program/work_lock.h"
 #include "experiments/shards/merge_shards.h"
-#include "experiments/shards/shard_lock.h"
 
 namespace raylex::experiments {
 namespace {
@@ -62,7 +62,7 @@ int merge_records(const ImageMergeOptions& options, const std::vector<std::strin
         return report_error("no records to merge; expected their names, or --shards N for OUT.exr.shard-1-of-N ...");
     constexpr double patience = 10;  // a shard's process is sooner at its lock
     if (options.wait)
-        if (Status all = wait_for_records(records, patience); !all) return report_error(all.error());
+        if (Status all = wait_for_files(records, shard_lock, patience); !all) return report_error(all.error());
     auto merged = merge_shards(records);
     if (!merged) return report_error(merged.error());
     merged->image.description.attributes["raylex/merge_command"] = shell_command(arguments);

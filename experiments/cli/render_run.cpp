@@ -26,7 +26,7 @@
 #include "experiments/program/exit_codes.h"
 #include "experiments/program/interrupt.h"
 #include "experiments/program/tint.h"
-#include "experiments/shards/shard_lock.h"
+#include "experiments/program/work_lock.h"
 #include "experiments/shards/shard_render.h"
 #include "lpe/algebra/event_words.h"
 #include "transport/render/built_scene.h"
@@ -173,7 +173,7 @@ class RenderRun {
     }
 
     Step lock_shard() {
-        auto lock = ShardLock::take(job_.shard->record);
+        auto lock = WorkLock::take(shard_lock(job_.shard->record), "is rendering this shard");
         if (!lock) return report_error(lock.error());
         lock_.emplace(*std::move(lock));
         return go_on;
@@ -214,6 +214,9 @@ class RenderRun {
         if (!job_.settings.beauty && plan->channels.empty())
             return report_error("--no-beauty leaves nothing to render; expected at least one --lpe or --aov with it");
         job_.settings.channels = plan->channels;
+        for (const std::string& line :
+             job_.show_effects ? aov_table(job_.settings.channels) : aov_summary(job_.settings.channels))
+            print_line(line);
         if (!job_.settings.only)
             if (Status atlas = outputs_.atlas().prepare(job_, *words); !atlas) return report_error(atlas.error());
         partitions_ = plan->partitions;
@@ -468,7 +471,7 @@ class RenderRun {
     std::vector<display::PartitionDeclaration> partitions_;
     std::vector<std::string> beauties_;
     RenderOutputs outputs_;
-    std::optional<ShardLock> lock_;
+    std::optional<WorkLock> lock_;
     std::optional<ShardRender> shard_;
     bool shard_is_done_ = false, quiet_ = false;
     std::optional<transport::RenderOutput> output_;

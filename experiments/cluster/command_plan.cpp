@@ -25,7 +25,7 @@ namespace mustache = kainjow::mustache;
 /// Where the templates that come with raylex stand: beside the program in a build folder, or as installed.
 fs::path template_folder() {
     std::error_code failed;
-    const fs::path program = fs::read_symlink("/proc/self/exe", failed).parent_path();
+    const fs::path program = fs::path(program_path()).parent_path();
     const fs::path built = program / "cluster", installed = program.parent_path() / RAYLEX_CLUSTER_FOLDER;
     return fs::exists(built, failed) ? built : installed;
 }
@@ -261,6 +261,11 @@ Result<std::string> rendered_template(const std::string& format, const mustache:
 }
 
 }  // namespace
+
+std::string program_path() {
+    std::error_code failed;
+    return fs::read_symlink("/proc/self/exe", failed).string();
+}
 
 std::string job_name(const std::string& text) {
     std::string name = text.empty() ? "raylex" : text;

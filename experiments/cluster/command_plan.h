@@ -32,6 +32,9 @@ struct CommandPlan {
 /// The text with what queues do not take in a name as '_'.
 std::string job_name(const std::string& text);
 
+/// Of this program, whole.
+std::string program_path();
+
 /// What --commands can be: "shell" (a command a line, its needs behind '#'), "json" (an object a line), or the name of
 /// a template that comes with raylex.
 std::vector<std::string> command_formats();

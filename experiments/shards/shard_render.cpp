@@ -51,6 +51,10 @@ std::string shard_file(const std::string& output, unsigned part, unsigned parts)
     return output + ".shard-" + std::to_string(part) + "-of-" + std::to_string(parts);
 }
 
+std::string shard_lock(const std::string& record) {
+    return record + ".lock";
+}
+
 Result<std::uint64_t> samples_of_job(const Job& job, const transport::SceneDescription& scene) {
     if (job.settings.samples_per_pixel) return *job.settings.samples_per_pixel;
     auto integrator = integrator_of(job, scene);

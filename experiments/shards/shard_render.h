@@ -28,6 +28,9 @@ Result<ShardRange> shard_range(unsigned part, unsigned parts, std::uint64_t tota
 /// "OUT.exr.shard-2-of-4".
 std::string shard_file(const std::string& output, unsigned part, unsigned parts);
 
+/// What a process holds while it renders the shard of that record.
+std::string shard_lock(const std::string& record);
+
 /// Samples per pixel of the whole image: as the job says, else as the scene does.
 Result<std::uint64_t> samples_of_job(const Job& job, const transport::SceneDescription& scene);
 

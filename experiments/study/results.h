@@ -90,6 +90,7 @@ struct Cell {
     unsigned parts = 0;  ///< of a whole cell: how many parts it was merged from, whose times are added up
     std::string isa;     ///< instruction set of the ray tracer; empty for external renderers
     unsigned threads = 0;
+    std::string machine;  ///< processor model and hardware threads; of a cell of parts each once, a line each
     std::vector<std::string> warnings;
     std::vector<OmittedPathsInfo> omits;  ///< what its integrator says it does not find of this scene's light
     std::vector<FileRecord> files;        ///< all of its directory but cell.json; empty when it failed

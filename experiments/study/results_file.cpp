@@ -94,6 +94,7 @@ Json cell_json(const Cell& cell) {
     if (cell.parts > 0) json["parts"] = cell.parts;
     json["isa"] = cell.isa;
     json["threads"] = cell.threads;
+    if (!cell.machine.empty()) json["machine"] = cell.machine;
     json["warnings"] = cell.warnings;
     Json omits = Json::array();
     for (const OmittedPathsInfo& each : cell.omits)
@@ -126,6 +127,7 @@ Cell cell_of(const Json& json) {
     cell.parts = whole(json.value("parts", Json(0)));
     cell.isa = json.at("isa");
     cell.threads = whole(json.at("threads"));
+    cell.machine = json.value("machine", std::string());
     cell.warnings = json.at("warnings").get<std::vector<std::string>>();
     for (const Json& each : json.value("omits", Json::array()))
         cell.omits.push_back({each.at("expression"), each.at("dialect")});

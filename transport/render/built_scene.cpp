@@ -70,6 +70,8 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
     if (!lights) return lights.error();
     scene->lights_ = *std::move(lights);
     scene->general_code_ = description.general_code;
+    if (scene->materials_.disperses() || description.general_code.contains(Effect::dispersion))
+        scene->wavelengths_ = std::make_unique<const WavelengthDistribution>(description.color);
 
     scene->surface_names_ = SurfaceNames(description);
     scene->camera = description.camera;

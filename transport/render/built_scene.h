@@ -26,7 +26,7 @@ class BuiltScene {
                                                            const BuildOptions& options = {});
 
     [[nodiscard]] SceneView view() const {
-        return {geometry_.get(), &textures_, &materials_, &lights_, &media_, general_code_, moves_};
+        return {geometry_.get(), &textures_, &materials_, &lights_, &media_, general_code_, moves_, wavelengths_.get()};
     }
     [[nodiscard]] const std::string& isa() const { return geometry_->isa(); }
     /// Channels that patterns write to.
@@ -51,6 +51,7 @@ class BuiltScene {
     MediumTable media_;
     EffectSet general_code_;
     bool moves_ = false;
+    std::unique_ptr<const WavelengthDistribution> wavelengths_;  // null: paths have none
     std::unique_ptr<EmbreeScene> geometry_;
     SurfaceNames surface_names_;
     std::vector<display::ChannelDefinition> pattern_channels_;

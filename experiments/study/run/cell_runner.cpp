@@ -224,6 +224,7 @@ Result<CellOutcome> record_failure(const std::string& results, CellOutcome outco
 
 Result<CellOutcome> run_cell(const WorkContext& context, const PlannedCell& planned, double seconds_per_sample) {
     CellOutcome outcome{planned.cell};
+    outcome.cell.machine = host_description();
     const std::string partial = partial_directory(context.directory, planned.cell.id);
     if (Status s = open_partial(partial); !s) return s.error();
     const Variant& variant = context.config.variants[planned.variant];

@@ -25,6 +25,7 @@ struct SceneFacts {
 struct Calibration {
     double seconds = 0, samples = 0, relative_error = -1;
     std::vector<std::string> warnings;
+    std::uint64_t peak_memory_bytes = 0;
 };
 
 class CellWorker {

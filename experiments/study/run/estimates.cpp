@@ -22,7 +22,7 @@ Result<Calibration> calibration_of(const ExperimentConfig& config, SceneStore& s
     if (!rendered->output.complete) return error_at({}, "interrupted");
     const auto samples = static_cast<double>(rendered->output.samples_per_pixel);
     return Calibration{rendered->seconds, samples, samples >= 2 ? relative_error(rendered->output) : -1,
-                       rendered->warnings};
+                       rendered->warnings, rendered->peak_memory_bytes};
 }
 
 std::vector<std::string> Estimates::calibrate(CellWorker& worker, const Plan& plan, const std::set<std::size_t>& skips,
@@ -38,6 +38,7 @@ std::vector<std::string> Estimates::calibrate(CellWorker& worker, const Plan& pl
         if (skips.contains(scene) || !config_.methods[config_.variants[variant].method].command.empty()) continue;
         auto measured = worker.calibrate(scene, variant);
         if (!measured) continue;
+        peak_memory_bytes_ = std::max(peak_memory_bytes_, measured->peak_memory_bytes);
         const double error = measured->relative_error;
         rates_[{scene, variant}] = {measured->seconds, measured->samples,
                                     error < 0 ? -1 : error * std::sqrt(measured->samples)};

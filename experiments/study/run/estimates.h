@@ -33,6 +33,8 @@ class Estimates {
     [[nodiscard]] std::optional<double> seconds(const PlannedCell& planned) const;
     /// Of one sample of the whole image; 0 where not known.
     [[nodiscard]] double seconds_per_sample(const PlannedCell& planned) const;
+    /// Resident at most while it was calibrated; 0 where it was not.
+    [[nodiscard]] std::uint64_t peak_memory_bytes() const { return peak_memory_bytes_; }
     /// Of the scene's reference.
     [[nodiscard]] std::optional<double> reference_seconds(std::size_t scene) const;
 
@@ -45,6 +47,7 @@ class Estimates {
                                                    double error) const;
     const ExperimentConfig& config_;
     std::map<std::pair<std::size_t, std::size_t>, Rate> rates_;
+    std::uint64_t peak_memory_bytes_ = 0;
 };
 
 }  // namespace raylex::experiments

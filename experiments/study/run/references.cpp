@@ -1,4 +1,5 @@
 // References: rendered once to a stated error, kept by what they are of.
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -9,6 +10,7 @@
 #include "experiments/job/json.h"
 #include "experiments/job/provenance.h"
 #include "experiments/program/console.h"
+#include "experiments/program/work_lock.h"
 #include "experiments/study/file_records.h"
 #include "experiments/study/run/cell_files.h"
 #include "experiments/study/run/cell_runner.h"
@@ -92,6 +94,18 @@ Status close_reference(const std::string& partial, const std::string& directory,
     return success();
 }
 
+/// Runs that share a cache make a reference once: the others wait. The lock, and whether it was got before a stop.
+Result<std::pair<std::optional<WorkLock>, bool>> lock_reference(const std::string& directory,
+                                                                const std::atomic<bool>* stop) {
+    if (Status s = make_directory(fs::path(directory).parent_path().string()); !s) return s.error();
+    for (;;) {
+        auto lock = WorkLock::take(directory + ".lock", "is making this reference");
+        if (lock) return std::pair(std::optional(*std::move(lock)), true);
+        if (stop != nullptr && stop->load()) return std::pair(std::optional<WorkLock>(), false);
+        std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    }
+}
+
 /// An image from elsewhere.
 Result<bool> import_reference(const WorkContext& context, const std::string& folder, std::size_t index,
                               SceneInfo& info) {
@@ -157,6 +171,10 @@ Result<bool> provide_reference(const WorkContext& context, std::size_t index, Sc
     const std::string directory = folder + "/" + hash_text(hash64(identity));
     auto known = take_known(directory, info);
     if (!known || *known) return known;
+    auto lock = lock_reference(directory, context.stop);
+    if (!lock) return lock.error();
+    if (!lock->second) return false;
+    if (known = take_known(directory, info); !known || *known) return known;  // made while this one waited
     const std::string partial = directory + ".partial";
     if (Status s = make_directory(partial); !s) return s.error();
     RenderOrder order{.scene = index, .variant = variant, .samples = config.reference.samples, .seed = seed};

@@ -19,6 +19,7 @@
 #include "experiments/study/run/estimates.h"
 #include "experiments/study/run/method_settings.h"
 #include "experiments/study/run/results_state.h"
+#include "experiments/study/run/run_marks.h"
 #include "experiments/study/run/run_progress.h"
 #include "transport/render/clock.h"
 
@@ -27,13 +28,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Empty, or left by a run that ended before it began: with nothing in it but locks and a place for cells.
+/// Empty, or left by a run that ended before it began: with nothing in it but locks, marks and a place for cells.
 bool is_fresh(const std::string& directory) {
     std::error_code failed;
     if (!fs::is_directory(directory, failed)) return false;
     for (const fs::directory_entry& each : fs::directory_iterator(directory, failed)) {
         const std::string name = each.path().filename().string();
-        if (!name.starts_with(".running") && !(name == "cells" && fs::is_empty(each.path(), failed))) return false;
+        if (!name.starts_with(".running") && !is_run_mark(name) &&
+            !(name == "cells" && fs::is_empty(each.path(), failed)))
+            return false;
     }
     return true;
 }
@@ -44,7 +47,7 @@ Result<std::optional<Experiment>> earlier_results(const ExperimentConfig& config
     std::error_code failed;
     const std::string& directory = request.directory;
     if (!fs::exists(experiment_file(directory), failed)) {
-        if (request.resume)
+        if (request.resume && !request.begin)
             return directory_error(directory, "there are no results to go on with: no experiment.json",
                                    "'raylex experiment run' begins");
         if (fs::exists(directory, failed) && !is_fresh(directory))
@@ -249,12 +252,22 @@ class Run {
     Status warm_up() {
         // Nothing that is done already is measured again.
         if (earlier_ && earlier_->missing.empty() && !request_.retry) return success();
+        // A task of many does no work that each of the others does too, but for what measures seconds.
+        if (request_.begin && !measures_seconds()) return success();
         const double rendered = worker_.seconds();
         std::set<std::size_t> skips;
         for (const auto& [scene, error] : broken_) skips.insert(scene);
         for (const std::string& each : estimates_.calibrate(worker_, plan_, skips, stop_)) warn(each, "");
         warm_up_ = worker_.seconds() - rendered;
         return success();
+    }
+
+    [[nodiscard]] bool measures_seconds() const {
+        if (request_.only_references) return false;
+        return std::any_of(work_.items.begin(), work_.items.end(), [&](const PlannedCell& each) {
+            return each.cell.budget_kind == BudgetKind::seconds &&
+                   request_.shard.has(static_cast<std::size_t>(&each - work_.items.data()));
+        });
     }
 
     Status make_references() {
@@ -291,6 +304,7 @@ class Run {
     }
 
     Status run_cells() {
+        if (request_.only_references) return success();
         if (earlier_)
             for (const auto* list : {&earlier_->cells, &earlier_->parts})
                 for (const Cell& each : *list)

@@ -26,6 +26,8 @@ struct RunRequest {
     std::string directory;
     bool resume = false;  ///< go on with results that are there
     bool retry = false;   ///< run failed cells again
+    bool begin = false;   ///< with `resume`: begin where there is nothing to go on with
+    bool only_references = false;
     Shard shard;
     bool quiet = false;    ///< no progress and no summary are printed
     bool isolated = true;  ///< scenes are loaded and rendered by another process, whose end is not this one's

@@ -108,7 +108,8 @@ class Service {
         return Message{{"seconds", measured->seconds},
                        {"samples", measured->samples},
                        {"error", measured->relative_error},
-                       {"warnings", measured->warnings}};
+                       {"warnings", measured->warnings},
+                       {"peak_memory_bytes", measured->peak_memory_bytes}};
     }
 
     Result<Message> reference(std::size_t scene, SceneInfo info, const Tell& tell) {

@@ -1,0 +1,230 @@
+#include "experiments/cluster/slurm.h"
+
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <sstream>
+
+#include "display/output/atomic_file.h"
+#include "display/services/parameters.h"
+#include "experiments/job/json.h"
+#include "experiments/job/provenance.h"
+
+namespace raylex::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Answer {
+    int code = -1;
+    std::string text;  ///< standard output, and standard error behind it
+};
+
+/// A program of Slurm, to its end.
+Answer ask(const std::vector<std::string>& arguments) {
+    Answer answer;
+    FILE* pipe = popen((shell_command(arguments) + " 2>&1").c_str(), "r");
+    if (pipe == nullptr) return answer;
+    std::array<char, 4096> part{};
+    for (std::size_t size = 0; (size = std::fread(part.data(), 1, part.size(), pipe)) > 0;)
+        answer.text.append(part.data(), size);
+    const int status = pclose(pipe);
+    answer.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    return answer;
+}
+
+std::string slurm_folder(const std::string& directory) {
+    return directory + "/slurm";
+}
+
+/// "1-3,5": as an array takes them.
+std::string ranges_text(const std::vector<unsigned>& numbers) {
+    std::string text;
+    for (std::size_t i = 0; i < numbers.size();) {
+        std::size_t end = i;
+        while (end + 1 < numbers.size() && numbers[end + 1] == numbers[end] + 1) ++end;
+        text += (text.empty() ? "" : ",") + std::to_string(numbers[i]);
+        if (end > i) text += "-" + std::to_string(numbers[end]);
+        i = end + 1;
+    }
+    return text;
+}
+
+/// A file's name as sbatch takes it, to which % is the start of a place.
+std::string log_name(const std::string& folder, const std::string& name) {
+    std::string text;
+    for (const char c : folder) text += c == '%' ? std::string("%%") : std::string(1, c);
+    return text + "/" + name;
+}
+
+TemplateValues values_of(const SlurmRequest& request, const CommandPlan& plan, const PlannedCommand& command,
+                         const std::string& job, const std::string& log) {
+    // What is asked for is a limit to Slurm: a task beyond it is killed.
+    constexpr double margin = 1.5;
+    const double megabytes = std::ceil(margin * static_cast<double>(command.memory_bytes) / 1e6);
+    std::string options;
+    for (const std::string& each : request.options) options += (options.empty() ? "" : "\n") + ("#SBATCH " + each);
+    return {{"job", plan.name + "-" + job},
+            {"version", raylex_version() + " (" + raylex_revision() + ")"},
+            {"log", log_name(slurm_folder(request.directory), log)},
+            {"cores", std::to_string(command.cores)},
+            {"memory", megabytes > 0 ? std::to_string(static_cast<std::uint64_t>(megabytes)) : std::string()},
+            {"exclusive", command.exclusive ? "yes" : ""},
+            {"options", options},
+            {"array", ""},
+            {"command", "exec " + shell_command(command.arguments)}};
+}
+
+Status write_job_file(const SlurmRequest& request, const std::string& name, const TemplateValues& values) {
+    auto text = fill_template(request.form, values);
+    if (!text) return text.error();
+    return display::write_text_file(slurm_folder(request.directory) + "/" + name, *text);
+}
+
+void set_value(TemplateValues& values, const std::string& name, const std::string& value) {
+    for (auto& [known, text] : values)
+        if (known == name) text = value;
+}
+
+std::string by_hand(const std::string& directory, bool references) {
+    const std::string folder = slurm_folder(directory);
+    std::string text = "the job files are written; where Slurm is, run\n";
+    if (references) text += "  sbatch " + shell_command({folder + "/references.sh"}) + "\n";
+    text += std::string("  sbatch ") + (references ? "--dependency=afterany:ID_OF_REFERENCES " : "") +
+            shell_command({folder + "/shards.sh"}) + "\n  sbatch --dependency=afterany:ID_OF_SHARDS " +
+            shell_command({folder + "/merge.sh"});
+    return text;
+}
+
+/// The id that sbatch --parsable printed, "123" or "123;cluster"; empty where it is none.
+std::string id_of(const Answer& answer) {
+    std::istringstream lines(answer.text);
+    std::string id;
+    for (std::string line; std::getline(lines, line);) {
+        const std::string first = line.substr(0, line.find(';'));
+        if (!first.empty() && std::all_of(first.begin(), first.end(), [](char c) { return c >= '0' && c <= '9'; }))
+            id = first;
+    }
+    return answer.code == 0 ? id : std::string();
+}
+
+}  // namespace
+
+std::vector<std::string> Submission::ids() const {
+    std::vector<std::string> ids;
+    for (const std::string* each : {&references, &shards, &merge})
+        if (!each->empty()) ids.push_back(*each);
+    return ids;
+}
+
+Result<std::vector<Submission>> read_submission(const std::string& directory) {
+    const std::string path = directory + "/submission.json";
+    std::error_code failed;
+    if (!fs::exists(path, failed)) return std::vector<Submission>();
+    auto json = read_json_file(path, "a submission.json");
+    if (!json) return json.error();
+    try {
+        Submission submission;
+        submission.submitted = json->at("submitted");
+        submission.references = json->at("references");
+        submission.shards = json->at("shards");
+        submission.merge = json->at("merge");
+        submission.count = whole(json->at("count"));
+        return std::vector{submission};
+    } catch (const std::exception& error) {
+        return error_at({path, 0, 0}, std::string("this is no submission.json, or it is damaged: ") + error.what(),
+                        "remove it once none of its jobs is in the queue");
+    }
+}
+
+Status write_submission(const std::string& directory, const Submission& submission) {
+    const Json json{{"submitted", submission.submitted},
+                    {"references", submission.references},
+                    {"shards", submission.shards},
+                    {"merge", submission.merge},
+                    {"count", submission.count}};
+    return display::write_text_file(directory + "/submission.json", json_text(json, 2) + "\n");
+}
+
+Status write_slurm_files(const SlurmRequest& request, const CommandPlan& plan, const std::vector<unsigned>& wanted) {
+    const std::string folder = slurm_folder(request.directory);
+    std::error_code failed;
+    fs::create_directories(folder, failed);
+    if (failed) return error_at({folder, 0, 0}, "cannot make this directory: " + failed.message());
+    std::string lines;
+    PlannedCommand all;  // what any shard takes
+    for (const PlannedCommand& each : plan.commands) {
+        if (each.name == "references")
+            if (Status s = write_job_file(request, "references.sh",
+                                          values_of(request, plan, each, "references", "references.log"));
+                !s)
+                return s;
+        if (each.name == "merge")
+            if (Status s = write_job_file(request, "merge.sh", values_of(request, plan, each, "merge", "merge.log"));
+                !s)
+                return s;
+        if (!each.name.starts_with("shard-")) continue;
+        lines += shell_command(each.arguments) + "\n";
+        all.cores = std::max(all.cores, each.cores);
+        all.memory_bytes = std::max(all.memory_bytes, each.memory_bytes);
+        all.exclusive = all.exclusive || each.exclusive;
+    }
+    if (Status s = display::write_text_file(folder + "/commands.txt", lines); !s) return s;
+    TemplateValues values = values_of(request, plan, all, "shards", "shard-%a.log");
+    set_value(values, "array", ranges_text(wanted));
+    set_value(values, "command",
+              "command=$(sed -n \"${SLURM_ARRAY_TASK_ID}p\" " + shell_command({folder + "/commands.txt"}) +
+                  ")\neval \"exec $command\"");
+    return write_job_file(request, "shards.sh", values);
+}
+
+Result<Submission> submit_to_slurm(const std::string& directory, bool references, unsigned count) {
+    const std::string folder = slurm_folder(directory);
+    if (ask({"sbatch", "--version"}).code != 0)
+        return error_at({}, "there is no sbatch here: Slurm's programs are not installed, or not in $PATH",
+                        by_hand(directory, references));
+    Submission submission;
+    submission.submitted = utc_time();
+    submission.count = count;
+    std::string after;
+    for (const auto& [file, id] : {std::pair<const char*, std::string*>{"references.sh", &submission.references},
+                                   {"shards.sh", &submission.shards},
+                                   {"merge.sh", &submission.merge}}) {
+        if (id == &submission.references && !references) continue;
+        std::vector<std::string> command{"sbatch", "--parsable"};
+        if (!after.empty()) command.push_back("--dependency=afterany:" + after);
+        command.push_back(folder + "/" + file);
+        const Answer answer = ask(command);
+        *id = id_of(answer);
+        if (id->empty()) {
+            for (const std::string& earlier : submission.ids()) static_cast<void>(ask({"scancel", earlier}));
+            return error_at({folder + "/" + file, 0, 0},
+                            "sbatch refuses this job, and nothing was submitted: " + answer.text,
+                            by_hand(directory, references));
+        }
+        after = *id;
+    }
+    return submission;
+}
+
+Result<std::map<std::string, std::string>> slurm_queue(const std::vector<std::string>& jobs) {
+    std::map<std::string, std::string> tasks;
+    if (jobs.empty()) return tasks;
+    std::string list;
+    for (const std::string& each : jobs) list += (list.empty() ? "" : ",") + each;
+    // Each task of an array a line, those that wait too.
+    const Answer answer = ask({"squeue", "--noheader", "--array", "--format=%i %T", "--jobs=" + list});
+    // squeue knows a finished job for a while only; then it says so, with an error.
+    if (answer.code != 0 && answer.text.find("Invalid job id") == std::string::npos)
+        return error_at({}, "squeue does not answer: " + answer.text);
+    std::istringstream lines(answer.text);
+    for (std::string task, state; lines >> task >> state;)
+        if (task.find_first_not_of("0123456789_") == std::string::npos) tasks[task] = state;
+    return tasks;
+}
+
+}  // namespace raylex::experiments
