@@ -8,7 +8,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     using namespace raylex::transport;
     const fuzz::AllocationMeter meter(fuzz::file_bytes);
     const fuzz::MemoryFile file(data, size);
-    const SourceLocation where{"scene.pbrt", 1, 1};
+    const raylex::SourceLocation where{"scene.pbrt", 1, 1};
     std::vector<raylex::Error> warnings;
     auto lens = LensSystem::read(file.path(), 0.002, Aperture(), where, warnings);
     if (!lens) {
@@ -21,8 +21,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (!lens->focus(2, where)) return 0;
     fuzz::require(lens->rear_z() > 0 && std::isfinite(lens->rear_z()), "a lens in focus stands before the film");
     for (const double height : {-0.9, 0.0, 0.3}) {
-        const DVec3 film{0.004, 0, 0};
-        LensRay ray{film, normalize(DVec3{0, height * lens->rear_radius(), lens->rear_z()} - film)};
+        const DVec3 film(0.004, 0, 0);
+        LensRay ray{film, normalize(DVec3(0, height * double{lens->rear_radius()}, lens->rear_z()) - film)};
         const double left = lens->trace(ray);
         fuzz::require(left >= 0 && left <= 1, "a lens passes a part of the light");
         if (left > 0)
