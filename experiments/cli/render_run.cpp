@@ -425,7 +425,8 @@ class RenderRun {
             line += interrupt_flag().load() ? "; INCOMPLETE: interrupted"
                                             : "; INCOMPLETE: the time was up before all pixels had as many samples";
         print_line(line);
-        if (!output_->complete && (job_.checkpoint_seconds > 0 || output_->bands) && fs::exists(checkpoint_file(job_), failed))
+        if (!output_->complete && (job_.checkpoint_seconds > 0 || output_->bands) &&
+            fs::exists(checkpoint_file(job_), failed))
             print_line(checkpoint_file(job_) + ": --resume goes on from here");
         print_sampling();
         if (!beauties_.empty())
