@@ -145,8 +145,8 @@ TEST_CASE("no light that reaches a point is left out there", "[lights][light_tre
 }
 
 TEST_CASE("choices by receiver follow what lights send there", "[lights][light_tree]") {
-    // Small triangles of four powers, half of them two-sided, strewn above a floor: what each sends to a point is known,
-    // and with the probabilities the variance of choosing one of them, over the squared mean.
+    // Small triangles of four powers, half of them two-sided, strewn above a floor: what each sends to a point is
+    // known, and with the probabilities the variance of choosing one of them, over the squared mean.
     Numbers numbers(11);
     std::string world;
     for (int i = 0; i < 400; ++i) {

@@ -153,8 +153,7 @@ LightMoments join(const LightMoments& a, const LightMoments& b) {
     const Real of_b = b.strength / both.strength, of_a = 1 - of_b;
     both.mean = a.mean * of_a + b.mean * of_b;
     both.spread = a.spread * of_a + b.spread * of_b + length_squared(a.mean - b.mean) * of_a * of_b;
-    for (std::size_t i = 0; i < both.squares.size(); ++i)
-        both.squares[i] = a.squares[i] * of_a + b.squares[i] * of_b;
+    for (std::size_t i = 0; i < both.squares.size(); ++i) both.squares[i] = a.squares[i] * of_a + b.squares[i] * of_b;
     both.facing = a.facing * of_a + b.facing * of_b;
     return both;
 }
@@ -164,12 +163,10 @@ LightMoments join(const LightMoments& a, const LightMoments& b) {
 double LightMoments::importance(const LightReceiver& receiver) const {
     constexpr Real least_cosine = Real(0.01);  // nothing is starved by what the mean does not know of
     const Vec3 way = receiver.position - mean;
-    const Real around = spread / 3,
-               inverse = 1 / (length_squared(way) + spread / 4 + std::numeric_limits<Real>::min());
+    const Real around = spread / 3, inverse = 1 / (length_squared(way) + spread / 4 + std::numeric_limits<Real>::min());
     const auto& [xx, yy, zz, xy, xz, yz] = squares;
     const Real squared = xx * way.x * way.x + yy * way.y * way.y + zz * way.z * way.z +
-                         2 * (xy * way.x * way.y + xz * way.x * way.z + yz * way.y * way.z) +
-                         around * (xx + yy + zz);
+                         2 * (xy * way.x * way.y + xz * way.x * way.z + yz * way.y * way.z) + around * (xx + yy + zz);
     const Real leaving = (std::sqrt(squared * inverse) + dot(facing, way) * std::sqrt(inverse)) / 2;
     Real cosines = std::max(leaving, least_cosine);
     if (length_squared(receiver.normal) > 0) {

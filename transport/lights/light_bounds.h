@@ -50,11 +50,11 @@ struct LightBounds {
 /// Moments of where lights are and where they face. A light of normal n is taken to send strength max(0, n . w) into
 /// direction w; one that sends alike everywhere is as good as an even mixture of normals with n n^T of a quarter.
 struct LightMoments {
-    Vec3 mean;                       ///< position; means are weighed by strength
-    Real spread = 0;                 ///< squared distance from there, in the mean
-    std::array<Real, 6> squares{};   ///< mean of n n^T: xx, yy, zz, xy, xz, yz
-    Vec3 facing;                     ///< mean of n; zero for what sends to both sides
-    Real strength = 0;               ///< power over pi, relative
+    Vec3 mean;                      ///< position; means are weighed by strength
+    Real spread = 0;                ///< squared distance from there, in the mean
+    std::array<Real, 6> squares{};  ///< mean of n n^T: xx, yy, zz, xy, xz, yz
+    Vec3 facing;                    ///< mean of n; zero for what sends to both sides
+    Real strength = 0;              ///< power over pi, relative
 
     /// What is to be expected at the receiver, up to a factor that all lights share; always above 0.
     [[nodiscard]] double importance(const LightReceiver& receiver) const;

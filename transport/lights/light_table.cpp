@@ -37,9 +37,8 @@ Light make_triangle(const ShapeGeometry& shape, std::uint32_t primitive) {
     light.direction = normal;
     // A point of it is a sum of floats: five roundings of what is summed.
     light.offset = triangle.offset;
-    light.offset.here += gamma_bound(8) * dot(absolute(light.direction), absolute(light.position) +
-                                                                             absolute(light.edge1) +
-                                                                             absolute(light.edge2));
+    light.offset.here += gamma_bound(8) * dot(absolute(light.direction),
+                                              absolute(light.position) + absolute(light.edge1) + absolute(light.edge2));
     return light;
 }
 

@@ -33,8 +33,8 @@ class LightTree {
     /// A cache line (in float); a choice reads two at each depth, side by side.
     struct alignas(64) Node {
         LightMoments moments;
-        std::uint32_t children : 31 = 0;    ///< number of the first, the second follows; 0: a leaf
-        std::uint32_t has_cone : 1 = 0;     ///< there are points that its lights do not reach: see cones_
+        std::uint32_t children : 31 = 0;  ///< number of the first, the second follows; 0: a leaf
+        std::uint32_t has_cone : 1 = 0;   ///< there are points that its lights do not reach: see cones_
         std::uint32_t light = none;
     };
     struct Cone {
@@ -61,7 +61,7 @@ class LightTree {
     }
 
     std::vector<Node> nodes_;
-    std::vector<Cone> cones_;  // [node]
+    std::vector<Cone> cones_;            // [node]
     std::vector<std::uint64_t> trails_;  // [light] which child at each depth, from the lowest bit up
     std::vector<std::uint8_t> within_;   // [light]
 };
