@@ -91,7 +91,8 @@ Result<std::unique_ptr<SampleFilter>> build_clamp(const ParameterSet& parameters
         if (prefixes->noclamp) continue;
         scaled.push_back(id);
     }
-    return std::unique_ptr<SampleFilter>(std::make_unique<ClampFilter>(*limit, by_component, context.beauty, std::move(scaled)));
+    return std::unique_ptr<SampleFilter>(
+        std::make_unique<ClampFilter>(*limit, by_component, context.beauty, std::move(scaled)));
 }
 
 Registry<SampleFilterFactory> in_tree_filters() {

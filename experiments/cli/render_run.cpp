@@ -28,6 +28,7 @@
 #include "experiments/program/tint.h"
 #include "experiments/program/work_lock.h"
 #include "experiments/shards/shard_render.h"
+#include "lpe/algebra/event_words.h"
 #include "transport/render/built_scene.h"
 
 namespace raylex::experiments {
@@ -82,7 +83,7 @@ class RenderRun {
             image_bytes = display::total_bytes(plan.memory) / 2;  // the other half is for the limit
             return calibrate ? success() : Status(error_at({}, "nothing is rendered"));
         };
-        const auto output = transport::render(loaded_->scene, job_.settings, {}, &interrupt_flag());
+        const auto output = transport::render(loaded_->scene, *built_, job_.settings, {}, &interrupt_flag());
         if (!output && pixels == 0) return report_error(output.error());
         // What is resident now, the image and its copy for the limit included; a checkpoint is such a copy, a record
         // that is written another one.
@@ -281,7 +282,7 @@ class RenderRun {
         phases_["build"] = {statistics.build_seconds, statistics.build_cpu_seconds};
         phases_["prepare"] = {statistics.prepare_seconds, statistics.prepare_cpu_seconds};
         phases_["render"] = {statistics.render_seconds, statistics.render_cpu_seconds};
-        if (statistics.invalid_samples > 0) warn_of_invalid(statistics);
+        if (statistics.invalid_samples > 0) warn(text_of_invalid(job_, *output_, arguments_));
         if (!output_->complete && statistics.camera_samples == 0) {
             if (interrupt_flag().load()) return interrupted_early();
             print_warning(
@@ -290,20 +291,6 @@ class RenderRun {
             return exit_does_not_hold;
         }
         return go_on;
-    }
-
-    void warn_of_invalid(const transport::RenderStatistics& statistics) {
-        std::string text = std::to_string(statistics.invalid_samples) +
-                           " contributions or values were not finite, or too large to be summed, and were left out of "
-                           "beauty and layers alike; the AOV "
-                           "invalidSamples shows where, --stats lists the first ones";
-        if (!statistics.invalid_log.empty()) {
-            const display::InvalidSample& first = statistics.invalid_log.front();
-            text += ".\n  The first: pixel (" + std::to_string(first.pixel_x) + ", " + std::to_string(first.pixel_y) +
-                    "), sample " + std::to_string(first.sample) + ", seed " + std::to_string(output_->seed) +
-                    "; to see that sample alone:\n  " + replay_command(job_, *output_, arguments_, first);
-        }
-        warn(text);
     }
 
     /// One sample of one pixel, told and not written. Exit code 1 when something of it is refused.
@@ -335,7 +322,7 @@ class RenderRun {
     /// What the file or the record says of the image.
     display::ImageDescription describe_image() {
         attributes_ = header_attributes(job_, *output_, arguments_, loaded_->color.description);
-        if (!beauties_.empty()) attributes_["raylex/is_beauty"] = listed(beauties_);
+        if (!beauties_.empty()) attributes_["raylex/is_beauty"] = lpe::joined_by(beauties_, ", ");
         if (!loaded_->color.texture_spaces->empty())
             attributes_["raylex/texture_spaces"] = *loaded_->color.texture_spaces;
         return image_description(job_, *loaded_, *output_, partitions_, attributes_);
@@ -414,12 +401,6 @@ class RenderRun {
         return go_on;
     }
 
-    static std::string listed(const std::vector<std::string>& names) {
-        std::string text;
-        for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-        return text;
-    }
-
     void print_summary() const {
         const transport::RenderStatistics& statistics = output_->statistics;
         for (const display::SplitVerdict& verdict : splits_) {
@@ -447,7 +428,8 @@ class RenderRun {
             print_line(checkpoint_file(job_) + ": --resume goes on from here");
         print_sampling();
         if (!beauties_.empty())
-            print_line("the beauty by another name: " + listed(beauties_) + " (every path of this scene)");
+            print_line("the beauty by another name: " + lpe::joined_by(beauties_, ", ") +
+                       " (every path of this scene)");
         for (const std::string& path : outputs_.files()) print_line(path);
         if (!job_.statistics.empty()) print_line(job_.statistics);
         const auto seconds = [this](const char* phase) { return duration_text(phases_.at(phase).wall_seconds); };

@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "experiments/cli/loading_line.h"
 #include "experiments/cli/commands.h"
+#include "experiments/cli/loading_line.h"
 #include "experiments/cli/option_group.h"
 #include "experiments/cli/plugin_options.h"
 #include "experiments/cli/scene_commands.h"

@@ -25,7 +25,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         LensRay ray{film, normalize(DVec3{0, height * lens->rear_radius(), lens->rear_z()} - film)};
         const double left = lens->trace(ray);
         fuzz::require(left >= 0 && left <= 1, "a lens passes a part of the light");
-        if (left > 0) fuzz::require(std::isfinite(length(ray.origin)) && std::isfinite(length(ray.direction)), "rays are numbers");
+        if (left > 0)
+            fuzz::require(std::isfinite(length(ray.origin)) && std::isfinite(length(ray.direction)),
+                          "rays are numbers");
     }
     return 0;
 }

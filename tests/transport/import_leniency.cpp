@@ -31,13 +31,17 @@ TEST_CASE("options without a type, as pbrt writes them", "[import]") {
 
 TEST_CASE("the edges of displaced meshes are scaled by an option", "[import]") {
     const Folder folder;
-    folder.write("m.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float "
-                          "z\nproperty float u\nproperty float v\nelement face 1\nproperty list uchar int "
-                          "vertex_indices\nend_header\n0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n");
+    folder.write("m.ply",
+                 "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float "
+                 "z\nproperty float u\nproperty float v\nelement face 1\nproperty list uchar int "
+                 "vertex_indices\nend_header\n0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n");
     const auto edge = [&](const std::string& option, const std::string& length) {
         const SceneDescription scene = scene_of(
-            option + " WorldBegin Texture \"d\" \"float\" \"constant\" Shape \"plymesh\" \"string filename\" \"m.ply\" "
-                     "\"texture displacement\" \"d\" " + length, folder.path("s.pbrt"));
+            option +
+                " WorldBegin Texture \"d\" \"float\" \"constant\" Shape \"plymesh\" \"string filename\" \"m.ply\" "
+                "\"texture displacement\" \"d\" " +
+                length,
+            folder.path("s.pbrt"));
         REQUIRE(scene.shapes.size() == 1);
         return scene.shapes[0].edge_length;
     };
@@ -48,10 +52,12 @@ TEST_CASE("the edges of displaced meshes are scaled by an option", "[import]") {
 
 TEST_CASE("an included file may end in the midst of a directive's parameters", "[import]") {
     const Folder folder;
-    folder.write("parts/medium.pbrt", "MakeNamedMedium \"smoke\" \"string type\" \"uniformgrid\" \"float density\" [1]\n");
+    folder.write("parts/medium.pbrt",
+                 "MakeNamedMedium \"smoke\" \"string type\" \"uniformgrid\" \"float density\" [1]\n");
     folder.write("parts/outer.pbrt", "Include \"parts/medium.pbrt\"\n");
     const SceneDescription scene = scene_of(
-        "WorldBegin\nInclude \"parts/outer.pbrt\"\n \"spectrum sigma_a\" [300 2 830 2] \"float g\" 0.5\nShape \"sphere\"",
+        "WorldBegin\nInclude \"parts/outer.pbrt\"\n \"spectrum sigma_a\" [300 2 830 2] \"float g\" 0.5\nShape "
+        "\"sphere\"",
         folder.path("s.pbrt"));
     REQUIRE(scene.media.size() == 1);
     CHECK(scene.media[0].parameters.find("density") != nullptr);
@@ -62,11 +68,13 @@ TEST_CASE("an included file may end in the midst of a directive's parameters", "
 
 TEST_CASE("a directive at the end of an included file looks for its files beside that file", "[import]") {
     const Folder folder;
-    folder.write("parts/m.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
-                                "float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 "
-                                "0\n0 1 0\n3 0 1 2\n");
+    folder.write("parts/m.ply",
+                 "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
+                 "float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 "
+                 "0\n0 1 0\n3 0 1 2\n");
     folder.write("parts/mesh.pbrt", "Shape \"plymesh\" \"string filename\" \"m.ply\"");
-    CHECK(scene_of("WorldBegin Include \"parts/mesh.pbrt\"\nShape \"sphere\"", folder.path("s.pbrt")).shapes.size() == 2);
+    CHECK(scene_of("WorldBegin Include \"parts/mesh.pbrt\"\nShape \"sphere\"", folder.path("s.pbrt")).shapes.size() ==
+          2);
 }
 
 TEST_CASE("names that no shape uses need not be defined, and media may be defined later", "[import]") {
@@ -150,12 +158,13 @@ TEST_CASE("meshes from files keep their places among shapes and warnings, howeve
     for (int i = 0; i < 9; ++i)
         folder.write("m" + std::to_string(i) + ".ply",
                      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float "
-                     "z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n" + std::to_string(i) +
-                         " 0 0\n1 0 9\n0 1 0\n3 0 1 2\n3 0 0 1\n");
-    std::string text = "WorldBegin ObjectBegin \"o\" Shape \"disk\" Shape \"plymesh\" \"string filename\" \"m0.ply\" ObjectEnd\n";
+                     "z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n" +
+                         std::to_string(i) + " 0 0\n1 0 9\n0 1 0\n3 0 1 2\n3 0 0 1\n");
+    std::string text =
+        "WorldBegin ObjectBegin \"o\" Shape \"disk\" Shape \"plymesh\" \"string filename\" \"m0.ply\" ObjectEnd\n";
     for (int i = 1; i < 9; ++i)
-        text += "Shape \"sphere\" \"float radius\" " + std::to_string(i) + " Shape \"plymesh\" \"string filename\" \"m" +
-                std::to_string(i) + ".ply\"\n";
+        text += "Shape \"sphere\" \"float radius\" " + std::to_string(i) +
+                " Shape \"plymesh\" \"string filename\" \"m" + std::to_string(i) + ".ply\"\n";
     for (const int threads : {1, 3}) {
         LoadingProgress progress;
         const auto scene = import_pbrt_text(text, folder.path("s.pbrt"), {.threads = threads, .progress = &progress});
@@ -178,8 +187,10 @@ TEST_CASE("the first of several broken meshes is the error, however many threads
     const Folder folder;
     folder.write("a.ply", "no ply");
     folder.write("b.ply", "none either");
-    const auto scene = import_pbrt_text("WorldBegin\nShape \"plymesh\" \"string filename\" \"a.ply\"\n"
-                                        "Shape \"plymesh\" \"string filename\" \"b.ply\"", folder.path("s.pbrt"));
+    const auto scene = import_pbrt_text(
+        "WorldBegin\nShape \"plymesh\" \"string filename\" \"a.ply\"\n"
+        "Shape \"plymesh\" \"string filename\" \"b.ply\"",
+        folder.path("s.pbrt"));
     REQUIRE_FALSE(scene.ok());
     CHECK(scene.error().file == folder.path("a.ply"));
     CHECK(contains(scene.error().hint, "s.pbrt:2"));

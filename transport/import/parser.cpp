@@ -195,7 +195,8 @@ class DirectiveReader {
     Status read_option() {
         const Result<Token> first = tokenizer_.next();
         if (!first) return first.error();
-        const bool plain = first->kind == TokenKind::string && first->text.find_first_of(" \t") == std::string_view::npos;
+        const bool plain =
+            first->kind == TokenKind::string && first->text.find_first_of(" \t") == std::string_view::npos;
         if (plain) return parse_option(tokenizer_, *first, directive_.parameters);
         tokenizer_.push_back(*first);
         if (Status status = parse_parameters(tokenizer_, directive_.parameters, directive_.warnings); !status)

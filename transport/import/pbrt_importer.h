@@ -1,7 +1,7 @@
 // Reads pbrt-v4 scene files as they are.
 //
-// Every directive is understood; Accelerator has nothing to say here, and Option little. Relative file names are looked up in
-// the folder of the top-level scene, as pbrt does, then beside the file that holds them; all files may be
+// Every directive is understood; Accelerator has nothing to say here, and Option little. Relative file names are looked
+// up in the folder of the top-level scene, as pbrt does, then beside the file that holds them; all files may be
 // gzip-compressed. Quadrilaterals of a plymesh stay bilinear patches as in pbrt. Area lights inside ObjectBegin stay
 // dark, with a warning.
 #pragma once

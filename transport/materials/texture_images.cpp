@@ -14,7 +14,7 @@ constexpr const char* by_rules = "by file rules";  // in place of an encoding
 ReadImage read(const std::pair<std::string, std::string>& key) {
     ReadImage result;
     result.image = read_image(key.first, key.second == by_rules ? "linear" : key.second);
-    Result<Image>& image = *result.image;
+    Result<Image>& image = result.image;
     if (image && image->width > 0 && image->height > 0 && image->channels > 0)
         result.warning = clear_invalid_texels(*image);
     return result;
@@ -69,7 +69,7 @@ void TextureTable::Storage::read_ahead(const SceneDescription& scene, int thread
     read_in_parallel(work.size(), threads, [&](std::size_t i) {
         ReadImage& result = *work[i].second;
         result = read(*work[i].first);
-        const Result<Image>& image = *result.image;
+        const Result<Image>& image = result.image;
         if (wanted.at(*work[i].first) && image && !image->pixels.empty()) result.pyramid = ImagePyramid::of(*image);
         if (progress != nullptr) progress->count();
     });
@@ -81,7 +81,7 @@ Result<const Image*> TextureTable::Storage::load_image(const std::string& name, 
     if (const auto known = image_by_file.find(key); known != image_by_file.end()) return known->second;
     auto ahead = images_ahead.extract(key);
     ReadImage result = ahead.empty() ? read(key) : std::move(ahead.mapped());
-    Result<Image>& image = *result.image;
+    Result<Image>& image = result.image;
     if (!image) {
         const Error& inner = image.error();
         return error_at(where, "image texture '" + name + "': " + inner.message, inner.hint);
@@ -121,8 +121,7 @@ Result<TextureNode> TextureTable::Storage::compile_image(const SceneTexture& sou
     stage.invert = reader.boolean("invert", false);
     const TextureMapping mapping = read_mapping(reader, source.to_world);
     if (reader.error()) return *reader.error();
-    Result<const Image*> image =
-        load_image(name, encoding, by_file_rules(source, encoding, role), reader.where(*file));
+    Result<const Image*> image = load_image(name, encoding, by_file_rules(source, encoding, role), reader.where(*file));
     if (!image) return std::move(image).error();
     stage.sampler.image = *image;
     stage.sampler.alpha_varies = alpha_varies(**image);

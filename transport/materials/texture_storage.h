@@ -81,7 +81,7 @@ inline bool odd(Real x) {
 
 /// An image as it was read, before anybody asked for it.
 struct ReadImage {
-    std::optional<Result<Image>> image;
+    Result<Image> image = Image{};
     std::optional<std::string> warning;
     std::optional<ImagePyramid> pyramid;  ///< of images that are filtered
 };
@@ -97,8 +97,8 @@ struct TextureTable::Storage final : TextureLookup {
     using ImageKey = std::pair<std::string, std::string>;  // path, encoding
     std::deque<Image> images;                              // addresses stay
     std::map<ImageKey, const Image*> image_by_file;
-    std::map<ImageKey, ReadImage> images_ahead;            // taken out when they are asked for
-    std::map<const Image*, ImagePyramid> pyramids;                              // of those that are filtered
+    std::map<ImageKey, ReadImage> images_ahead;     // taken out when they are asked for
+    std::map<const Image*, ImagePyramid> pyramids;  // of those that are filtered
 
     std::vector<SceneTexture> sources;                                             // to_world: to render space
     std::map<std::string, std::vector<std::size_t>, std::less<>> sources_by_name;  // ascending

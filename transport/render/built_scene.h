@@ -14,8 +14,8 @@
 namespace raylex::transport {
 
 struct BuildOptions {
-    std::string isa;  ///< what Embree may use; see RenderSettings
-    int threads = 0;  ///< that read images and build the acceleration structure; 0 = all
+    std::string isa;                      ///< what Embree may use; see RenderSettings
+    int threads = 0;                      ///< that read images and build the acceleration structure; 0 = all
     LoadingProgress* progress = nullptr;  ///< told of what is read and built, if any
 };
 

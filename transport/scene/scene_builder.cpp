@@ -26,8 +26,8 @@ std::string material_type(const std::string& written) {
 
 Error defined_twice(const std::string& what, const SceneName& name, const SourceLocation& where,
                     const SourceLocation& first) {
-    return error_at(name.place(where), what + " '" + name.text + "' is defined twice; the first is at " +
-                                               first.file + ":" + std::to_string(first.line));
+    return error_at(name.place(where), what + " '" + name.text + "' is defined twice; the first is at " + first.file +
+                                           ":" + std::to_string(first.line));
 }
 
 }  // namespace

@@ -181,8 +181,7 @@ class SceneBuilder {
     /// All images are read as they are, whatever their textures' "filter" says.
     void disable_texture_filtering() { unfiltered_ = true; }
     /// Of all displaced meshes, whatever their own "edgelength" is.
-    Status scale_displacement_edges(double factor,
-                                    const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
+    Status scale_displacement_edges(double factor, const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
 
     /// What the scene's reader should hear of: SceneDescription::warnings.
     void warn(Error warning) { scene_.warnings.push_back(std::move(warning)); }

@@ -138,8 +138,7 @@ Result<ShapePlacement> SceneBuilder::as_moving_object(const ShapePlacement& plac
     const Result<ObjectHandle> object = add_object({name}, where);
     if (!object) return object.error();
     if (in_object)
-        moving_parts_.push_back(
-            {placement.object.reference, *object, placement.to_world, *placement.moved_to, where});
+        moving_parts_.push_back({placement.object.reference, *object, placement.to_world, *placement.moved_to, where});
     else if (Status s = add_moving_instance(*object, placement.to_world, *placement.moved_to, where); !s)
         return s.error();
     ShapePlacement still = placement;
