@@ -228,6 +228,7 @@ class RenderRun {
         const std::string file = checkpoint_file(job_);
         const Status removed = output_->bands ? transport::remove_buckets(file) : display::remove_file(file);
         if (!removed) warn(removed.error().to_string());
+        output_->bands.reset();  // and the band of it that is in memory, before the file is read
     }
 
     Step render() {
@@ -422,7 +423,8 @@ class RenderRun {
             line += interrupt_flag().load() ? "; INCOMPLETE: interrupted"
                                             : "; INCOMPLETE: the time was up before all pixels had as many samples";
         print_line(line);
-        if (!output_->complete && (job_.checkpoint_seconds > 0 || output_->bands) && fs::exists(checkpoint_file(job_), failed))
+        if (!output_->complete && (job_.checkpoint_seconds > 0 || output_->bands) &&
+            fs::exists(checkpoint_file(job_), failed))
             print_line(checkpoint_file(job_) + ": --resume goes on from here");
         print_sampling();
         if (!beauties_.empty())
