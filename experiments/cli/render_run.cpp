@@ -13,6 +13,7 @@
 #include "display/output/exr_writer.h"
 #include "display/output/split_check.h"
 #include "experiments/cli/judge.h"
+#include "experiments/cli/loading_line.h"
 #include "experiments/cli/progress.h"
 #include "experiments/cli/render_outputs.h"
 #include "experiments/job/channel_plan.h"
@@ -27,6 +28,8 @@
 #include "experiments/program/tint.h"
 #include "experiments/program/work_lock.h"
 #include "experiments/shards/shard_render.h"
+#include "lpe/algebra/event_words.h"
+#include "transport/render/built_scene.h"
 
 namespace raylex::experiments {
 namespace {
@@ -41,13 +44,13 @@ class RenderRun {
     int run() {
         at_once_.emplace("raylex: interrupted before anything was rendered; no file was written\n");
         if (job_.settings.only) {
-            for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::plan})
+            for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::build, &RenderRun::plan})
                 if (const std::optional<int> code = (this->*step)()) return *code;
             return replay();
         }
         if (job_.shard) return run_shard();
         for (std::optional<int> (RenderRun::*step)() :
-             {&RenderRun::check_outputs, &RenderRun::load, &RenderRun::plan, &RenderRun::render,
+             {&RenderRun::check_outputs, &RenderRun::load, &RenderRun::build, &RenderRun::plan, &RenderRun::render,
               &RenderRun::write_image, &RenderRun::judge, &RenderRun::write_statistics})
             if (const std::optional<int> code = (this->*step)()) return *code;
         print_summary();
@@ -61,7 +64,7 @@ class RenderRun {
     /// What all samples would take.
     std::optional<int> estimate(bool calibrate, RenderEstimate& estimate) {
         quiet_ = true;
-        for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::plan})
+        for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::build, &RenderRun::plan})
             if (const std::optional<int> code = (this->*step)()) return code;
         if (Status possible = check_shardable(job_, loaded_->scene); !possible) return report_error(possible.error());
         auto samples = samples_of_job(job_, loaded_->scene);
@@ -80,7 +83,7 @@ class RenderRun {
             image_bytes = display::total_bytes(plan.memory) / 2;  // the other half is for the limit
             return calibrate ? success() : Status(error_at({}, "nothing is rendered"));
         };
-        const auto output = transport::render(loaded_->scene, job_.settings, {}, &interrupt_flag());
+        const auto output = transport::render(loaded_->scene, *built_, job_.settings, {}, &interrupt_flag());
         if (!output && pixels == 0) return report_error(output.error());
         // What is resident now, the image and its copy for the limit included; a checkpoint is such a copy, a record
         // that is written another one.
@@ -100,7 +103,8 @@ class RenderRun {
     int run_shard() {
         for (std::optional<int> (RenderRun::*step)() :
              {&RenderRun::check_outputs, &RenderRun::lock_shard, &RenderRun::load, &RenderRun::begin_shard,
-              &RenderRun::plan, &RenderRun::render, &RenderRun::write_shard, &RenderRun::write_statistics})
+              &RenderRun::build, &RenderRun::plan, &RenderRun::render, &RenderRun::write_shard,
+              &RenderRun::write_statistics})
             if (const std::optional<int> code = (this->*step)()) return *code;
         const transport::RenderStatistics& statistics = output_->statistics;
         print_line(shard_->record() + ": " + shard_->text() + ", " + duration_text(statistics.render_seconds) + " (" +
@@ -139,10 +143,13 @@ class RenderRun {
 
     Step load() {
         const PhaseClock clock;
-        auto loaded = load_job_scene(job_);
+        LoadingLine loading;
+        auto loaded = load_job_scene(job_, loading.progress());
+        loading.finish();
         if (!loaded) return report_error(loaded.error());
         loaded_ = std::move(*loaded);
         ask_for_film_layers(loaded_->scene.film, job_);
+        if (const auto ignored = ask_for_film_clamp(loaded_->scene, job_)) warn(*ignored);
         for (const std::string& warning : loaded_->warnings) warn(warning);
         if (!quiet_)
             for (const std::string& line : job_.show_effects ? effect_table(loaded_->effects, job_.effects)
@@ -151,6 +158,17 @@ class RenderRun {
         if (!job_.settings.only)
             if (Status made = outputs_.make(job_, loaded_->color); !made) return report_error(made.error());
         phases_["load"] = clock.elapsed();
+        return interrupted_early();
+    }
+
+    /// Once: the plan goes by the same tables as the render, so that no image and no grid is read again.
+    Step build() {
+        LoadingLine loading;
+        auto built = transport::BuiltScene::build(loaded_->scene,
+                                                  {job_.settings.isa, job_.settings.threads, loading.progress()});
+        loading.finish();
+        if (!built) return report_error(built.error());
+        built_ = std::move(*built);
         return interrupted_early();
     }
 
@@ -184,7 +202,7 @@ class RenderRun {
 
     Step plan() {
         const PhaseClock clock;
-        auto words = scene_words(job_, loaded_->scene);
+        auto words = scene_words(job_, loaded_->scene, built_.get());
         if (!words) return report_error(words.error());
         auto plan = plan_channels(job_, *words);
         if (!plan) return report_error(plan.error());
@@ -196,6 +214,9 @@ class RenderRun {
         if (!job_.settings.beauty && plan->channels.empty())
             return report_error("--no-beauty leaves nothing to render; expected at least one --lpe or --aov with it");
         job_.settings.channels = plan->channels;
+        for (const std::string& line :
+             job_.show_effects ? aov_table(job_.settings.channels) : aov_summary(job_.settings.channels))
+            print_line(line);
         if (!job_.settings.only)
             if (Status atlas = outputs_.atlas().prepare(job_, *words); !atlas) return report_error(atlas.error());
         partitions_ = plan->partitions;
@@ -243,7 +264,7 @@ class RenderRun {
             return begun && shard_ ? look_for_record(plan) : begun;
         };
         auto output = transport::render(
-            loaded_->scene, job_.settings,
+            loaded_->scene, *built_, job_.settings,
             [&](const transport::RenderProgress& now) {
                 progress.update(now);
                 outputs_.update(now);
@@ -262,7 +283,7 @@ class RenderRun {
         phases_["build"] = {statistics.build_seconds, statistics.build_cpu_seconds};
         phases_["prepare"] = {statistics.prepare_seconds, statistics.prepare_cpu_seconds};
         phases_["render"] = {statistics.render_seconds, statistics.render_cpu_seconds};
-        if (statistics.invalid_samples > 0) warn_of_invalid(statistics);
+        if (statistics.invalid_samples > 0) warn(text_of_invalid(job_, *output_, arguments_));
         if (!output_->complete && statistics.camera_samples == 0) {
             if (interrupt_flag().load()) return interrupted_early();
             print_warning(
@@ -273,24 +294,10 @@ class RenderRun {
         return go_on;
     }
 
-    void warn_of_invalid(const transport::RenderStatistics& statistics) {
-        std::string text = std::to_string(statistics.invalid_samples) +
-                           " contributions or values were not finite, or too large to be summed, and were left out of "
-                           "beauty and layers alike; the AOV "
-                           "invalidSamples shows where, --stats lists the first ones";
-        if (!statistics.invalid_log.empty()) {
-            const display::InvalidSample& first = statistics.invalid_log.front();
-            text += ".\n  The first: pixel (" + std::to_string(first.pixel_x) + ", " + std::to_string(first.pixel_y) +
-                    "), sample " + std::to_string(first.sample) + ", seed " + std::to_string(output_->seed) +
-                    "; to see that sample alone:\n  " + replay_command(job_, *output_, arguments_, first);
-        }
-        warn(text);
-    }
-
     /// One sample of one pixel, told and not written. Exit code 1 when something of it is refused.
     int replay() {
         const transport::SampleChoice& only = *job_.settings.only;
-        auto output = transport::render(loaded_->scene, job_.settings, {}, &interrupt_flag());
+        auto output = transport::render(loaded_->scene, *built_, job_.settings, {}, &interrupt_flag());
         if (!output) return report_error(output.error());
         const transport::RenderStatistics& statistics = output->statistics;
         const std::span<const display::ChannelDefinition> channels = output->frame_buffer.channels();
@@ -316,7 +323,7 @@ class RenderRun {
     /// What the file or the record says of the image.
     display::ImageDescription describe_image() {
         attributes_ = header_attributes(job_, *output_, arguments_, loaded_->color.description);
-        if (!beauties_.empty()) attributes_["raylex/is_beauty"] = listed(beauties_);
+        if (!beauties_.empty()) attributes_["raylex/is_beauty"] = lpe::joined_by(beauties_, ", ");
         if (!loaded_->color.texture_spaces->empty())
             attributes_["raylex/texture_spaces"] = *loaded_->color.texture_spaces;
         return image_description(job_, *loaded_, *output_, partitions_, attributes_);
@@ -395,12 +402,6 @@ class RenderRun {
         return go_on;
     }
 
-    static std::string listed(const std::vector<std::string>& names) {
-        std::string text;
-        for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-        return text;
-    }
-
     void print_summary() const {
         const transport::RenderStatistics& statistics = output_->statistics;
         for (const display::SplitVerdict& verdict : splits_) {
@@ -428,7 +429,8 @@ class RenderRun {
             print_line(checkpoint_file(job_) + ": --resume goes on from here");
         print_sampling();
         if (!beauties_.empty())
-            print_line("the beauty by another name: " + listed(beauties_) + " (every path of this scene)");
+            print_line("the beauty by another name: " + lpe::joined_by(beauties_, ", ") +
+                       " (every path of this scene)");
         for (const std::string& path : outputs_.files()) print_line(path);
         if (!job_.statistics.empty()) print_line(job_.statistics);
         const auto seconds = [this](const char* phase) { return duration_text(phases_.at(phase).wall_seconds); };
@@ -466,6 +468,7 @@ class RenderRun {
     const InterruptsWait wait_;
     std::optional<InterruptsAtOnce> at_once_;
     std::unique_ptr<JobScene> loaded_;
+    std::shared_ptr<const transport::BuiltScene> built_;
     std::vector<display::PartitionDeclaration> partitions_;
     std::vector<std::string> beauties_;
     RenderOutputs outputs_;

@@ -131,6 +131,7 @@ std::string statistics_json(const RunRecord& record) {
                     {"total", rays}};
     json["branches"] = statistics.branches;
     json["effects"] = effects_json(record.effects, record.job->effects);
+    json["aovs"] = aovs_json(record.job->settings.channels);
     const auto pruned = [&](transport::Pruned cause) { return statistics.pruned[static_cast<std::size_t>(cause)]; };
     json["pruned"] = {{"paths", pruned(transport::Pruned::paths)},
                       {"light_samples", pruned(transport::Pruned::light_samples)},

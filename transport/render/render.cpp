@@ -45,10 +45,16 @@ Result<RenderOutput> render(const SceneDescription& scene, const RenderSettings&
                             const std::function<void(const RenderProgress&)>& progress, const std::atomic<bool>* stop) {
     auto built = BuiltScene::build(scene, {settings.isa, settings.threads});
     if (!built) return built.error();
-    if (!settings.checkpoint) return render(**built, settings, progress, stop);
+    return render(scene, **built, settings, progress, stop);
+}
+
+Result<RenderOutput> render(const SceneDescription& description, const BuiltScene& scene,
+                            const RenderSettings& settings, const std::function<void(const RenderProgress&)>& progress,
+                            const std::atomic<bool>* stop) {
+    if (!settings.checkpoint) return render(scene, settings, progress, stop);
     RenderSettings identified = settings;
-    identified.checkpoint->identity.emplace_back("scene", hash_text(scene_hash(scene)));
-    return render(**built, identified, progress, stop);
+    identified.checkpoint->identity.emplace_back("scene", hash_text(scene_hash(description)));
+    return render(scene, identified, progress, stop);
 }
 
 }  // namespace raylex::transport
