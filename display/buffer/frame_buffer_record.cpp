@@ -159,7 +159,8 @@ Status FrameBuffer::place(const FrameBuffer& band) {
     };
     Storage::for_each_plane([&](const char*, auto plane) { put(mine.*plane, theirs.*plane); });
     for (std::size_t i = 0; i < mine.channels.size(); ++i)
-        Channel::for_each_plane([&](const char*, auto plane) { put(mine.channels[i].*plane, theirs.channels[i].*plane); });
+        Channel::for_each_plane(
+            [&](const char*, auto plane) { put(mine.channels[i].*plane, theirs.channels[i].*plane); });
     for (std::size_t i = 0; i <= mine.channels.size(); ++i) mine.rejected[i].fetch_add(theirs.rejected[i].load());
     return success();
 }

@@ -86,8 +86,9 @@ Status check_memory(std::span<const MemoryItem> items, std::uint64_t limit, cons
     for (std::size_t i = 0; i < shown; ++i)
         list += (i == 0 ? "" : ", ") + largest[i].name + " " + memory_text(largest[i].bytes);
     if (largest.size() > shown) list += " and " + std::to_string(largest.size() - shown) + " more";
-    return error_at({}, "the image needs " + memory_text(total) + ", more than the limit of " + memory_text(limit) +
-                            "; expected fewer or smaller layers, or a lower resolution. The largest: " + list,
+    return error_at({},
+                    "the image needs " + memory_text(total) + ", more than the limit of " + memory_text(limit) +
+                        "; expected fewer or smaller layers, or a lower resolution. The largest: " + list,
                     hint);
 }
 

@@ -1,6 +1,6 @@
-// A frame buffer in a record file, band by band: each a section of its own, so that records of images larger than memory
-// are written, read and added up with no more than a band of each in memory. What a shard of a render and a cell of an
-// experiment leave.
+// A frame buffer in a record file, band by band: each a section of its own, so that records of images larger than
+// memory are written, read and added up with no more than a band of each in memory. What a shard of a render and a cell
+// of an experiment leave.
 //
 // Bands are of so many rows that one takes 64 MiB at most, and of one at least; records of one render have the same,
 // whatever the buckets that it was rendered in.

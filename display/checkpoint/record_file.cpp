@@ -77,7 +77,8 @@ class Reading {
     /// Past bytes that are there.
     bool skip(std::uint64_t size) {
         struct stat status {};
-        if (fstat(fileno(file_), &status) != 0) return fail(std::string("cannot read the file: ") + std::strerror(errno));
+        if (fstat(fileno(file_), &status) != 0)
+            return fail(std::string("cannot read the file: ") + std::strerror(errno));
         const auto end = static_cast<std::uint64_t>(status.st_size);
         if (size > end - std::min(end, position_))
             return fail("the file is truncated: it ends after " + std::to_string(end) + " bytes");

@@ -51,11 +51,11 @@ Status check_size(const ExrBands& file) {
     const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
     const double needed = file.bytes_at_once();
     if (needed <= memory) return success();
-    return read_error(file.image().path,
-                      "the header asks for " + std::to_string(static_cast<std::int64_t>(needed / 1e9)) +
-                          " GB of pixels, more than this machine's memory of " +
-                          std::to_string(static_cast<std::int64_t>(memory / 1e9)) +
-                          " GB; expected a smaller image (is the file damaged?)");
+    return read_error(file.image().path, "the header asks for " +
+                                             std::to_string(static_cast<std::int64_t>(needed / 1e9)) +
+                                             " GB of pixels, more than this machine's memory of " +
+                                             std::to_string(static_cast<std::int64_t>(memory / 1e9)) +
+                                             " GB; expected a smaller image (is the file damaged?)");
 }
 
 StoredType stored_type(Imf::PixelType type) {
@@ -135,8 +135,11 @@ FilePart read_part(Imf::MultiPartInputFile& file, int index, const RowRange& row
 FilePart described_part(const Imf::Header& header) {
     FilePart part{header.hasName() ? header.name() : "", {}};
     for (auto c = header.channels().begin(); c != header.channels().end(); ++c)
-        part.channels.push_back({c.name(), stored_type(c.channel().type), {},
-                                 plane_loss(header, c.name(), c.channel().type), dwa_level(header)});
+        part.channels.push_back({c.name(),
+                                 stored_type(c.channel().type),
+                                 {},
+                                 plane_loss(header, c.name(), c.channel().type),
+                                 dwa_level(header)});
     return part;
 }
 
@@ -266,10 +269,12 @@ Result<ExrBands> ExrBands::open(const std::string& path) {
             of.flat.push_back(i);
             of.lines = std::max(of.lines, lines_unpacked_together(header));
             const Window data = window_of(header.dataWindow());
-            const auto width = static_cast<double>(bands.image_.width), height = static_cast<double>(bands.image_.height);
+            const auto width = static_cast<double>(bands.image_.width),
+                       height = static_cast<double>(bands.image_.height);
             for (auto c = header.channels().begin(); c != header.channels().end(); ++c) {
                 of.every_row = of.every_row && c.channel().ySampling == 1;
-                of.bytes_per_row += 4 * static_cast<std::uint64_t>(std::max<std::int64_t>(data.width, bands.image_.width));
+                of.bytes_per_row +=
+                    4 * static_cast<std::uint64_t>(std::max<std::int64_t>(data.width, bands.image_.width));
                 of.bytes_at_once +=
                     4 * (static_cast<double>(data.width) * static_cast<double>(data.height) + width * height);
             }

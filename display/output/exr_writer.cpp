@@ -88,10 +88,9 @@ class WrittenSplits {
         for (const Split& split : splits_) {
             const std::size_t position = header.find(verdict_placeholder(split.index));
             if (position == std::string::npos) continue;
-            std::string text =
-                split.lossy.empty()
-                    ? verdict_attribute(*split.verdict, split.partition.layers.size())
-                    : "not judged while writing: " + split.lossy + " loses bits; raylex verify judges the file";
+            std::string text = split.lossy.empty() ? verdict_attribute(*split.verdict, split.partition.layers.size())
+                                                   : "not judged while writing: " + split.lossy +
+                                                         " loses bits; raylex verify judges the file";
             text.resize(verdict_length, ' ');
             if (!file.seek(position) || !file.write(text.data(), text.size()))
                 throw std::runtime_error("writing failed");
@@ -160,8 +159,8 @@ void add_slices(const PlannedPart& part, PartPixels& pixels, const PixelRegion& 
     const std::size_t size = bytes_of(part.storage.type), row = size * static_cast<std::size_t>(rows.width());
     for (std::size_t p = 0; p < part.planes.size(); ++p) {
         // The library wants the address where row 0 would stand, outside the array: no pointer may be formed there.
-        const std::intptr_t origin = reinterpret_cast<std::intptr_t>(pixels.planes[p].data()) -
-                                     static_cast<std::intptr_t>(row) * rows.y0;
+        const std::intptr_t origin =
+            reinterpret_cast<std::intptr_t>(pixels.planes[p].data()) - static_cast<std::intptr_t>(row) * rows.y0;
         buffer.insert(part.planes[p],
                       Imf::Slice(pixel_type(part.storage.type), reinterpret_cast<char*>(origin), size, row));
     }

@@ -3,8 +3,8 @@
 // Rows are written in bands of two million pixels at most, part after part, so that an image of which no more than a
 // band is in memory (PixelImage::band_end) can be written, and its sums judged, without ever being there as a whole.
 // While one part is compressed (by as many threads as there are processors, unless the library would hold more than
-// half a GiB for them) the next one is resolved, so that the time is that of the encoders. Narrow images of which nothing
-// is zipped are written without threads: waking them would take longer.
+// half a GiB for them) the next one is resolved, so that the time is that of the encoders. Narrow images of which
+// nothing is zipped are written without threads: waking them would take longer.
 #pragma once
 
 #include <array>

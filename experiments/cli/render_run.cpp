@@ -70,9 +70,8 @@ class RenderRun {
         auto samples = samples_of_job(job_, loaded_->scene);
         if (!samples) return report_error(samples.error());
         estimate.samples_per_pixel = *samples;
-        // What does not fit in memory is not rendered here either.
         const std::uint64_t most_memory = job_.settings.buckets ? job_.settings.buckets->memory : 0;
-        calibrate = calibrate && !job_.settings.buckets;
+        calibrate = calibrate && !job_.settings.buckets;  // what does not fit is not rendered here either
         job_.settings.buckets.reset();
         constexpr double seconds = 2;
         job_.settings.limit = transport::SampleLimit{seconds, 0, 0};
@@ -85,8 +84,7 @@ class RenderRun {
         };
         const auto output = transport::render(loaded_->scene, *built_, job_.settings, {}, &interrupt_flag());
         if (!output && pixels == 0) return report_error(output.error());
-        // What is resident now, the image and its copy for the limit included; a checkpoint is such a copy, a record
-        // that is written another one.
+        // What is resident now, with the image and its copy for the limit; a checkpoint, and a record, are such copies.
         estimate.memory_bytes = peak_memory_bytes() + (output ? 1 : 3) * image_bytes;
         if (most_memory > 0) estimate.memory_bytes = std::min(estimate.memory_bytes, most_memory);
         if (!output || output->statistics.camera_samples == 0) return go_on;
@@ -246,9 +244,10 @@ class RenderRun {
     /// The image is safe under its name, and so are all other files: what would bring it back is not needed any more.
     void remove_checkpoint() {
         if (!output_->complete || (job_.checkpoint_seconds == 0 && !output_->bands)) return;
-        const std::string file = checkpoint_file(job_);
-        const Status removed = output_->bands ? transport::remove_buckets(file) : display::remove_file(file);
+        const Status removed = output_->bands ? transport::remove_buckets(checkpoint_file(job_))
+                                              : display::remove_file(checkpoint_file(job_));
         if (!removed) warn(removed.error().to_string());
+        output_->bands.reset();  // and its band in memory, before the file is read
     }
 
     Step render() {

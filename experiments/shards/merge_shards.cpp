@@ -118,8 +118,7 @@ std::string kind_of_difference(const std::string& difference) {
 }
 
 Status same_render(const OpenRecord& first, const OpenRecord& other) {
-    const auto differences =
-        display::identity_differences(other.sums.file().identity(), first.sums.file().identity());
+    const auto differences = display::identity_differences(other.sums.file().identity(), first.sums.file().identity());
     if (differences.empty()) return success();
     std::vector<std::string> kinds;
     for (const std::string& each : differences) {
@@ -215,8 +214,7 @@ Status write_merged_image(const std::string& path, const MergedRender& merged) {
         description.data_parts.push_back(
             {matte.name(), matte.planes(), matte.attributes(),
              [&matte](const display::PixelRegion& rows) { return matte.values(rows.y0, rows.y1); }});
-    return display::write_exr(path, display::FilteredImage(*merged.pixels, filters), merged.image.beauty,
-                              description);
+    return display::write_exr(path, display::FilteredImage(*merged.pixels, filters), merged.image.beauty, description);
 }
 
 }  // namespace raylex::experiments

@@ -165,8 +165,9 @@ TEST_CASE("a band that cannot be had is an error of its own, and leaves no image
 }
 
 TEST_CASE("rows that no band has are pixels without samples", "[display][bands]") {
-    const BandedImage image({band_width, band_height}, banded_channels(), {{10, 15}, {20, 30}},
-                            [](const RowRange& rows) -> raylex::Result<FrameBuffer> { return filled_band(rows, 0, 2); });
+    const BandedImage image(
+        {band_width, band_height}, banded_channels(), {{10, 15}, {20, 30}},
+        [](const RowRange& rows) -> raylex::Result<FrameBuffer> { return filled_band(rows, 0, 2); });
     const FrameBuffer whole = filled_band(all_rows, 0, 2);
     for (int y = 0; y < band_height; ++y) {
         const bool there = (y >= 10 && y < 15) || (y >= 20 && y < 30);

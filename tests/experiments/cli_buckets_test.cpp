@@ -1,5 +1,5 @@
-// raylex render --memory and --bucket-rows: an image in buckets of rows, each saved when it is finished, has the bits of
-// the one rendered as a whole, whatever ends the program.
+// raylex render --memory and --bucket-rows: an image in buckets of rows, each saved when it is finished, has the bits
+// of the one rendered as a whole, whatever ends the program.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -36,9 +36,9 @@ TEST_CASE("an image in buckets has the bits of the whole, for any size of bucket
     const std::string expected = image_bits(folder.path("whole.exr"));
     for (const auto& [rows, threads] : {std::pair{1, 2}, {5, 1}, {16, 3}, {36, 2}, {64, 1}}) {
         CAPTURE(rows, threads);
-        const Outcome outcome = run_raylex(folder, "render room.pbrt -o out.exr --preview out.png --stats s.json" +
-                                                       bucket_layers + " --bucket-rows " + std::to_string(rows) +
-                                                       " --threads " + std::to_string(threads));
+        const Outcome outcome =
+            run_raylex(folder, "render room.pbrt -o out.exr --preview out.png --stats s.json" + bucket_layers +
+                                   " --bucket-rows " + std::to_string(rows) + " --threads " + std::to_string(threads));
         CAPTURE(outcome.err, outcome.out);
         REQUIRE(outcome.code == 0);
         CHECK(contains(outcome.out, "partition 'auto': 2 layers sum to beauty"));
@@ -67,8 +67,9 @@ TEST_CASE("crops, display filters and single parts go with buckets", "[buckets][
 
 TEST_CASE("--memory makes buckets of what does not fit, and stays within it", "[buckets]") {
     const SceneFolder folder;
-    const std::string what = "render room.pbrt -o out.exr --spp 1 --resolution 800x700 --threads 2 --lpe 'a=CDL' "
-                             "--lpe 'b=C<RD>[DS]+L' --statistics beauty=mse --stats s.json";
+    const std::string what =
+        "render room.pbrt -o out.exr --spp 1 --resolution 800x700 --threads 2 --lpe 'a=CDL' "
+        "--lpe 'b=C<RD>[DS]+L' --statistics beauty=mse --stats s.json";
     REQUIRE(run_raylex(folder, what + " --memory 64G").code == 0);
     const std::string expected = image_bits(folder.path("out.exr"));
     CHECK_FALSE(raylex::display::read_exr(folder.path("out.exr"))->attributes.contains("raylex/buckets"));

@@ -187,7 +187,8 @@ TEST_CASE("shards of another build, scene, seed or config are refused by that na
     succeed(folder, "render other.pbrt -o scene.exr --spp 32" + part_of(2, 2));
     check_refused(folder, "merge " + first + " scene.exr.shard-2-of-2 -o sum.exr", {"of another scene:", "scene: "});
     succeed(folder, "render room.pbrt -o config.exr --spp 32 --max-depth 2" + part_of(2, 2));
-    check_refused(folder, "merge " + first + " config.exr.shard-2-of-2 -o sum.exr", {"of another config:", "max depth: 2"});
+    check_refused(folder, "merge " + first + " config.exr.shard-2-of-2 -o sum.exr",
+                  {"of another config:", "max depth: 2"});
     // One that was cut on its way.
     const std::string bytes = folder.read(second);
     for (const std::size_t size : {std::size_t{10}, bytes.size() / 2, bytes.size() - 1}) {
@@ -201,11 +202,13 @@ TEST_CASE("shards of another build, scene, seed or config are refused by that na
 
 TEST_CASE("shards in buckets of any size merge to the very image of one render [buckets][law3]") {
     const SceneFolder folder;
-    const std::string what = "render room.pbrt --spp 56 --resolution 40x37 --lpe direct=CDL --aov z --statistics beauty=mse";
+    const std::string what =
+        "render room.pbrt --spp 56 --resolution 40x37 --lpe direct=CDL --aov z --statistics beauty=mse";
     succeed(folder, what + " -o whole.exr");
     for (const int part : {1, 2, 3})
         succeed(folder, what + " -o out.exr --bucket-rows " + std::to_string(5 * part) + part_of(part, 3));
-    for (const int part : {1, 2, 3}) CHECK_FALSE(folder.has("out.exr.shard-" + std::to_string(part) + "-of-3.checkpoint"));
+    for (const int part : {1, 2, 3})
+        CHECK_FALSE(folder.has("out.exr.shard-" + std::to_string(part) + "-of-3.checkpoint"));
     succeed(folder, "merge" + records(3) + " -o out.exr");
     CHECK((image_bits(folder.path("whole.exr")) == image_bits(folder.path("out.exr"))));
 }

@@ -40,7 +40,8 @@ BucketMemory bucket_memory(const ResolvedJob& job) {
     // The record, and its packed bytes, which seldom are as many. Of what is being written, two layers as double and as
     // they stand in the file, and the sums of a split.
     constexpr std::uint64_t written_pixel = 200;
-    memory.row = 2 * display::total_bytes(display::frame_buffer_memory(layout, job.channels.list)) + written_pixel * width;
+    memory.row =
+        2 * display::total_bytes(display::frame_buffer_memory(layout, job.channels.list)) + written_pixel * width;
     memory.scene = resident_bytes();
     memory.writer = display::exr_writing_bytes(job.channels.list, job.channels.beauty, layout.width);
     std::uint64_t components = 0;
@@ -61,8 +62,10 @@ Status check_buckets(const ResolvedJob& job) {
     const std::string what = "a render in buckets", without = "--memory and --bucket-rows";
     if (Status s = check_pixels_apart(job.settings, job.sampling.splat, job.chosen, what, without); !s) return s;
     if (job.settings.limit)
-        return error_at({}, what + " with an end by time: all pixels are to have as many samples, and how many that will be "
-                                   "is not known when the first bucket is finished",
+        return error_at({},
+                        what +
+                            " with an end by time: all pixels are to have as many samples, and how many that will be "
+                            "is not known when the first bucket is finished",
                         "expected a number of samples; a time is possible without " + without);
     if (!job.settings.cryptomatte.empty())
         return error_at({}, what + " with cryptomattes, whose names and ranks are kept for the whole image",
@@ -72,8 +75,9 @@ Status check_buckets(const ResolvedJob& job) {
         return error_at({}, what + " by integrator '" + job.chosen.name + "', whose paths follow from one another",
                         "leave out " + without + ", or choose another integrator, such as path");
     if (job.integrator().traits().saved_state == SavedState::unknown)
-        return error_at({}, what + " by integrator '" + job.chosen.name +
-                                "', which does not say how its state is saved, so that no bucket can be",
+        return error_at({},
+                        what + " by integrator '" + job.chosen.name +
+                            "', which does not say how its state is saved, so that no bucket can be",
                         "leave out " + without + ", or choose another integrator, such as path");
     return success();
 }
@@ -130,8 +134,7 @@ Result<std::vector<RowRange>> saved_buckets(const std::string& folder, const Row
                             "render as it was begun, or, to begin again, remove the folder and leave out --resume");
         saved.push_back(*rows);
     }
-    if (failed)
-        return error_at({folder, 0, 0}, "cannot read the folder with the buckets: " + failed.message());
+    if (failed) return error_at({folder, 0, 0}, "cannot read the folder with the buckets: " + failed.message());
     std::sort(saved.begin(), saved.end(), [](const RowRange& a, const RowRange& b) { return a.first < b.first; });
     for (std::size_t i = 1; i < saved.size(); ++i)
         if (saved[i].first < saved[i - 1].end)
@@ -159,7 +162,8 @@ Result<std::optional<BucketPlan>> plan_buckets(const PreparedJob& prepared) {
     if (!*rows) return std::optional<BucketPlan>();
     if (Status s = check_buckets(job); !s) return s.error();
     if (job.checkpoint->resume && !begun && fs::exists(job.checkpoint->file, failed))
-        return error_at({job.checkpoint->file, 0, 0}, "cannot resume: this is the checkpoint of a render without buckets",
+        return error_at({job.checkpoint->file, 0, 0},
+                        "cannot resume: this is the checkpoint of a render without buckets",
                         "leave out --memory and --bucket-rows, or, to begin again, remove this file and leave out "
                         "--resume");
     BucketPlan plan;
@@ -298,8 +302,7 @@ Status remove_buckets(const std::string& folder) {
     for (const fs::path& file : files)
         if (Status removed = display::remove_file(file.string()); !removed) return removed;
     fs::remove(folder, failed);
-    if (failed)
-        return error_at({folder, 0, 0}, "the folder of the buckets could not be removed: " + failed.message());
+    if (failed) return error_at({folder, 0, 0}, "the folder of the buckets could not be removed: " + failed.message());
     return success();
 }
 

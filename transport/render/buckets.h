@@ -4,12 +4,12 @@
 // A bucket is rendered like a crop: its pixels get the bits that they have in the whole image. Once it is finished its
 // record is saved, as a checkpoint that has all there is to do, in a file of its own in the folder that
 // CheckpointSettings name; then its memory is given back. So a render that was killed goes on with the buckets that are
-// not there, whatever their size, and amid a bucket that was saved on the way. The image is read from the files, band by
-// band (display/buffer/banded_image.h), by whoever writes or shows it.
+// not there, whatever their size, and amid a bucket that was saved on the way. The image is read from the files, band
+// by band (display/buffer/banded_image.h), by whoever writes or shows it.
 //
-// Refused, since a bucket's pixels would need others: integrators whose light lands anywhere or that learn from the whole
-// image, filter mode splat, adaptive sampling and ends by time or error; and, since they are kept as a whole: deep
-// images, path atlases, cryptomattes.
+// Refused, since a bucket's pixels would need others: integrators whose light lands anywhere or that learn from the
+// whole image, filter mode splat, adaptive sampling and ends by time or error; and, since they are kept as a whole:
+// deep images, path atlases, cryptomattes.
 //
 // Memory: while it is rendered a bucket is there once, while it is saved or read its packed bytes come on top. What the
 // scene takes is measured before buckets are planned, what writing the image takes is estimated.

@@ -123,7 +123,7 @@ struct RenderSettings {
     std::optional<display::AdaptiveSettings> adaptive;
     std::optional<CheckpointSettings> checkpoint;
     std::optional<BucketSettings> buckets;  ///< with `checkpoint`, which says where they are saved
-    std::optional<SampleLimit> limit;  ///< samples_per_pixel unset means any number then
+    std::optional<SampleLimit> limit;       ///< samples_per_pixel unset means any number then
     /// Samples [first_sample, samples_per_pixel) of each pixel alone, a shard: a multiple of the frame buffer's block
     /// size. Shards that share none merge to the bits of the whole (FrameBuffer::merge).
     std::uint64_t first_sample = 0;
@@ -173,8 +173,8 @@ struct RenderOutput {
     display::FrameBuffer frame_buffer;  ///< of a render in buckets, the last one's
     /// All of a render in buckets, read from where they were saved; null of others.
     std::unique_ptr<const display::BandedImage> bands;
-    std::vector<display::RowRange> buckets;       ///< whose files are there
-    std::uint64_t rejected_block_sums = 0;        ///< FrameBuffer::rejected_count(), of all buckets
+    std::vector<display::RowRange> buckets;                ///< whose files are there
+    std::uint64_t rejected_block_sums = 0;                 ///< FrameBuffer::rejected_count(), of all buckets
     std::vector<geoaovs::Cryptomatte> cryptomatte;         ///< as RenderSettings::cryptomatte asks for
     display::ChannelId beauty = display::invalid_channel;  ///< id in frame_buffer.channels(); LPEs and AOVs follow it
     RenderStatistics statistics;

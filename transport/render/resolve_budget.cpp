@@ -123,7 +123,8 @@ Status check_pixels_apart(const RenderSettings& settings, bool splat, const Chos
                           const std::string& what, const std::string& without) {
     const std::string hint = "leave out " + without + ", or choose another integrator, such as path";
     if (splat)
-        return error_at({}, what + " in filter mode splat, where pixels share samples; expected filter mode importance");
+        return error_at({},
+                        what + " in filter mode splat, where pixels share samples; expected filter mode importance");
     if (ResolvedJob::splats_anywhere(chosen))
         return error_at({}, what + " by integrator '" + chosen.name + "', whose light paths land anywhere on the image",
                         hint);

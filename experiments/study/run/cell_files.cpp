@@ -101,9 +101,7 @@ Result<std::vector<PartitionVerdict>> write_buffer_files(const std::string& dire
         for (int x = 0; x < width; ++x) samples.push_back(buffer.sample_count(x, y));
     std::vector<display::SplitVerdict> splits;
     std::vector<std::function<Status()>> files;  // the largest first
-    files.emplace_back([&] {
-        return write_sums(directory + "/record.bin", identity, buffer);
-    });
+    files.emplace_back([&] { return write_sums(directory + "/record.bin", identity, buffer); });
     files.emplace_back([&] { return display::write_exr(image, buffer, beauty, description, &splits); });
     const auto channels = buffer.channels();
     for (std::size_t i = 0; i < channels.size(); ++i) {

@@ -8,7 +8,8 @@ namespace raylex::transport {
 
 void render_block(std::uint64_t task, const TileGrid& grid, std::uint64_t end, RenderWorker& worker) {
     const std::uint64_t tiles = grid.region_count(), first = task / tiles * TileGrid::block_size;
-    worker.add_tile(grid.region_tile(task % tiles), first, static_cast<int>(std::min<std::uint64_t>(TileGrid::block_size, end - first)));
+    worker.add_tile(grid.region_tile(task % tiles), first,
+                    static_cast<int>(std::min<std::uint64_t>(TileGrid::block_size, end - first)));
 }
 
 RenderPosition PlainSchedule::beginning() const {

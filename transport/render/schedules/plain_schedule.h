@@ -8,7 +8,8 @@ namespace raylex::transport {
 /// A shard is one that does not begin with sample 0.
 class PlainSchedule : public Schedule {
   public:
-    explicit PlainSchedule(const ResolvedJob& job) : grid_(job.grid), tiles_(job.grid.region_count()), budget_(job.budget) {}
+    explicit PlainSchedule(const ResolvedJob& job)
+        : grid_(job.grid), tiles_(job.grid.region_count()), budget_(job.budget) {}
 
     [[nodiscard]] RenderPosition beginning() const override;
     [[nodiscard]] bool finished(const RenderPosition& position) const override { return position.phase > 0; }
