@@ -40,13 +40,13 @@ Stopped stop_by(const Folder& folder, const std::string& arguments, const std::s
 
 /// Under nohup hanging up is ignored, by children too, and the program keeps to that: it would never end here.
 class HangingUpIsHeard {
-public:
+  public:
     HangingUpIsHeard() : before_(std::signal(SIGHUP, SIG_DFL)) {}
     ~HangingUpIsHeard() { std::signal(SIGHUP, before_); }
     HangingUpIsHeard(const HangingUpIsHeard&) = delete;
     HangingUpIsHeard& operator=(const HangingUpIsHeard&) = delete;
 
-private:
+  private:
     void (*before_)(int);
 };
 
