@@ -145,13 +145,14 @@ std::vector<std::string> Cryptomatte::planes() const {
     return result;
 }
 
-std::vector<float> Cryptomatte::values() const {
-    const std::size_t pixels =
-        static_cast<std::size_t>(coverage_.width()) * static_cast<std::size_t>(coverage_.height());
+std::vector<float> Cryptomatte::values(int first, int end) const {
+    const auto width = static_cast<std::size_t>(coverage_.width());
+    const std::size_t before = static_cast<std::size_t>(first) * width,
+                      pixels = static_cast<std::size_t>(end - first) * width;
     std::vector<display::RankedCoverage::Rank> found(static_cast<std::size_t>(ranks_));
     std::vector<float> result(2 * found.size() * pixels);
     for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
-        coverage_.resolve(pixel, found);
+        coverage_.resolve(before + pixel, found);
         for (std::size_t rank = 0; rank < found.size(); ++rank) {
             result[2 * rank * pixels + pixel] = std::bit_cast<float>(found[rank].id);
             result[(2 * rank + 1) * pixels + pixel] = static_cast<float>(found[rank].coverage);

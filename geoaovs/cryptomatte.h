@@ -57,9 +57,11 @@ class Cryptomatte {
     /// Pairs of names that have one id and so share a matte, for a warning.
     [[nodiscard]] const std::vector<std::pair<std::string, std::string>>& collisions() const { return collisions_; }
 
-    /// Names of the planes, "CryptoObject00.R" ..., and their values, plane after plane, rows from the top.
+    /// Names of the planes, "CryptoObject00.R" ..., and their values in rows [first, end), plane after plane, rows from
+    /// the top.
     [[nodiscard]] std::vector<std::string> planes() const;
-    [[nodiscard]] std::vector<float> values() const;
+    [[nodiscard]] std::vector<float> values() const { return values(0, coverage_.height()); }
+    [[nodiscard]] std::vector<float> values(int first, int end) const;
     /// Header attributes, the manifest among them.
     [[nodiscard]] std::map<std::string, std::string> attributes() const;
 

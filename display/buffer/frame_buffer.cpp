@@ -217,11 +217,11 @@ int end_of_run(const SampleTable& table, int begin, int block_bits, std::size_t 
     return end;
 }
 
-/// None outside the image.
+/// None outside the image, or the band of it.
 std::optional<std::size_t> pixel_of(const FrameBufferLayout& layout, const CameraRow& row) {
-    if (row.pixel_x < 0 || row.pixel_y < 0 || row.pixel_x >= layout.width || row.pixel_y >= layout.height) return {};
-    return static_cast<std::size_t>(row.pixel_y) * static_cast<std::size_t>(layout.width) +
-           static_cast<std::size_t>(row.pixel_x);
+    const int y = row.pixel_y - layout.first_row;
+    if (row.pixel_x < 0 || y < 0 || row.pixel_x >= layout.width || y >= layout.height) return {};
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(layout.width) + static_cast<std::size_t>(row.pixel_x);
 }
 
 }  // namespace

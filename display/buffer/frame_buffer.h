@@ -103,6 +103,7 @@ class FrameBuffer final : public PixelImage {
     /// That many more light paths are in, whether or not they splatted anything. Any thread, any time.
     void count_light_paths(std::uint64_t paths);
     [[nodiscard]] std::uint64_t light_path_count() const;
+    [[nodiscard]] bool takes_raster_splats() const;
 
     /// Adds the record of another buffer of the same layout and channels: exact, in any order (Law 3). The samples of
     /// the two must be disjoint and whole blocks. On error this buffer is unchanged.
@@ -111,10 +112,18 @@ class FrameBuffer final : public PixelImage {
     /// The whole record as bytes, appended to `bytes`: layout, channels, every plane. What from_record() takes; shards,
     /// checkpoints and experiment cells are this. Not while samples are being added.
     void append_record(std::string& bytes) const;
+    /// The same of rows [first, end) alone, counted in this buffer: the record of a frame buffer of that band, with
+    /// layout().first_row.
+    void append_record(std::string& bytes, int first, int end) const;
     /// The frame buffer that append_record() was called on: the same bits in every respect. An Error when the bytes are
     /// no record of this version or end too early; damage within is for the file around them to find (checkpoint/). The
     /// kernels of splat mode and raster splats are there by name only: what is to take in samples again adopts them.
     static Result<FrameBuffer> from_record(std::string_view bytes);
+    /// An empty one of another size, with this one's channels and ways of taking samples in.
+    [[nodiscard]] Result<FrameBuffer> like(const FrameBufferLayout& layout) const;
+    /// Puts a band of this image where it belongs, in place of what is there; counts of refused sums are added up. An
+    /// Error when it is none.
+    Status place(const FrameBuffer& band);
     /// After from_record(): the kernels of a buffer from which this one does not differ.
     void adopt_kernels(const FrameBuffer& other);
 
@@ -146,6 +155,9 @@ class FrameBuffer final : public PixelImage {
     struct Storage;
     struct Run;
     struct Channel;
+    static Result<FrameBuffer> of_kernels_by_name(const FrameBufferLayout& layout,
+                                                  std::span<const ChannelDefinition> channels,
+                                                  const std::string& kernel, const std::string& raster_kernel);
     void accumulate_run(const SampleTable& table, const Run& run);
     void accumulate_channels(const SampleTable& table, const Run& run);
     std::unique_ptr<Storage> storage_;

@@ -23,6 +23,10 @@ void FrameBuffer::count_light_paths(std::uint64_t paths) {
     std::atomic_ref(storage_->light_paths[0]).fetch_add(paths, std::memory_order_relaxed);
 }
 
+bool FrameBuffer::takes_raster_splats() const {
+    return !storage_->raster_kernel_name.empty();
+}
+
 std::uint64_t FrameBuffer::light_path_count() const {
     return storage_->light_paths.empty() ? 0
                                          : std::atomic_ref(storage_->light_paths[0]).load(std::memory_order_relaxed);

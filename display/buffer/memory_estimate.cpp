@@ -75,7 +75,7 @@ Result<std::uint64_t> parse_memory_size(const std::string& text, const SourceLoc
     return static_cast<std::uint64_t>(bytes);
 }
 
-Status check_memory(std::span<const MemoryItem> items, std::uint64_t limit) {
+Status check_memory(std::span<const MemoryItem> items, std::uint64_t limit, const std::string& hint) {
     const std::uint64_t total = total_bytes(items);
     if (limit == 0 || total <= limit) return success();
     std::vector<MemoryItem> largest(items.begin(), items.end());
@@ -86,8 +86,10 @@ Status check_memory(std::span<const MemoryItem> items, std::uint64_t limit) {
     for (std::size_t i = 0; i < shown; ++i)
         list += (i == 0 ? "" : ", ") + largest[i].name + " " + memory_text(largest[i].bytes);
     if (largest.size() > shown) list += " and " + std::to_string(largest.size() - shown) + " more";
-    return error_at({}, "the image needs " + memory_text(total) + ", more than the limit of " + memory_text(limit) +
-                            "; expected fewer or smaller layers, or a lower resolution. The largest: " + list);
+    return error_at({},
+                    "the image needs " + memory_text(total) + ", more than the limit of " + memory_text(limit) +
+                        "; expected fewer or smaller layers, or a lower resolution. The largest: " + list,
+                    hint);
 }
 
 std::string memory_text(std::uint64_t bytes) {

@@ -28,8 +28,8 @@ std::vector<MemoryItem> frame_buffer_memory(const FrameBufferLayout& layout,
 /// "8G", "512M", "1.5G", "800k" or plain bytes, powers of 1024 (an "iB" or "B" may follow). Errors at `where`.
 Result<std::uint64_t> parse_memory_size(const std::string& text, const SourceLocation& where);
 
-/// An error when the items exceed `limit` bytes (0 = no limit), naming the largest of them.
-Status check_memory(std::span<const MemoryItem> items, std::uint64_t limit);
+/// An error when the items exceed `limit` bytes (0 = no limit), naming the largest of them, and with that hint.
+Status check_memory(std::span<const MemoryItem> items, std::uint64_t limit, const std::string& hint = {});
 
 /// "12.3 MiB", "950 KiB".
 std::string memory_text(std::uint64_t bytes);

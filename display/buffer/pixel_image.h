@@ -13,6 +13,7 @@ struct FrameBufferLayout {
     int width = 0, height = 0;
     int block_size = 16;  ///< samples per canonical block; a power of two
     int quantum_exponent = -80;
+    int first_row = 0;  ///< of the image, where this is a band of its rows: [first_row, first_row + height)
 
     bool operator==(const FrameBufferLayout&) const = default;
 };
@@ -38,6 +39,10 @@ class PixelImage {
     [[nodiscard]] virtual std::vector<double> resolve(ChannelId id, const PixelRegion& region) const = 0;
     /// Coverage.
     [[nodiscard]] virtual std::vector<double> resolve_alpha(const PixelRegion& region) const = 0;
+
+    /// Where the rows from `y` on end that should be asked for together, channel after channel: an image that does not
+    /// fit in memory holds no more of itself at a time.
+    [[nodiscard]] virtual int band_end(int /*y*/) const { return layout().height; }
 
     [[nodiscard]] PixelRegion whole() const { return {0, 0, layout().width, layout().height}; }
     [[nodiscard]] std::vector<double> resolve(ChannelId id) const { return resolve(id, whole()); }

@@ -8,6 +8,8 @@
 #include <limits>
 #include <memory>
 
+#include <sys/stat.h>
+
 #include "display/buffer/record_bytes.h"
 #include "display/services/hash64.h"
 #include "lpe/read_input.h"
@@ -72,6 +74,19 @@ class Reading {
         }
         return true;
     }
+    /// Past bytes that are there.
+    bool skip(std::uint64_t size) {
+        struct stat status {};
+        if (fstat(fileno(file_), &status) != 0)
+            return fail(std::string("cannot read the file: ") + std::strerror(errno));
+        const auto end = static_cast<std::uint64_t>(status.st_size);
+        if (size > end - std::min(end, position_))
+            return fail("the file is truncated: it ends after " + std::to_string(end) + " bytes");
+        position_ += size;
+        return fseeko(file_, static_cast<off_t>(position_), SEEK_SET) == 0 ||
+               fail(std::string("cannot read the file: ") + std::strerror(errno));
+    }
+    [[nodiscard]] std::uint64_t position() const { return position_; }
     bool fail(std::string message) {
         error = file_error(path_, std::move(message), "no part of it is used; an intact copy can take its place");
         return false;
@@ -103,21 +118,24 @@ bool read_header(Reading& file, std::uint64_t& sections) {
     return true;
 }
 
-bool read_section(Reading& file, RecordSection& section, std::uint64_t& hash) {
+/// Everything of a section but its content.
+bool read_section_header(Reading& file, std::string& name, std::uint64_t& size, std::uint64_t& hash) {
     std::string header;
     if (!file.take(header, section_header_size)) return false;
     RecordReader reader(header);
-    const auto name_size = reader.number<std::uint64_t>(), content_size = reader.number<std::uint64_t>();
+    const auto name_size = reader.number<std::uint64_t>();
+    size = reader.number<std::uint64_t>();
     hash = reader.number<std::uint64_t>();
     const auto header_hash = reader.number<std::uint64_t>();
     if (name_size > longest_name) return file.fail("a section's header is damaged");
-    if (!file.take(section.name, name_size)) return false;
-    if (hash64(header.substr(0, section_header_size - 8) + section.name) != header_hash)
+    if (!file.take(name, name_size)) return false;
+    if (hash64(header.substr(0, section_header_size - 8) + name) != header_hash)
         return file.fail("a section's header is damaged");
-    if (!file.take(section.content, content_size)) return false;
-    if (hash64(section.content) != hash)
-        return file.fail("section '" + section.name + "' is damaged: its checksum does not agree");
     return true;
+}
+
+std::string damaged(const std::string& section) {
+    return "section '" + section + "' is damaged: its checksum does not agree";
 }
 
 std::string shortened(const std::string& text) {
@@ -138,54 +156,77 @@ std::string& RecordFile::add(std::string name) {
     return sections.back().content;
 }
 
-Status write_record_file(const std::string& path, const RecordFile& record, FileSync sync) {
+Result<RecordFileWriter> RecordFileWriter::create(const std::string& path, const RecordIdentity& identity,
+                                                  std::size_t sections, FileSync sync) {
     auto file = AtomicFile::create(path, sync);
     if (!file) return file.error();
-    std::string header(magic), hashes;
-    RecordWriter writer(header);
-    writer.number(byte_order_mark);
-    writer.number(version);
-    writer.number(static_cast<std::uint64_t>(record.sections.size() + 1));
-    writer.number(hash64(header));
-    bool written = file->write(header.data(), header.size());
-    const auto write_section = [&](const std::string& name, const std::string& content) {
-        const std::uint64_t hash = hash64(content);
-        std::string section;
-        RecordWriter fields(section);
-        fields.number(static_cast<std::uint64_t>(name.size()));
-        fields.number(static_cast<std::uint64_t>(content.size()));
-        fields.number(hash);
-        fields.number(hash64(section + name));
-        section += name;
-        RecordWriter(hashes).number(hash);
-        written = written && file->write(section.data(), section.size()) && file->write(content.data(), content.size());
-    };
-    write_section("identity", identity_text(record.identity));
-    for (const RecordSection& section : record.sections) write_section(section.name, section.content);
-    std::string end;
-    RecordWriter(end).number(hash64(hashes));
-    written = written && file->write(end.data(), end.size());
-    if (!written) return file->failure();
-    return file->commit();
+    RecordFileWriter writer(*std::move(file));
+    std::string header(magic);
+    RecordWriter fields(header);
+    fields.number(byte_order_mark);
+    fields.number(version);
+    fields.number(static_cast<std::uint64_t>(sections + 1));
+    fields.number(hash64(header));
+    if (!writer.file_.write(header.data(), header.size())) return writer.file_.failure();
+    if (Status added = writer.add("identity", identity_text(identity)); !added) return added.error();
+    return writer;
 }
 
-Result<RecordFile> read_record_file(const std::string& path) {
+Status RecordFileWriter::add(const std::string& name, std::string_view content) {
+    const std::uint64_t hash = hash64(content);
+    std::string section;
+    RecordWriter fields(section);
+    fields.number(static_cast<std::uint64_t>(name.size()));
+    fields.number(static_cast<std::uint64_t>(content.size()));
+    fields.number(hash);
+    fields.number(hash64(section + name));
+    section += name;
+    RecordWriter(hashes_).number(hash);
+    if (file_.write(section.data(), section.size()) && file_.write(content.data(), content.size())) return success();
+    return file_.failure();
+}
+
+Status RecordFileWriter::commit() {
+    std::string end;
+    RecordWriter(end).number(hash64(hashes_));
+    if (!file_.write(end.data(), end.size())) return file_.failure();
+    return file_.commit();
+}
+
+Status write_record_file(const std::string& path, const RecordFile& record, FileSync sync) {
+    auto writer = RecordFileWriter::create(path, record.identity, record.sections.size(), sync);
+    if (!writer) return writer.error();
+    for (const RecordSection& section : record.sections)
+        if (Status added = writer->add(section.name, section.content); !added) return added;
+    return writer->commit();
+}
+
+Result<RecordFileReader> RecordFileReader::open(const std::string& path) {
     if (Status regular = check_regular_file(path, "a raylex record"); !regular) return regular.error();
     const std::unique_ptr<std::FILE, FileCloser> handle(std::fopen(path.c_str(), "rb"));
     if (!handle) return file_error(path, std::string("cannot read the file: ") + std::strerror(errno));
     Reading file(handle.get(), path);
     std::uint64_t count = 0;
     if (!read_header(file, count)) return file.error;
-    RecordFile record;
+    RecordFileReader record;
+    record.path_ = path;
     std::string hashes;
     for (std::uint64_t i = 0; i < count; ++i) {
-        RecordSection section;
-        std::uint64_t hash = 0;
-        if (!read_section(file, section, hash)) return file.error;
-        RecordWriter(hashes).number(hash);
-        if (i > 0) record.sections.push_back(std::move(section));
-        else if (section.name != "identity" || !read_identity(section.content, record.identity))
-            return file_error(path, "the record does not say what it is of: it is damaged");
+        Section section;
+        if (!read_section_header(file, section.name, section.size, section.hash)) return file.error;
+        section.position = file.position();
+        RecordWriter(hashes).number(section.hash);
+        if (i > 0) {
+            if (!file.skip(section.size)) return file.error;
+            record.sections_.push_back(std::move(section));
+            continue;
+        }
+        std::string content;
+        if (!file.take(content, section.size)) return file.error;
+        if (hash64(content) != section.hash) file.fail(damaged(section.name));
+        else if (section.name == "identity" && read_identity(content, record.identity_)) continue;
+        else file.fail("the record does not say what it is of: it is damaged");
+        return file.error;
     }
     std::string end;
     if (!file.take(end, sizeof(std::uint64_t))) return file.error;
@@ -194,6 +235,54 @@ Result<RecordFile> read_record_file(const std::string& path) {
         return file.error;
     }
     if (!file.at_end()) return file.error;
+    return record;
+}
+
+std::vector<std::string> RecordFileReader::sections() const {
+    std::vector<std::string> names;
+    for (const Section& section : sections_) names.push_back(section.name);
+    return names;
+}
+
+bool RecordFileReader::has(std::string_view name) const {
+    return std::any_of(sections_.begin(), sections_.end(), [&](const Section& each) { return each.name == name; });
+}
+
+Result<std::string> RecordFileReader::read(std::string_view name) const {
+    for (const Section& section : sections_)
+        if (section.name == name) return content(section);
+    return file_error(path_, "the record has no section '" + std::string(name) + "'");
+}
+
+Status RecordFileReader::check() const {
+    for (const Section& section : sections_)
+        if (const auto sound = content(section); !sound) return sound.error();
+    return success();
+}
+
+Result<std::string> RecordFileReader::content(const Section& section) const {
+    const std::unique_ptr<std::FILE, FileCloser> handle(std::fopen(path_.c_str(), "rb"));
+    if (!handle) return file_error(path_, std::string("cannot read the file: ") + std::strerror(errno));
+    Reading file(handle.get(), path_);
+    std::string bytes;
+    if (!file.skip(section.position)) return file.error;
+    bytes.reserve(section.size);  // which open() saw
+    if (!file.take(bytes, section.size)) return file.error;
+    if (hash64(bytes) == section.hash) return bytes;
+    file.fail(damaged(section.name));
+    return file.error;
+}
+
+Result<RecordFile> read_record_file(const std::string& path) {
+    auto reader = RecordFileReader::open(path);
+    if (!reader) return reader.error();
+    RecordFile record;
+    record.identity = reader->identity();
+    for (std::string& name : reader->sections()) {
+        auto content = reader->read(name);
+        if (!content) return content.error();
+        record.sections.push_back({std::move(name), *std::move(content)});
+    }
     return record;
 }
 

@@ -53,6 +53,47 @@ Status write_record_file(const std::string& path, const RecordFile& record, File
 /// order, truncated (with the byte), or damaged (with the section).
 Result<RecordFile> read_record_file(const std::string& path);
 
+/// The same file section by section, so that no more than one of them need be in memory.
+class RecordFileWriter {
+  public:
+    /// `sections` is how many add() will be called for.
+    static Result<RecordFileWriter> create(const std::string& path, const RecordIdentity& identity,
+                                           std::size_t sections, FileSync sync = FileSync::now);
+    Status add(const std::string& name, std::string_view content);
+    Status commit();
+
+  private:
+    explicit RecordFileWriter(AtomicFile file) : file_(std::move(file)) {}
+    AtomicFile file_;
+    std::string hashes_;
+};
+
+/// A record file whose sections are read, and checked, one by one. No file stays open.
+class RecordFileReader {
+  public:
+    /// Reads and checks what stands around the contents; a file that is too short for them is found here.
+    static Result<RecordFileReader> open(const std::string& path);
+
+    [[nodiscard]] const std::string& path() const { return path_; }
+    [[nodiscard]] const RecordIdentity& identity() const { return identity_; }
+    [[nodiscard]] std::vector<std::string> sections() const;  ///< names, without the identity's
+    [[nodiscard]] bool has(std::string_view name) const;
+    /// The content of a section; an Error when there is none of that name, or it is damaged.
+    [[nodiscard]] Result<std::string> read(std::string_view name) const;
+    /// Whether every section is sound.
+    [[nodiscard]] Status check() const;
+
+  private:
+    struct Section {
+        std::string name;
+        std::uint64_t position = 0, size = 0, hash = 0;
+    };
+    [[nodiscard]] Result<std::string> content(const Section& section) const;
+    std::string path_;
+    RecordIdentity identity_;
+    std::vector<Section> sections_;
+};
+
 /// What differs, one line each: "seed: 3 there, 4 here". Empty when the two say the same. Fields that only one of them
 /// has differ too. Long values are cut.
 std::vector<std::string> identity_differences(const RecordIdentity& there, const RecordIdentity& here);

@@ -29,6 +29,7 @@ class DriverSet {
 
     void add(std::unique_ptr<DisplayDriver> driver) { drivers_.push_back(std::move(driver)); }
     [[nodiscard]] std::size_t size() const { return drivers_.size(); }
+    [[nodiscard]] bool any_live() const;
 
     /// Opens all; the first error closes nothing, since nothing was written yet.
     Status open(const DriverImage& image);
@@ -45,7 +46,6 @@ class DriverSet {
         std::size_t layer = 0;
         PixelRegion region;
     };
-    [[nodiscard]] bool any_live() const;
     bool send(const Slice& slice, const PixelSource& source);
     void finish_live(const PixelImage& frame_buffer);
     std::vector<std::unique_ptr<DisplayDriver>> drivers_;

@@ -96,6 +96,7 @@ class FilteredImage::Stage final : public PixelImage {
   public:
     Stage(const PixelImage& before, const DisplayFilter& filter) : before_(before), filter_(filter) {}
     [[nodiscard]] const FrameBufferLayout& layout() const override { return before_.layout(); }
+    [[nodiscard]] int band_end(int y) const override { return before_.band_end(y); }
     [[nodiscard]] std::span<const ChannelDefinition> channels() const override { return before_.channels(); }
     [[nodiscard]] std::vector<double> resolve(ChannelId id, const PixelRegion& region) const override {
         std::vector<double> pixels = before_.resolve(id, region);

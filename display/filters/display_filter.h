@@ -57,6 +57,7 @@ class FilteredImage final : public PixelImage {
     FilteredImage(const PixelImage& image, std::span<const std::unique_ptr<DisplayFilter>> filters);
     [[nodiscard]] const FrameBufferLayout& layout() const override { return last().layout(); }
     [[nodiscard]] std::span<const ChannelDefinition> channels() const override { return last().channels(); }
+    [[nodiscard]] int band_end(int y) const override { return last().band_end(y); }
     using PixelImage::resolve;
     using PixelImage::resolve_alpha;
     [[nodiscard]] std::vector<double> resolve(ChannelId id, const PixelRegion& region) const override {

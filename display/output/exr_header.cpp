@@ -64,6 +64,24 @@ Imf::PixelType pixel_type(StoredType type) {
     return type == StoredType::half_float ? Imf::HALF : type == StoredType::single_float ? Imf::FLOAT : Imf::UINT;
 }
 
+std::size_t bytes_of(StoredType type) {
+    return type == StoredType::half_float ? 2 : 4;
+}
+
+int lines_together(ExrCompression compression) {
+    switch (compression) {
+        case ExrCompression::zip:
+            return 16;
+        case ExrCompression::piz:
+        case ExrCompression::dwaa:
+            return 32;
+        case ExrCompression::dwab:
+            return 256;
+        default:
+            return 1;
+    }
+}
+
 Imf::Compression compression_of(ExrCompression compression) {
     switch (compression) {
         case ExrCompression::none:

@@ -40,6 +40,9 @@ class HeaderRecorder : public Imf::OStream {
 };
 
 [[nodiscard]] Imf::PixelType pixel_type(StoredType type);
+[[nodiscard]] std::size_t bytes_of(StoredType type);
+/// How many lines are packed together.
+[[nodiscard]] int lines_together(ExrCompression compression);
 [[nodiscard]] Imf::Compression compression_of(ExrCompression compression);
 
 /// Name, window, chromaticities and camera matrices; no channels, no type.

@@ -15,14 +15,6 @@ const ChannelDefinition& definition_of(const PixelImage& frame_buffer, const Pla
     return frame_buffer.channels()[static_cast<std::size_t>(part.channel)];
 }
 
-// Light is summed in fixed point, so it is finite and within float; what is picked (depth, normals) is whatever was
-// written, and halves end at 65504.
-bool may_need_repair(const ChannelDefinition& channel, StoredType type) {
-    if (channel.type == ChannelType::integer) return false;
-    return type == StoredType::half_float || (channel.rule != FilterRule::filter &&
-                                              channel.rule != FilterRule::average && channel.rule != FilterRule::sum);
-}
-
 // The common case, free of calls: float, everything in range.
 bool float_plane(const double* values, std::size_t count, std::size_t stride, char* bytes) {
     bool fits = true;
@@ -65,8 +57,8 @@ std::vector<char> stored_plane(const double* values, std::size_t count, std::siz
     return bytes;
 }
 
-PartPixels data_pixels(const DataPart& data) {
-    const std::vector<float> values = data.values();
+PartPixels data_pixels(const DataPart& data, const PixelRegion& rows) {
+    const std::vector<float> values = data.values(rows);
     const std::size_t count = values.size() / data.planes.size();
     PartPixels result;
     for (std::size_t plane = 0; plane < data.planes.size(); ++plane) {
@@ -95,11 +87,11 @@ float Repairs::to_stored(double value, float miss, StoredType type) {
     return static_cast<float>(std::copysign(largest, value));
 }
 
-PartPixels part_pixels(const PixelImage& frame_buffer, const PlannedPart& part, bool judged) {
-    if (part.data != nullptr) return data_pixels(*part.data);
+PartPixels part_pixels(const PixelImage& frame_buffer, const PlannedPart& part, const PixelRegion& rows, bool judged) {
+    if (part.data != nullptr) return data_pixels(*part.data, rows);
     const ChannelDefinition& channel = definition_of(frame_buffer, part);
     const auto components = static_cast<std::size_t>(component_count(channel.type));
-    const std::vector<double> pixels = frame_buffer.resolve(part.channel);
+    const std::vector<double> pixels = frame_buffer.resolve(part.channel, rows);
     const std::size_t count = pixels.size() / components;
     PartPixels result;
     for (std::size_t c = 0; c < components; ++c) {
@@ -109,16 +101,28 @@ PartPixels part_pixels(const PixelImage& frame_buffer, const PlannedPart& part, 
     }
     if (part.alpha)
         result.planes.push_back(
-            stored_plane(frame_buffer.resolve_alpha().data(), count, 1, 0, part.storage.type, nullptr));
+            stored_plane(frame_buffer.resolve_alpha(rows).data(), count, 1, 0, part.storage.type, nullptr));
     return result;
 }
 
-std::string repairs_of(const PixelImage& frame_buffer, const PlannedPart& part) {
+// Light is summed in fixed point, so it is finite and within float; what is picked (depth, normals) is whatever was
+// written, and halves end at 65504.
+bool may_need_repair(const PixelImage& frame_buffer, const PlannedPart& part) {
+    if (part.data != nullptr) return false;
     const ChannelDefinition& channel = definition_of(frame_buffer, part);
-    if (!may_need_repair(channel, part.storage.type)) return {};
-    Repairs repairs;
-    for (const double value : frame_buffer.resolve(part.channel))
-        repairs.to_stored(value, channel.miss_value, part.storage.type);
+    if (channel.type == ChannelType::integer) return false;
+    return part.storage.type == StoredType::half_float ||
+           (channel.rule != FilterRule::filter && channel.rule != FilterRule::average &&
+            channel.rule != FilterRule::sum);
+}
+
+void note_repairs(const PixelImage& frame_buffer, const PlannedPart& part, const PixelRegion& rows, Repairs& repairs) {
+    const float miss = definition_of(frame_buffer, part).miss_value;
+    for (const double value : frame_buffer.resolve(part.channel, rows))
+        repairs.to_stored(value, miss, part.storage.type);
+}
+
+std::string repairs_text(const Repairs& repairs, const PlannedPart& part) {
     if (repairs.not_a_number + repairs.out_of_range == 0) return {};
     return std::to_string(repairs.not_a_number) + " values not a number, set to 0; " +
            std::to_string(repairs.out_of_range) + " beyond " +

@@ -26,9 +26,15 @@ struct PartPixels {
     std::vector<std::vector<float>> judged;  ///< the same values as float, where a split needs them: 3 or 1 planes
 };
 
-[[nodiscard]] PartPixels part_pixels(const PixelImage& frame_buffer, const PlannedPart& part, bool judged);
+/// In whole rows [rows.y0, rows.y1).
+[[nodiscard]] PartPixels part_pixels(const PixelImage& frame_buffer, const PlannedPart& part, const PixelRegion& rows,
+                                     bool judged);
 
+/// Whether a part may hold values that its file cannot.
+[[nodiscard]] bool may_need_repair(const PixelImage& frame_buffer, const PlannedPart& part);
+/// Adds what these rows of such a part will need.
+void note_repairs(const PixelImage& frame_buffer, const PlannedPart& part, const PixelRegion& rows, Repairs& repairs);
 /// The text of a `repaired/NAME` attribute, empty when nothing had to be repaired.
-[[nodiscard]] std::string repairs_of(const PixelImage& frame_buffer, const PlannedPart& part);
+[[nodiscard]] std::string repairs_text(const Repairs& repairs, const PlannedPart& part);
 
 }  // namespace raylex::display

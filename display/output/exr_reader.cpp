@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <filesystem>
 #include <future>
 #include <thread>
@@ -48,23 +47,15 @@ bool is_deep(const Imf::Header& header) {
 }
 
 // A damaged or hostile header may claim any size; memory that the machine does not have must not be asked for.
-Status check_size(const std::string& path, const Imf::MultiPartInputFile& file) {
+Status check_size(const ExrBands& file) {
     const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
-    double needed = 0;
-    for (int i = 0; i < file.parts(); ++i) {
-        if (is_deep(file.header(i))) continue;
-        const Window data = window_of(file.header(i).dataWindow()), display = window_of(file.header(i).displayWindow());
-        double channels = 0;
-        for (auto c = file.header(i).channels().begin(); c != file.header(i).channels().end(); ++c) channels += 1;
-        needed += 4.0 * channels *
-                  (static_cast<double>(data.width) * static_cast<double>(data.height) +
-                   static_cast<double>(display.width) * static_cast<double>(display.height));
-    }
+    const double needed = file.bytes_at_once();
     if (needed <= memory) return success();
-    return read_error(path, "the header asks for " + std::to_string(static_cast<std::int64_t>(needed / 1e9)) +
-                                " GB of pixels, more than this machine's memory of " +
-                                std::to_string(static_cast<std::int64_t>(memory / 1e9)) +
-                                " GB; expected a smaller image (is the file damaged?)");
+    return read_error(file.image().path, "the header asks for " +
+                                             std::to_string(static_cast<std::int64_t>(needed / 1e9)) +
+                                             " GB of pixels, more than this machine's memory of " +
+                                             std::to_string(static_cast<std::int64_t>(memory / 1e9)) +
+                                             " GB; expected a smaller image (is the file damaged?)");
 }
 
 StoredType stored_type(Imf::PixelType type) {
@@ -93,9 +84,16 @@ std::vector<float> to_display_window(std::vector<float> samples, const Window& d
     return result;
 }
 
-FilePart read_part(Imf::MultiPartInputFile& file, int index) {
+/// Rows [rows.first, rows.end) of the display window; all of them where a channel has not every row.
+FilePart read_part(Imf::MultiPartInputFile& file, int index, const RowRange& rows) {
     const Imf::Header& header = file.header(index);
-    const Window data = window_of(header.dataWindow()), display = window_of(header.displayWindow());
+    Window data = window_of(header.dataWindow()), display = window_of(header.displayWindow());
+    display = {display.min_x, display.min_y + rows.first, display.width, rows.end - rows.first};
+    if (rows.end - rows.first < window_of(header.displayWindow()).height) {
+        const std::int64_t first = std::max(data.min_y, display.min_y),
+                           end = std::min(data.min_y + data.height, display.min_y + display.height);
+        data = {data.min_x, first, data.width, std::max<std::int64_t>(end - first, 0)};
+    }
     struct Raw {
         const char* name;
         Imf::Channel channel;
@@ -118,9 +116,11 @@ FilePart read_part(Imf::MultiPartInputFile& file, int index) {
                       Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(origin), 4, static_cast<std::size_t>(4 * width),
                                  each.channel.xSampling, each.channel.ySampling));
     }
-    Imf::InputPart part(file, index);
-    part.setFrameBuffer(buffer);
-    part.readPixels(header.dataWindow().min.y, header.dataWindow().max.y);
+    if (data.height > 0) {
+        Imf::InputPart part(file, index);
+        part.setFrameBuffer(buffer);
+        part.readPixels(static_cast<int>(data.min_y), static_cast<int>(data.min_y + data.height - 1));
+    }
 
     FilePart result{header.hasName() ? header.name() : "", {}};
     for (Raw& each : raw)
@@ -131,20 +131,33 @@ FilePart read_part(Imf::MultiPartInputFile& file, int index) {
     return result;
 }
 
-/// The library reads the parts of an open file one after another, so each thread opens it for itself.
-std::vector<FilePart> read_parts(const std::string& path, const std::vector<int>& indices) {
-    std::vector<FilePart> parts(indices.size());
-    std::atomic<std::size_t> next{0};
-    const auto read = [&] {
-        Imf::MultiPartInputFile file(path.c_str(), 0);
-        for (std::size_t i = next++; i < indices.size(); i = next++) parts[i] = read_part(file, indices[i]);
-    };
-    const std::size_t threads =
-        std::min(indices.size(), static_cast<std::size_t>(std::max(1u, std::thread::hardware_concurrency())));
-    std::vector<std::future<void>> readers;
-    for (std::size_t i = 0; i < threads; ++i) readers.push_back(std::async(std::launch::async, read));
-    for (std::future<void>& reader : readers) reader.get();
-    return parts;
+/// The part without its pixels.
+FilePart described_part(const Imf::Header& header) {
+    FilePart part{header.hasName() ? header.name() : "", {}};
+    for (auto c = header.channels().begin(); c != header.channels().end(); ++c)
+        part.channels.push_back({c.name(),
+                                 stored_type(c.channel().type),
+                                 {},
+                                 plane_loss(header, c.name(), c.channel().type),
+                                 dwa_level(header)});
+    return part;
+}
+
+int lines_unpacked_together(const Imf::Header& header) {
+    switch (header.compression()) {
+        case Imf::ZIP_COMPRESSION:
+        case Imf::PXR24_COMPRESSION:
+            return 16;
+        case Imf::PIZ_COMPRESSION:
+        case Imf::B44_COMPRESSION:
+        case Imf::B44A_COMPRESSION:
+        case Imf::DWAA_COMPRESSION:
+            return 32;
+        case Imf::DWAB_COMPRESSION:
+            return 256;
+        default:
+            return 1;
+    }
 }
 
 void read_attributes(const Imf::Header& header, ExrImage& image) {
@@ -166,42 +179,17 @@ void read_attributes(const Imf::Header& header, ExrImage& image) {
     }
 }
 
-Result<ExrImage> read_file(const std::string& path) {
-    // The pixels of a small file are unpacked sooner than threads are woken for its lines.
-    constexpr std::uintmax_t small = std::uintmax_t{1} << 22;
-    std::error_code unknown;
-    const std::uintmax_t bytes = std::filesystem::file_size(path, unknown);
-    const bool is_small = !unknown && bytes < small;
-    Imf::MultiPartInputFile file(path.c_str(), is_small ? 0 : Imf::globalThreadCount());
-    if (Status size = check_size(path, file); !size) return std::move(size).error();
-    ExrImage image;
-    image.path = path;
-    std::vector<int> flat;
-    for (int i = 0; i < file.parts(); ++i) {
-        const Imf::Header& header = file.header(i);
-        if (is_deep(header)) continue;
-        if (!file.partComplete(i))
-            return read_error(path, "the image is incomplete: part " + std::to_string(i) +
-                                        " lacks pixels (an interrupted write, or the file was cut); " +
-                                        "expected a whole file");
-        const Window display = window_of(header.displayWindow());
-        if (flat.empty()) {
-            image.width = static_cast<int>(display.width);
-            image.height = static_cast<int>(display.height);
-        } else if (display.width != image.width || display.height != image.height) {
-            return read_error(path, "part " + std::to_string(i) +
-                                        " has another size than part 0; expected one display window for all parts");
-        }
-        read_attributes(header, image);
-        flat.push_back(i);
-    }
-    if (flat.empty()) return read_error(path, "the file holds only deep images; expected at least one flat part");
-    std::vector<FilePart> parts;
-    if (flat.size() > 1 && !is_small) parts = read_parts(path, flat);
-    else
-        for (const int index : flat) parts.push_back(read_part(file, index));
-    image.layers = name_layers(std::move(parts));
-    return image;
+/// What `read` returns, or what it threw as an Error.
+template <class Read>
+auto guarded(const std::string& path, Read read) -> decltype(read()) {
+    try {
+        return read();
+    } catch (const std::bad_alloc&) {
+        return read_error(path, "not enough memory for the image");
+    } catch (const std::exception& exception) {
+        return read_error(path, std::string("the file is truncated or damaged: ") + exception.what() +
+                                    "; expected a whole OpenEXR file");
+    } catch (...) { return read_error(path, "the file is truncated or damaged; expected a whole OpenEXR file"); }
 }
 
 // "shot_diffuse.0001.exr" -> "shot_diffuse"
@@ -220,16 +208,134 @@ std::string size_text(const ExrImage& image) {
 
 }  // namespace
 
-Result<ExrImage> read_exr(const std::string& path) {
+/// The library reads the parts of an open file one after another, so each thread has opened it for itself, and reads
+/// parts of its own.
+struct ExrBands::File {
+    std::vector<std::unique_ptr<Imf::MultiPartInputFile>> handles;
+    std::vector<int> flat;  // parts
+    int lines = 1;          // that are unpacked together
+    bool every_row = true;  // of every channel
+    std::uint64_t bytes_per_row = 0;
+    double bytes_at_once = 0;  // the whole image, as it stands in the file and in the display window
+};
+
+ExrBands::ExrBands() : file_(std::make_unique<File>()) {}
+ExrBands::ExrBands(ExrBands&&) noexcept = default;
+ExrBands& ExrBands::operator=(ExrBands&&) noexcept = default;
+ExrBands::~ExrBands() = default;
+
+namespace {
+
+/// Attributes and size of one part, or what is wrong with it.
+Status describe_part(const std::string& path, Imf::MultiPartInputFile& file, int index, bool first, ExrImage& image) {
+    const Imf::Header& header = file.header(index);
+    if (!file.partComplete(index))
+        return read_error(path, "the image is incomplete: part " + std::to_string(index) +
+                                    " lacks pixels (an interrupted write, or the file was cut); " +
+                                    "expected a whole file");
+    const Window display = window_of(header.displayWindow());
+    if (first) {
+        image.width = static_cast<int>(display.width);
+        image.height = static_cast<int>(display.height);
+    } else if (display.width != image.width || display.height != image.height) {
+        return read_error(path, "part " + std::to_string(index) +
+                                    " has another size than part 0; expected one display window for all parts");
+    }
+    read_attributes(header, image);
+    return success();
+}
+
+}  // namespace
+
+Result<ExrBands> ExrBands::open(const std::string& path) {
     if (Status sound = check_exr_file(path); !sound) return std::move(sound).error();
-    try {
-        return read_file(path);
-    } catch (const std::bad_alloc&) {
-        return read_error(path, "not enough memory for the image");
-    } catch (const std::exception& exception) {
-        return read_error(path, std::string("the file is truncated or damaged: ") + exception.what() +
-                                    "; expected a whole OpenEXR file");
-    } catch (...) { return read_error(path, "the file is truncated or damaged; expected a whole OpenEXR file"); }
+    return guarded(path, [&]() -> Result<ExrBands> {
+        // The pixels of a small file are unpacked sooner than threads are woken for its lines.
+        constexpr std::uintmax_t small = std::uintmax_t{1} << 22;
+        std::error_code unknown;
+        const std::uintmax_t bytes = std::filesystem::file_size(path, unknown);
+        const bool is_small = !unknown && bytes < small;
+        ExrBands bands;
+        File& of = *bands.file_;
+        bands.image_.path = path;
+        of.handles.push_back(
+            std::make_unique<Imf::MultiPartInputFile>(path.c_str(), is_small ? 0 : Imf::globalThreadCount()));
+        Imf::MultiPartInputFile& file = *of.handles.front();
+        std::vector<FilePart> parts;
+        for (int i = 0; i < file.parts(); ++i) {
+            const Imf::Header& header = file.header(i);
+            if (is_deep(header)) continue;
+            if (Status s = describe_part(path, file, i, of.flat.empty(), bands.image_); !s) return s.error();
+            of.flat.push_back(i);
+            of.lines = std::max(of.lines, lines_unpacked_together(header));
+            const Window data = window_of(header.dataWindow());
+            const auto width = static_cast<double>(bands.image_.width),
+                       height = static_cast<double>(bands.image_.height);
+            for (auto c = header.channels().begin(); c != header.channels().end(); ++c) {
+                of.every_row = of.every_row && c.channel().ySampling == 1;
+                of.bytes_per_row +=
+                    4 * static_cast<std::uint64_t>(std::max<std::int64_t>(data.width, bands.image_.width));
+                of.bytes_at_once +=
+                    4 * (static_cast<double>(data.width) * static_cast<double>(data.height) + width * height);
+            }
+            parts.push_back(described_part(header));
+        }
+        if (of.flat.empty())
+            return read_error(path, "the file holds only deep images; expected at least one flat part");
+        bands.image_.layers = name_layers(std::move(parts));
+        if (of.flat.size() > 1 && !is_small) {
+            const std::size_t threads =
+                std::min(of.flat.size(), static_cast<std::size_t>(std::max(1u, std::thread::hardware_concurrency())));
+            of.handles.clear();
+            for (std::size_t i = 0; i < threads; ++i)
+                of.handles.push_back(std::make_unique<Imf::MultiPartInputFile>(path.c_str(), 0));
+        }
+        return bands;
+    });
+}
+
+double ExrBands::bytes_at_once() const {
+    return file_->bytes_at_once;
+}
+
+std::vector<RowRange> ExrBands::bands(std::uint64_t bytes) const {
+    const auto height = static_cast<std::uint64_t>(image_.height);
+    const std::uint64_t lines = static_cast<std::uint64_t>(file_->lines);
+    std::uint64_t rows = std::max<std::uint64_t>(1, bytes / std::max<std::uint64_t>(1, file_->bytes_per_row));
+    if (rows > lines) rows -= rows % lines;
+    if (!file_->every_row) rows = height;
+    return bands_of({0, image_.height}, static_cast<int>(std::min(rows, height)));
+}
+
+Result<ExrImage> ExrBands::read(const RowRange& rows) const {
+    return guarded(image_.path, [&]() -> Result<ExrImage> {
+        const std::size_t threads = file_->handles.size();
+        std::vector<FilePart> parts(file_->flat.size());
+        const auto read = [&](std::size_t thread) {
+            for (std::size_t i = thread; i < parts.size(); i += threads)
+                parts[i] = read_part(*file_->handles[thread], file_->flat[i], rows);
+        };
+        std::vector<std::future<void>> readers;
+        for (std::size_t i = 1; i < threads; ++i) readers.push_back(std::async(std::launch::async, read, i));
+        read(0);
+        for (std::future<void>& reader : readers) reader.get();
+        ExrImage image;
+        image.path = image_.path;
+        image.width = image_.width;
+        image.height = rows.end - rows.first;
+        image.attributes = image_.attributes;
+        image.chromaticities = image_.chromaticities;
+        image.partitions = image_.partitions;
+        image.layers = name_layers(std::move(parts));
+        return image;
+    });
+}
+
+Result<ExrImage> read_exr(const std::string& path) {
+    auto bands = ExrBands::open(path);
+    if (!bands) return bands.error();
+    if (Status size = check_size(*bands); !size) return size.error();
+    return bands->read({0, bands->image().height});
 }
 
 Result<ExrImage> read_exr_set(const std::vector<std::string>& paths) {

@@ -10,11 +10,13 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "display/buffer/banded_image.h"
 #include "display/output/image_types.h"
 #include "lpe/result.h"
 
@@ -69,6 +71,33 @@ struct ExrImage {
 /// Errors: no such file, no OpenEXR file, truncated or damaged, incomplete, only deep parts, more pixels than fit in
 /// memory.
 Result<ExrImage> read_exr(const std::string& path);
+
+/// A file that is read in bands of rows, for images that do not fit in memory. What the library keeps for a part it
+/// keeps for as long as this lives.
+class ExrBands {
+  public:
+    /// Errors: as read_exr(), but for what is in the pixels.
+    static Result<ExrBands> open(const std::string& path);
+    ExrBands(ExrBands&&) noexcept;
+    ExrBands& operator=(ExrBands&&) noexcept;
+    ~ExrBands();
+
+    /// Everything but the pixels: planes without values.
+    [[nodiscard]] const ExrImage& image() const { return image_; }
+    /// From the top, each of so many rows that its planes take `bytes` at most, and of one at least.
+    [[nodiscard]] std::vector<RowRange> bands(std::uint64_t bytes) const;
+    /// These rows as an image of their height.
+    [[nodiscard]] Result<ExrImage> read(const RowRange& rows) const;
+    /// What reading the whole image would take.
+    [[nodiscard]] double bytes_at_once() const;
+
+  private:
+    struct File;
+    ExrBands();
+    ExrImage image_;
+    std::unique_ptr<File> file_;
+};
+
 /// Several files of one image, one layer per file: a nameless RGB takes the file's base name (without a frame number)
 /// as its layer name. Other layers keep theirs, with "BASE." in front when it is taken. Sizes and chromaticities must
 /// agree.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <exception>
 #include <future>
+#include <map>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string_view>
@@ -19,6 +21,7 @@
 #include <ImfStringAttribute.h>
 #include <ImfThreading.h>
 
+#include "display/buffer/banded_image.h"
 #include "display/output/exr_header.h"
 #include "display/output/exr_layout.h"
 #include "display/output/exr_pixels.h"
@@ -34,8 +37,20 @@ class WrittenSplits {
         : frame_buffer_(frame_buffer), beauty_(beauty) {
         for (std::size_t i = 0; i < description.partitions.size(); ++i)
             if (is_declared(frame_buffer.channels(), beauty, description.partitions[i]))
-                splits_.push_back({i, description.partitions[i],
-                                   SplitSum(frame_buffer.layout().width, frame_buffer.layout().height)});
+                splits_.push_back({i, description.partitions[i], {}, {}, {}});
+    }
+
+    /// What is taken from now on is of these rows, until the band ends.
+    void begin_band(const PixelRegion& rows) {
+        for (Split& split : splits_) split.sum.emplace(rows.width(), rows.height());
+    }
+    void end_band(const PixelRegion& rows) {
+        for (Split& split : splits_) {
+            SplitVerdict verdict = split.sum->verdict(false);
+            split.sum.reset();
+            if (split.verdict) add_rows(*split.verdict, verdict, rows.y0);
+            else split.verdict = std::move(verdict);
+        }
     }
 
     [[nodiscard]] bool wants(const PlannedPart& part) const {
@@ -51,8 +66,8 @@ class WrittenSplits {
         layer.types.fill(part.storage.type);
         for (Split& split : splits_) {
             const bool whole = name_of(part) == whole_of(split), member = contains(split, name_of(part));
-            if (whole) split.sum.add_whole(layer);
-            if (member) split.sum.add(layer);
+            if (whole) split.sum->add_whole(layer);
+            if (member) split.sum->add(layer);
             if ((whole || member) && is_lossy(part.storage.compression)) split.lossy = storage_text(part.storage);
         }
     }
@@ -60,7 +75,7 @@ class WrittenSplits {
         std::vector<SplitVerdict> all;
         for (const Split& split : splits_) {
             if (!split.lossy.empty()) continue;  // what is in the file is not what was added up here
-            SplitVerdict verdict = split.sum.verdict(false);
+            SplitVerdict verdict = *split.verdict;
             verdict.partition = split.partition.name;
             verdict.of = whole_of(split);
             verdict.layers = split.partition.layers;
@@ -73,10 +88,9 @@ class WrittenSplits {
         for (const Split& split : splits_) {
             const std::size_t position = header.find(verdict_placeholder(split.index));
             if (position == std::string::npos) continue;
-            std::string text =
-                split.lossy.empty()
-                    ? verdict_attribute(split.sum.verdict(false), split.partition.layers.size())
-                    : "not judged while writing: " + split.lossy + " loses bits; raylex verify judges the file";
+            std::string text = split.lossy.empty() ? verdict_attribute(*split.verdict, split.partition.layers.size())
+                                                   : "not judged while writing: " + split.lossy +
+                                                         " loses bits; raylex verify judges the file";
             text.resize(verdict_length, ' ');
             if (!file.seek(position) || !file.write(text.data(), text.size()))
                 throw std::runtime_error("writing failed");
@@ -87,8 +101,9 @@ class WrittenSplits {
     struct Split {
         std::size_t index;
         PartitionDeclaration partition;
-        SplitSum sum;
-        std::string lossy{};  ///< how a layer of it is stored that is not in the file as it is here
+        std::optional<SplitSum> sum;          ///< of a band
+        std::optional<SplitVerdict> verdict;  ///< on the bands that have ended
+        std::string lossy;                    ///< how a layer of it is stored that is not in the file as it is here
     };
     [[nodiscard]] std::string name_of(const PlannedPart& part) const {
         return part.channel == beauty_ ? "beauty"
@@ -106,30 +121,55 @@ class WrittenSplits {
     std::vector<Split> splits_;
 };
 
-void note_repairs(const PixelImage& frame_buffer, std::vector<PlannedPart>& parts) {
-    for (PlannedPart& part : parts) {
-        const std::string text = part.data != nullptr ? std::string() : repairs_of(frame_buffer, part);
+/// Rows that are resolved, packed and written together: no more than the image wants to be asked for at a time, nor
+/// than two million pixels, so that the pixels of a part are small against the image.
+std::vector<PixelRegion> bands_to_write(const PixelImage& frame_buffer, const ImageDescription& description) {
+    constexpr int most_pixels = 1 << 21;
+    const PixelRegion all = frame_buffer.whole();
+    const int most_rows = std::max(1, most_pixels / all.x1),
+              end = description.data_window ? description.data_window->y1 : all.y1;
+    std::vector<PixelRegion> bands;
+    for (int y = description.data_window ? description.data_window->y0 : 0; y < end;) {
+        const int next = std::min({frame_buffer.band_end(y), y + most_rows, end});
+        bands.push_back({0, y, all.x1, next});
+        y = next;
+    }
+    return bands;
+}
+
+void note_all_repairs(const PixelImage& frame_buffer, const std::vector<PixelRegion>& bands,
+                      std::vector<PlannedPart>& parts) {
+    std::map<PlannedPart*, Repairs> repairs;
+    for (PlannedPart& part : parts)
+        if (may_need_repair(frame_buffer, part)) repairs[&part];
+    for (const PixelRegion& rows : bands)
+        for (auto& [part, noted] : repairs) note_repairs(frame_buffer, *part, rows, noted);
+    for (const auto& [part, noted] : repairs) {
+        const std::string text = repairs_text(noted, *part);
         if (text.empty()) continue;
-        const std::string name = "repaired/" + frame_buffer.channels()[static_cast<std::size_t>(part.channel)].name;
-        part.attributes[name] = text;
+        const std::string name = "repaired/" + frame_buffer.channels()[static_cast<std::size_t>(part->channel)].name;
+        part->attributes[name] = text;
         parts.front().attributes[name] = text;
     }
 }
 
-/// Adds a part's planes to what the library reads from. They hold the whole image, whatever the data window is.
-void add_slices(const PlannedPart& part, PartPixels& pixels, const FrameBufferLayout& layout,
-                Imf::FrameBuffer& buffer) {
-    const std::size_t size = part.storage.type == StoredType::half_float ? 2 : 4;
-    for (std::size_t p = 0; p < part.planes.size(); ++p)
-        buffer.insert(part.planes[p], Imf::Slice(pixel_type(part.storage.type), pixels.planes[p].data(), size,
-                                                 size * static_cast<std::size_t>(layout.width)));
+/// Adds a part's planes of these rows to what the library reads from. They hold whole rows, whatever the data window
+/// is.
+void add_slices(const PlannedPart& part, PartPixels& pixels, const PixelRegion& rows, Imf::FrameBuffer& buffer) {
+    const std::size_t size = bytes_of(part.storage.type), row = size * static_cast<std::size_t>(rows.width());
+    for (std::size_t p = 0; p < part.planes.size(); ++p) {
+        // The library wants the address where row 0 would stand, outside the array: no pointer may be formed there.
+        const std::intptr_t origin =
+            reinterpret_cast<std::intptr_t>(pixels.planes[p].data()) - static_cast<std::intptr_t>(row) * rows.y0;
+        buffer.insert(part.planes[p],
+                      Imf::Slice(pixel_type(part.storage.type), reinterpret_cast<char*>(origin), size, row));
+    }
 }
 
-void write_part(Imf::MultiPartOutputFile& file, int index, const Imf::FrameBuffer& buffer) {
+void write_part(Imf::MultiPartOutputFile& file, int index, const Imf::FrameBuffer& buffer, const PixelRegion& rows) {
     Imf::OutputPart output(file, index);
     output.setFrameBuffer(buffer);
-    const Imath::Box2i& window = output.header().dataWindow();
-    output.writePixels(window.max.y - window.min.y + 1);
+    output.writePixels(rows.height());
 }
 
 /// One header for each part, or one with the channels of all.
@@ -156,41 +196,69 @@ bool is_quick(const std::vector<PlannedPart>& parts, int width) {
            });
 }
 
+/// The library keeps two bundles of lines for each thread that packs and each part, or one without threads, in three
+/// places, until the file is closed.
+struct EncoderThreads {
+    int count = 0;
+    double bytes = 0;
+};
+
+/// All there are, unless what is kept for them gets too much.
+EncoderThreads encoder_threads(const std::vector<PlannedPart>& parts, int width) {
+    start_encoder_threads();
+    constexpr double most_bytes = 512 << 20;
+    double bundles = 0;
+    for (const PlannedPart& part : parts)
+        bundles += 3.0 * width * static_cast<double>(part.planes.size() * bytes_of(part.storage.type)) *
+                   lines_together(part.storage.compression);
+    int threads = Imf::globalThreadCount();
+    while (threads > 0 && 2 * threads * bundles > most_bytes) --threads;
+    return {threads, std::max(1, 2 * threads) * bundles};
+}
+
+/// Part after part of these rows: while one is packed the next is resolved.
+void write_band(Imf::MultiPartOutputFile& output, const PixelImage& frame_buffer, const std::vector<PlannedPart>& parts,
+                const PixelRegion& rows, bool single_part, std::launch when, WrittenSplits& splits) {
+    splits.begin_band(rows);
+    const auto prepare = [&](std::size_t i) {
+        PartPixels pixels = part_pixels(frame_buffer, parts[i], rows, splits.wants(parts[i]));
+        splits.take(parts[i], pixels);
+        return pixels;
+    };
+    std::future<PartPixels> next = std::async(when, prepare, 0);
+    std::vector<PartPixels> all;  // of a single part, whose lines hold every channel
+    Imf::FrameBuffer together;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        PartPixels pixels = next.get();
+        if (i + 1 < parts.size()) next = std::async(when, prepare, i + 1);
+        if (single_part) {
+            all.push_back(std::move(pixels));
+            add_slices(parts[i], all.back(), rows, together);
+            continue;
+        }
+        Imf::FrameBuffer buffer;
+        add_slices(parts[i], pixels, rows, buffer);
+        write_part(output, static_cast<int>(i), buffer, rows);
+    }
+    if (single_part) write_part(output, 0, together, rows);
+    splits.end_band(rows);
+}
+
 void write_parts(AtomicFile& file, const PixelImage& frame_buffer, ChannelId beauty,
-                 const std::vector<PlannedPart>& parts, const ImageDescription& description,
-                 std::vector<SplitVerdict>* verdicts) {
+                 const std::vector<PlannedPart>& parts, const std::vector<PixelRegion>& bands,
+                 const ImageDescription& description, std::vector<SplitVerdict>* verdicts) {
     const FrameBufferLayout& layout = frame_buffer.layout();
     const std::vector<Imf::Header> headers = headers_of(parts, layout, description);
     const bool quick = is_quick(parts, layout.width);
-    if (!quick) start_encoder_threads();
+    const int threads = quick ? 0 : encoder_threads(parts, layout.width).count;
     const auto when = quick ? std::launch::deferred : std::launch::async;
     WrittenSplits splits(frame_buffer, beauty, description);
     HeaderRecorder stream(file);
     {
-        Imf::MultiPartOutputFile output(stream, headers.data(), static_cast<int>(headers.size()), false,
-                                        quick ? 0 : Imf::globalThreadCount());
+        Imf::MultiPartOutputFile output(stream, headers.data(), static_cast<int>(headers.size()), false, threads);
         stream.stop_recording();
-        const auto prepare = [&](std::size_t i) {
-            PartPixels pixels = part_pixels(frame_buffer, parts[i], splits.wants(parts[i]));
-            splits.take(parts[i], pixels);
-            return pixels;
-        };
-        std::future<PartPixels> next = std::async(when, prepare, 0);
-        std::vector<PartPixels> all;  // of a single part, whose lines hold every channel
-        Imf::FrameBuffer together;
-        for (std::size_t i = 0; i < parts.size(); ++i) {
-            PartPixels pixels = next.get();
-            if (i + 1 < parts.size()) next = std::async(when, prepare, i + 1);
-            if (description.single_part) {
-                all.push_back(std::move(pixels));
-                add_slices(parts[i], all.back(), layout, together);
-                continue;
-            }
-            Imf::FrameBuffer buffer;
-            add_slices(parts[i], pixels, layout, buffer);
-            write_part(output, static_cast<int>(i), buffer);
-        }
-        if (description.single_part) write_part(output, 0, together);
+        for (const PixelRegion& rows : bands)
+            write_band(output, frame_buffer, parts, rows, description.single_part, when, splits);
     }  // the library writes its table of chunks now
     splits.write_verdicts(file, stream);
     if (verdicts != nullptr) *verdicts = splits.verdicts();
@@ -210,15 +278,20 @@ Status write_exr(const std::string& path, const PixelImage& frame_buffer, Channe
     if (!file) return std::move(file).error();
     try {
         std::vector<PlannedPart> parts = plan_parts(frame_buffer.channels(), beauty, description);
-        note_repairs(frame_buffer, parts);
-        write_parts(*file, frame_buffer, beauty, parts, description, verdicts);
-    } catch (const std::exception& exception) {
+        const std::vector<PixelRegion> bands = bands_to_write(frame_buffer, description);
+        note_all_repairs(frame_buffer, bands, parts);
+        write_parts(*file, frame_buffer, beauty, parts, bands, description, verdicts);
+    } catch (const BandFailure& failure) { return failure.error(); } catch (const std::exception& exception) {
         if (file->failed()) return located(file->failure());
         Error error;
         error.message = std::string("cannot write the image: ") + exception.what();
         return located(error);
     }
     return file->commit();
+}
+
+std::uint64_t exr_writing_bytes(std::span<const ChannelDefinition> channels, ChannelId beauty, int width) {
+    return static_cast<std::uint64_t>(encoder_threads(plan_parts(channels, beauty, {}), width).bytes);
 }
 
 }  // namespace raylex::display

@@ -1,8 +1,10 @@
 // The frame buffer as one multi-part OpenEXR file. How each kind of channel is stored stands in exr_storage.h.
 //
-// While one part is compressed (by as many threads as there are processors) the next one is resolved, so that the time
-// is that of the encoders. The pixels of a part live only that long: two parts are in memory at once. Narrow images of
-// which nothing is zipped are written without threads: waking them would take longer.
+// Rows are written in bands of two million pixels at most, part after part, so that an image of which no more than a
+// band is in memory (PixelImage::band_end) can be written, and its sums judged, without ever being there as a whole.
+// While one part is compressed (by as many threads as there are processors, unless the library would hold more than
+// half a GiB for them) the next one is resolved, so that the time is that of the encoders. Narrow images of which
+// nothing is zipped are written without threads: waking them would take longer.
 #pragma once
 
 #include <array>
@@ -60,6 +62,9 @@ struct ImageDescription {
 /// check_declared_splits would say of the file, maps of residuals and splits of lossy layers excepted.
 Status write_exr(const std::string& path, const PixelImage& frame_buffer, ChannelId beauty,
                  const ImageDescription& description, std::vector<SplitVerdict>* verdicts = nullptr);
+
+/// What the library holds until a file of these channels is closed, stored as by default.
+[[nodiscard]] std::uint64_t exr_writing_bytes(std::span<const ChannelDefinition> channels, ChannelId beauty, int width);
 
 /// Whether write_exr could lay these channels out; ask before rendering. Errors: a name that is empty, used twice,
 /// taken

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "display/buffer/pixel_image.h"
+
 namespace raylex::display {
 
 enum class StoredType : std::uint8_t { half_float, single_float, unsigned_int };
@@ -30,7 +32,8 @@ struct DataPart {
     std::string name;
     std::vector<std::string> planes;                ///< OpenEXR channel names
     std::map<std::string, std::string> attributes;  ///< for its own header and that of part 0
-    std::function<std::vector<float>()> values;     ///< plane after plane, rows from the top; called once, when written
+    /// Of whole rows [y0, y1): plane after plane, rows from the top. Called once for every row, when written.
+    std::function<std::vector<float>(const PixelRegion&)> values;
 };
 
 }  // namespace raylex::display

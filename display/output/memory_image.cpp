@@ -17,7 +17,7 @@ FilePart named_part(const PlannedPart& part) {
 
 void fill(FilePart& file, const PlannedPart& part, const PixelImage& frame_buffer) {
     if (part.data != nullptr) {
-        const std::vector<float> values = part.data->values();
+        const std::vector<float> values = part.data->values(frame_buffer.whole());
         const std::size_t size = values.size() / file.channels.size();
         for (std::size_t p = 0; p < file.channels.size(); ++p) {
             const auto begin = values.begin() + static_cast<std::ptrdiff_t>(p * size);

@@ -5,6 +5,7 @@
 #include "display/output/exr_layers.h"
 #include "display/output/layer_arithmetic.h"
 #include "display/output/layer_error.h"
+#include "display/output/split_sum.h"
 
 namespace raylex::display {
 
@@ -80,6 +81,42 @@ Result<std::vector<SplitVerdict>> check_declared_splits(const ExrImage& image, c
         verdicts.push_back(std::move(*verdict));
     }
     return verdicts;
+}
+
+namespace {
+
+/// check(image) of all bands, added up.
+template <class Check>
+Result<std::vector<SplitVerdict>> by_bands(const ExrBands& file, Check check) {
+    constexpr std::uint64_t band_bytes = std::uint64_t{256} << 20;
+    std::vector<SplitVerdict> all;
+    for (const RowRange& rows : file.bands(band_bytes)) {
+        Result<ExrImage> image = file.read(rows);
+        if (!image) return std::move(image).error();
+        Result<std::vector<SplitVerdict>> verdicts = check(*image);
+        if (!verdicts) return std::move(verdicts).error();
+        if (rows.first == 0) all = *std::move(verdicts);
+        else
+            for (std::size_t i = 0; i < all.size(); ++i) add_rows(all[i], (*verdicts)[i], rows.first);
+    }
+    return all;
+}
+
+}  // namespace
+
+Result<SplitVerdict> check_split(const ExrBands& file, const std::string& of, const std::vector<std::string>& sums,
+                                 const Allowance& allowance) {
+    auto verdicts = by_bands(file, [&](const ExrImage& image) -> Result<std::vector<SplitVerdict>> {
+        Result<SplitVerdict> verdict = check_split(image, of, sums, allowance);
+        if (!verdict) return std::move(verdict).error();
+        return std::vector<SplitVerdict>{*std::move(verdict)};
+    });
+    if (!verdicts) return std::move(verdicts).error();
+    return std::move(verdicts->front());
+}
+
+Result<std::vector<SplitVerdict>> check_declared_splits(const ExrBands& file, const Allowance& allowance) {
+    return by_bands(file, [&](const ExrImage& image) { return check_declared_splits(image, allowance); });
 }
 
 }  // namespace raylex::display

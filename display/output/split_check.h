@@ -62,6 +62,11 @@ Result<SplitVerdict> check_split(const ExrImage& image, const std::string& of, c
 /// Every partition declared in the file's header, in its order; an empty list when none is.
 Result<std::vector<SplitVerdict>> check_declared_splits(const ExrImage& image, const Allowance& allowance = {});
 
+/// The same of a file of any size: read band by band, of which each takes a quarter of a GiB at most.
+Result<SplitVerdict> check_split(const ExrBands& file, const std::string& of, const std::vector<std::string>& sums,
+                                 const Allowance& allowance = {});
+Result<std::vector<SplitVerdict>> check_declared_splits(const ExrBands& file, const Allowance& allowance = {});
+
 /// Heat map of a verdict's residual as PNG, one pixel per pixel. The scale is logarithmic and its lightness rises with
 /// the residual: black for none, dark blue to violet within what is allowed (from a 1024th of it), red to pale yellow
 /// beyond it (up to 1). Cyan marks values that are not finite. The verdict must come from an image of this size.

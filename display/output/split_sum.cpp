@@ -135,6 +135,33 @@ SplitVerdict SplitSum::verdict(bool with_residual) const {
     return tally.finish();
 }
 
+void add_rows(SplitVerdict& verdict, const SplitVerdict& below, int first_row) {
+    const auto larger = [first_row](double& value, int& x, int& y, double other, int other_x, int other_y) {
+        if (!(other > value)) return;
+        value = other;
+        x = other_x;
+        y = other_y + first_row;
+    };
+    larger(verdict.largest_absolute, verdict.absolute_x, verdict.absolute_y, below.largest_absolute, below.absolute_x,
+           below.absolute_y);
+    larger(verdict.largest_relative, verdict.relative_x, verdict.relative_y, below.largest_relative, below.relative_x,
+           below.relative_y);
+    if (verdict.non_finite == 0 && below.non_finite > 0) {
+        verdict.non_finite_x = below.non_finite_x;
+        verdict.non_finite_y = below.non_finite_y + first_row;
+        verdict.non_finite_layer = below.non_finite_layer;
+    }
+    // Of bands in which nothing exceeds there is nothing to tell the side of.
+    if (verdict.exceeding == 0) verdict.never_above = below.never_above;
+    else if (below.exceeding > 0) verdict.never_above = verdict.never_above && below.never_above;
+    verdict.past_rounding += below.past_rounding;
+    verdict.non_finite += below.non_finite;
+    verdict.exceeding += below.exceeding;
+    verdict.answer = std::max(verdict.answer, below.answer);
+    verdict.holds = verdict.holds && below.holds;
+    verdict.residual.insert(verdict.residual.end(), below.residual.begin(), below.residual.end());
+}
+
 std::string verdict_attribute(const SplitVerdict& verdict, std::size_t layer_count) {
     std::array<char, 256> text{};
     std::snprintf(text.data(), text.size(),

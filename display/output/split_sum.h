@@ -65,6 +65,9 @@ class SplitSum {
     std::array<std::vector<float>, 3> whole_;
 };
 
+/// Adds the verdict on rows further down, [first_row, ...), to that on the rows above them.
+void add_rows(SplitVerdict& verdict, const SplitVerdict& below, int first_row);
+
 /// One line for a header: "holds; largest relative error 5.8e-08 at (3, 4), bound 1.2e-07; 9 layers".
 [[nodiscard]] std::string verdict_attribute(const SplitVerdict& verdict, std::size_t layer_count);
 

@@ -18,8 +18,9 @@ class NoFilter final : public SampleFilter {
 
 class ClampFilter final : public SampleFilter {
   public:
-    ClampFilter(double limit, ChannelId beauty, std::vector<ChannelId> scaled)
-        : limit_(limit), beauty_(beauty), scaled_(std::move(scaled)) {}
+    /// `by_component`: the limit is of the largest component, else of the luminance.
+    ClampFilter(double limit, bool by_component, ChannelId beauty, std::vector<ChannelId> scaled)
+        : limit_(limit), by_component_(by_component), beauty_(beauty), scaled_(std::move(scaled)) {}
 
     void apply(SampleTable& table) const override {
         if (!table.touched(beauty_)) return;
@@ -41,7 +42,8 @@ class ClampFilter final : public SampleFilter {
         return {v[0], v[1], v[2]};
     }
     [[nodiscard]] double factor(const RgbD& beauty) const {
-        const double brightness = luminance(beauty);
+        const double brightness =
+            by_component_ ? std::max({beauty.r, beauty.g, beauty.b}) : static_cast<double>(luminance(beauty));
         return brightness > limit_ ? limit_ / brightness : 1.0;
     }
     void scale(SampleTable& table, int row, double factor) const {
@@ -55,6 +57,7 @@ class ClampFilter final : public SampleFilter {
     }
 
     double limit_;
+    bool by_component_;
     ChannelId beauty_;
     std::vector<ChannelId> scaled_;  // beauty and the expression channels
 };
@@ -64,11 +67,16 @@ Result<std::unique_ptr<SampleFilter>> build_none(const ParameterSet&, const Samp
 }
 
 Result<std::unique_ptr<SampleFilter>> build_clamp(const ParameterSet& parameters, const SampleFilterContext& context) {
-    const Result<double> limit = parameters.real_or("luminance", 10.0);
+    const bool by_component = parameters.find("component") != nullptr;
+    const char* const measure = by_component ? "component" : "luminance";
+    const Result<double> limit = parameters.real_or(measure, 10.0);
     if (!limit) return limit.error();
     if (!(*limit > 0))
+        return error_at(parameters.location, std::string("sample filter 'clamp' has ") + measure + " " +
+                                                 std::to_string(*limit) + "; expected a value above 0");
+    if (by_component && parameters.find("luminance") != nullptr)
         return error_at(parameters.location,
-                        "sample filter 'clamp' has luminance " + std::to_string(*limit) + "; expected a value above 0");
+                        "sample filter 'clamp' has both a luminance and a component; expected one of them");
     if (context.beauty < 0)
         return error_at(parameters.location,
                         "sample filter 'clamp' derives its factor from beauty, which this render leaves out; expected "
@@ -83,7 +91,8 @@ Result<std::unique_ptr<SampleFilter>> build_clamp(const ParameterSet& parameters
         if (prefixes->noclamp) continue;
         scaled.push_back(id);
     }
-    return std::unique_ptr<SampleFilter>(std::make_unique<ClampFilter>(*limit, context.beauty, std::move(scaled)));
+    return std::unique_ptr<SampleFilter>(
+        std::make_unique<ClampFilter>(*limit, by_component, context.beauty, std::move(scaled)));
 }
 
 Registry<SampleFilterFactory> in_tree_filters() {
@@ -91,7 +100,9 @@ Registry<SampleFilterFactory> in_tree_filters() {
     registry.add({"none", "leaves the samples as they are", {}, build_none});
     registry.add({"clamp",
                   "scales samples brighter than a luminance down to it, all light channels by one factor",
-                  {{"luminance", ParameterType::real, "10", "largest luminance a sample keeps, > 0"}},
+                  {{"luminance", ParameterType::real, "10", "largest luminance a sample keeps, > 0"},
+                   {"component", ParameterType::real, "",
+                    "instead: largest component a sample keeps, > 0, as the \"maxcomponentvalue\" of pbrt's films"}},
                   build_clamp});
     registry.add(grade_filter_entry());
     registry.add(shadow_filter_entry());

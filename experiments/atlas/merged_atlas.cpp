@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <sstream>
 #include <utility>
 
+#include "experiments/job/toml_text.h"
 #include "lpe/match.h"
 
 namespace raylex::experiments {
@@ -23,6 +25,21 @@ std::uint64_t number_attribute(const display::AtlasFile& file, const char* name)
     return std::strtoull(attribute(file, name).c_str(), nullptr, 10);
 }
 
+/// The job without what two renders of one image may differ in: how many samples of which seed, on how many threads;
+/// what was asked for beside the beauty, and where it was written.
+std::string job_of_image(const display::AtlasFile& file) {
+    const std::string text = attribute(file, "raylex/job");
+    auto job = parse_toml(text, file.path());
+    if (!job) return text;
+    for (const char* name : {"output", "exr", "deep", "driver", "atlas", "channels", "channel", "partition", "layer"})
+        job->erase(name);
+    if (toml::table* render = (*job)["render"].as_table(); render != nullptr)
+        for (const char* name : {"seed", "spp", "threads", "time"}) render->erase(name);
+    std::ostringstream rest;
+    rest << *job;
+    return rest.str();
+}
+
 /// What makes two atlases those of different images; empty: nothing.
 std::string difference(const display::AtlasFile& a, const display::AtlasFile& b) {
     const auto size = [](const display::AtlasFile& file) {
@@ -35,7 +52,9 @@ std::string difference(const display::AtlasFile& a, const display::AtlasFile& b)
     if (rules(a) != rules(b)) return "tell words apart by " + rules(a) + ", and " + rules(b);
     if (attribute(a, "atlas/scene") != attribute(b, "atlas/scene")) return "are of scenes with other events";
     if (a.description().chromaticities != b.description().chromaticities) return "have other chromaticities";
-    for (const char* name : {"raylex/scene", "raylex/integrator", "raylex/filter", "raylex/job"})
+    if (job_of_image(a) != job_of_image(b))
+        return "are of jobs that differ in more than samples, seed, threads and outputs";
+    for (const char* name : {"raylex/scene", "raylex/integrator", "raylex/filter"})
         if (attribute(a, name) != attribute(b, name))
             return "have '" + attribute(a, name) + "' and '" + attribute(b, name) + "' as " + name;
     return {};

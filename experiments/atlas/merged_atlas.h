@@ -16,7 +16,8 @@ namespace raylex::experiments {
 class MergedAtlas final : public display::AtlasSource {
   public:
     /// Errors name two files and what differs: size, what words are told apart by, what the scene can produce,
-    /// integrator, filter, colours; the same seed twice, which would count the same samples twice; signed atlases.
+    /// integrator, filter, colours, the job but for samples, seed, threads and outputs; the same seed twice, which
+    /// would count the same samples twice; signed atlases.
     static Result<std::unique_ptr<MergedAtlas>> open(const std::vector<std::string>& paths);
 
     [[nodiscard]] int width() const override { return files_.front()->width(); }

@@ -12,14 +12,12 @@
 #include "display/output/exr_reader.h"
 #include "display/output/exr_writer.h"
 #include "display/output/split_check.h"
-#include "experiments/atlas/asked_layers.h"
+#include "experiments/atlas/answer.h"
 #include "experiments/atlas/bright_words.h"
 #include "experiments/atlas/merged_atlas.h"
-#include "experiments/atlas/scene_record.h"
 #include "experiments/cli/commands.h"
 #include "experiments/cli/expression_options.h"
 #include "experiments/cli/judge.h"
-#include "experiments/job/channel_plan.h"
 #include "experiments/job/provenance.h"
 #include "experiments/program/columns.h"
 #include "experiments/program/console.h"
@@ -138,50 +136,22 @@ int merge_files(const AskOptions& options) {
     return judge_atlas(**file);
 }
 
-Result<ChannelPlan> plan_of(const CLI::App& command, const AskOptions& options, const display::AtlasFile& atlas) {
-    const auto& attributes = atlas.description().attributes;
-    const auto record = attributes.find("atlas/scene");
-    auto scene = read_scene_record(record == attributes.end() ? "" : record->second, atlas.path());
-    if (!scene) return scene.error();
-    Job job;
-    if (Status read = read_expressions(command, options, job); !read) return read.error();
-    return plan_channels(job, *scene);
-}
-
-void keep_exact_partitions(const AskedLayers& layers, std::vector<display::PartitionDeclaration>& partitions) {
-    std::erase_if(partitions, [&](const display::PartitionDeclaration& partition) {
-        const bool broken =
-            std::any_of(partition.layers.begin(), partition.layers.end(), [&](const std::string& layer) {
-                const auto& undecided = layers.undecided();
-                return std::find(undecided.begin(), undecided.end(), layer) != undecided.end();
-            });
-        if (broken)
-            print_warning("partition '" + partition.name +
-                          "' is left out of the file: the atlas answers a layer of it by an interval");
-        return broken;
-    });
-}
-
 int write_layers(const CLI::App& command, display::AtlasFile& atlas, const AskOptions& options,
                  const CommandContext& context) {
-    auto plan = plan_of(command, options, atlas);
-    if (!plan) return report_error(plan.error());
-    for (const std::string& note : plan->notes) print_warning(note);
-    if (!plan->refuted.empty()) {
-        std::fprintf(stderr, "raylex: %s\nNothing was written.\n", plan->refuted.c_str());
+    Job job;
+    if (Status read = read_expressions(command, options, job); !read) return report_error(read.error());
+    auto answered = answer_question(atlas, job, {options.intervals, options.errors});
+    if (!answered) return report_error(answered.error());
+    for (const std::string& note : answered->notes) print_warning(note);
+    if (!answered->refuted.empty()) {
+        std::fprintf(stderr, "raylex: %s\nNothing was written.\n", answered->refuted.c_str());
         return exit_does_not_hold;
     }
-    auto layers = AskedLayers::make(atlas, *plan, {options.intervals, options.errors});
-    if (!layers) return report_error(layers.error());
-    display::ImageDescription description = atlas.description();
-    description.attributes["raylex/atlas"] = atlas.path();
-    description.attributes["raylex/asked"] = shell_command(context.arguments);
-    description.partitions = plan->partitions;
-    keep_exact_partitions(*layers, description.partitions);
-    if (Status fits = display::check_exr_layout(layers->channels(), AskedLayers::beauty, description.partitions); !fits)
-        return report_error(fits.error());
+    answered->description.attributes["raylex/asked"] = shell_command(context.arguments);
+    const AskedLayers& layers = answered->layers;
     std::vector<display::SplitVerdict> verdicts;
-    if (Status written = display::write_exr(options.output, *layers, AskedLayers::beauty, description, &verdicts);
+    if (Status written =
+            display::write_exr(options.output, layers, AskedLayers::beauty, answered->description, &verdicts);
         !written)
         return report_error(written.error());
     bool hold = true;
@@ -190,7 +160,7 @@ int write_layers(const CLI::App& command, display::AtlasFile& atlas, const AskOp
         hold = hold && verdict.holds;
     }
     print_line(options.output + ": " + std::to_string(atlas.width()) + "x" + std::to_string(atlas.height()) + ", " +
-               counted(layers->channels().size(), "layer") + " from " + counted(atlas.table().words.size(), "word"));
+               counted(layers.channels().size(), "layer") + " from " + counted(atlas.table().words.size(), "word"));
     return hold ? exit_holds : exit_does_not_hold;
 }
 

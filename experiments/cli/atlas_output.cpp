@@ -1,5 +1,6 @@
 #include "experiments/cli/atlas_output.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "display/output/atomic_file.h"
@@ -26,6 +27,11 @@ Status AtlasOutput::prepare(Job& job, const SceneWords& scene) {
                         "an atlas keeps exact shares, and lobes are picked here; expected a render "
                         "without picked lobes");
     job.settings.words = request.rules;
+    // Where nothing is said, words are kept whole; of those beyond 16 scatterings next to none is met twice.
+    constexpr int longest_unless_asked = 16;
+    if (request.rules.length == 0)
+        job.settings.words->length =
+            std::clamp(static_cast<int>(scene.words.max_depth.value_or(longest_unless_asked)), 1, longest_unless_asked);
     scene_record_ = scene_record(scene);
     return success();
 }

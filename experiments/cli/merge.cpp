@@ -35,16 +35,17 @@ std::vector<std::string> records_of(const ImageMergeOptions& options) {
 
 /// The file as a reader finds it; the exit code.
 int judge_merged(const std::string& path) {
-    auto image = display::read_exr(path);
-    if (!image) return report_error(image.error());
-    if (image->partitions.empty()) return exit_holds;
-    auto verdicts = display::check_declared_splits(*image);
+    auto file = display::ExrBands::open(path);
+    if (!file) return report_error(file.error());
+    const display::ExrImage& image = file->image();
+    if (image.partitions.empty()) return exit_holds;
+    auto verdicts = display::check_declared_splits(*file);
     if (!verdicts) return report_error(verdicts.error());
     int code = exit_holds;
     for (const display::SplitVerdict& verdict : *verdicts) {
         print_verdict(verdict_line(verdict), verdict.holds);
         if (verdict.holds) continue;
-        print_line("  " + write_residual_map(verdict, *image));
+        print_line("  " + write_residual_map(verdict, image));
         code = exit_does_not_hold;
     }
     return code;
@@ -72,7 +73,7 @@ int merge_records(const ImageMergeOptions& options, const std::vector<std::strin
         print_warning(std::to_string(merged->facts.invalid_samples) +
                       " contributions or values were not finite, or too large to be summed, and were left out of "
                       "beauty and layers alike");
-    const display::FrameBufferLayout& layout = merged->frame_buffer.layout();
+    const display::FrameBufferLayout& layout = merged->pixels->layout();
     print_line(options.output + ": " + std::to_string(layout.width) + "x" + std::to_string(layout.height) + ", " +
                counted(merged->shards, "shard") + ", " + std::to_string(merged->facts.range.total) +
                " samples per pixel, " + duration_text(merged->facts.cpu_seconds) + " CPU in all");

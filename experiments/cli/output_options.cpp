@@ -57,6 +57,7 @@ Status apply_deep(const OutputOptions& options, DeepRequest& deep) {
 
 Status apply_atlas(const OutputOptions& options, AtlasRequest& atlas) {
     if (!options.atlas.empty()) {
+        if (atlas.file.empty()) atlas.rules.length = 0;  // the job has no [atlas] that says one
         atlas.file = options.atlas;
         atlas.location = {"--atlas", 0, 0};
     }
@@ -111,7 +112,9 @@ void add_file_options(const OptionGroup& group, OutputOptions& options) {
               "also keeps the light of every word, so that 'raylex ask' answers expressions after the render");
     group.add("--atlas-by", options.atlas_by, "label,lobe,group,straight",
               "what the atlas's words are told apart by, beside their types; default label,lobe,group");
-    group.add("--atlas-length", options.atlas_length, "N", "scatterings of the longest words kept whole; default 8")
+    group
+        .add("--atlas-length", options.atlas_length, "N",
+             "scatterings of the longest words kept whole; default: as many as the render's paths have, at most 16")
         ->check(CLI::Range(1, display::WordRules::most_length));
     group.add("--atlas-budget", options.atlas_budget, "SIZE",
               "memory that the atlas may take, such as 2GiB, the default: beyond it words with least light are merged");

@@ -88,6 +88,12 @@ Status read_sampling(const RenderOptions& options, Job& job) {
         if (!seconds) return seconds.error();
         job.checkpoint_seconds = *seconds;
     }
+    if (!options.memory.empty()) {
+        auto memory = display::parse_memory_size(options.memory, flag("--memory"));
+        if (!memory) return memory.error();
+        bucket_settings(job).memory = *memory;
+    }
+    if (options.bucket_rows) bucket_settings(job).rows = *options.bucket_rows;
     job.resume = options.resume;
     if ((job.resume || job.shard) && job.checkpoint_seconds == 0) job.checkpoint_seconds = 60;
     return success();

@@ -101,6 +101,13 @@ void add_machine_options(const OptionGroup& group, RenderOptions& options) {
               "instruction set: sse2, sse4.2, avx, avx2 or avx512; default: the best there is");
     group.add("--memory-limit", options.outputs.memory_limit, "SIZE",
               "refuses a render whose layers need more, such as 8G; default none");
+    group.add(
+        "--memory", options.memory, "SIZE",
+        "what the whole program may take, such as 2GiB: an image that needs more is rendered in buckets, bands of "
+        "its rows, each saved in the folder OUT.exr.checkpoint once it is finished; same bits. --resume goes on "
+        "with the buckets that are not there; default no limit");
+    group.add("--bucket-rows", options.bucket_rows, "N", "renders in buckets of N rows, whether or not the image fits")
+        ->check(CLI::Range(1, 65536));
 }
 
 void add_method_options(const OptionGroup& group, RenderOptions& options) {

@@ -20,7 +20,8 @@ struct RenderOptions : ExpressionOptions {
     std::optional<int> threads;
     std::optional<std::int64_t> max_depth;
     std::vector<std::string> aovs, cryptomatte, rules, layers, statistic_layers, plugins, effects;
-    std::optional<int> cryptomatte_ranks;
+    std::string memory;
+    std::optional<int> cryptomatte_ranks, bucket_rows;
     bool no_beauty = false, resume = false, show_effects = false;
     unsigned shards = 0;
     CommandOutputOptions commands;

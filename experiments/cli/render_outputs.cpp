@@ -40,6 +40,9 @@ void print_memory(const RenderOutputs& outputs, std::uint64_t limit) {
                        std::to_string(layers) + (layers == 1 ? " layer" : " layers");
     if (limit > 0) line += ", of at most " + display::memory_text(limit);
     print_line(line);
+    if (outputs.buckets() > 0)
+        print_line("  for a bucket of " + std::to_string(outputs.bucket_rows()) + " rows, one of " +
+                   std::to_string(outputs.buckets()));
     for (const auto& [bytes, names] : by_size) {
         std::string list;
         for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
@@ -126,6 +129,24 @@ Status RenderOutputs::make_deep(const transport::RenderPlan& plan) {
     return display::check_writable(request.file);
 }
 
+/// What wants the whole image at any time is refused where no more than a bucket of it is in memory.
+Status RenderOutputs::check_buckets(const transport::RenderPlan& plan) {
+    buckets_ = plan.buckets;
+    bucket_rows_ = plan.bucket_rows;
+    if (plan.buckets == 0) return success();
+    const std::string why = " with a render in buckets (--memory, --bucket-rows): ";
+    const char* const hint = "leave it out, or render without buckets";
+    if (!job_->outputs.deep.file.empty())
+        return error_at(job_->outputs.deep.location,
+                        "a deep image" + why + "its samples are kept in memory for the whole image", hint);
+    if (!job_->outputs.atlas.file.empty())
+        return error_at(job_->outputs.atlas.location,
+                        "a path atlas" + why + "its words are kept in memory for the whole image", hint);
+    if (drivers_.any_live())
+        return error_at({}, "a live viewer" + why + "it may be shown any part of the image at any time", hint);
+    return success();
+}
+
 Status RenderOutputs::begin(const transport::RenderPlan& plan, std::vector<display::SampleSink*>& sinks,
                             const display::Chromaticities& primaries,
                             std::vector<display::PartitionDeclaration>& partitions) {
@@ -137,13 +158,16 @@ Status RenderOutputs::begin(const transport::RenderPlan& plan, std::vector<displ
         if (!filter) return filter.error();
         filters_.push_back(std::move(*filter));
     }
+    if (Status buckets = check_buckets(plan); !buckets) return buckets;
     drop_altered(plan, partitions);
     memory_ = plan.memory;
     if (Status deep = make_deep(plan); !deep) return deep;
     if (Status atlas = atlas_.make(*job_, plan); !atlas) return atlas;
     if (atlas_.buffer() != nullptr) memory_.push_back({"atlas", atlas_.buffer()->expected_bytes()});
     if (deep_) memory_.push_back({"deep", deep_->expected_bytes()});
-    if (Status fits = display::check_memory(memory_, job_->outputs.memory_limit); !fits) return fits;
+    const std::string in_buckets =
+        plan.buckets == 0 ? "--memory SIZE renders it in buckets, each saved when it is finished" : "";
+    if (Status fits = display::check_memory(memory_, job_->outputs.memory_limit, in_buckets); !fits) return fits;
     if (deep_) sinks.push_back(deep_.get());
     if (atlas_.buffer() != nullptr) sinks.push_back(atlas_.buffer());
     display::DriverImage image;
@@ -224,8 +248,13 @@ void RenderOutputs::update(const transport::RenderProgress& progress) {
 }
 
 Status RenderOutputs::close(const transport::RenderOutput& output, const display::ImageDescription& description) {
-    const display::FilteredImage image = filtered(output.frame_buffer);
-    Status closed = drivers_.close({image, output.beauty, description});
+    const display::FilteredImage image = filtered(output.image());
+    Status closed = success();
+    try {
+        closed = drivers_.close({image, output.beauty, description});
+    } catch (const display::BandFailure& failure) {  // of what no driver of ours catches
+        return failure.error();
+    }
     if (Status atlas = atlas_.write(output, description); closed && !atlas) closed = atlas;
     if (!deep_) return closed;
     Status deep = display::write_deep_exr(job_->outputs.deep.file, *deep_, output.beauty, description,

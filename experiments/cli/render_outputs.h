@@ -55,11 +55,15 @@ class RenderOutputs {
     /// Beside the main image.
     [[nodiscard]] std::vector<std::string> files() const;
     [[nodiscard]] const std::vector<display::MemoryItem>& memory() const { return memory_; }
+    /// Of a render in buckets: how many, and how many rows one has at most; else 0.
+    [[nodiscard]] std::size_t buckets() const { return buckets_; }
+    [[nodiscard]] int bucket_rows() const { return bucket_rows_; }
     [[nodiscard]] std::size_t layers() const { return channels_.size(); }
     [[nodiscard]] const display::DeepBuffer* deep() const { return deep_.get(); }
 
   private:
     void drop_altered(const transport::RenderPlan& plan, std::vector<display::PartitionDeclaration>& partitions);
+    Status check_buckets(const transport::RenderPlan& plan);
     Status make_deep(const transport::RenderPlan& plan);
     const Job* job_ = nullptr;
     display::DriverSet drivers_;
@@ -70,6 +74,8 @@ class RenderOutputs {
     std::vector<std::unique_ptr<display::DisplayFilter>> filters_;
     std::vector<std::string> warnings_;
     display::FrameBufferLayout layout_;
+    std::size_t buckets_ = 0;
+    int bucket_rows_ = 0;
 };
 
 /// "deep: 3 layers flatten to the image (...)".

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -12,6 +13,7 @@
 #include "display/output/exr_writer.h"
 #include "display/output/split_check.h"
 #include "experiments/cli/judge.h"
+#include "experiments/cli/loading_line.h"
 #include "experiments/cli/progress.h"
 #include "experiments/cli/render_outputs.h"
 #include "experiments/job/channel_plan.h"
@@ -26,6 +28,8 @@
 #include "experiments/program/tint.h"
 #include "experiments/program/work_lock.h"
 #include "experiments/shards/shard_render.h"
+#include "lpe/algebra/event_words.h"
+#include "transport/render/built_scene.h"
 
 namespace raylex::experiments {
 namespace {
@@ -40,13 +44,13 @@ class RenderRun {
     int run() {
         at_once_.emplace("raylex: interrupted before anything was rendered; no file was written\n");
         if (job_.settings.only) {
-            for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::plan})
+            for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::build, &RenderRun::plan})
                 if (const std::optional<int> code = (this->*step)()) return *code;
             return replay();
         }
         if (job_.shard) return run_shard();
         for (std::optional<int> (RenderRun::*step)() :
-             {&RenderRun::check_outputs, &RenderRun::load, &RenderRun::plan, &RenderRun::render,
+             {&RenderRun::check_outputs, &RenderRun::load, &RenderRun::build, &RenderRun::plan, &RenderRun::render,
               &RenderRun::write_image, &RenderRun::judge, &RenderRun::write_statistics})
             if (const std::optional<int> code = (this->*step)()) return *code;
         print_summary();
@@ -60,12 +64,15 @@ class RenderRun {
     /// What all samples would take.
     std::optional<int> estimate(bool calibrate, RenderEstimate& estimate) {
         quiet_ = true;
-        for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::plan})
+        for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::build, &RenderRun::plan})
             if (const std::optional<int> code = (this->*step)()) return code;
         if (Status possible = check_shardable(job_, loaded_->scene); !possible) return report_error(possible.error());
         auto samples = samples_of_job(job_, loaded_->scene);
         if (!samples) return report_error(samples.error());
         estimate.samples_per_pixel = *samples;
+        const std::uint64_t most_memory = job_.settings.buckets ? job_.settings.buckets->memory : 0;
+        calibrate = calibrate && !job_.settings.buckets;  // what does not fit is not rendered here either
+        job_.settings.buckets.reset();
         constexpr double seconds = 2;
         job_.settings.limit = transport::SampleLimit{seconds, 0, 0};
         double pixels = 0;
@@ -75,11 +82,11 @@ class RenderRun {
             image_bytes = display::total_bytes(plan.memory) / 2;  // the other half is for the limit
             return calibrate ? success() : Status(error_at({}, "nothing is rendered"));
         };
-        const auto output = transport::render(loaded_->scene, job_.settings, {}, &interrupt_flag());
+        const auto output = transport::render(loaded_->scene, *built_, job_.settings, {}, &interrupt_flag());
         if (!output && pixels == 0) return report_error(output.error());
-        // What is resident now, the image and its copy for the limit included; a checkpoint is such a copy, a record
-        // that is written another one.
+        // What is resident now, with the image and its copy for the limit; a checkpoint, and a record, are such copies.
         estimate.memory_bytes = peak_memory_bytes() + (output ? 1 : 3) * image_bytes;
+        if (most_memory > 0) estimate.memory_bytes = std::min(estimate.memory_bytes, most_memory);
         if (!output || output->statistics.camera_samples == 0) return go_on;
         estimate.cpu_seconds = output->statistics.render_cpu_seconds * pixels * static_cast<double>(*samples) /
                                static_cast<double>(output->statistics.camera_samples);
@@ -94,7 +101,8 @@ class RenderRun {
     int run_shard() {
         for (std::optional<int> (RenderRun::*step)() :
              {&RenderRun::check_outputs, &RenderRun::lock_shard, &RenderRun::load, &RenderRun::begin_shard,
-              &RenderRun::plan, &RenderRun::render, &RenderRun::write_shard, &RenderRun::write_statistics})
+              &RenderRun::build, &RenderRun::plan, &RenderRun::render, &RenderRun::write_shard,
+              &RenderRun::write_statistics})
             if (const std::optional<int> code = (this->*step)()) return *code;
         const transport::RenderStatistics& statistics = output_->statistics;
         print_line(shard_->record() + ": " + shard_->text() + ", " + duration_text(statistics.render_seconds) + " (" +
@@ -133,10 +141,13 @@ class RenderRun {
 
     Step load() {
         const PhaseClock clock;
-        auto loaded = load_job_scene(job_);
+        LoadingLine loading;
+        auto loaded = load_job_scene(job_, loading.progress());
+        loading.finish();
         if (!loaded) return report_error(loaded.error());
         loaded_ = std::move(*loaded);
         ask_for_film_layers(loaded_->scene.film, job_);
+        if (const auto ignored = ask_for_film_clamp(loaded_->scene, job_)) warn(*ignored);
         for (const std::string& warning : loaded_->warnings) warn(warning);
         if (!quiet_)
             for (const std::string& line : job_.show_effects ? effect_table(loaded_->effects, job_.effects)
@@ -145,6 +156,17 @@ class RenderRun {
         if (!job_.settings.only)
             if (Status made = outputs_.make(job_, loaded_->color); !made) return report_error(made.error());
         phases_["load"] = clock.elapsed();
+        return interrupted_early();
+    }
+
+    /// Once: the plan goes by the same tables as the render, so that no image and no grid is read again.
+    Step build() {
+        LoadingLine loading;
+        auto built = transport::BuiltScene::build(loaded_->scene,
+                                                  {job_.settings.isa, job_.settings.threads, loading.progress()});
+        loading.finish();
+        if (!built) return report_error(built.error());
+        built_ = std::move(*built);
         return interrupted_early();
     }
 
@@ -178,7 +200,7 @@ class RenderRun {
 
     Step plan() {
         const PhaseClock clock;
-        auto words = scene_words(job_, loaded_->scene);
+        auto words = scene_words(job_, loaded_->scene, built_.get());
         if (!words) return report_error(words.error());
         auto plan = plan_channels(job_, *words);
         if (!plan) return report_error(plan.error());
@@ -190,6 +212,9 @@ class RenderRun {
         if (!job_.settings.beauty && plan->channels.empty())
             return report_error("--no-beauty leaves nothing to render; expected at least one --lpe or --aov with it");
         job_.settings.channels = plan->channels;
+        for (const std::string& line :
+             job_.show_effects ? aov_table(job_.settings.channels) : aov_summary(job_.settings.channels))
+            print_line(line);
         if (!job_.settings.only)
             if (Status atlas = outputs_.atlas().prepare(job_, *words); !atlas) return report_error(atlas.error());
         partitions_ = plan->partitions;
@@ -206,10 +231,11 @@ class RenderRun {
     }
 
     void ask_for_checkpoints() {
-        if (job_.checkpoint_seconds == 0) return;
+        if (job_.checkpoint_seconds == 0 && !job_.settings.buckets) return;
         transport::CheckpointSettings settings;
         settings.file = checkpoint_file(job_);
-        settings.seconds = job_.checkpoint_seconds;
+        settings.seconds =
+            job_.checkpoint_seconds > 0 ? job_.checkpoint_seconds : std::numeric_limits<double>::infinity();
         settings.resume = job_.resume;
         settings.identity = checkpoint_identity(job_, loaded_->color);
         job_.settings.checkpoint = std::move(settings);
@@ -217,8 +243,11 @@ class RenderRun {
 
     /// The image is safe under its name, and so are all other files: what would bring it back is not needed any more.
     void remove_checkpoint() {
-        if (job_.checkpoint_seconds == 0 || !output_->complete) return;
-        if (Status removed = display::remove_file(checkpoint_file(job_)); !removed) warn(removed.error().to_string());
+        if (!output_->complete || (job_.checkpoint_seconds == 0 && !output_->bands)) return;
+        const Status removed = output_->bands ? transport::remove_buckets(checkpoint_file(job_))
+                                              : display::remove_file(checkpoint_file(job_));
+        if (!removed) warn(removed.error().to_string());
+        output_->bands.reset();  // and its band in memory, before the file is read
     }
 
     Step render() {
@@ -233,7 +262,7 @@ class RenderRun {
             return begun && shard_ ? look_for_record(plan) : begun;
         };
         auto output = transport::render(
-            loaded_->scene, job_.settings,
+            loaded_->scene, *built_, job_.settings,
             [&](const transport::RenderProgress& now) {
                 progress.update(now);
                 outputs_.update(now);
@@ -252,7 +281,7 @@ class RenderRun {
         phases_["build"] = {statistics.build_seconds, statistics.build_cpu_seconds};
         phases_["prepare"] = {statistics.prepare_seconds, statistics.prepare_cpu_seconds};
         phases_["render"] = {statistics.render_seconds, statistics.render_cpu_seconds};
-        if (statistics.invalid_samples > 0) warn_of_invalid(statistics);
+        if (statistics.invalid_samples > 0) warn(text_of_invalid(job_, *output_, arguments_));
         if (!output_->complete && statistics.camera_samples == 0) {
             if (interrupt_flag().load()) return interrupted_early();
             print_warning(
@@ -263,24 +292,10 @@ class RenderRun {
         return go_on;
     }
 
-    void warn_of_invalid(const transport::RenderStatistics& statistics) {
-        std::string text = std::to_string(statistics.invalid_samples) +
-                           " contributions or values were not finite, or too large to be summed, and were left out of "
-                           "beauty and layers alike; the AOV "
-                           "invalidSamples shows where, --stats lists the first ones";
-        if (!statistics.invalid_log.empty()) {
-            const display::InvalidSample& first = statistics.invalid_log.front();
-            text += ".\n  The first: pixel (" + std::to_string(first.pixel_x) + ", " + std::to_string(first.pixel_y) +
-                    "), sample " + std::to_string(first.sample) + ", seed " + std::to_string(output_->seed) +
-                    "; to see that sample alone:\n  " + replay_command(job_, *output_, arguments_, first);
-        }
-        warn(text);
-    }
-
     /// One sample of one pixel, told and not written. Exit code 1 when something of it is refused.
     int replay() {
         const transport::SampleChoice& only = *job_.settings.only;
-        auto output = transport::render(loaded_->scene, job_.settings, {}, &interrupt_flag());
+        auto output = transport::render(loaded_->scene, *built_, job_.settings, {}, &interrupt_flag());
         if (!output) return report_error(output.error());
         const transport::RenderStatistics& statistics = output->statistics;
         const std::span<const display::ChannelDefinition> channels = output->frame_buffer.channels();
@@ -306,7 +321,7 @@ class RenderRun {
     /// What the file or the record says of the image.
     display::ImageDescription describe_image() {
         attributes_ = header_attributes(job_, *output_, arguments_, loaded_->color.description);
-        if (!beauties_.empty()) attributes_["raylex/is_beauty"] = listed(beauties_);
+        if (!beauties_.empty()) attributes_["raylex/is_beauty"] = lpe::joined_by(beauties_, ", ");
         if (!loaded_->color.texture_spaces->empty())
             attributes_["raylex/texture_spaces"] = *loaded_->color.texture_spaces;
         return image_description(job_, *loaded_, *output_, partitions_, attributes_);
@@ -344,7 +359,7 @@ class RenderRun {
         const fs::path folder = fs::temp_directory_path(failed);
         const std::string path = (folder / fs::path(job_.output).filename()).string();
         if (!failed && !fs::exists(path, failed) &&
-            display::write_exr(path, outputs_.filtered(output_->frame_buffer), output_->beauty, description)) {
+            display::write_exr(path, outputs_.filtered(output_->image()), output_->beauty, description)) {
             Error error = failure;
             error.hint = "the image was saved as " + path + " instead";
             return report_error(error);
@@ -354,14 +369,19 @@ class RenderRun {
 
     /// Judges the file as a reader finds it, not the buffers it came from.
     Step judge() {
-        auto image = display::read_exr(job_.output);
-        if (!image) return report_error(image.error());
-        if (!image->partitions.empty()) {
-            auto verdicts = display::check_declared_splits(*image);
+        auto file = display::ExrBands::open(job_.output);
+        if (!file) return report_error(file.error());
+        image_ = file->image();
+        if (!image_.partitions.empty()) {
+            auto verdicts = display::check_declared_splits(*file);
             if (!verdicts) return report_error(verdicts.error());
             splits_ = std::move(*verdicts);
         }
-        image_ = std::move(*image);
+        if (outputs_.deep() != nullptr) {
+            auto pixels = display::read_exr(job_.output);
+            if (!pixels) return report_error(pixels.error());
+            image_ = *std::move(pixels);
+        }
         auto deep = outputs_.judge_deep(image_);
         if (!deep) return report_error(deep.error());
         deep_ = std::move(*deep);
@@ -378,12 +398,6 @@ class RenderRun {
         Status written = display::write_text_file(job_.statistics, statistics_json(record));
         if (!written) return report_error(written.error());
         return go_on;
-    }
-
-    static std::string listed(const std::vector<std::string>& names) {
-        std::string text;
-        for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-        return text;
     }
 
     void print_summary() const {
@@ -408,11 +422,13 @@ class RenderRun {
             line += interrupt_flag().load() ? "; INCOMPLETE: interrupted"
                                             : "; INCOMPLETE: the time was up before all pixels had as many samples";
         print_line(line);
-        if (!output_->complete && job_.checkpoint_seconds > 0 && fs::exists(checkpoint_file(job_), failed))
+        if (!output_->complete && (job_.checkpoint_seconds > 0 || output_->bands) &&
+            fs::exists(checkpoint_file(job_), failed))
             print_line(checkpoint_file(job_) + ": --resume goes on from here");
         print_sampling();
         if (!beauties_.empty())
-            print_line("the beauty by another name: " + listed(beauties_) + " (every path of this scene)");
+            print_line("the beauty by another name: " + lpe::joined_by(beauties_, ", ") +
+                       " (every path of this scene)");
         for (const std::string& path : outputs_.files()) print_line(path);
         if (!job_.statistics.empty()) print_line(job_.statistics);
         const auto seconds = [this](const char* phase) { return duration_text(phases_.at(phase).wall_seconds); };
@@ -450,6 +466,7 @@ class RenderRun {
     const InterruptsWait wait_;
     std::optional<InterruptsAtOnce> at_once_;
     std::unique_ptr<JobScene> loaded_;
+    std::shared_ptr<const transport::BuiltScene> built_;
     std::vector<display::PartitionDeclaration> partitions_;
     std::vector<std::string> beauties_;
     RenderOutputs outputs_;
@@ -459,7 +476,7 @@ class RenderRun {
     std::optional<transport::RenderOutput> output_;
     std::optional<display::DeepVerdict> deep_;
     std::optional<display::AtlasVerdict> atlas_;
-    display::ExrImage image_;
+    display::ExrImage image_;  // its pixels only where a deep image is compared with them
     std::vector<display::SplitVerdict> splits_;
     std::map<std::string, PhaseTime> phases_;
     std::map<std::string, std::string> attributes_;

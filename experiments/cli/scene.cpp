@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "experiments/cli/commands.h"
+#include "experiments/cli/loading_line.h"
 #include "experiments/cli/option_group.h"
 #include "experiments/cli/plugin_options.h"
 #include "experiments/cli/scene_commands.h"
@@ -100,10 +101,16 @@ void print_verdicts(const std::vector<Verdict>& verdicts) {
 int check_scene(const SceneCheckOptions& options) {
     if (Status loaded = load_plugins(options.plugins); !loaded) return report_error(loaded.error());
     if (!options.invariants) {
-        const auto scene = transport::import_pbrt(options.input);
+        LoadingLine loading;
+        const auto scene = transport::import_pbrt(
+            options.input,
+            {.missing = transport::MissingFiles::placeholders, .threads = 0, .progress = loading.progress()});
+        const auto built =
+            scene ? transport::BuiltScene::build(*scene, {.isa = {}, .threads = 0, .progress = loading.progress()})
+                  : scene.error();
+        loading.finish();
         if (!scene) return report_error(scene.error());
         print_warnings(*scene);
-        const auto built = transport::BuiltScene::build(*scene);
         if (!built) return report_error(built.error());
         const std::vector<Error> doubts = scene_doubts(*scene, **built);
         for (const Error& doubt : doubts) print_line(doubt.to_string());
@@ -111,8 +118,11 @@ int check_scene(const SceneCheckOptions& options) {
         print_line(options.input + ": " + counted(scene->shapes.size(), "shape") + ", " + counted(objects, "object") +
                    ", " + counted(scene->instances.size(), "instance") + ", " +
                    counted(scene->lights.size() + scene->area_lights.size(), "light") + ", " +
-                   counted(scene->warnings.size(), "warning") + ", " + counted(doubts.size(), "doubt"));
-        return doubts.empty() ? exit_holds : exit_does_not_hold;
+                   counted(scene->warnings.size(), "warning") + ", " + counted(doubts.size(), "doubt") +
+                   (scene->placeholders.empty()
+                        ? ""
+                        : ", " + counted(scene->placeholders.size(), "file") + " that cannot be found"));
+        return doubts.empty() && scene->placeholders.empty() ? exit_holds : exit_does_not_hold;
     }
     const auto text = transport::read_file(options.input, NamedBy::file, "a pbrt-v4 scene");
     if (!text) return report_error(text.error());

@@ -5,6 +5,7 @@
 
 #include "display/output/atomic_file.h"
 #include "display/output/color_manager.h"
+#include "experiments/cli/loading_line.h"
 #include "experiments/cli/plugin_options.h"
 #include "experiments/cli/scene_commands.h"
 #include "experiments/inspect/scene_facts.h"
@@ -52,17 +53,19 @@ Status write_picture(const transport::BuiltScene& scene, const transport::SceneD
 int tell_of(const SceneInfoOptions& options) {
     if (Status loaded = load_plugins(options.plugins); !loaded) return report_error(loaded.error());
     const auto begin = std::chrono::steady_clock::now();
-    const auto scene = transport::import_pbrt(options.input);
-    if (!scene) return report_error(scene.error());
+    LoadingLine loading;
+    const auto scene = transport::import_pbrt(options.input, {.progress = loading.progress()});
+    if (!scene) return loading.finish(), report_error(scene.error());
     SceneFacts facts = scene_facts(*scene);
     facts.read_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     std::shared_ptr<const transport::BuiltScene> built;
     if (!options.without_build) {
-        auto made = transport::BuiltScene::build(*scene);
-        if (!made) return report_error(made.error());
+        auto made = transport::BuiltScene::build(*scene, {.isa = {}, .progress = loading.progress()});
+        if (!made) return loading.finish(), report_error(made.error());
         built = *made;
         add_built_facts(*built, facts);
     }
+    loading.finish();
     for (const std::string& line : lines_of(facts)) print_line(line);
     for (const std::string& warning : facts.warnings) print_warning(warning);
     if (!options.json.empty()) {

@@ -36,10 +36,6 @@ void note_incomplete(const display::ExrImage& image) {
         print_line(image.path + ": the render was interrupted; this image is incomplete");
 }
 
-Result<display::ExrImage> read_images(const std::vector<std::string>& files) {
-    return files.size() == 1 ? display::read_exr(files.front()) : display::read_exr_set(files);
-}
-
 // "ABS,REL", two numbers that are not negative.
 Result<display::Allowance> parse_tolerance(const std::string& text) {
     display::Allowance allowance;
@@ -65,16 +61,25 @@ Result<display::Allowance> parse_tolerance(const std::string& text) {
     return allowance;
 }
 
-int verify_sum(const VerifyOptions& options) {
-    auto image = read_images(options.files);
-    if (!image) return report_error(image.error());
+/// Of an image in memory, or of a file in bands.
+template <class Source>
+int verify_sum_of(const Source& source, const display::ExrImage& image, const VerifyOptions& options) {
     // Nobody said what is split: what is called as renderers call the beauty, and the verdict names it.
     std::string of = options.of;
-    if (of.empty() && image->layer("") == nullptr) of = display::likely_beauty(*image);
-    auto verdict = display::check_split(*image, of, options.sums, options.tolerance.value_or(display::Allowance{}));
+    if (of.empty() && image.layer("") == nullptr) of = display::likely_beauty(image);
+    auto verdict = display::check_split(source, of, options.sums, options.tolerance.value_or(display::Allowance{}));
     if (!verdict) return report_error(verdict.error());
-    note_incomplete(*image);
-    return print_verdict(*verdict, *image) ? exit_holds : exit_does_not_hold;
+    note_incomplete(image);
+    return print_verdict(*verdict, image) ? exit_holds : exit_does_not_hold;
+}
+
+int verify_sum(const VerifyOptions& options) {
+    if (options.files.size() == 1) {
+        auto file = display::ExrBands::open(options.files.front());
+        return file ? verify_sum_of(*file, file->image(), options) : report_error(file.error());
+    }
+    auto image = display::read_exr_set(options.files);
+    return image ? verify_sum_of(*image, *image, options) : report_error(image.error());
 }
 
 // All splits of one image by a preset: whether they hold, or an error.
@@ -148,16 +153,17 @@ int verify_declared(const VerifyOptions& options) {
             all_hold = code == exit_holds && all_hold;
             continue;
         }
-        auto image = display::read_exr(file);
-        if (!image) return report_error(image.error());
-        if (image->partitions.empty()) {
-            if (without.empty()) without = without_partition(*image);
+        auto bands = display::ExrBands::open(file);
+        if (!bands) return report_error(bands.error());
+        const display::ExrImage& image = bands->image();
+        if (image.partitions.empty()) {
+            if (without.empty()) without = without_partition(image);
             continue;
         }
-        auto verdicts = display::check_declared_splits(*image, options.tolerance.value_or(display::Allowance{}));
+        auto verdicts = display::check_declared_splits(*bands, options.tolerance.value_or(display::Allowance{}));
         if (!verdicts) return report_error(verdicts.error());
-        note_incomplete(*image);
-        for (const display::SplitVerdict& verdict : *verdicts) all_hold = print_verdict(verdict, *image) && all_hold;
+        note_incomplete(image);
+        for (const display::SplitVerdict& verdict : *verdicts) all_hold = print_verdict(verdict, image) && all_hold;
     }
     if (!without.empty()) return report_error(without);
     return all_hold ? exit_holds : exit_does_not_hold;

@@ -9,6 +9,7 @@
 #include "experiments/job/effect_report.h"
 #include "experiments/program/console.h"
 #include "transport/render/film.h"
+#include "transport/scene/surface_names.h"
 
 namespace raylex::experiments {
 namespace {
@@ -31,24 +32,6 @@ class KindCounter {
     std::map<std::string, std::size_t> place_;
     std::vector<KindCount> counts_;
 };
-
-const char* kind_name(ShapeKind kind) {
-    switch (kind) {
-        case ShapeKind::triangle_mesh:
-            return "triangle mesh";
-        case ShapeKind::bilinear_mesh:
-            return "bilinear mesh";
-        case ShapeKind::sphere:
-            return "sphere";
-        case ShapeKind::disk:
-            return "disk";
-        case ShapeKind::cylinder:
-            return "cylinder";
-        case ShapeKind::curves:
-            return "curves";
-    }
-    return "shape";
-}
 
 std::uint64_t primitive_count(const SceneShape& shape) {
     if (shape.kind == ShapeKind::triangle_mesh) return shape.indices.size() / 3;
@@ -74,7 +57,7 @@ void add_shapes(const SceneDescription& scene, SceneFacts& facts) {
     KindCounter shapes, primitives;
     std::set<std::string> labels;
     const auto add = [&](const SceneShape& shape) {
-        shapes.add(kind_name(shape.kind));
+        shapes.add(transport::shape_type_name(shape.kind));
         primitives.add(primitive_name(shape.kind), primitive_count(shape));
         if (!shape.label.empty()) labels.insert(shape.label);
         facts.mesh_bytes += (shape.positions.size() + shape.normals.size()) * sizeof(transport::StoredVec3) +

@@ -289,7 +289,7 @@ class SceneMaker {
         placement.material = material();
         placement.outside = air_;
         placement.inside = air_;
-        if (fog_.index >= 0 && random_.chance(0.4))
+        if (fog_.reference >= 0 && random_.chance(0.4))
             placement.inside = random_.chance(0.7) ? fog_ : transport::MediumHandle{};
         placement.reverse_orientation = random_.chance(0.2);
         if (random_.chance(0.35)) {

@@ -1,6 +1,10 @@
 #include "experiments/job/effect_report.h"
 
 #include <algorithm>
+#include <array>
+
+#include "geoaovs/geoaovs.h"
+#include "lpe/algebra/event_words.h"
 
 namespace raylex::experiments {
 namespace {
@@ -52,6 +56,50 @@ class Listing {
 std::string column(std::string text, std::size_t width) {
     text.resize(std::max(text.size() + 2, width), ' ');
     return text;
+}
+
+/// What AOVs can ask for. Kinds of first hits are the columns that describe them.
+struct AovKind {
+    const char* name;
+    geoaovs::Inputs input;  ///< 0: of rays or samples, as `asks` finds
+    bool (*asks)(const geoaovs::GeometricAovs& aov) = nullptr;
+};
+
+namespace in = geoaovs::inputs;
+constexpr std::array aov_kinds{
+    AovKind{"positions", in::position},
+    AovKind{"shading normals", in::shading_normal},
+    AovKind{"geometric normals", in::geometric_normal},
+    AovKind{"normals before bumps", in::plain_normal},
+    AovKind{"directions of view", in::view},
+    AovKind{"texture coordinates", in::texture},
+    AovKind{"parameters of primitives", in::parameters},
+    AovKind{"tangents along u", in::dpdu},
+    AovKind{"tangents along v", in::dpdv},
+    AovKind{"positions in objects", in::object_position},
+    AovKind{"curvature", in::curvature},
+    AovKind{"refractive indices", in::outside_ior},
+    AovKind{"numbers of objects", in::ids},
+    AovKind{"distances to edges", in::edges},
+    AovKind{"albedo", in::albedo},
+    AovKind{"depths of rays", 0, [](const geoaovs::GeometricAovs& aov) { return aov.wants_rays(); }},
+    AovKind{"counts of samples", 0,
+            [](const geoaovs::GeometricAovs& aov) { return aov.wants_samples() && !aov.wants_time(); }},
+    AovKind{"times of samples", 0, [](const geoaovs::GeometricAovs& aov) { return aov.wants_time(); }},
+};
+
+/// [kind] the channels that ask for it.
+std::array<std::vector<std::string>, aov_kinds.size()> askers(std::span<const display::ChannelDefinition> channels) {
+    std::array<std::vector<std::string>, aov_kinds.size()> found;
+    for (const display::ChannelDefinition& channel : channels) {
+        const geoaovs::GeometricAovs aov({&channel, 1});
+        for (std::size_t i = 0; i < aov_kinds.size(); ++i) {
+            const AovKind& kind = aov_kinds[i];
+            if (kind.asks != nullptr ? kind.asks(aov) : (aov.inputs() & kind.input) != 0)
+                found[i].push_back(channel.name);
+        }
+    }
+    return found;
 }
 
 /// What a choice that goes against the scene does.
@@ -109,6 +157,35 @@ std::vector<std::string> effect_table(const EffectFindings& found, const EffectC
     for (const transport::AbsentEffect& each : transport::effects_not_simulated())
         lines.push_back(column(each.name, 21) + column("never", 13) + each.consequence);
     return lines;
+}
+
+std::vector<std::string> aov_summary(std::span<const display::ChannelDefinition> channels) {
+    const auto found = askers(channels);
+    Listing on("AOVs ask for:");
+    for (std::size_t i = 0; i < found.size(); ++i)
+        if (!found[i].empty()) on.add(std::string(aov_kinds[i].name) + " (" + lpe::joined_by(found[i], ", ") + ")");
+    std::vector<std::string> lines;
+    if (on.count() > 0) on.append_to(lines);
+    return lines;
+}
+
+std::vector<std::string> aov_table(std::span<const display::ChannelDefinition> channels) {
+    const auto found = askers(channels);
+    std::vector<std::string> lines{column("kind of AOV", 26) + column("computed", 13) + "why"};
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        const bool asked = !found[i].empty();
+        lines.push_back(column(aov_kinds[i].name, 26) + column(asked ? "on" : "off", 13) +
+                        (asked ? "for " + lpe::joined_by(found[i], ", ") : "nobody asks"));
+    }
+    return lines;
+}
+
+Json aovs_json(std::span<const display::ChannelDefinition> channels) {
+    const auto found = askers(channels);
+    Json json = Json::object();
+    for (std::size_t i = 0; i < found.size(); ++i)
+        if (!found[i].empty()) json[aov_kinds[i].name] = found[i];
+    return json;
 }
 
 Json effects_json(const EffectFindings& found, const EffectChoices& choices) {

@@ -1,9 +1,11 @@
 // Which effects a render simulates, and why, as lines for people and as JSON.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
+#include "display/services/channel.h"
 #include "experiments/job/json.h"
 #include "transport/scene/effects.h"
 
@@ -20,5 +22,13 @@ std::vector<std::string> effect_table(const transport::EffectFindings& found, co
 
 /// {NAME: {"simulated", "called_for", "forced" (null, true, false), "why"}}
 Json effects_json(const transport::EffectFindings& found, const transport::EffectChoices& choices);
+
+/// Which kinds of geometric AOV are asked for, of first hits, camera rays and samples, and by whom, in a line or two;
+/// what nobody asks for is not computed. Empty where there is no such AOV.
+std::vector<std::string> aov_summary(std::span<const display::ChannelDefinition> channels);
+/// A line for every kind.
+std::vector<std::string> aov_table(std::span<const display::ChannelDefinition> channels);
+/// {KIND: [NAME...]}, of what is asked for.
+Json aovs_json(std::span<const display::ChannelDefinition> channels);
 
 }  // namespace raylex::experiments

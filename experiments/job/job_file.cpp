@@ -73,6 +73,7 @@ void read_render(TomlTable& root, Job& job) {
     read_memory_limit(render, job.outputs);
     read_time(render, job);
     read_checkpoint(render, job);
+    read_buckets(render, job);
     render.read("beauty", job.settings.beauty);
     render.read("isa", job.settings.isa);
     read_method_settings(render, job.settings);

@@ -10,6 +10,7 @@
 #include "experiments/job/parameter_check.h"
 #include "experiments/job/provenance.h"
 #include "transport/import/pbrt_importer.h"
+#include "transport/integrators/integrator.h"
 #include "transport/plugins/plugin_loader.h"
 #include "transport/render/film.h"
 
@@ -46,10 +47,10 @@ Result<std::unique_ptr<JobScene>> finish_job_scene(const Job& job, std::unique_p
 
 }  // namespace
 
-Result<std::unique_ptr<JobScene>> load_job_scene(const Job& job) {
+Result<std::unique_ptr<JobScene>> load_job_scene(const Job& job, transport::LoadingProgress* progress) {
     auto loaded = begin_job_scene(job);
     if (!loaded) return loaded;
-    auto scene = transport::import_pbrt(job.scene_file, {job.missing});
+    auto scene = transport::import_pbrt(job.scene_file, {job.missing, job.settings.threads, progress});
     if (!scene) return scene.error();
     (*loaded)->scene = std::move(*scene);
     return finish_job_scene(job, *std::move(loaded));
@@ -68,6 +69,24 @@ void ask_for_film_layers(const transport::SceneEntity& film, Job& job) {
     };
     for (const std::string& layer : transport::gbuffer_layers(film))
         if (!has(job.aovs, layer) && !has(job.expressions, layer)) job.aovs.push_back({layer, film.location});
+}
+
+std::optional<std::string> ask_for_film_clamp(const transport::SceneDescription& scene, Job& job) {
+    const Parameter* limit = scene.film.parameters.find("maxcomponentvalue");
+    if (limit == nullptr || !job.settings.sample_filters.empty()) return std::nullopt;
+    const std::string ignored = "the film's maxcomponentvalue is ignored: ";
+    if (!job.settings.beauty) return ignored + "samples are bounded by their beauty, which is left out";
+    if (!job.outputs.atlas.file.empty()) return ignored + "an atlas keeps light as it is";
+    const auto chosen = transport::choose_integrator(
+        transport::integrator_for(job.settings.integrator, scene.integrator), job.settings.max_depth);
+    if (chosen && chosen->integrator->traits().raster_splats) return ignored + "light that paths splat has no samples";
+    transport::SceneEntity clamp;
+    clamp.type = "clamp";
+    clamp.location = clamp.parameters.location = limit->location;
+    clamp.parameters.parameters.push_back(*limit);
+    clamp.parameters.parameters.back().name = "component";
+    job.settings.sample_filters.push_back(std::move(clamp));
+    return std::nullopt;
 }
 
 display::RecordIdentity checkpoint_identity(const Job& job, const ColorSetup& color) {
@@ -96,7 +115,8 @@ display::ImageDescription image_description(const Job& job, const JobScene& scen
     description.chromaticities = scene.primaries;
     for (const geoaovs::Cryptomatte& matte : output.cryptomatte)
         description.data_parts.push_back(
-            {matte.name(), matte.planes(), matte.attributes(), [&matte] { return matte.values(); }});
+            {matte.name(), matte.planes(), matte.attributes(),
+             [&matte](const display::PixelRegion& rows) { return matte.values(rows.y0, rows.y1); }});
     description.world_to_camera = output.world_to_camera;
     description.world_to_screen = output.world_to_screen;
     description.complete = output.complete;

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "experiments/job/job.h"
 #include "lpe/result.h"
 #include "transport/render/render.h"
+#include "transport/scene/loading_progress.h"
 
 namespace raylex::experiments {
 
@@ -26,13 +28,17 @@ struct JobScene {
 
 /// Errors: parameters of the job that nothing has, a colour config or a scene that cannot be read, labels that match
 /// nothing.
-Result<std::unique_ptr<JobScene>> load_job_scene(const Job& job);
+Result<std::unique_ptr<JobScene>> load_job_scene(const Job& job, transport::LoadingProgress* progress = nullptr);
 
 /// The same of a scene that is there already; the job's file is not read.
 Result<std::unique_ptr<JobScene>> prepare_job_scene(const Job& job, transport::SceneDescription scene);
 
 /// Adds what the scene's film would write beside the image to the job's AOVs, but for names that the job gives itself.
 void ask_for_film_layers(const transport::SceneEntity& film, Job& job);
+
+/// Adds the clamp that the scene's film asks for, "maxcomponentvalue", to the job's sample filters, as pbrt clamps
+/// samples; a job with sample filters of its own ("none" among them) has its way. Why not, where it cannot be.
+std::optional<std::string> ask_for_film_clamp(const transport::SceneDescription& scene, Job& job);
 
 /// What a checkpoint is of, beyond what the renderer sees: the program, and what colours and lobe numbers come from.
 display::RecordIdentity checkpoint_identity(const Job& job, const ColorSetup& color);

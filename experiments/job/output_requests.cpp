@@ -76,9 +76,9 @@ void read_atlas(TomlTable& root, const std::string& job_path, AtlasRequest& atla
     if (reader.read("by", text))
         if (Status set = set_atlas_rules(text, reader.content_location_of("by"), atlas); !set)
             root.source().fail(set.error());
-    std::int64_t length = 0;
-    if (reader.read("length", length, 1, display::WordRules::most_length))
-        atlas.rules.length = static_cast<int>(length);
+    std::int64_t length = 0;  // as it stays, as long as the render's paths get (AtlasOutput::prepare)
+    static_cast<void>(reader.read("length", length, 1, display::WordRules::most_length));
+    atlas.rules.length = static_cast<int>(length);
     if (reader.read("budget", text)) {
         auto budget = display::parse_memory_size(text, reader.content_location_of("budget"));
         if (budget) atlas.budget = *budget;

@@ -100,12 +100,27 @@ std::map<std::string, std::string> header_attributes(const Job& job, const trans
     }
     if (const std::uint64_t paths = output.frame_buffer.light_path_count(); paths > 0)
         attributes["raylex/light_paths"] = std::to_string(paths);
+    if (output.bands) attributes["raylex/buckets"] = std::to_string(output.buckets.size());
     if (job.settings.adaptive) attributes["raylex/adaptive"] = describe(*job.settings.adaptive);
     if (job.effects.any()) attributes["raylex/effects"] = job.effects.text();
     if (output.resumed_samples > 0) attributes["raylex/resumed_samples"] = std::to_string(output.resumed_samples);
     if (!job.job_text.empty()) attributes["raylex/job"] = job.job_text;
     if (!job.rendering_space.empty()) attributes["raylex/rendering_space"] = job.rendering_space;
     return attributes;
+}
+
+std::string text_of_invalid(const Job& job, const transport::RenderOutput& output,
+                            const std::vector<std::string>& arguments) {
+    const transport::RenderStatistics& statistics = output.statistics;
+    std::string text = std::to_string(statistics.invalid_samples) +
+                       " contributions or values were not finite, or too large to be summed, and were left out of "
+                       "beauty and layers alike; the AOV "
+                       "invalidSamples shows where, --stats lists the first ones";
+    if (statistics.invalid_log.empty()) return text;
+    const display::InvalidSample& first = statistics.invalid_log.front();
+    return text + ".\n  The first: pixel (" + std::to_string(first.pixel_x) + ", " + std::to_string(first.pixel_y) +
+           "), sample " + std::to_string(first.sample) + ", seed " + std::to_string(output.seed) +
+           "; to see that sample alone:\n  " + replay_command(job, output, arguments, first);
 }
 
 }  // namespace raylex::experiments

@@ -22,6 +22,9 @@ std::string shell_command(const std::vector<std::string>& arguments);
 /// The command line that renders one sample of an image alone: the same with --replay, and the instruction set it had.
 std::string replay_command(const Job& job, const transport::RenderOutput& output,
                            const std::vector<std::string>& arguments, const display::InvalidSample& sample);
+/// How many samples were refused, and where and how to see the first one.
+std::string text_of_invalid(const Job& job, const transport::RenderOutput& output,
+                            const std::vector<std::string>& arguments);
 
 /// String attributes for the image header: version, revision, command, job text, scene, seed, samples, threads,
 /// instruction set, integrator, sampler, filter, compiler, host, time, colour config.

@@ -127,6 +127,22 @@ void read_checkpoint(TomlTable& render, Job& job) {
     else render.source().fail(seconds.error());
 }
 
+transport::BucketSettings& bucket_settings(Job& job) {
+    if (!job.settings.buckets) job.settings.buckets.emplace();
+    return *job.settings.buckets;
+}
+
+void read_buckets(TomlTable& render, Job& job) {
+    std::string text;
+    if (render.read("memory", text)) {
+        auto memory = display::parse_memory_size(text, render.content_location_of("memory"));
+        if (memory) bucket_settings(job).memory = *memory;
+        else render.source().fail(memory.error());
+    }
+    std::int64_t rows = 0;
+    if (render.read("bucket_rows", rows, 1, 65536)) bucket_settings(job).rows = static_cast<int>(rows);
+}
+
 void apply_time_limit(double seconds, Job& job) {
     job.settings.limit.emplace().seconds = seconds;
 }
@@ -144,13 +160,14 @@ std::string checkpoint_file(const Job& job) {
 }
 
 Status check_recovery(const Job& job) {
-    if (job.checkpoint_seconds == 0 && !job.resume) return success();
-    if (!job.outputs.deep.file.empty())
+    const bool saves = job.checkpoint_seconds > 0 || job.resume;
+    if (!saves && !job.settings.buckets) return success();
+    if (saves && !job.outputs.deep.file.empty())
         return error_at(job.outputs.deep.location,
                         "a deep image is not saved in checkpoints, so --checkpoint and --resume "
                         "cannot be used with it",
                         "leave out the deep image, or --checkpoint and --resume");
-    if (!job.outputs.atlas.file.empty())
+    if (saves && !job.outputs.atlas.file.empty())
         return error_at(job.outputs.atlas.location,
                         "a path atlas is not saved in checkpoints, so --checkpoint and --resume cannot be used with it",
                         "leave out the atlas, or --checkpoint and --resume; atlases of renders with other seeds can be "

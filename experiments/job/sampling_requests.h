@@ -24,6 +24,11 @@ void read_adaptive(TomlTable& root, Job& job);
 /// [render] checkpoint = "60s".
 void read_checkpoint(TomlTable& render, Job& job);
 
+/// [render] memory = "2GiB" and bucket_rows = 64.
+void read_buckets(TomlTable& render, Job& job);
+/// What the job says of buckets, from now on something.
+transport::BucketSettings& bucket_settings(Job& job);
+
 /// [render] time = "5m".
 void read_time(TomlTable& render, Job& job);
 /// Ends the render after so many seconds, unless samples_per_pixel are fewer.
@@ -32,7 +37,8 @@ void apply_time_limit(double seconds, Job& job);
 /// Puts samples_per_pixel where adaptive sampling looks: it is the most that a pixel may have.
 void apply_sample_limit(std::uint64_t samples_per_pixel, display::AdaptiveSettings& adaptive);
 
-/// Where a render of this job is saved: beside its image, or beside the record of its shard.
+/// Where a render of this job is saved: beside its image, or beside the record of its shard. Of a render in buckets, a
+/// folder.
 std::string checkpoint_file(const Job& job);
 
 /// Before a render: a checkpoint of an unfinished render that would be lost, --resume without one, and what no

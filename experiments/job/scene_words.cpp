@@ -17,8 +17,11 @@ lpe::Words SceneWords::with_user_events() const {
     return more;
 }
 
-Result<SceneWords> scene_words(const Job& job, const transport::SceneDescription& scene) {
-    auto alphabet = transport::scene_alphabet(scene, job.settings.lobe_slots);
+Result<SceneWords> scene_words(const Job& job, const transport::SceneDescription& scene,
+                               const transport::BuiltScene* built) {
+    const lpe::LobeSlots& slots = job.settings.lobe_slots;
+    Result<transport::SceneAlphabet> alphabet =
+        built != nullptr ? transport::scene_alphabet(scene, *built, slots) : transport::scene_alphabet(scene, slots);
     if (!alphabet) return alphabet.error();
     auto chosen = transport::choose_integrator(transport::integrator_for(job.settings.integrator, scene.integrator),
                                                job.settings.max_depth);
@@ -53,7 +56,7 @@ Result<SceneWords> read_scene_words(const std::string& path) {
         if (!read) return read.error();
         job = std::move(*read);
     }
-    auto scene = transport::import_pbrt(job.scene_file, {job.missing});
+    auto scene = transport::import_pbrt(job.scene_file, {.missing = job.missing});
     if (!scene) return scene.error();
     if (Status labelled = transport::apply_label_rules(*scene, job.label_rules); !labelled) return labelled.error();
     return scene_words(job, *scene);

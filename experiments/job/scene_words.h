@@ -7,7 +7,7 @@
 #include "experiments/job/job.h"
 #include "lpe/result.h"
 #include "lpe/words.h"
-#include "transport/render/render.h"
+#include "transport/render/built_scene.h"
 
 namespace raylex::experiments {
 
@@ -21,9 +21,10 @@ struct SceneWords {
     [[nodiscard]] lpe::Words with_user_events() const;
 };
 
-/// Of a scene whose labels are given (apply_label_rules). Errors: materials, textures or an integrator that do not
-/// build.
-Result<SceneWords> scene_words(const Job& job, const transport::SceneDescription& scene);
+/// Of a scene whose labels are given (apply_label_rules), by its tables if it is `built` already. Errors: materials,
+/// textures or an integrator that do not build.
+Result<SceneWords> scene_words(const Job& job, const transport::SceneDescription& scene,
+                               const transport::BuiltScene* built = nullptr);
 
 /// Of a file: a pbrt-v4 scene, or a TOML job (.toml) with its scene, labels, light groups, lobe slots and depth limit.
 Result<SceneWords> read_scene_words(const std::string& path);

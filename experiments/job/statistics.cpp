@@ -131,6 +131,7 @@ std::string statistics_json(const RunRecord& record) {
                     {"total", rays}};
     json["branches"] = statistics.branches;
     json["effects"] = effects_json(record.effects, record.job->effects);
+    json["aovs"] = aovs_json(record.job->settings.channels);
     const auto pruned = [&](transport::Pruned cause) { return statistics.pruned[static_cast<std::size_t>(cause)]; };
     json["pruned"] = {{"paths", pruned(transport::Pruned::paths)},
                       {"light_samples", pruned(transport::Pruned::light_samples)},
@@ -156,7 +157,7 @@ std::string statistics_json(const RunRecord& record) {
     json["path_length_histogram"] = statistics.path_length_histogram;
     json["attribution_overflow"] = statistics.attribution_overflow;
     json["invalid_samples"] = invalid_json(record);
-    json["rejected_block_sums"] = output.frame_buffer.rejected_count();
+    json["rejected_block_sums"] = output.rejected_block_sums;
     json["refused_services_calls"] = statistics.refused_services_calls;
     json["memory"] = memory_json(record);
     if (record.deep != nullptr) json["deep"] = deep_json(record.deep->counts());

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <utility>
 
 #include "display/output/exr_reader.h"
@@ -11,6 +12,7 @@
 #include "experiments/report/html.h"
 #include "experiments/report/page_layers.h"
 #include "experiments/report/statistics_table.h"
+#include "experiments/report/words/page_words.h"
 #include "lpe/read_input.h"
 
 namespace raylex::experiments {
@@ -40,23 +42,30 @@ const char* answer_markup(const SplitVerdict& verdict) {
 
 class Page {
   public:
-    Page(const display::ColorManager& color, const PageOptions& options, std::size_t images)
-        : color_(color), options_(options), layers_(color, options, page_bytes / std::max<std::size_t>(images, 1)) {}
+    Page(const display::ColorManager& color, const PageOptions& options, std::size_t images, std::size_t atlases)
+        : color_(color),
+          options_(options),
+          layers_(color, options, page_bytes / std::max<std::size_t>(images, 1)),
+          bytes_of_words_(words_bytes / std::max<std::size_t>(atlases, 1)) {}
 
-    Status add(const std::string& path) {
-        auto image = display::read_exr(path);
-        if (!image) return image.error();
-        auto verdicts = display::check_declared_splits(*image);
+    /// `atlas`: null, or the words of the image. An atlas alone is `path` itself.
+    Status add(const std::string& path, const ExrImage& image, display::AtlasFile* atlas) {
+        auto verdicts = display::check_declared_splits(image);
         if (!verdicts) return verdicts.error();
-        auto pictures = layers_.html(*image);
+        auto pictures = layers_.html(image);
         if (!pictures) return pictures.error();
         body_ += "<section class=\"image\">\n<header><h2>" +
                  escape_html(std::filesystem::path(path).filename().string()) + "</h2>";
-        add_introduction(*image, *verdicts);
+        add_introduction(image, *verdicts);
         body_ += "</header>\n" + *pictures;
+        if (atlas != nullptr) {
+            auto words = words_html(*atlas, atlases_++, bytes_of_words_);
+            if (!words) return words.error();
+            body_ += *words;
+        }
         add_verdicts(*verdicts);
         add_statistics(path);
-        add_header(*image);
+        add_header(image);
         body_ += "</section>\n";
         for (const SplitVerdict& verdict : *verdicts) {
             ++judged_;
@@ -82,11 +91,17 @@ class Page {
                std::string(page_style()) + "</style>\n</head>\n<body>\n<p>" + verdict + "</p>\n" + body_ +
                "<p class=\"faint\">Pictures through " + escape_html(shown_through()) + ". " +
                std::string(precision_note) + "</p>\n" + layers_.view_scripts() + "<script>" +
-               std::string(pixels_script()) + "</script>\n<script>" + std::string(panes_script()) +
-               "</script>\n<script>" + std::string(split_script()) + "</script>\n</body>\n</html>\n";
+               std::string(pixels_script()) + "</script>\n<script>" + std::string(panes_script()) + "</script>\n" +
+               (atlases_ > 0 ? words_scripts() : std::string()) + "<script>" + std::string(split_script()) +
+               "</script>\n</body>\n</html>\n";
     }
 
   private:
+    [[nodiscard]] static std::string words_scripts() {
+        return "<script>" + std::string(matcher_scripts()) +
+               "</script>\n<script>const raylexNames = " + script_json(expression_names()) + ";\n" +
+               std::string(words_script()) + "</script>\n";
+    }
     [[nodiscard]] std::string shown_through() const {
         const std::string display = options_.display.empty() ? color_.default_display() : options_.display;
         const std::string view = options_.view.empty() ? color_.default_view(display) : options_.view;
@@ -138,6 +153,7 @@ class Page {
     void add_header(const ExrImage& image) {
         body_ += "<details><summary>Where it came from: the image header</summary>\n<div class=\"wide\"><table>\n";
         for (const auto& [name, value] : image.attributes) {
+            if (name == "atlas/words" || name == "atlas/letters" || name == "atlas/scene") continue;  // for programs
             const bool long_text = value.find('\n') != std::string::npos;
             body_ += "<tr><td><code>" + escape_html(name) + "</code></td><td>" +
                      (long_text ? "<pre>" + escape_html(value) + "</pre>" : "<code>" + escape_html(value) + "</code>") +
@@ -154,7 +170,9 @@ class Page {
     const display::ColorManager& color_;
     const PageOptions& options_;
     PageLayers layers_;
+    const std::size_t bytes_of_words_;
     std::string body_;
+    std::size_t atlases_ = 0;
     int judged_ = 0, failed_ = 0;
 };
 
@@ -162,10 +180,22 @@ class Page {
 
 Result<std::string> make_page(const std::vector<std::string>& images, const display::ColorManager& color,
                               const PageOptions& options) {
-    Page page(color, options, images.size());
-    for (const std::string& path : images) {
-        Status added = page.add(path);
-        if (!added) return added.error();
+    const auto atlases = static_cast<std::size_t>(std::count_if(images.begin(), images.end(), display::is_atlas));
+    Page page(color, options, images.size() - atlases, atlases);
+    for (std::size_t i = 0; i < images.size(); ++i) {
+        const bool alone = display::is_atlas(images[i]);
+        auto image = alone ? image_of_atlas(images[i]) : display::read_exr(images[i]);
+        if (!image) return image.error();
+        std::unique_ptr<display::AtlasFile> atlas;
+        const bool follows = !alone && i + 1 < images.size() && display::is_atlas(images[i + 1]);
+        if (alone || follows) {
+            auto opened = display::AtlasFile::open(images[alone ? i : i + 1]);
+            if (!opened) return opened.error();
+            atlas = *std::move(opened);
+            if (follows && !is_atlas_of(*atlas, *image)) atlas.reset();  // it gets a section of its own
+        }
+        if (Status added = page.add(images[i], *image, atlas.get()); !added) return added.error();
+        if (follows && atlas) ++i;
     }
     return page.finish();
 }

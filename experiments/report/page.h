@@ -19,8 +19,12 @@ struct PageOptions {
 /// About what the pixels of all images of a page may take together, unless a size is asked for.
 inline constexpr std::size_t page_bytes = 48'000'000;
 
+/// The same of the words of path atlases.
+inline constexpr std::size_t words_bytes = 24'000'000;
+
 /// The page for images written by raylex or anything else, in the order given. Pictures are embedded; nothing is
-/// fetched. A NAME.json beside NAME.exr adds its statistics.
+/// fetched. A NAME.json beside NAME.exr adds its statistics. An atlas behind the image of its render adds its words to
+/// that; any other stands for the image that it keeps.
 Result<std::string> make_page(const std::vector<std::string>& images, const display::ColorManager& color,
                               const PageOptions& options);
 

@@ -112,5 +112,5 @@ const raylexPixels = (() => {
   };
 
   const digits = v => Number.isNaN(v) ? 'NaN' : Number.isFinite(v) ? String(+v.toPrecision(3)) : v > 0 ? 'inf' : '-inf';
-  return { halves, integers, reduced, srgb, view, painted, light, digits, broken };
+  return { unpacked, halves, integers, reduced, srgb, view, painted, light, digits, broken };
 })();

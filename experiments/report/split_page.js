@@ -15,7 +15,7 @@
     const state = { layer: 0, all: false, x: -1, y: -1 };
     const pixels = width * height;
 
-    const planesOf = layer => layer.integers ? raylexPixels.integers(layer.data)
+    const planesOf = layer => layer.planesOf ? layer.planesOf : layer.integers ? raylexPixels.integers(layer.data)
       : raylexPixels.halves(layer.data, layer.scale);
     const gain = () => 2 ** +exposure.value;
 
@@ -68,8 +68,10 @@
       if (!inside) {
         rows.forEach((row, i) => setShare(row, layers[i].share, layers[i].share !== null));
         status.textContent = status.dataset.hint;
+        if (words) words.read(-1, -1);
         return;
       }
+      if (words) words.read(state.x * block, state.y * block);
       const shown = await Promise.all(layers.map(each => each.data && !each.empty ? planesOf(each) : null));
       if (mine !== reading) return;
       const at = i => shown[i] ? layers[i].planes.map((_, c) => shown[i].at(c * pixels + index)) : null;
@@ -78,8 +80,8 @@
       rows.forEach((row, i) => {
         const layer = layers[i], whole = layer.whole === null ? null : values[layer.whole];
         if (values[i]) writeValues(row, layer, values[i]);
-        const known = layer.light && whole && values[i];
-        setShare(row, known ? sum(values[i]) / sum(whole) : NaN, known);
+        const known = layer.light && (whole || layer.wholeAt) && values[i];
+        setShare(row, known ? sum(values[i]) / (whole ? sum(whole) : layer.wholeAt(index)) : NaN, known);
       });
       const layer = layers[state.layer], own = values[state.layer];
       const spot = block > 1 ? `mean of ${block} x ${block} pixels from (${state.x * block}, ${state.y * block})`
@@ -97,6 +99,14 @@
       rows[next].scrollIntoView({ block: 'nearest' });
     };
     rows.forEach((row, i) => row.addEventListener('click', () => choose(i)));
+    // A layer that was not in the file: { name, expression, planes, light, share, data, planesOf, wholeAt }, and its row.
+    const addLayer = (layer, row) => {
+      const index = layers.push(layer) - 1;
+      rows.push(row);
+      row.addEventListener('click', () => choose(index));
+      paintLight(layer, Math.max(1, Math.ceil(width / 96))).then(small => part(row, '.thumb').append(small));
+      choose(index);
+    };
     section.querySelectorAll('[data-show]').forEach(each =>
       each.addEventListener('click', () => { state.all = each.dataset.show === 'all'; paint(); }));
     part(section, '[data-fit]').addEventListener('click', panes.fit);
@@ -108,6 +118,7 @@
     const keys = { ArrowRight: () => step(1), ArrowLeft: () => step(-1), b: () => choose(0), '0': panes.fit, '1': panes.actual,
       a: () => { state.all = !state.all; paint(); }, e: () => lift(0.5), E: () => lift(-0.5),
       '+': () => panes.zoom(2), '-': () => panes.zoom(0.5) };
+    const words = part(section, 'script.words') ? raylexWords(section, { width, height, block, addLayer }) : null;
     paint();
     return { section, key: name => keys[name] };
   };
@@ -123,7 +134,8 @@
     return best;
   };
   addEventListener('keydown', event => {
-    if (event.ctrlKey || event.altKey || event.metaKey || !sections.length || event.target.tagName === 'SELECT') return;
+    if (event.ctrlKey || event.altKey || event.metaKey || !sections.length || event.target.tagName === 'SELECT' ||
+      event.target.type === 'text') return;
     const act = event.target.type === 'range' && event.key.startsWith('Arrow') ? null : visible().key(event.key);
     if (!act) return;
     act();

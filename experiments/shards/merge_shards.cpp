@@ -4,7 +4,7 @@
 #include <map>
 #include <memory>
 
-#include "display/checkpoint/record_file.h"
+#include "display/checkpoint/banded_record.h"
 #include "display/filters/display_filter.h"
 
 namespace raylex::experiments {
@@ -15,55 +15,55 @@ Error at_file(Error error, const std::string& path) {
     return error;
 }
 
-/// One record, read.
-struct ReadRecord {
+/// One record: all of it but sums, which are read when they are added up.
+struct OpenRecord {
     std::string path;
-    display::RecordIdentity identity;
-    display::FrameBuffer frame_buffer;
-    std::vector<geoaovs::Cryptomatte> mattes;
+    display::BandedRecord sums;
     RecordedImage image;
     ShardFacts facts;
 };
 
-Result<std::vector<geoaovs::Cryptomatte>> mattes_of_record(const display::RecordFile& record,
-                                                           const std::vector<RecordedMatte>& recorded,
-                                                           const display::FrameBufferLayout& layout) {
-    std::vector<geoaovs::Cryptomatte> mattes;
-    for (const RecordedMatte& each : recorded) {
-        geoaovs::Cryptomatte& matte = mattes.emplace_back(each.kind, each.ranks, layout.width, layout.height,
-                                                          geoaovs::MatteNames{each.names, {}});
-        const display::RecordSection* section = record.find(matte.name());
-        if (section == nullptr) return error_at({}, "the record has no section '" + matte.name() + "'");
-        if (Status s = matte.coverage().restore_record(section->content); !s) return s.error();
-    }
-    return mattes;
-}
-
-Result<ReadRecord> read_shard_record(const std::string& path) {
-    auto record = display::read_record_file(path);
-    if (!record) return record.error();
-    const display::RecordSection *image = record->find("image"), *sums = record->find("frame buffer");
-    if (image == nullptr || sums == nullptr)
-        return error_at({path, 0, 0}, "this record is not of a shard of a render",
-                        "expected what 'raylex render --shard' writes");
+Result<OpenRecord> open_shard_record(const std::string& path) {
+    auto file = display::RecordFileReader::open(path);
+    if (!file) return file.error();
+    const char* const expected = "expected what 'raylex render --shard' writes";
+    if (!file->has("image")) return error_at({path, 0, 0}, "this record is not of a shard of a render", expected);
+    auto image = file->read("image");
+    if (!image) return image.error();
     RecordedImage recorded;
     ShardFacts facts;
     try {
-        const Json json = parse_json(image->content);
+        const Json json = parse_json(*image);
         recorded = image_of(json);
         facts = shard_facts(json);
     } catch (const std::exception& error) {
         return error_at(
             {path, 0, 0},
             std::string("this record is not of a shard of a render, or its image is damaged: ") + error.what(),
-            "expected what 'raylex render --shard' writes");
+            expected);
     }
-    auto buffer = display::FrameBuffer::from_record(sums->content);
-    if (!buffer) return at_file(buffer.error(), path);
-    auto mattes = mattes_of_record(*record, recorded.mattes, buffer->layout());
-    if (!mattes) return at_file(mattes.error(), path);
-    return ReadRecord{path, std::move(record->identity), *std::move(buffer), *std::move(mattes), std::move(recorded),
-                      facts};
+    auto sums = display::BandedRecord::open(*std::move(file));
+    if (!sums) return sums.error();
+    return OpenRecord{path, *std::move(sums), std::move(recorded), facts};
+}
+
+/// Adds the coverage that a record has to the sets of mattes; makes them when there are none yet.
+Status add_mattes(const OpenRecord& shard, std::vector<geoaovs::Cryptomatte>& mattes) {
+    const display::FrameBufferLayout& layout = shard.sums.layout();
+    const bool first = mattes.empty();
+    if (!first && mattes.size() != shard.image.mattes.size())
+        return error_at({shard.path, 0, 0}, "this shard has other cryptomattes");
+    for (std::size_t i = 0; i < shard.image.mattes.size(); ++i) {
+        const RecordedMatte& each = shard.image.mattes[i];
+        geoaovs::Cryptomatte matte(each.kind, each.ranks, layout.width, layout.height,
+                                   geoaovs::MatteNames{each.names, {}});
+        const auto bytes = shard.sums.file().read(matte.name());
+        if (!bytes) return bytes.error();
+        if (Status s = matte.coverage().restore_record(*bytes); !s) return at_file(s.error(), shard.path);
+        if (first) mattes.push_back(std::move(matte));
+        else if (Status s = mattes[i].coverage().merge(matte.coverage()); !s) return at_file(s.error(), shard.path);
+    }
+    return success();
 }
 
 /// Ranges of samples seen so far, by their first one.
@@ -106,10 +106,28 @@ class Ranges {
     std::map<std::uint64_t, Known> known_;
 };
 
-Status same_render(const display::RecordIdentity& first, const std::string& first_path, const ReadRecord& other) {
-    const auto differences = display::identity_differences(other.identity, first);
+/// What kind of thing differs, of those that people mix up.
+std::string kind_of_difference(const std::string& difference) {
+    for (const auto& [field, kind] : {std::pair<const char*, const char*>{"raylex: ", "build of raylex"},
+                                      {"scene: ", "scene"},
+                                      {"seed: ", "seed"},
+                                      {"instruction set: ", "instruction set"},
+                                      {"plugin ", "plugin"}})
+        if (difference.starts_with(field)) return kind;
+    return "config";
+}
+
+Status same_render(const OpenRecord& first, const OpenRecord& other) {
+    const auto differences = display::identity_differences(other.sums.file().identity(), first.sums.file().identity());
     if (differences.empty()) return success();
-    std::string message = "this shard is of another render than '" + first_path + "' (here):";
+    std::vector<std::string> kinds;
+    for (const std::string& each : differences) {
+        std::string kind = kind_of_difference(each);
+        if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) kinds.push_back(std::move(kind));
+    }
+    std::string what;
+    for (const std::string& kind : kinds) what += (what.empty() ? "" : ", ") + kind;
+    std::string message = "this shard is of another render than '" + first.path + "' (here), of another " + what + ":";
     for (const std::string& each : differences) message += "\n  " + each;
     return error_at({other.path, 0, 0}, message, "merge takes the shards of one render, by one build of raylex");
 }
@@ -121,80 +139,82 @@ void add_hosts(const std::map<std::string, std::string>& attributes, std::string
     hosts += (hosts.empty() ? "" : "\n") + found->second;
 }
 
-Status add(MergedRender& merged, const ReadRecord& shard) {
-    if (Status s = merged.frame_buffer.merge(shard.frame_buffer); !s) return at_file(s.error(), shard.path);
-    if (shard.mattes.size() != merged.mattes.size())
-        return error_at({shard.path, 0, 0}, "this shard has other cryptomattes");
-    for (std::size_t i = 0; i < merged.mattes.size(); ++i)
-        if (Status s = merged.mattes[i].coverage().merge(shard.mattes[i].coverage()); !s)
-            return at_file(s.error(), shard.path);
-    merged.facts.camera_samples += shard.facts.camera_samples;
-    merged.facts.invalid_samples += shard.facts.invalid_samples;
-    merged.facts.wall_seconds += shard.facts.wall_seconds;
-    merged.facts.cpu_seconds += shard.facts.cpu_seconds;
-    return success();
+void add_facts(ShardFacts& sum, const ShardFacts& shard) {
+    sum.camera_samples += shard.camera_samples;
+    sum.invalid_samples += shard.invalid_samples;
+    sum.wall_seconds += shard.wall_seconds;
+    sum.cpu_seconds += shard.cpu_seconds;
 }
 
 /// What the header says of the whole.
-void describe(MergedRender& merged, const std::string& hosts) {
+void describe(MergedRender& merged, const std::string& hosts, std::uint64_t light_paths) {
     std::map<std::string, std::string>& attributes = merged.image.description.attributes;
     attributes["raylex/samples_per_pixel"] = std::to_string(merged.facts.range.total);
     attributes["raylex/camera_samples"] = std::to_string(merged.facts.camera_samples);
     attributes["raylex/shards"] = std::to_string(merged.shards);
     attributes["raylex/host"] = hosts;
     attributes.erase("raylex/resumed_samples");
-    if (const std::uint64_t paths = merged.frame_buffer.light_path_count(); paths > 0)
-        attributes["raylex/light_paths"] = std::to_string(paths);
+    if (light_paths > 0) attributes["raylex/light_paths"] = std::to_string(light_paths);
 }
 
 }  // namespace
 
 Result<MergedRender> merge_shards(const std::vector<std::string>& records) {
-    std::optional<MergedRender> merged;
-    display::RecordIdentity identity;
+    if (records.empty()) return error_at({}, "no records to merge; expected at least one");
+    std::vector<OpenRecord> shards;
     Ranges ranges;
+    MergedRender merged;
+    std::uint64_t light_paths = 0;
     std::map<std::uint64_t, std::map<std::string, std::string>> attributes;
     for (const std::string& path : records) {
-        auto shard = read_shard_record(path);
+        auto shard = open_shard_record(path);
         if (!shard) return shard.error();
-        if (merged)
-            if (Status same = same_render(identity, records.front(), *shard); !same) return same.error();
+        if (!shards.empty())
+            if (Status same = same_render(shards.front(), *shard); !same) return same.error();
         if (Status fits = ranges.add(shard->facts.range, path); !fits) return fits.error();
         attributes[shard->facts.range.first] = shard->image.description.attributes;
-        if (merged) {
-            if (Status s = add(*merged, *shard); !s) return s.error();
-        } else {
-            identity = std::move(shard->identity);
-            merged.emplace(MergedRender{std::move(shard->frame_buffer), std::move(shard->mattes),
-                                        std::move(shard->image), shard->facts, 0});
-        }
-        ++merged->shards;
+        light_paths += shard->sums.light_path_count();
+        if (shards.empty()) merged.facts = shard->facts;
+        else add_facts(merged.facts, shard->facts);
+        shards.push_back(*std::move(shard));
     }
-    if (!merged) return error_at({}, "no records to merge; expected at least one");
-    const std::uint64_t total = merged->facts.range.total;
+    const std::uint64_t total = merged.facts.range.total;
     if (Status all = ranges.whole(total); !all) return all.error();
-    merged->facts.range = {0, total, total};
+    for (const OpenRecord& shard : shards)
+        if (Status s = add_mattes(shard, merged.mattes); !s) return s.error();
+    merged.facts.range = {0, total, total};
+    merged.shards = shards.size();
+    merged.image = shards.front().image;
     std::string hosts;
     for (const auto& [first, each] : attributes) add_hosts(each, hosts);
-    merged->image.description.attributes = attributes.begin()->second;
-    describe(*merged, hosts);
-    return *std::move(merged);
+    merged.image.description.attributes = attributes.begin()->second;
+    describe(merged, hosts, light_paths);
+    std::vector<display::BandedRecord> sums;
+    for (OpenRecord& shard : shards) sums.push_back(std::move(shard.sums));
+    const display::BandedRecord& first = sums.front();
+    const display::FrameBufferLayout layout = first.layout();
+    std::vector<display::ChannelDefinition> channels = first.channels();
+    const std::vector<display::RowRange> bands = first.bands();
+    merged.pixels = std::make_unique<const display::BandedImage>(
+        layout, std::move(channels), bands,
+        [sums = std::move(sums)](const display::RowRange& rows) { return display::sum_of_band(sums, rows); });
+    return merged;
 }
 
 Status write_merged_image(const std::string& path, const MergedRender& merged) {
     std::vector<std::unique_ptr<display::DisplayFilter>> filters;
     for (const ObjectRequest& request : merged.image.filters) {
         auto filter = display::make_display_filter(request.name, request.parameters,
-                                                   {merged.frame_buffer.channels(), merged.image.beauty});
+                                                   {merged.pixels->channels(), merged.image.beauty});
         if (!filter) return filter.error();
         filters.push_back(*std::move(filter));
     }
     display::ImageDescription description = merged.image.description;
     for (const geoaovs::Cryptomatte& matte : merged.mattes)
         description.data_parts.push_back(
-            {matte.name(), matte.planes(), matte.attributes(), [&matte] { return matte.values(); }});
-    return display::write_exr(path, display::FilteredImage(merged.frame_buffer, filters), merged.image.beauty,
-                              description);
+            {matte.name(), matte.planes(), matte.attributes(),
+             [&matte](const display::PixelRegion& rows) { return matte.values(rows.y0, rows.y1); }});
+    return display::write_exr(path, display::FilteredImage(*merged.pixels, filters), merged.image.beauty, description);
 }
 
 }  // namespace raylex::experiments

@@ -1,11 +1,11 @@
 // The render that shards add up to.
 #pragma once
 
-#include <optional>
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "display/buffer/frame_buffer.h"
+#include "display/buffer/banded_image.h"
 #include "experiments/shards/shard_render.h"
 #include "geoaovs/cryptomatte.h"
 #include "lpe/result.h"
@@ -13,15 +13,17 @@
 namespace raylex::experiments {
 
 struct MergedRender {
-    display::FrameBuffer frame_buffer;
+    /// Added up when asked for, a band of rows at a time: whatever the number of records, two bands are in memory.
+    std::unique_ptr<const display::BandedImage> pixels;
     std::vector<geoaovs::Cryptomatte> mattes;
     RecordedImage image;  ///< its attributes are those of the first samples' shard, counts being sums
     ShardFacts facts;     ///< sums; the range is the whole
     std::size_t shards = 0;
 };
 
-/// Adds the records up, in any order to the same bits. Errors name the file: no record, a damaged one, one of another
-/// render (another build, seed, scene or setting: each difference is listed), samples that two have or that none has.
+/// The sum of the records, in any order the same bits. Errors name the file: no record, one that is cut or damaged, one
+/// of another build, scene, seed, instruction set or setting (each difference is listed), samples that two have or that
+/// none has. Damage to sums is found, and named, when they are asked for.
 Result<MergedRender> merge_shards(const std::vector<std::string>& records);
 
 /// As one render of all samples writes it: through its display filters, with its mattes.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "display/checkpoint/record_file.h"
+#include "display/checkpoint/banded_record.h"
 #include "experiments/job/sampling_requests.h"
 #include "transport/integrators/integrator.h"
 #include "transport/render/tiles.h"
@@ -121,15 +121,16 @@ Result<bool> ShardRender::is_done(const transport::RenderPlan& plan, std::string
         if (name == "samples per pixel") value = std::to_string(range_.total);
     std::error_code failed;
     if (!std::filesystem::exists(request_.record, failed)) return false;
-    const auto record = display::read_record_file(request_.record);
-    if (!record) {
-        warning = "this shard is rendered again: " + record.error().to_string();
+    const auto record = display::RecordFileReader::open(request_.record);
+    const Status sound = record ? record->check() : Status(record.error());
+    if (!sound) {
+        warning = "this shard is rendered again: " + sound.error().to_string();
         return false;
     }
-    std::vector<std::string> differences = display::identity_differences(record->identity, identity_);
+    std::vector<std::string> differences = display::identity_differences(record->identity(), identity_);
     try {
-        const display::RecordSection* image = record->find("image");
-        const ShardRange there = shard_facts(parse_json(image != nullptr ? image->content : "{}")).range;
+        const auto image = record->read("image");
+        const ShardRange there = shard_facts(parse_json(image ? *image : "{}")).range;
         if (there.first != range_.first || there.end != range_.end)
             differences.push_back("samples: " + std::to_string(there.first) + " to " + std::to_string(there.end - 1) +
                                   " there, " + std::to_string(range_.first) + " to " + std::to_string(range_.end - 1) +
@@ -152,17 +153,27 @@ Status ShardRender::write(const transport::RenderOutput& output, const display::
     image.description = description;
     image.beauty = output.beauty;
     image.filters = filters;
-    display::RecordFile record;
-    record.identity = identity_;
-    output.frame_buffer.append_record(record.add("frame buffer"));
-    for (const geoaovs::Cryptomatte& matte : output.cryptomatte) {
+    for (const geoaovs::Cryptomatte& matte : output.cryptomatte)
         image.mattes.push_back({matte.kind(), matte.ranks(), matte.names()});
-        matte.coverage().append_record(record.add(matte.name()));
-    }
     Json json = image_json(image);
     json["shard"] = shard_json(range_, request_, output);
-    record.add("image") = json_text(json);
-    return display::write_record_file(request_.record, record);
+    const display::PixelImage& pixels = output.image();
+    const auto bands =
+        display::record_bands(pixels.layout(), pixels.channels(), output.frame_buffer.takes_raster_splats());
+    auto record =
+        display::RecordFileWriter::create(request_.record, identity_, bands.size() + output.cryptomatte.size() + 1);
+    if (!record) return record.error();
+    Status added = output.bands
+                       ? display::add_bands(*record, bands,
+                                            [&](const display::RowRange& rows) { return output.bands->rows(rows); })
+                       : display::add_bands(*record, output.frame_buffer);
+    for (const geoaovs::Cryptomatte& matte : output.cryptomatte) {
+        std::string bytes;
+        matte.coverage().append_record(bytes);
+        if (added) added = record->add(matte.name(), bytes);
+    }
+    if (added) added = record->add("image", json_text(json));
+    return added ? record->commit() : added;
 }
 
 std::string ShardRender::text() const {

@@ -28,7 +28,7 @@ TEST_CASE("a data part is written bit by bit, its attributes into its own header
     description.data_parts.push_back({"CryptoObject",
                                       {"CryptoObject00.R", "CryptoObject00.G"},
                                       {{"cryptomatte/3ae39a5/manifest", manifest}},
-                                      [&values] { return values; }});
+                                      [&values](const PixelRegion&) { return values; }});
     const std::string path = folder.path("matte.exr");
     REQUIRE(write_exr(path, buffer, 0, description));
     const auto image = read_exr(path);

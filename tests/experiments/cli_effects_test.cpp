@@ -19,7 +19,7 @@ TEST_CASE("raylex render says what it simulates and what not, and takes choices 
     CAPTURE(outcome.out, outcome.err);
     REQUIRE(outcome.code == 0);
     CHECK(outcome.out.find("media                on, forced") != std::string::npos);
-    CHECK(outcome.out.find("dispersion           never") != std::string::npos);
+    CHECK(outcome.out.find("polarisation         never") != std::string::npos);
     const std::string statistics = folder.read("s.json");
     CHECK(statistics.find("\"effects\"") != std::string::npos);
     CHECK(statistics.find("\"depth-of-field\"") != std::string::npos);
@@ -30,6 +30,24 @@ TEST_CASE("raylex render says what it simulates and what not, and takes choices 
     REQUIRE(outcome.code == 0);
     CHECK(outcome.out.find("forced: media on") != std::string::npos);
     CHECK(outcome.out.find("alpha on") != std::string::npos);
+}
+
+TEST_CASE("raylex render says which kinds of AOV are asked for, and by whom") {
+    const Folder folder;
+    folder.write("room.pbrt", small_scene());
+    Outcome outcome = run_raylex(folder, "render room.pbrt");
+    CHECK(outcome.out.find("AOVs ask for") == std::string::npos);
+    outcome = run_raylex(folder, "render room.pbrt --aov P --aov Pw --aov z --stats s.json");
+    CAPTURE(outcome.out, outcome.err);
+    REQUIRE(outcome.code == 0);
+    CHECK(outcome.out.find("AOVs ask for: positions (P, Pw), depths of rays (z)\n") != std::string::npos);
+    const std::string statistics = folder.read("s.json");
+    CHECK(statistics.find("\"positions\"") != std::string::npos);
+    CHECK(statistics.find("\"albedo\"") == std::string::npos);
+    outcome = run_raylex(folder, "render room.pbrt --aov Nn --effects");
+    REQUIRE(outcome.code == 0);
+    CHECK(outcome.out.find("shading normals           on           for Nn\n") != std::string::npos);
+    CHECK(outcome.out.find("curvature                 off          nobody asks\n") != std::string::npos);
 }
 
 TEST_CASE("choices of effects that cannot be are errors that say where and what was expected") {
@@ -43,7 +61,7 @@ TEST_CASE("choices of effects that cannot be are errors that say where and what 
     };
     refused("render room.pbrt --effect fog=off", "there is no effect 'fog'; expected one of: media, depth-of-field");
     refused("render room.pbrt --effect media", "expected NAME=on or NAME=off");
-    refused("render room.pbrt --effect dispersion=off", "does not simulate 'dispersion'");
+    refused("render room.pbrt --effect polarisation=off", "does not simulate 'polarisation'");
     folder.write("job.toml", "[scene]\nfile = \"room.pbrt\"\n[render]\neffects = { meda = false }\n");
     refused("render job.toml", "job.toml:4:");
     refused("render job.toml", "did you mean 'media'?");

@@ -191,3 +191,27 @@ TEST_CASE("filter mode splat by flag and job; what it cannot do is named", "[spl
     folder.write("bad.toml", "[scene]\nfile = \"room.pbrt\"\n[render]\nfilter_mode = \"spalt\"\n");
     check_render_refused(folder, "render bad.toml", {"bad.toml:4", "expected \"importance\" or \"splat\""});
 }
+
+TEST_CASE("the film's maxcomponentvalue clamps samples, unless the job has filters of its own", "[filters]") {
+    const Folder folder;
+    folder.write("lamp.pbrt", R"(LookAt 0 0 5  0 0 0  0 1 0
+Camera "perspective" "float fov" 10
+Film "rgb" "integer xresolution" 8 "integer yresolution" 8 "float maxcomponentvalue" 2
+WorldBegin
+AreaLightSource "diffuse" "rgb L" [10 5 1]
+Shape "sphere")");
+    const auto centre = [&](const std::string& options) {
+        const Outcome outcome = run_raylex(folder, "render lamp.pbrt -o lamp.exr --spp 1 " + options);
+        INFO(outcome.out << outcome.err);
+        REQUIRE(outcome.code == 0);
+        std::vector<float> rgb;
+        for (const char* name : {"R", "G", "B"}) rgb.push_back(plane(folder, "lamp.exr", "beauty", name)[8 * 4 + 4]);
+        return std::pair(rgb, outcome.err);
+    };
+    const std::vector<float> clamped = centre("").first, free = centre("--sample-filter none").first;
+    CHECK(clamped[0] == Approx(2));
+    for (std::size_t c = 0; c < 3; ++c) CHECK(clamped[c] == Approx(free[c] * 2 / free[0]));
+    const auto [splatted, said] = centre("--integrator bdpt");
+    CHECK(splatted[0] == Approx(free[0]));
+    CHECK(contains(said, "the film's maxcomponentvalue is ignored: light that paths splat has no samples"));
+}

@@ -1,6 +1,7 @@
 // raylex render --shard and raylex merge: the very image of one render, whatever ends a shard and whenever.
 #include <catch2/catch.hpp>
 
+#include "display/checkpoint/record_file.h"
 #include "support.h"
 
 using namespace raylex::test;
@@ -156,4 +157,58 @@ TEST_CASE("a shard that was killed at any time ends in the same bits [law3]") {
         succeed(folder, "merge" + records(2) + " -o out.exr");
         CHECK((image_bits(folder.path("out.exr")) == whole));
     }
+}
+
+TEST_CASE("shards of another build, scene, seed or config are refused by that name [law7]") {
+    const SceneFolder folder;
+    for (const int part : {1, 2}) succeed(folder, "render room.pbrt -o out.exr --spp 32" + part_of(part, 2));
+    const std::string first = "out.exr.shard-1-of-2", second = "out.exr.shard-2-of-2";
+    const auto record = raylex::display::read_record_file(folder.path(second));
+    REQUIRE(record.ok());
+    for (const auto& [field, kind] : {std::pair<const char*, const char*>{"raylex", "build of raylex"},
+                                      {"scene", "scene"},
+                                      {"seed", "seed"},
+                                      {"instruction set", "instruction set"},
+                                      {"sampler", "config"},
+                                      {"colour config", "config"}}) {
+        CAPTURE(field);
+        auto other = *record;
+        bool changed = false;
+        for (auto& [name, value] : other.identity)
+            if (name == field) value = "another", changed = true;
+        REQUIRE(changed);
+        REQUIRE(raylex::display::write_record_file(folder.path("other"), other).ok());
+        check_refused(folder, "merge " + first + " other -o sum.exr",
+                      {"other", "of another render than '" + first + "' (here), of another " + kind + ":",
+                       std::string(field) + ": another there, "});
+    }
+    // As they are mixed up in fact.
+    folder.write("other.pbrt", folder.read("room.pbrt") + "\nLightSource \"point\"\n");
+    succeed(folder, "render other.pbrt -o scene.exr --spp 32" + part_of(2, 2));
+    check_refused(folder, "merge " + first + " scene.exr.shard-2-of-2 -o sum.exr", {"of another scene:", "scene: "});
+    succeed(folder, "render room.pbrt -o config.exr --spp 32 --max-depth 2" + part_of(2, 2));
+    check_refused(folder, "merge " + first + " config.exr.shard-2-of-2 -o sum.exr",
+                  {"of another config:", "max depth: 2"});
+    // One that was cut on its way.
+    const std::string bytes = folder.read(second);
+    for (const std::size_t size : {std::size_t{10}, bytes.size() / 2, bytes.size() - 1}) {
+        folder.write("cut", bytes.substr(0, size));
+        check_refused(folder, "merge " + first + " cut -o sum.exr",
+                      {"cut", "truncated: it ends after " + std::to_string(size) + " bytes"});
+    }
+    check_refused(folder, "merge " + first + " " + second + " " + second + " -o sum.exr", {second, "they overlap"});
+    check_refused(folder, "merge " + first + " -o sum.exr", {"samples 16 to 31 of 32 are in none of the records"});
+}
+
+TEST_CASE("shards in buckets of any size merge to the very image of one render [buckets][law3]") {
+    const SceneFolder folder;
+    const std::string what =
+        "render room.pbrt --spp 56 --resolution 40x37 --lpe direct=CDL --aov z --statistics beauty=mse";
+    succeed(folder, what + " -o whole.exr");
+    for (const int part : {1, 2, 3})
+        succeed(folder, what + " -o out.exr --bucket-rows " + std::to_string(5 * part) + part_of(part, 3));
+    for (const int part : {1, 2, 3})
+        CHECK_FALSE(folder.has("out.exr.shard-" + std::to_string(part) + "-of-3.checkpoint"));
+    succeed(folder, "merge" + records(3) + " -o out.exr");
+    CHECK((image_bits(folder.path("whole.exr")) == image_bits(folder.path("out.exr"))));
 }

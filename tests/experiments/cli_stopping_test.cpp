@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include <chrono>
+#include <csignal>
 #include <string>
 
 #include "support.h"
@@ -37,6 +38,18 @@ Stopped stop_by(const Folder& folder, const std::string& arguments, const std::s
     return stopped;
 }
 
+/// Under nohup hanging up is ignored, by children too, and the program keeps to that: it would never end here.
+class HangingUpIsHeard {
+  public:
+    HangingUpIsHeard() : before_(std::signal(SIGHUP, SIG_DFL)) {}
+    ~HangingUpIsHeard() { std::signal(SIGHUP, before_); }
+    HangingUpIsHeard(const HangingUpIsHeard&) = delete;
+    HangingUpIsHeard& operator=(const HangingUpIsHeard&) = delete;
+
+  private:
+    void (*before_)(int);
+};
+
 /// The second that stopping may take, and what a machine with other work to do may add.
 constexpr double soon = 1 + 2;
 
@@ -44,6 +57,7 @@ constexpr double soon = 1 + 2;
 
 TEST_CASE("A path without end hears every signal that ends programs", "[cli][stopping]") {
     const Folder folder;
+    const HangingUpIsHeard heard;
     folder.write("box.pbrt", endless_scene());
     for (const char* signal : {"INT", "TERM", "HUP"}) {
         INFO(signal);

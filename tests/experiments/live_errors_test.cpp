@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "experiments/cli/loading_line.h"
 #include "experiments/cli/progress.h"
 #include "experiments/program/console.h"
 #include "support.h"
@@ -242,4 +243,17 @@ TEST_CASE("on a terminal the line fits its width and names the beauty's error; e
                     "/experiments/scenes/cornell-color/scene.pbrt' --resolution 64x64 --spp 64 -o plain.exr");
     CHECK(plain.code == 0);
     CHECK(plain.err.find("beauty") == std::string::npos);
+}
+
+TEST_CASE("the line of loading says what is read, how many of how many, and for how long", "[progress]") {
+    raylex::transport::LoadingProgress progress;
+    CHECK(raylex::experiments::LoadingLine::describe(progress, 1.5) == "loading scene file, 1.50 s");
+    progress.begin("meshes", 3000);
+    progress.count();
+    progress.count();
+    CHECK(raylex::experiments::LoadingLine::describe(progress, 12.34) == "loading meshes: 2 of 3000, 12.3 s");
+    raylex::experiments::LoadingLine line;  // what takes no second says nothing, and ends at once
+    line.progress()->begin("images", 2);
+    line.finish();
+    line.finish();
 }

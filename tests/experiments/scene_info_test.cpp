@@ -41,7 +41,7 @@ TEST_CASE("raylex scene info counts what a scene holds and says where it stands"
     const Outcome outcome = run_raylex(folder, "scene info room.pbrt --json facts.json --picture room.png");
     CAPTURE(outcome.out, outcome.err);
     REQUIRE(outcome.code == 0);
-    CHECK(contains(outcome.out, "1 triangle mesh, 1 sphere, 1 disk"));
+    CHECK(contains(outcome.out, "1 trianglemesh, 1 sphere, 1 disk"));
     CHECK(contains(outcome.out, "2 triangle, 2 quadric; rays meet 6"));
     CHECK(contains(outcome.out, "2 instances of 1 object"));
     CHECK(contains(outcome.out, "(-4, -1, 4) to (4, 2, 6)"));
@@ -94,4 +94,18 @@ TEST_CASE("raylex scene check finds what can hardly be meant, each at its line, 
               face + "\n",
           "'wood' is used: was this meant?");
     check(sky + face + "\nObjectBegin \"leaf\"\nShape \"sphere\"\nObjectEnd\n", "the object 'leaf' has no instance");
+}
+
+TEST_CASE("raylex scene check tells all files that are missing, each at its line with the folders searched") {
+    const Folder folder;
+    folder.write("gaps.pbrt",
+                 "WorldBegin\nLightSource \"infinite\" \"string filename\" \"no/sky.exr\"\n"
+                 "Shape \"plymesh\" \"string filename\" \"no/mesh.ply\"\n");
+    const Outcome outcome = run_raylex(folder, "scene check gaps.pbrt");
+    INFO(outcome.out << outcome.err);
+    CHECK(outcome.code == 1);
+    CHECK(contains(outcome.out, "2 files that cannot be found"));
+    CHECK(contains(outcome.err, "gaps.pbrt:2:24: cannot find file 'no/sky.exr'"));
+    CHECK(contains(outcome.err, "gaps.pbrt:3:1: cannot find file 'no/mesh.ply'"));
+    CHECK(contains(outcome.err, "looked in"));
 }

@@ -60,6 +60,18 @@ class Notebooks(Case):
         self.assertNotIn("True", cells[2])
         self.assertIn("bounce2", cells[3])
 
+    def test_ask_later(self):
+        cells = self.outputs("ask-later.ipynb")
+        self.assertIn("True", cells[0])
+        self.assertIn("C R,D", cells[1])
+        self.assertIn("data:image/png;base64,", cells[2])
+        self.assertIn("auto:", cells[2])
+        self.assertIn("&plusmn;", cells[3])
+        self.assertIn("rest", cells[4])
+        self.assertIn("holds", cells[5])
+        self.assertIn("cannot be answered exactly", cells[7])
+        self.assertIn("at least", cells[7])
+
 
 class Kept(Case):
     def test_without_outputs(self):

@@ -2,6 +2,9 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
+#include <iterator>
+
 #include "tests/services/helpers.h"
 
 namespace raylex::display {
@@ -12,11 +15,11 @@ std::vector<ChannelDefinition> split_channels() {
             test::expression_channel("raw", "noclamp;C<RD>L"), test::plain_channel("N", ChannelType::normal)};
 }
 
-ParameterSet limit(double luminance) {
+ParameterSet limit(double value, const std::string& measure = "luminance") {
     ParameterSet set;
     Parameter parameter;
-    parameter.name = std::string("luminance");
-    parameter.numbers = {luminance};
+    parameter.name = measure;
+    parameter.numbers = {value};
     set.parameters.push_back(parameter);
     return set;
 }
@@ -47,6 +50,25 @@ TEST_CASE("clamp scales beauty and splits by one factor and leaves the rest alon
         CHECK(table.values(id)[0] == 3);
         CHECK(table.values(id)[3 * extra] == 5);
     }
+}
+
+TEST_CASE("clamp by the largest component, as pbrt's films clamp", "[sample_filter]") {
+    const std::vector<ChannelDefinition> channels = split_channels();
+    const auto filter = make_sample_filter("clamp", limit(2, "component"), {channels, 0, {}});
+    REQUIRE(filter);
+    SampleTable table(channels, 4, 1);
+    table.begin(test::pixel_rows(0, 0, 0, 2));
+    table.touch(0);
+    const double values[] = {1, 8, 4, 2, 1, 0.5};  // the second sample's largest component is the limit itself
+    std::copy(std::begin(values), std::end(values), table.values(0));
+    (*filter)->apply(table);
+    CHECK(table.values(0)[0] == 0.25);
+    CHECK(table.values(0)[1] == 2);
+    CHECK(table.values(0)[2] == 1);
+    for (int c = 3; c < 6; ++c) CHECK(table.values(0)[c] == values[c]);
+    ParameterSet both = limit(2, "component");
+    both.parameters.push_back(limit(2).parameters.front());
+    CHECK_FALSE(make_sample_filter("clamp", both, {channels, 0, {}}));
 }
 
 TEST_CASE("splits sum to beauty with the clamp on", "[sample_filter][law1]") {

@@ -1,10 +1,13 @@
 // What a scene calls for, and what forcing effects does to its image.
 #include <catch2/catch.hpp>
 
+#include <iomanip>
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include "tests/transport/render_support.h"
+#include "transport/color/spectrum.h"
 #include "transport/scene/effects.h"
 #include "transport/scene/scene_hash.h"
 
@@ -42,6 +45,18 @@ const std::string fog =
     "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [0.05 0.1 0.1] "
     "\"rgb sigma_s\" [0.2 0.2 0.1]\n";
 const std::string lamp = "LightSource \"point\" \"rgb I\" [5 6 7] \"point3 from\" [1 3 2]";
+
+const std::string dispersive_glass = "Material \"dielectric\" \"spectrum eta\" [400 1.7 700 1.4]";
+
+/// With all its digits.
+std::string mean_index_of(const std::string& material) {
+    const SceneDescription scene = scene_of(replaced(effects_scene(), plain_material, material));
+    const auto mean = mean_of_spectrum(scene.materials.back().parameters.parameters.front(), scene.color);
+    REQUIRE(mean.ok());
+    std::ostringstream text;
+    text << std::setprecision(17) << static_cast<double>(*mean);
+    return text.str();
+}
 
 /// A scene that calls for one effect alone, and as it is written without it. Both have the same lights but for effects
 /// that are lights, which are written without any.
@@ -122,6 +137,8 @@ std::vector<Example> examples(const std::string& image) {
          effects_scene(lamp + "\nObjectBegin \"ball\"\n" + plain_shape +
                        "\nObjectEnd\nAttributeBegin\nTranslate 1 0.5 0\nObjectInstance \"ball\"\nAttributeEnd\n"),
          effects_scene(lamp)},
+        {Effect::dispersion, shape(dispersive_glass + "\n" + plain_shape),
+         shape("Material \"dielectric\" \"float eta\" " + mean_index_of(dispersive_glass) + "\n" + plain_shape)},
         {Effect::motion,
          replaced(effects_scene(lamp), plain_camera,
                   std::string("ActiveTransform StartTime Translate -0.125 0 0 ActiveTransform EndTime Translate 0.125 "
@@ -202,9 +219,9 @@ TEST_CASE("effects: the catalogue is in the order of Effect, and names are found
     REQUIRE_FALSE(slip.ok());
     CHECK(contains(slip.error().to_string(), "job.toml:3:5"));
     CHECK(contains(slip.error().to_string(), "did you mean 'media'?"));
-    const auto absent = effect_named("dispersion", {"job.toml", 3, 5});
+    const auto absent = effect_named("polarisation", {"job.toml", 3, 5});
     REQUIRE_FALSE(absent.ok());
-    CHECK(contains(absent.error().message, "does not simulate 'dispersion'"));
+    CHECK(contains(absent.error().message, "does not simulate 'polarisation'"));
 }
 
 TEST_CASE("effects: forced off, the scene renders as it is written without the effect, bit for bit", "[effects]") {

@@ -57,8 +57,7 @@ const ParameterCase unknown[] = {
 
 // Each of them where pbrt-v4 reads it and raylex does not; `hint` is a value with which nothing is lost.
 const ParameterCase ignored[] = {
-    {"Film \"rgb\"\n\"float maxcomponentvalue\" 10 WorldBegin",
-     "parameter 'maxcomponentvalue' of film 'rgb' is ignored", ""},
+    {"Film \"rgb\"\n\"bool savefp16\" true WorldBegin", "parameter 'savefp16' of film 'rgb' is ignored", "false"},
     {"Integrator \"path\"\n\"bool regularize\" true WorldBegin",
      "parameter 'regularize' of integrator 'path' is ignored: specular lobes are never blurred", "false"},
     {"Film \"spectral\"\n\"integer nbuckets\" 30 WorldBegin", "parameter 'nbuckets' of film 'spectral' is ignored", ""},
@@ -109,8 +108,7 @@ TEST_CASE("a parameter that only pbrt-v4 reads is one warning, and none with a v
     // Once for a type, however many directives say it; another type is another matter.
     const std::string lit = "\"vector3 S\" [1 0 0 1 0 0 1 0 0]\n", again = triangle_text.substr(11) + lit;
     CHECK(scene_of(triangle_text + lit + again + again).warnings.size() == 1);
-    CHECK(scene_of("Film \"rgb\" \"float maxcomponentvalue\" 9 \"bool savefp16\" true\n" + triangle_text + lit)
-              .warnings.size() == 3);
+    CHECK(scene_of("Film \"rgb\" \"bool savefp16\" true\n" + triangle_text + lit).warnings.size() == 2);
 }
 
 TEST_CASE("an image's filters are read without a word", "[import]") {

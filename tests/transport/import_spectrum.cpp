@@ -147,6 +147,36 @@ TEST_CASE("blackbodies lie on the Planckian locus", "[spectrum]") {
     }
 }
 
+TEST_CASE("fluorescent lamps have their published chromaticities", "[spectrum]") {
+    // CIE 15:2004, table T.7, four decimals, summed over 5 nm there.
+    constexpr std::array<std::array<double, 2>, 12> published{{{0.3131, 0.3371},
+                                                               {0.3721, 0.3751},
+                                                               {0.4091, 0.3941},
+                                                               {0.4402, 0.4031},
+                                                               {0.3138, 0.3452},
+                                                               {0.3779, 0.3882},
+                                                               {0.3129, 0.3292},
+                                                               {0.3458, 0.3586},
+                                                               {0.3741, 0.3727},
+                                                               {0.3458, 0.3588},
+                                                               {0.3805, 0.3769},
+                                                               {0.4370, 0.4042}}};
+    for (std::size_t i = 0; i < published.size(); ++i) {
+        VisibleSpectrum lamp{};
+        REQUIRE(find_named_spectrum("stdillum-F" + std::to_string(i + 1), lamp));
+        std::array<double, 3> sum{};
+        for (std::size_t k = 0; k < visible_samples; k += 5) {
+            sum[0] += lamp[k] * matching_functions().x[k];
+            sum[1] += lamp[k] * matching_functions().y[k];
+            sum[2] += lamp[k] * matching_functions().z[k];
+        }
+        const double all = sum[0] + sum[1] + sum[2];
+        INFO("F" << i + 1 << ": " << sum[0] / all << " " << sum[1] / all);
+        CHECK(sum[0] / all == Approx(published[i][0]).margin(1.01e-4));  // a unit of the last decimal
+        CHECK(sum[1] / all == Approx(published[i][1]).margin(1.01e-4));
+    }
+}
+
 TEST_CASE("metals have their colours at normal incidence", "[spectrum]") {
     struct Case {
         const char* name;

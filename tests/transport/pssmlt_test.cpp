@@ -237,8 +237,8 @@ TEST_CASE("what Metropolis cannot do is refused by name", "[pssmlt][render][law7
     settings.integrator = metropolis(0, 1000);
     CHECK(error().find("'chains' is 0") != std::string::npos);
     settings.integrator = integrator_named("pssmlt");
-    settings.integrator->parameters.parameters = {number_parameter("rrthreshold", 0)};
-    CHECK(error().find("'rrthreshold' is 0.000000; expected more than 0 and at most 1") != std::string::npos);
+    settings.integrator->parameters.parameters = {number_parameter("rrthreshold", -1)};
+    CHECK(error().find("'rrthreshold' is -1.000000; expected at most 1") != std::string::npos);
     for (const auto& [name, value, expected] :
          {std::tuple{"integrator", "lighttracer", "expected path or bdpt"},
           std::tuple{"target", "a,,b", "expected beauty"}, std::tuple{"target", "glow", "names the channel 'glow'"}}) {

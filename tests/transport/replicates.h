@@ -43,9 +43,9 @@ inline Estimate Replicates::channel(std::size_t index) const {
     return {whole.mean(0), std::sqrt(whole.variance(0))};
 }
 
-/// `channels` expression channels from id 0 on, green. The seeds are first_seed, first_seed + 1, ...
+/// `channels` expression channels from id 0 on, of one colour (green). The seeds are first_seed, first_seed + 1, ...
 inline Replicates replicates(const transport::BuiltScene& scene, transport::RenderSettings settings, int channels,
-                             int seeds, std::uint64_t first_seed) {
+                             int seeds, std::uint64_t first_seed, int color = 1) {
     Replicates result;
     for (int i = 0; i < seeds; ++i) {
         settings.seed = first_seed + static_cast<std::uint64_t>(i);
@@ -62,7 +62,8 @@ inline Replicates replicates(const transport::BuiltScene& scene, transport::Rend
                 for (int x = 0; x < output->width; ++x) {
                     const auto block = static_cast<std::size_t>(y * blocks_across / output->height * blocks_across +
                                                                 x * blocks_across / output->width);
-                    sum[block] += image[3 * static_cast<std::size_t>(y * output->width + x) + 1];
+                    sum[block] +=
+                        image[3 * static_cast<std::size_t>(y * output->width + x) + static_cast<std::size_t>(color)];
                     ++count[block];
                 }
             for (std::size_t b = 0; b < sum.size(); ++b)
@@ -191,7 +192,8 @@ inline display::ChannelDefinition osl(const std::string& name, const std::string
 /// settings.channels, one by one, against the path tracer, which takes settings.samples_per_pixel. Every one must find
 /// something.
 inline void compare_with_path(const transport::SceneDescription& scene, transport::RenderSettings settings,
-                              const transport::SceneEntity& other, int seeds, std::uint64_t other_samples) {
+                              const transport::SceneEntity& other, int seeds, std::uint64_t other_samples,
+                              int color = 1) {
     std::vector<std::string> expressions;
     for (const display::ChannelDefinition& channel : settings.channels) expressions.push_back(channel.expression);
     auto built = transport::BuiltScene::build(scene);
@@ -200,10 +202,10 @@ inline void compare_with_path(const transport::SceneDescription& scene, transpor
     settings.threads = 2;
     settings.beauty = false;
     settings.integrator = integrator_named("path");
-    const Replicates path = replicates(**built, settings, channels, seeds, 100);
+    const Replicates path = replicates(**built, settings, channels, seeds, 100, color);
     settings.integrator = other;
     settings.samples_per_pixel = other_samples;
-    const Replicates tested = replicates(**built, settings, channels, seeds, 500);
+    const Replicates tested = replicates(**built, settings, channels, seeds, 500, color);
     check_agreement(path, tested, expressions);
     for (std::size_t c = 0; c < expressions.size();
          ++c) {  // a channel that is black everywhere would agree with anything
@@ -216,11 +218,11 @@ inline void compare_with_path(const transport::SceneDescription& scene, transpor
 /// The same of expressions in the osl dialect.
 inline void compare_with_path(const std::string& text, transport::RenderSettings settings,
                               const transport::SceneEntity& other, int seeds, std::uint64_t other_samples,
-                              const std::vector<std::string>& expressions) {
+                              const std::vector<std::string>& expressions, int color = 1) {
     settings.channels.clear();
     for (const std::string& each : expressions)
         settings.channels.push_back(osl("c" + std::to_string(settings.channels.size()), each));
-    compare_with_path(scene_of(text), std::move(settings), other, seeds, other_samples);
+    compare_with_path(scene_of(text), std::move(settings), other, seeds, other_samples, color);
 }
 
 inline const std::string plain_film = R"(

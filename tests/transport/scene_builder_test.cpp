@@ -98,9 +98,8 @@ TEST_CASE("SceneBuilder: errors name the call", "[scene-builder]") {
     };
     refused(scene.add_material("diffuse", {typed::real("reflectence", 1)}), __LINE__, "has no parameter 'reflectence'");
     refused(scene.add_shape("sphere", {typed::real("radius", -1)}), __LINE__, "radius is not above 0");
-    refused(scene.add_shape("sphere", {}, {.to_world = Transform::scale(0, 1, 1)}), __LINE__, "cannot be inverted");
+    refused(scene.add_light("point", {}, Transform::scale(0, 1, 1)), __LINE__, "cannot be inverted");
     refused(scene.add_mesh({.positions = {{0, 0, 0}}, .indices = {0, 1, 2}}), __LINE__, "index 1 is out of range");
-    refused(scene.medium_named("fog"), __LINE__, "no medium is called 'fog'");
     refused(scene.add_instance({}), __LINE__, "an instance of no object");
     refused(scene.add_texture("t", TextureValue::real, "imagemap", {typed::text("filename", "no-such.png")}), __LINE__,
             "no-such.png");

@@ -1,5 +1,6 @@
 // Spectra that scene files call by name, under pbrt-v4's names.
 #include "display/services/elementary.h"
+#include "transport/color/fluorescent_lamps.h"
 #include "transport/color/spectral_data.h"
 
 #include <cmath>
@@ -140,6 +141,18 @@ constexpr NamedSpectrum others[] = {
     {"stdillum-D65", [] { return daylight_spectrum(6500 * revised); }},
     {"stdillum-D75", [] { return daylight_spectrum(7500 * revised); }},
     {"stdillum-E", illuminant_e},
+    {"stdillum-F1", [] { return fluorescent_lamp(1); }},
+    {"stdillum-F2", [] { return fluorescent_lamp(2); }},
+    {"stdillum-F3", [] { return fluorescent_lamp(3); }},
+    {"stdillum-F4", [] { return fluorescent_lamp(4); }},
+    {"stdillum-F5", [] { return fluorescent_lamp(5); }},
+    {"stdillum-F6", [] { return fluorescent_lamp(6); }},
+    {"stdillum-F7", [] { return fluorescent_lamp(7); }},
+    {"stdillum-F8", [] { return fluorescent_lamp(8); }},
+    {"stdillum-F9", [] { return fluorescent_lamp(9); }},
+    {"stdillum-F10", [] { return fluorescent_lamp(10); }},
+    {"stdillum-F11", [] { return fluorescent_lamp(11); }},
+    {"stdillum-F12", [] { return fluorescent_lamp(12); }},
     {"illum-acesD60", [] { return daylight_spectrum(6000 * revised); }},
     {"metal-Ag-eta", [] { return sample_metal(silver, &OpticalConstant::n); }},
     {"metal-Ag-k", [] { return sample_metal(silver, &OpticalConstant::k); }},

@@ -78,19 +78,18 @@ Triple project_illuminant(const VisibleSpectrum& s, ColorSpace space) {
     return rgb;
 }
 
+bool is_flat(const VisibleSpectrum& s) {
+    return std::all_of(s.begin(), s.end(), [&s](double v) { return v == s[0]; });
+}
+
 Rgb project(const VisibleSpectrum& s, SpectrumRole role, const ColorContext& context) {
     // A flat spectrum is exactly grey, not grey up to the rounding of four hundred products.
-    const bool flat = std::all_of(s.begin(), s.end(), [&s](double v) { return v == s[0]; });
     if (role == SpectrumRole::illuminant)
         return to_rendering(project_illuminant(s, context.scene_space), role, context);
-    if (flat) return to_rendering({s[0], s[0], s[0]}, role, context);
+    if (is_flat(s)) return to_rendering({s[0], s[0], s[0]}, role, context);
     return to_rendering(role == SpectrumRole::albedo ? project_albedo(s, context.scene_space)
                                                      : project_unbounded(s, context.scene_space),
                         role, context);
-}
-
-Result<Rgb> project_samples(const SampledSpectrum& samples, SpectrumRole role, const ColorContext& context) {
-    return project(resample(samples.wavelengths, samples.values, role == SpectrumRole::unbounded), role, context);
 }
 
 /// `numbers` are wavelength, value, wavelength, value ...
@@ -167,20 +166,39 @@ Result<Rgb> resolve_rgb(const Parameter& parameter, SpectrumRole role, const Col
     return to_rendering({parameter.numbers[0], parameter.numbers[1], parameter.numbers[2]}, role, context);
 }
 
-Result<Rgb> resolve_text(const Parameter& parameter, SpectrumRole role, const ColorContext& context) {
+Result<VisibleSpectrum> read_text(const Parameter& parameter, bool extend) {
     if (parameter.strings.size() != 1)
         return error_at(parameter.location, "'spectrum " + parameter.name + "' has " +
                                                 std::to_string(parameter.strings.size()) + " names; expected one");
     const std::string& name = parameter.strings.front();
     VisibleSpectrum named{};
-    if (find_named_spectrum(name, named)) return project(named, role, context);
+    if (find_named_spectrum(name, named)) return named;
     std::error_code status;
     if (!std::filesystem::exists(name, status))
         return error_at(parameter.location, "'" + name + "' is neither a named spectrum nor a readable file",
                         known_names_hint(name));
     Result<SampledSpectrum> samples = read_spd(name);
     if (!samples) return samples.error();
-    return project_samples(*samples, role, context);
+    return resample(samples->wavelengths, samples->values, extend);
+}
+
+/// Of a blackbody or spectrum parameter. `extend`: as resample().
+Result<VisibleSpectrum> read_spectrum(const Parameter& parameter, bool extend) {
+    if (parameter.type == ParameterType::blackbody) {
+        if (parameter.numbers.size() != 1 || !(parameter.numbers[0] > 0) || !std::isfinite(parameter.numbers[0]))
+            return error_at(parameter.location,
+                            "'blackbody " + parameter.name + "' expects one temperature in kelvin, above 0");
+        return blackbody_spectrum(parameter.numbers[0]);
+    }
+    if (!parameter.strings.empty()) return read_text(parameter, extend);
+    Result<SampledSpectrum> samples =
+        from_pairs(parameter.numbers, parameter.location, "'spectrum " + parameter.name + "'");
+    if (!samples) return samples.error();
+    return resample(samples->wavelengths, samples->values, extend);
+}
+
+bool is_spectrum(const Parameter& parameter) {
+    return parameter.type == ParameterType::blackbody || parameter.type == ParameterType::spectrum;
 }
 
 }  // namespace
@@ -195,16 +213,10 @@ Result<Rgb> resolve_spectrum(const Parameter& parameter, SpectrumRole role, cons
         case ParameterType::rgb:
             return resolve_rgb(parameter, role, context);
         case ParameterType::blackbody:
-            if (parameter.numbers.size() != 1 || !(parameter.numbers[0] > 0) || !std::isfinite(parameter.numbers[0]))
-                return error_at(parameter.location,
-                                "'blackbody " + parameter.name + "' expects one temperature in kelvin, above 0");
-            return project(blackbody_spectrum(parameter.numbers[0]), role, context);
         case ParameterType::spectrum: {
-            if (!parameter.strings.empty()) return resolve_text(parameter, role, context);
-            Result<SampledSpectrum> samples =
-                from_pairs(parameter.numbers, parameter.location, "'spectrum " + parameter.name + "'");
-            if (!samples) return samples.error();
-            return project_samples(*samples, role, context);
+            const Result<VisibleSpectrum> spectrum = read_spectrum(parameter, role == SpectrumRole::unbounded);
+            if (!spectrum) return spectrum.error();
+            return project(*spectrum, role, context);
         }
         case ParameterType::real:
         case ParameterType::integer: {
@@ -219,6 +231,19 @@ Result<Rgb> resolve_spectrum(const Parameter& parameter, SpectrumRole role, cons
     }
     return error_at(parameter.location,
                     "'" + parameter.name + "' is no colour; expected rgb, blackbody, spectrum or float");
+}
+
+Result<std::optional<VisibleSpectrum>> varying_spectrum(const Parameter& parameter) {
+    if (!is_spectrum(parameter)) return std::optional<VisibleSpectrum>();
+    const Result<VisibleSpectrum> spectrum = read_spectrum(parameter, true);
+    if (!spectrum) return spectrum.error();
+    return is_flat(*spectrum) ? std::optional<VisibleSpectrum>() : std::optional(*spectrum);
+}
+
+Result<Real> mean_of_spectrum(const Parameter& parameter, const ColorContext& context) {
+    const Result<Rgb> rgb = resolve_spectrum(parameter, SpectrumRole::unbounded, context);
+    if (!rgb) return rgb.error();
+    return rgb->r == rgb->g && rgb->g == rgb->b ? rgb->r : rgb->average();
 }
 
 Result<Rgb> spectrum_or(const ParameterSet& parameters, std::string_view name, const Rgb& fallback, SpectrumRole role,

@@ -19,10 +19,12 @@
 // since an index of refraction of 0 means nothing. Albedos and lights then go through `rendering_from_scene`.
 #pragma once
 
+#include <optional>
 #include <string_view>
 #include <vector>
 
 #include "display/services/parameters.h"
+#include "transport/color/spectral_data.h"
 #include "transport/math/real.h"
 #include "transport/scene/scene_description.h"
 
@@ -38,6 +40,13 @@ enum class SpectrumRole : std::uint8_t {
 /// Reads an rgb, blackbody or spectrum parameter (named, file, or wavelength-value pairs), or a single real as grey,
 /// into the rendering space. Errors: negative rgb, an albedo above 1, odd or unsorted pairs, an unknown name or file.
 Result<Rgb> resolve_spectrum(const Parameter& parameter, SpectrumRole role, const ColorContext& context);
+
+/// An unbounded spectrum as it is, at the visible samples, ends kept; nothing where it has one value, or three (rgb).
+/// Errors as resolve_spectrum's.
+Result<std::optional<VisibleSpectrum>> varying_spectrum(const Parameter& parameter);
+
+/// One number for an unbounded spectrum: the mean of its RGB.
+Result<Real> mean_of_spectrum(const Parameter& parameter, const ColorContext& context);
 
 /// Light of linear RGB in the scene's space as illuminants are resolved: as the film records it, in the rendering
 /// space.

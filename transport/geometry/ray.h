@@ -99,8 +99,9 @@ inline float next_down(float v) {
     const Vec3 shift = n * std::copysign(offset, dot(n, direction));
     const auto step = [](Real coordinate, Real by) {
         const Real moved = coordinate + by;
-        const Real further = std::copysign(moved * 0x1p-23f, by);
-        return moved + (by != 0 ? further : 0.0f);
+        // What does not move at all goes no further either: whatever moves does so by more than 2^-126.
+        const Real further = std::min(std::abs(moved) * 0x1p-23f, std::abs(by) * 0x1p126f);
+        return moved + std::copysign(further, by);
     };
     return {step(p.x, shift.x), step(p.y, shift.y), step(p.z, shift.z)};
 }

@@ -45,11 +45,9 @@ const std::string in_rgb = "light is transported in RGB", scrambled = "points ar
 // The rows are after the file format of pbrt-v4 (pbrt.org/fileformat-v4) and what its source looks up.
 std::vector<Row> camera_rows() {
     using enum EntityKind;
-    const Names every_film{"xresolution", "yresolution", "cropwindow", "pixelbounds",  "filename",
-                           "diagonal",    "sensor",      "iso",        "exposuretime", "whitebalance"};
-    const std::vector<Ignored> values{
-        {"maxcomponentvalue", {}, "the sample filter 'clamp' bounds samples, by luminance and with all layers"},
-        {"savefp16", {"false"}, "[exr] of a job says how values are stored"}};
+    const Names every_film{"xresolution", "yresolution", "cropwindow",   "pixelbounds",  "filename",         "diagonal",
+                           "sensor",      "iso",         "exposuretime", "whitebalance", "maxcomponentvalue"};
+    const std::vector<Ignored> values{{"savefp16", {"false"}, "[exr] of a job says how values are stored"}};
     std::vector<Ignored> spectrum = values;
     for (const char* name : {"nbuckets", "lambdamin", "lambdamax"}) spectrum.push_back({name, {}, in_rgb});
     Names geometry = every_film;

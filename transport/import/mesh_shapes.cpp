@@ -97,11 +97,13 @@ void warn_dropped(std::size_t dropped, const SceneShape& shape, const std::strin
 
 /// `displacement` and `edgelength` of a plymesh. Displaced quadrilaterals are triangles, as in pbrt.
 Status read_displacement(const ParameterSet& set, PlyMesh& mesh, SceneShape& shape) {
-    const Result<double> edge = set.real_or("edgelength", 1);
+    // pbrt's documentation and its source spell it differently.
+    const char* const name = set.find("displacement.edgelength") != nullptr ? "displacement.edgelength" : "edgelength";
+    const Result<double> edge = set.real_or(name, 1);
     if (!edge) return edge.error();
     shape.edge_length = static_cast<Real>(*edge);
     if (!(shape.edge_length > 0) || !std::isfinite(shape.edge_length))
-        return error_at(location_of(set, "edgelength"), "'edgelength' is not above 0; expected a length in the world");
+        return error_at(location_of(set, name), "'edgelength' is not above 0; expected a length in the world");
     const Parameter* displacement = set.find("displacement");
     if (displacement == nullptr) return success();
     if (displacement->type != ParameterType::texture || displacement->strings.size() != 1)

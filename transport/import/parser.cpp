@@ -18,7 +18,7 @@ enum class Form : std::uint8_t {
     typed,    // Shape "sphere" parameters
     texture,  // Texture "name" "float" "constant" parameters
     media,    // MediumInterface "inside" ["outside"]
-    option    // Option "bool x" true
+    option    // Option "x" true, or "bool x" true
 };
 
 struct DirectiveRow {
@@ -193,6 +193,12 @@ class DirectiveReader {
     }
 
     Status read_option() {
+        const Result<Token> first = tokenizer_.next();
+        if (!first) return first.error();
+        const bool plain =
+            first->kind == TokenKind::string && first->text.find_first_of(" \t") == std::string_view::npos;
+        if (plain) return parse_option(tokenizer_, *first, directive_.parameters);
+        tokenizer_.push_back(*first);
         if (Status status = parse_parameters(tokenizer_, directive_.parameters, directive_.warnings); !status)
             return status;
         if (directive_.parameters.parameters.size() == 1) return success();
@@ -224,6 +230,15 @@ Result<std::optional<Directive>> parse_directive(Tokenizer& tokenizer) {
     directive.parameters.location = directive.location;
     if (Status status = DirectiveReader(tokenizer, *row, directive).read(); !status) return status.error();
     return std::optional<Directive>(std::move(directive));
+}
+
+bool takes_parameters(const Directive& directive) {
+    const Form form = table[static_cast<std::size_t>(directive.id)].form;
+    return form == Form::typed || form == Form::texture;
+}
+
+Status parse_more_parameters(Tokenizer& tokenizer, Directive& directive) {
+    return parse_parameters(tokenizer, directive.parameters, directive.warnings);
 }
 
 }  // namespace raylex::transport

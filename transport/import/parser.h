@@ -71,4 +71,9 @@ struct Directive {
 /// The next directive, or nothing at the end of the text. Errors carry line, column, excerpt and what was expected.
 Result<std::optional<Directive>> parse_directive(Tokenizer& tokenizer);
 
+/// Whether parameters may follow `directive`'s own: a file may include others in the midst of them.
+bool takes_parameters(const Directive& directive);
+/// Adds the parameters that `tokenizer` goes on with, if any.
+Status parse_more_parameters(Tokenizer& tokenizer, Directive& directive);
+
 }  // namespace raylex::transport

@@ -1,5 +1,6 @@
 #include "transport/import/parser_values.h"
 
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -250,8 +251,11 @@ Status parse_parameters(Tokenizer& tokenizer, ParameterSet& set, std::vector<Err
             return success();
         }
         const Declaration declaration = split_declaration(token->text);
-        if (declaration.type.empty() || declaration.name.empty() || declaration.more)
+        if (declaration.type.empty() || declaration.name.empty())
             return tokenizer.error(*token, "found " + describe(*token) + "; expected a parameter, \"type name\"");
+        if (declaration.more)  // pbrt does not look at it
+            warnings.push_back(tokenizer.error(*token, "what follows type and name in " + describe(*token) +
+                                                           " is ignored; expected a parameter, \"type name\""));
         const TypeRow* row = find_type(declaration.type);
         if (row == nullptr) return unknown_type(tokenizer, *token, declaration.type);
         Parameter parameter;
@@ -261,6 +265,33 @@ Status parse_parameters(Tokenizer& tokenizer, ParameterSet& set, std::vector<Err
         if (Status status = parse_values(tokenizer, *token, *row, parameter); !status) return status;
         keep_last(set, std::move(parameter), warnings);
     }
+}
+
+Status parse_option(Tokenizer& tokenizer, const Token& name, ParameterSet& set) {
+    Parameter parameter;
+    for (const char c : name.text)
+        if (c != '-' && c != '_') parameter.name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    parameter.location = tokenizer.location(name);
+    const Result<Token> token = tokenizer.next();
+    if (!token) return token.error();
+    const bool truth = token->kind == TokenKind::word && (token->text == "true" || token->text == "false");
+    parameter.type = token->kind == TokenKind::string ? ParameterType::string
+                     : truth                          ? ParameterType::boolean
+                                                      : ParameterType::real;
+    if (token->kind == TokenKind::string) {
+        Result<std::string> value = unescape(tokenizer, *token);
+        if (!value) return value.error();
+        parameter.strings.push_back(std::move(*value));
+    } else if (truth) {
+        parameter.booleans.push_back(token->text == "true" ? 1 : 0);
+    } else {
+        const Result<double> value =
+            parse_number(tokenizer, *token, "true, false, a number or a string for option '" + parameter.name + "'");
+        if (!value) return value.error();
+        parameter.numbers.push_back(*value);
+    }
+    set.parameters.push_back(std::move(parameter));
+    return success();
 }
 
 }  // namespace raylex::transport

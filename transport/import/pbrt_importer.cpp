@@ -39,7 +39,7 @@ std::string identity_of(const std::string& path) {
 class Importer {
   public:
     Importer(const std::string& path, std::string text, const ImportOptions& options)
-        : reader_(path, options.missing), folder_(fs::path(path).parent_path()) {
+        : reader_(path, options.missing, options.threads, options.progress), folder_(fs::path(path).parent_path()) {
         push(path, identity_of(path), std::make_shared<const std::string>(std::move(text)), false);
     }
 
@@ -50,14 +50,16 @@ class Importer {
             if (reading_stopped()) return reading_stopped_error(source.path);
             Result<std::optional<Directive>> directive = parse_directive(source.tokenizer);
             if (!directive) return directive.error();
-            Status status = success();
+            const SearchPath beside = search();
+            Status status = directive->has_value() ? read_on(**directive) : success();
+            if (!status) return status.error();
             if (!directive->has_value()) {
                 if (sources_.size() == 1) end = end_of(source);
                 status = pop();
             } else if ((*directive)->id == DirectiveId::include || (*directive)->id == DirectiveId::import) {
                 status = open(**directive);
             } else {
-                status = reader_.apply(**directive, search());
+                status = reader_.apply(**directive, beside);
             }
             if (!status) return with_excerpt(status.error());
         }
@@ -90,6 +92,21 @@ class Importer {
         auto text = text_of(*path, identity, where);
         if (!text) return text.error();
         push(*path, identity, std::move(*text), imported);
+        return success();
+    }
+
+    /// Text of an included file counts as if it stood in the place of its Include: a file may end in the midst of a
+    /// directive's parameters, and the file that includes it go on with them.
+    Status read_on(Directive& directive) {
+        while (takes_parameters(directive) && sources_.size() > 1 && !sources_.back()->imported) {
+            Tokenizer& tokenizer = sources_.back()->tokenizer;
+            const Result<Token> next = tokenizer.next();
+            if (!next) return next.error();
+            tokenizer.push_back(*next);
+            if (next->kind != TokenKind::end) break;
+            if (Status s = pop(); !s) return s;
+            if (Status s = parse_more_parameters(sources_.back()->tokenizer, directive); !s) return s;
+        }
         return success();
     }
 

@@ -135,6 +135,11 @@ Status SceneReader::begin_block(Block block, const SourceLocation& where) {
 
 Status SceneReader::end_block(Block block, const Directive& directive) {
     const bool matches = !stack_.empty() && stack_.back().block == block;
+    if (!matches && block == Block::attribute && (stack_.empty() || stack_.back().block == Block::import)) {
+        scene_.warn(error_at(directive.location, std::string(directive.name) +
+                                                     " without its AttributeBegin is ignored, as pbrt ignores it"));
+        return success();
+    }
     if (!matches) {
         const std::string opener = block == Block::object ? "ObjectBegin" : "AttributeBegin";
         std::string hint;
@@ -193,15 +198,12 @@ Status SceneReader::color_space(const Directive& directive) {
 
 /// The empty name is pbrt's vacuum.
 Status SceneReader::medium_interface(const Directive& directive) {
-    std::array<MediumHandle, 2> sides;
-    for (std::size_t i = 0; i < 2; ++i) {
-        if (directive.strings[i].empty()) continue;
-        const Result<MediumHandle> found = scene_.medium_named(directive.strings[i], directive.string_locations[i]);
-        if (!found) return found.error();
-        sides[i] = *found;
-    }
-    state_.inside_medium = sides[0];
-    state_.outside_medium = sides[1];
+    const auto side = [&](std::size_t i) {
+        if (directive.strings[i].empty()) return MediumHandle{};
+        return scene_.medium_named({directive.strings[i], directive.string_locations[i]});
+    };
+    state_.inside_medium = side(0);
+    state_.outside_medium = side(1);
     return success();
 }
 
@@ -227,6 +229,8 @@ Status SceneReader::option(const Directive& directive) {
         if (parameter.booleans.front() != 0) scene_.disable_texture_filtering();
         return success();
     }
+    if (parameter.name == "displacementedgescale" && parameter.numbers.size() == 1)
+        return scene_.scale_displacement_edges(parameter.numbers.front(), parameter.location);
     scene_.warn(error_at(parameter.location, "option '" + parameter.name + "' has no effect here"));
     return success();
 }

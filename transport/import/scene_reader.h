@@ -15,7 +15,11 @@ namespace raylex::transport {
 
 class SceneReader {
   public:
-    SceneReader(std::string file, MissingFiles missing) : scene_(std::move(file)) { scene_.set_missing_files(missing); }
+    SceneReader(std::string file, MissingFiles missing, int threads, LoadingProgress* progress)
+        : scene_(std::move(file)) {
+        scene_.set_missing_files(missing);
+        scene_.set_loading(threads, progress);
+    }
 
     /// Carries out one directive other than Include and Import.
     Status apply(Directive& directive, const SearchPath& search);
@@ -51,8 +55,7 @@ class SceneReader {
     // scene_reader_transforms.cpp
     Status transform(const Directive& directive);
     Status active_transform(const Directive& directive);
-    Status concatenate(const Transform& transform, const SourceLocation& where);
-    Status check_invertible(const SourceLocation& where) const;
+    Status concatenate(const Transform& transform);
     [[nodiscard]] bool moves() const { return state_.ctm[0].matrix() != state_.ctm[1].matrix(); }
     const Transform& first_transform(const char* what, const SourceLocation& where);
     // scene_reader_world.cpp

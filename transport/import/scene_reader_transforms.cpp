@@ -14,19 +14,21 @@ Transform from_columns(const std::array<double, 16>& numbers) {
 
 }  // namespace
 
+/// What cannot be inverted is refused where something is placed by it: files flatten and shrink to nothing what they
+/// hide.
 Status SceneReader::transform(const Directive& directive) {
     const std::array<double, 16>& n = directive.numbers;
     switch (directive.id) {
         case DirectiveId::translate:
-            return concatenate(Transform::translate(n[0], n[1], n[2]), directive.location);
+            return concatenate(Transform::translate(n[0], n[1], n[2]));
         case DirectiveId::scale:
-            return concatenate(Transform::scale(n[0], n[1], n[2]), directive.location);
+            return concatenate(Transform::scale(n[0], n[1], n[2]));
         case DirectiveId::rotate: {
             const Transform rotation = Transform::rotate(n[0], n[1], n[2], n[3]);
             if (!rotation.invertible())
                 return error_at(directive.location,
                                 "Rotate about a null axis; expected degrees and an axis of positive length");
-            return concatenate(rotation, directive.location);
+            return concatenate(rotation);
         }
         case DirectiveId::look_at: {
             const Transform view = Transform::look_at({n[0], n[1], n[2]}, {n[3], n[4], n[5]}, {n[6], n[7], n[8]});
@@ -34,10 +36,10 @@ Status SceneReader::transform(const Directive& directive) {
                 return error_at(directive.location,
                                 "LookAt: the view direction is null or parallel to the up vector; expected eye, look, "
                                 "up that span a view");
-            return concatenate(view, directive.location);
+            return concatenate(view);
         }
         case DirectiveId::concat_transform:
-            return concatenate(from_columns(n), directive.location);
+            return concatenate(from_columns(n));
         case DirectiveId::coordinate_system:
             coordinate_systems_[directive.strings[0]] = state_.ctm;
             return success();
@@ -50,9 +52,11 @@ Status SceneReader::transform(const Directive& directive) {
             std::vector<std::string> known;
             for (const auto& [name, transforms] : coordinate_systems_) known.push_back(name);
             const std::string near = nearest_name(directive.strings[0], known);
-            return error_at(directive.string_locations[0],
-                            "no coordinate system is called '" + directive.strings[0] + "'",
-                            near.empty() ? "" : "did you mean '" + near + "'?");
+            scene_.warn(error_at(directive.string_locations[0],
+                                 "no coordinate system is called '" + directive.strings[0] +
+                                     "'; the directive is ignored, as pbrt ignores it",
+                                 near.empty() ? "" : "did you mean '" + near + "'?"));
+            return success();
         }
         default:
             break;
@@ -61,7 +65,7 @@ Status SceneReader::transform(const Directive& directive) {
     const Transform replacement = directive.id == DirectiveId::transform ? from_columns(n) : Transform();
     for (std::size_t i = 0; i < 2; ++i)
         if (state_.active[i]) state_.ctm[i] = replacement;
-    return check_invertible(directive.location);
+    return success();
 }
 
 Status SceneReader::active_transform(const Directive& directive) {
@@ -73,15 +77,9 @@ Status SceneReader::active_transform(const Directive& directive) {
     return success();
 }
 
-Status SceneReader::concatenate(const Transform& transform, const SourceLocation& where) {
+Status SceneReader::concatenate(const Transform& transform) {
     for (std::size_t i = 0; i < 2; ++i)
         if (state_.active[i]) state_.ctm[i] = state_.ctm[i] * transform;
-    return check_invertible(where);
-}
-
-Status SceneReader::check_invertible(const SourceLocation& where) const {
-    for (const Transform& transform : state_.ctm)
-        if (!transform.invertible()) return error_at(where, "leaves a transformation that cannot be inverted");
     return success();
 }
 

@@ -120,7 +120,8 @@ Registry<ShapeFactory>& shape_registry() {
                "triangles and quadrilaterals of a PLY file",
                {{"filename", T::string, "", "beside the scene file, or absolute"},
                 {"displacement", T::texture, "", "along normals; a float texture"},
-                {"edgelength", T::real, "1", "of a displaced mesh, in the world: longer edges are halved first"}},
+                {"edgelength", T::real, "1", "of a displaced mesh, in the world: longer edges are halved first"},
+                {"displacement.edgelength", T::real, "1", "the same"}},
                make_ply_mesh});
         r.add({"sphere",
                "around the origin",

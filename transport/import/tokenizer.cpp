@@ -22,12 +22,12 @@ void Tokenizer::skip_blanks() {
             ++line_;
             line_start_ = at_ + 1;
         } else if (c == '#') {
-            const std::size_t newline = text_.find('\n', at_);
-            if (newline == std::string_view::npos) {
+            const std::size_t end = text_.find_first_of("\r\n", at_);  // old Macintosh files end lines by "\r"
+            if (end == std::string_view::npos) {
                 at_ = text_.size();
                 return;
             }
-            at_ = newline - 1;
+            at_ = end - 1;
         } else if (!is_blank(c)) {
             return;
         }

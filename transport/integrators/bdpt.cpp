@@ -93,7 +93,7 @@ void Bdpt::keep_light_vertices(BdptThread& thread) const {
         const bool holdout = j < v.surfaces && geometry.has_holdouts() && geometry.is_holdout(v.hits[j]);
         thread.light_vertices.push_back({v.points[j], v.bsdfs[j], v.sources[j].offset, row, path.depth,
                                          path.counted_depth(), thread.light.end(j), thread.last_vertex[row], holdout,
-                                         path.beta, thread.light.sums(row)});
+                                         path.one_wavelength, path.beta, thread.light.sums(row)});
         thread.last_vertex[row] = index;
     }
 }

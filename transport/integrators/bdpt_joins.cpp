@@ -18,7 +18,7 @@ void Bdpt::Ends::add(std::uint32_t row, const Rgb& emitted, const LightSample& a
                                                                        static_cast<double>(emission.position),
                                                                        static_cast<double>(emission.direction)));
     }
-    const Rgb unweighted = path.beta * emitted;
+    const Rgb unweighted = camera.throughput(row) * emitted;
     if (unweighted.is_black()) return;
     camera.record().arrive(row, camera.record().events().terminal(at.light), {0, path.depth + 2},
                            {unweighted * weight, emitted, unweighted, 1, sampled > 0});
@@ -59,7 +59,7 @@ void Bdpt::Ends::escapes(std::uint32_t row, const Ray& ray) {
 void Bdpt::Ends::volume_emits(std::uint32_t row, const Rgb& emitted) {
     const Subpath& path = camera.path(row);
     if (path.depth < self.first_depth_) return;
-    const Rgb value = path.beta * emitted;
+    const Rgb value = camera.throughput(row) * emitted;
     camera.record().arrive(row, camera.record().events().emission(), {0, path.depth + 2}, {value, emitted, value});
 }
 
@@ -122,6 +122,7 @@ void Bdpt::join_vertices(BdptThread& thread, std::size_t j) const {
             sums.others(static_cast<double>(z.f.pdf) * at_camera, static_cast<double>(x.pdf_reverse)) +
             y.sums.others(static_cast<double>(x.f.pdf) * at_light, static_cast<double>(z.pdf_reverse)));
         join.unweighted = path.beta * x.f.value * z.f.value * y.power * (1 / d2);
+        if (path.one_wavelength || y.one_wavelength) join.unweighted *= thread.light.wavelength_weight(row);
         join.end = y.end;
         join.end.lobes = z.f.lobes;
         join.light_vertices = y.depth + 2;
@@ -134,12 +135,13 @@ void Bdpt::join_vertices(BdptThread& thread, std::size_t j) const {
 
 void Bdpt::connect_to_camera(const CameraBatch& batch, BdptThread& thread, ThreadServices& services) const {
     for (const LightVertex& y : thread.light_vertices) {
+        const Rgb power = y.one_wavelength ? y.power * thread.light.wavelength_weight(y.row) : y.power;
         const Vec2 lens = context_.camera->has_lens()
                               ? batch.samplers[y.row].get_2d(
                                     subpath_dimensions<TransportMode::importance>.of(y.depth, camera_lens_dimension))
                               : Vec2{0, 0};
         thread.splats.add(view_,
-                          {y.row, y.depth, &y.point, &y.bsdf, y.offset, y.holdout, y.power, y.end, &y.sums,
+                          {y.row, y.depth, &y.point, &y.bsdf, y.offset, y.holdout, power, y.end, &y.sums,
                            batch.rays[y.row].time, connection_key(context_.scene, batch.samplers[y.row], y.depth)},
                           lens);
     }

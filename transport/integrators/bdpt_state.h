@@ -20,8 +20,8 @@ struct LightVertex {
     std::uint32_t row = 0, depth = 0, counted_depth = 0;  ///< Subpath's
     LightEnd end;
     std::uint32_t previous = none;  ///< of the same subpath
-    bool holdout = false;
-    Rgb power;
+    bool holdout = false, one_wavelength = false;
+    Rgb power;  ///< Subpath::beta
     StrategySums sums;
 };
 

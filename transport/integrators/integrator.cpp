@@ -59,9 +59,9 @@ Result<Real> read_roulette(const SceneEntity& entity) {
     if (!roulette) return roulette.error();
     auto below = entity.parameters.real_or("rrthreshold", double{default_roulette_below});
     if (!below) return below.error();
-    if (!(*below > 0 && *below <= 1))
-        return error_at(entity.location,
-                        "'rrthreshold' is " + std::to_string(*below) + "; expected more than 0 and at most 1");
+    if (!(*below >= 0 && *below <= 1))
+        return error_at(entity.location, "'rrthreshold' is " + std::to_string(*below) +
+                                             "; expected at most 1, and 0 where paths never end at random");
     return *roulette ? static_cast<Real>(*below) : Real(0);
 }
 
@@ -71,7 +71,7 @@ ParameterDescription describe_roulette(const std::string& who) {
 
 ParameterDescription describe_roulette_threshold() {
     return {"rrthreshold", ParameterType::real, "0.25",
-            "throughput below which roulette is played (pbrt-v4: always 1)"};
+            "throughput below which roulette is played (pbrt-v4: always 1); 0: never"};
 }
 
 std::vector<ParameterDescription> describe_depth_parameters(const std::string& who) {

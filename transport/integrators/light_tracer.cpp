@@ -106,8 +106,8 @@ void LightTracer::connect(const CameraBatch& batch, LightTracerThread& thread, T
                               : Vec2{0, 0};
         const bool holdout = j < v.surfaces && geometry.has_holdouts() && geometry.is_holdout(v.hits[j]);
         thread.connections.add(view_,
-                               {row, path.depth, &v.points[j], &v.bsdfs[j], v.sources[j].offset, holdout, path.beta,
-                                thread.subpaths.end(j), nullptr, v.hits[j].time,
+                               {row, path.depth, &v.points[j], &v.bsdfs[j], v.sources[j].offset, holdout,
+                                thread.subpaths.throughput(row), thread.subpaths.end(j), nullptr, v.hits[j].time,
                                 connection_key(context_.scene, batch.samplers[row], path.depth)},
                                lens);
     }

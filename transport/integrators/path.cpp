@@ -120,7 +120,7 @@ struct PathIntegrator::Ends : CameraEnds {
     void volume_emits(std::uint32_t row, const Rgb& emitted) {
         const Subpath& path = camera.path(row);
         if (path.depth < self.parameters_.first_depth) return;
-        const Rgb value = path.beta * emitted;
+        const Rgb value = camera.throughput(row) * emitted;
         camera.record().arrive(row, camera.record().events().emission(), {0, path.depth + 2}, {value, emitted, value});
     }
     void add(std::uint32_t row, std::uint32_t light, const Rgb& emitted, Real light_pdf) {
@@ -131,8 +131,9 @@ struct PathIntegrator::Ends : CameraEnds {
         if (sampled_too)
             weight = self.parameters_.strategy == PathStrategy::light ? 0.0f : power_heuristic(path.pdf, light_pdf);
         if (!(weight > 0)) return;
+        const Rgb value = camera.throughput(row) * emitted;
         camera.record().arrive(row, camera.record().events().terminal(light), {0, path.depth + 2},
-                               {path.beta * emitted * weight, emitted, path.beta * emitted, 1, sampled_too});
+                               {value * weight, emitted, value, 1, sampled_too});
     }
     void arrives(std::size_t j) {
         if (camera.record().wants_blocked_light()) camera.report_hidden_environments(self.lights_[LiveLights::all], j);

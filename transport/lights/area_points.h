@@ -16,10 +16,7 @@ inline Real sample_triangle_point(const Light& light, const Vec2& u, LightSample
     s.uv = {b.y, 1 - b.x - b.y};
     s.target = light.position + light.edge1 * b.y + light.edge2 * (1 - b.x - b.y);
     s.target_normal = light.direction;
-    // The point is a sum of floats: five roundings of what is summed.
-    const Vec3 summed = absolute(light.position) + absolute(light.edge1) + absolute(light.edge2);
     s.target_offset = light.offset;
-    s.target_offset.here += gamma_bound(8) * dot(absolute(light.direction), summed);
     return 1 / light.area;
 }
 

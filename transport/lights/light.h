@@ -36,7 +36,7 @@ struct Light {
     Vec3 position;         ///< of a light at a point; triangle: vertex 0
     Vec3 direction;        ///< spot, projection: the axis; distant: towards it; triangle: unit normal, emitting side
     Vec3 edge1, edge2;     ///< triangle
-    OffsetBound offset{};  ///< triangle: of the triangle itself
+    OffsetBound offset{};  ///< triangle: of points that are drawn on it
     Real area = 0;         ///< triangle, patch: world; quadric: object space; sphere: world
     /// Spot: 1 - cos of the angles where the falloff begins and ends; projection: of the cone around its image. The
     /// cosines of narrow cones are 1 in float.

@@ -27,7 +27,6 @@ Light make_triangle(const ShapeGeometry& shape, std::uint32_t primitive) {
     light.edge1 = p1 - p0;
     light.edge2 = p2 - p0;
     light.area = static_cast<Real>(0.5 * length(cross(DVec3(light.edge1), DVec3(light.edge2))));
-    light.offset = triangle.offset;
     Vec3 normal = triangle.normal;
     if (!shape.normals.empty()) {
         const Vec3 shading = shape.normals[i[0]] + shape.normals[i[1]] + shape.normals[i[2]];
@@ -36,6 +35,10 @@ Light make_triangle(const ShapeGeometry& shape, std::uint32_t primitive) {
         normal = -normal;
     }
     light.direction = normal;
+    // A point of it is a sum of floats: five roundings of what is summed.
+    light.offset = triangle.offset;
+    light.offset.here += gamma_bound(8) * dot(absolute(light.direction),
+                                              absolute(light.position) + absolute(light.edge1) + absolute(light.edge2));
     return light;
 }
 

@@ -18,38 +18,45 @@ LightTree::LightTree(std::span<const Light> lights, const EmbreeScene& geometry,
     double strongest = 0;
     for (const std::uint32_t light : wanted) strongest = std::max(strongest, lights[light].power);
     std::vector<Item> items;
+    items.reserve(wanted.size());
     for (const std::uint32_t light : wanted) {
         // Weak beside another by more than floats tell apart, it is still not to be starved.
         const Real power = std::max(static_cast<Real>(lights[light].power / strongest), Real(1e-12));
         const LightBounds bounds = bounds_of(lights[light], geometry, power);
-        items.push_back({light, bounds, (bounds.lower + bounds.upper) * Real(0.5)});
+        items.push_back({light, bounds, moments_of(lights[light], bounds), (bounds.lower + bounds.upper) * Real(0.5)});
     }
     if (items.empty()) return;
     trails_.resize(lights.size());
     within_.resize(lights.size());
-    nodes_.reserve(2 * items.size());
-    build(items, 0, 0);
+    nodes_.reserve(2 * items.size() - 1);
+    cones_.reserve(2 * items.size() - 1);
+    nodes_.emplace_back();
+    cones_.emplace_back();
+    build(0, items, 0, 0);
 }
 
-std::uint32_t LightTree::build(std::span<Item> items, std::uint64_t trail, int depth) {
-    const auto at = static_cast<std::uint32_t>(nodes_.size());
-    Node& leaf = nodes_.emplace_back();
-    if (items.size() == 1) {
-        leaf.bounds = items.front().bounds;
-        leaf.light = items.front().light;
-        trails_[leaf.light] = trail;
-        within_[leaf.light] = 1;
-        return at;
-    }
+void LightTree::build(std::uint32_t at, std::span<Item> items, std::uint64_t trail, int depth) {
     LightBounds whole;
-    for (const Item& item : items) whole = join(whole, item.bounds);
-    // Halves, where there is nothing to choose by or a tree of lopsided splits would grow too deep.
-    const std::size_t middle = depth < most_depth / 2 ? split(items, whole) : items.size() / 2;
-    nodes_[at].bounds = whole;
-    build(items.first(middle), trail, depth + 1);
-    const std::uint32_t second = build(items.subspan(middle), trail | std::uint64_t{1} << depth, depth + 1);
-    nodes_[at].second = second;
-    return at;
+    if (items.size() == 1) {
+        whole = items.front().bounds;
+        nodes_[at].moments = items.front().moments;
+        nodes_[at].light = items.front().light;
+        trails_[nodes_[at].light] = trail;
+        within_[nodes_[at].light] = 1;
+    } else {
+        for (const Item& item : items) whole = join(whole, item.bounds);
+        // Halves, where there is nothing to choose by or a tree of lopsided splits would grow too deep.
+        const std::size_t middle = depth < most_depth / 2 ? split(items, whole) : items.size() / 2;
+        const auto children = static_cast<std::uint32_t>(nodes_.size());
+        nodes_.resize(nodes_.size() + 2);
+        cones_.resize(nodes_.size());
+        build(children, items.first(middle), trail, depth + 1);
+        build(children + 1, items.subspan(middle), trail | std::uint64_t{1} << depth, depth + 1);
+        nodes_[at].children = children & 0x7fffffffu;
+        nodes_[at].moments = join(nodes_[children].moments, nodes_[children + 1].moments);
+    }
+    nodes_[at].has_cone = whole.cone.is_narrow() ? 1 : 0;
+    cones_[at] = {whole.cone, whole.radius_squared(nodes_[at].moments.mean)};
 }
 
 /// Into buckets along each axis; the border with the least cost. How many come before it.
@@ -97,44 +104,41 @@ std::size_t LightTree::split(std::span<Item> items, const LightBounds& whole) {
 LightTree::Chosen LightTree::choose(const LightReceiver& receiver, double u) const {
     Chosen chosen;
     double probability = 1;
-    for (std::uint32_t at = 0;;) {
-        const Node& node = nodes_[at];
-        if (node.second == 0) {
-            if (at == 0 && !(node.bounds.importance(receiver) > 0)) return {};
-            chosen.light = node.light;
-            chosen.probability = static_cast<Real>(probability);
-            return chosen;
-        }
-        const double first = double{nodes_[at + 1].bounds.importance(receiver)},
-                     second = double{nodes_[node.second].bounds.importance(receiver)};
+    std::uint32_t at = 0;
+    if (nodes_[0].children == 0 && !(importance(0, receiver) > 0)) return {};
+    while (const std::uint32_t children = nodes_[at].children) {
+        const double first = importance(children, receiver), second = importance(children + 1, receiver);
         if (!(first + second > 0)) return {};
         const double share = first / (first + second);
         if (u < share) {
             u /= share;
             probability *= share;
-            ++at;
+            at = children;
         } else {
             u = (u - share) / (1 - share);
             probability *= 1 - share;
-            at = node.second;
+            at = children + 1;
         }
         u = std::min(u, 1 - 0x1p-53);
     }
+    chosen.light = nodes_[at].light;
+    chosen.probability = static_cast<Real>(probability);
+    return chosen;
 }
 
 Real LightTree::probability(const LightReceiver& receiver, std::uint32_t light) const {
     if (within_.empty() || within_[light] == 0) return 0;
     double probability = 1;
     std::uint64_t trail = trails_[light];
+    if (nodes_[0].children == 0 && !(importance(0, receiver) > 0)) return 0;
     std::uint32_t at = 0;
-    if (nodes_[0].second == 0 && !(nodes_[0].bounds.importance(receiver) > 0)) return 0;
-    while (nodes_[at].second != 0) {
-        const double first = double{nodes_[at + 1].bounds.importance(receiver)},
-                     second = double{nodes_[nodes_[at].second].bounds.importance(receiver)};
+    while (const std::uint32_t children = nodes_[at].children) {
+        const double first = importance(children, receiver), second = importance(children + 1, receiver);
         if (!(first + second > 0)) return 0;
         const double share = first / (first + second);
-        probability *= (trail & 1) != 0 ? 1 - share : share;
-        at = (trail & 1) != 0 ? nodes_[at].second : at + 1;
+        const auto side = static_cast<std::uint32_t>(trail & 1);
+        probability *= side != 0 ? 1 - share : share;
+        at = children + side;
         trail >>= 1;
     }
     return static_cast<Real>(probability);

@@ -1,6 +1,7 @@
 #include "transport/materials/closure.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <string_view>
 #include <type_traits>
@@ -186,6 +187,26 @@ void Bsdf::keep_side(Sides side) {
     if (side != Sides::reflection) return;
     if (kind_ == Kind::coated_diffuse && coated_diffuse_.coat.interface.is_delta()) has_density_ = false;
     if (kind_ == Kind::coated_conductor && coated_conductor_.coat.interface.is_delta()) has_density_ = false;
+}
+
+void Bsdf::set_index(Real inside) {
+    if (kind_ == Kind::compensated_dielectric) {
+        compensated_dielectric_.glass.eta = inside;
+    } else if (kind_ == Kind::dielectric || kind_ == Kind::subsurface) {
+        dielectric_.eta = inside;
+        has_density_ = !dielectric_.is_delta();
+    }
+}
+
+bool Bsdf::reflects_all_alike(const IndexSpectrum& indices, const Vec3& wo) const {
+    if ((kind_ != Kind::dielectric && kind_ != Kind::subsurface) || !dielectric_.facets.smooth()) return false;
+    return dot(wo, frame_.n) > 0 ? indices.least() > 1 : indices.most() < 1;
+}
+
+Rgb Bsdf::reflected_colours(const Rgb& inside, const Vec3& wo) const {
+    const Real cos_o = dot(wo, frame_.n);
+    const auto share = [&](Real index) { return fresnel_dielectric(std::abs(cos_o), cos_o > 0 ? index : 1 / index); };
+    return Rgb(share(inside.r), share(inside.g), share(inside.b)) / share(dielectric_.eta);
 }
 
 BsdfEvaluation Bsdf::evaluate_other(const Vec3& wo_world, const Vec3& wi_world) const {

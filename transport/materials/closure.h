@@ -11,6 +11,7 @@
 #include <memory>
 #include <optional>
 
+#include "transport/color/wavelengths.h"
 #include "transport/materials/bsdf.h"
 #include "transport/materials/compensated.h"
 #include "transport/materials/custom_closure.h"
@@ -86,6 +87,14 @@ class Bsdf {
     /// From now on only this side of side_lobes() is drawn, surely, and densities are those; values of the other may be
     /// left out. For camera subpaths.
     void keep_side(Sides side);
+
+    /// Of a dielectric interface (IndexSpectrum): the index on the inner side becomes this one.
+    void set_index(Real inside);
+    /// Whether it is ideal, and at every index of `indices` some of what comes from wo's side passes: which way
+    /// reflected light goes depends on no wavelength, and how much of it is Fresnel's share.
+    [[nodiscard]] bool reflects_all_alike(const IndexSpectrum& indices, const Vec3& wo) const;
+    /// What such an interface reflects at an index for each colour, over what it does at its own.
+    [[nodiscard]] Rgb reflected_colours(const Rgb& inside, const Vec3& wo) const;
 
     // Filling in, by materials. Each replaces what was there. Values that break their closure's invariants (negative or
     // NaN colours) are the caller's to prevent; materials clamp what textures give.
@@ -244,7 +253,7 @@ inline BsdfSample Bsdf::sample(const Vec3& wo, Real u_lobe, const Vec2& u) const
     const Real cos_o = dot(wo, frame_.n);
     if (cos_o == 0) return result;
     const Vec3 local = sample_cosine_hemisphere(u);
-    result.wi = frame_.s * local.x + frame_.t * local.y + frame_.n * (cos_o > 0 ? local.z : -local.z);
+    result.wi = frame_.s * local.x + frame_.t * local.y + frame_.n * std::copysign(local.z, cos_o);
     const Real cos_i = dot(result.wi, frame_.n);  // of the direction as it was rounded: what pdf() will find
     if (!(cos_i * cos_o > 0)) return result;
     result.pdf = std::abs(cos_i) * inv_pi;

@@ -41,6 +41,10 @@ Result<MaterialTable> MaterialTable::build(const SceneDescription& scene, Textur
         for (std::size_t i = 0; i < scene.materials.size(); ++i)
             if (scene.materials[i].name.empty() != named)
                 if (Status made = table.add(i, scene, textures); !made) return made.error();
+    const UsedSurfaces used(scene);
+    for (const SceneEntity* each : used.materials())
+        if (table.materials_[static_cast<std::size_t>(each - scene.materials.data())]->index_spectrum != nullptr)
+            table.disperses_ = true;
     return table;
 }
 

@@ -13,6 +13,7 @@
 
 #include "display/services/display_services.h"
 #include "display/services/registry.h"
+#include "transport/color/wavelengths.h"
 #include "transport/geometry/surface_point.h"
 #include "transport/materials/bsdf.h"
 #include "transport/materials/closure.h"
@@ -44,6 +45,9 @@ class Material {
     [[nodiscard]] virtual const Medium* interior() const { return nullptr; }
     /// Bump or normal map, as the table read it.
     NormalDetail normal_detail;
+    /// Of the interface, where its index depends on the wavelength; closures have the mean index until
+    /// Bsdf::set_index(). Null: it does not.
+    std::shared_ptr<const IndexSpectrum> index_spectrum;
 };
 
 class MaterialTable;
@@ -83,6 +87,12 @@ class MaterialTable {
     [[nodiscard]] const NormalDetail& normal_detail(const TextureTable& textures, const SurfacePoint& point) const {
         return materials_[static_cast<std::size_t>(point.material)]->chosen(textures, point).normal_detail;
     }
+    /// Whether the index of any interface in use depends on the wavelength, and that of this hit; null where it does
+    /// not. `point` needs its random_key.
+    [[nodiscard]] bool disperses() const { return disperses_; }
+    [[nodiscard]] const IndexSpectrum* index_spectrum(const TextureTable& textures, const SurfacePoint& point) const {
+        return materials_[static_cast<std::size_t>(point.material)]->chosen(textures, point).index_spectrum.get();
+    }
     [[nodiscard]] const Material* material(std::size_t index) const { return materials_[index].get(); }
     [[nodiscard]] std::size_t size() const { return materials_.size(); }
     /// The last material so far that is called `name`, or an Error at `where` with the near miss.
@@ -95,7 +105,7 @@ class MaterialTable {
     std::vector<std::string> names_;  ///< so far
     std::vector<const Material*> named_;
     std::vector<std::uint8_t> filtered_;
-    bool turns_normals_ = false, filters_images_ = false;
+    bool turns_normals_ = false, filters_images_ = false, disperses_ = false;
 };
 
 }  // namespace raylex::transport

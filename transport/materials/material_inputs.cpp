@@ -129,13 +129,25 @@ Real MaterialReader::index_of_refraction(std::string_view name, Real fallback) {
         fail(error_at(where(*parameter), quoted("", name) + " must be a number or a spectrum, not a texture"));
         return fallback;
     }
-    const Rgb value = take(resolve_spectrum(*parameter, SpectrumRole::unbounded, context_.scene.color), Rgb(fallback));
-    const Real eta = value.r == value.g && value.g == value.b ? value.r : value.average();
+    const Real eta = take(mean_of_spectrum(*parameter, context_.scene.color), fallback);
     if (eta == 0) return 1;  // as pbrt-v4: no index given means no interface
     if (eta > 0 && eta < 100) return eta;
     fail(error_at(where(*parameter), quoted("", name) + " is " + std::to_string(eta) +
                                          "; expected an index of refraction above 0 (glass: 1.5)"));
     return fallback;
+}
+
+std::shared_ptr<const IndexSpectrum> MaterialReader::index_spectrum(std::string_view name) {
+    const Parameter* parameter = set().find(name);
+    if (parameter == nullptr || error()) return nullptr;
+    const auto spectrum = take(varying_spectrum(*parameter), std::optional<VisibleSpectrum>());
+    if (!spectrum) return nullptr;
+    auto index = std::make_shared<const IndexSpectrum>(*spectrum, context_.scene.color);
+    if (index->least() > 0 && index->most() < 100) return index;
+    fail(error_at(where(*parameter), quoted("", name) + " has values from " + std::to_string(index->least()) + " to " +
+                                         std::to_string(index->most()) +
+                                         "; expected indices of refraction above 0 (glass: 1.5)"));
+    return nullptr;
 }
 
 }  // namespace raylex::transport

@@ -69,6 +69,12 @@ struct ConductorInput {
     [[nodiscard]] ConductorClosure at(const TextureTable& textures, const SurfacePoint& p, Real outside_eta) const;
 };
 
+/// Whether an interface is index-matched at some wavelength, and ideal there whatever its facets.
+inline bool may_be_matched(const IndexSpectrum& index) {
+    return index.least() < 1 + DielectricClosure::matched_within &&
+           index.most() > 1 - DielectricClosure::matched_within;
+}
+
 /// A ParameterReader for materials. Every factory begins with one and ends by asking for error().
 class MaterialReader : public ParameterReader {
   public:
@@ -85,6 +91,8 @@ class MaterialReader : public ParameterReader {
     std::shared_ptr<const FacetAlbedo> compensation(const RoughnessInput& roughness, Real eta);
     /// A real index of refraction: a number, or a spectrum, of which the mean over the RGB channels counts.
     Real index_of_refraction(std::string_view name, Real fallback);
+    /// The same parameter after it, where it is a spectrum that varies: Material::index_spectrum. Null: one number.
+    std::shared_ptr<const IndexSpectrum> index_spectrum(std::string_view name);
 
   private:
     RgbInput named_spectrum_or(std::string_view name, std::string_view fallback);

@@ -83,8 +83,11 @@ class ConductorMaterial final : public Material {
 
 class DielectricMaterial final : public Material {
   public:
-    DielectricMaterial(const RoughnessInput& roughness, Real eta, std::shared_ptr<const FacetAlbedo> compensation)
-        : roughness_(roughness), eta_(eta), compensation_(std::move(compensation)) {}
+    DielectricMaterial(const RoughnessInput& roughness, Real eta, std::shared_ptr<const FacetAlbedo> compensation,
+                       std::shared_ptr<const IndexSpectrum> index)
+        : roughness_(roughness), eta_(eta), compensation_(std::move(compensation)) {
+        index_spectrum = std::move(index);
+    }
     void shade(const TextureTable& textures, HitIndices hits, std::span<const SurfacePoint> points,
                std::span<Bsdf> closures) const override {
         for (const std::uint32_t i : hits) {
@@ -96,11 +99,13 @@ class DielectricMaterial final : public Material {
         }
     }
     void append_lobes(std::vector<LobeId>& lobes) const override {
-        const bool matched = DielectricClosure{{1, 1}, eta_}.is_delta();
-        if (roughness_.may_be_rough() && !matched)
+        const bool varies = index_spectrum != nullptr;
+        const bool matched = varies ? may_be_matched(*index_spectrum) : DielectricClosure{{1, 1}, eta_}.is_delta();
+        if (roughness_.may_be_rough() && (!matched || varies))
             lobes.insert(lobes.end(), {lobes::glass_reflect_glossy, lobes::glass_transmit_glossy});
         if (!roughness_.may_be_smooth() && !matched) return;
-        if (eta_ != 1) lobes.push_back(lobes::glass_reflect_singular);  // else there is nothing to reflect, exactly
+        if (eta_ != 1 || varies)
+            lobes.push_back(lobes::glass_reflect_singular);  // else there is nothing to reflect, exactly
         lobes.push_back(lobes::glass_transmit_singular);
     }
 
@@ -164,9 +169,11 @@ Built make_dielectric(const SceneEntity& entity, const MaterialContext& context)
     MaterialReader reader(entity, context);
     const RoughnessInput roughness = reader.roughness("", 0);
     const Real eta = reader.index_of_refraction("eta", 1.5f);
-    auto compensation = reader.compensation(roughness, eta);
+    auto index = reader.index_spectrum("eta");
+    auto compensation = reader.compensation(roughness, index != nullptr && may_be_matched(*index) ? 1 : eta);
     if (reader.error()) return *reader.error();
-    return std::unique_ptr<Material>(std::make_unique<DielectricMaterial>(roughness, eta, std::move(compensation)));
+    return std::unique_ptr<Material>(
+        std::make_unique<DielectricMaterial>(roughness, eta, std::move(compensation), std::move(index)));
 }
 
 Built make_thin_dielectric(const SceneEntity& entity, const MaterialContext& context) {

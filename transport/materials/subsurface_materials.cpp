@@ -15,8 +15,11 @@ namespace {
 
 class SubsurfaceMaterial final : public Material {
   public:
-    SubsurfaceMaterial(const RoughnessInput& roughness, Real eta, const Medium& interior)
-        : roughness_(roughness), eta_(eta), interior_(interior) {}
+    SubsurfaceMaterial(const RoughnessInput& roughness, Real eta, const Medium& interior,
+                       std::shared_ptr<const IndexSpectrum> index)
+        : roughness_(roughness), eta_(eta), interior_(interior) {
+        index_spectrum = std::move(index);
+    }
     void shade(const TextureTable& textures, HitIndices hits, std::span<const SurfacePoint> points,
                std::span<Bsdf> closures) const override {
         for (const std::uint32_t i : hits) {
@@ -25,9 +28,10 @@ class SubsurfaceMaterial final : public Material {
         }
     }
     void append_lobes(std::vector<LobeId>& lobes) const override {
-        const bool matched = DielectricClosure{{1, 1}, eta_}.is_delta();
-        if (roughness_.may_be_rough() && !matched) lobes.push_back(lobes::specular_glossy);
-        if ((roughness_.may_be_smooth() || matched) && eta_ != 1) lobes.push_back(lobes::specular_singular);
+        const bool varies = index_spectrum != nullptr;
+        const bool matched = varies ? may_be_matched(*index_spectrum) : DielectricClosure{{1, 1}, eta_}.is_delta();
+        if (roughness_.may_be_rough() && (!matched || varies)) lobes.push_back(lobes::specular_glossy);
+        if ((roughness_.may_be_smooth() || matched) && (eta_ != 1 || varies)) lobes.push_back(lobes::specular_singular);
         lobes.push_back(lobes::subsurface);
     }
     const Medium* interior() const override { return &interior_; }
@@ -126,11 +130,12 @@ Result<std::unique_ptr<Material>> make_subsurface(const SceneEntity& entity, con
     MaterialReader reader(entity, context);
     const RoughnessInput roughness = reader.roughness("", 0);
     const Real eta = reader.index_of_refraction("eta", Real(1.33));
+    auto index = reader.index_spectrum("eta");
     if (reader.error()) return *reader.error();
     const Result<Medium> interior = make_interior(entity, context, reader, eta);
     if (reader.error()) return *reader.error();
     if (!interior) return interior.error();
-    return std::unique_ptr<Material>(std::make_unique<SubsurfaceMaterial>(roughness, eta, *interior));
+    return std::unique_ptr<Material>(std::make_unique<SubsurfaceMaterial>(roughness, eta, *interior, std::move(index)));
 }
 
 }  // namespace

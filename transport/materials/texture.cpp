@@ -192,7 +192,8 @@ TextureTable::~TextureTable() = default;
 TextureTable::TextureTable(TextureTable&&) noexcept = default;
 TextureTable& TextureTable::operator=(TextureTable&&) noexcept = default;
 
-Result<TextureTable> TextureTable::build(const SceneDescription& scene, const RenderSpace& space) {
+Result<TextureTable> TextureTable::build(const SceneDescription& scene, const RenderSpace& space, int threads,
+                                         LoadingProgress* progress) {
     TextureTable table;
     Storage& s = *table.storage_;
     s.sources = scene.textures;
@@ -200,6 +201,7 @@ Result<TextureTable> TextureTable::build(const SceneDescription& scene, const Re
     s.color = scene.color;
     s.scene_file = scene.file;
     for (std::size_t i = 0; i < s.sources.size(); ++i) s.sources_by_name[s.sources[i].name].push_back(i);
+    s.read_ahead(scene, threads, progress);
     // Compiled once here whether used or not, so that a mistake in any texture is reported.
     for (std::size_t i = 0; i < s.sources.size(); ++i)
         if (Result<TextureId> id = s.compile(i, SpectrumRole::albedo); !id) return std::move(id).error();

@@ -20,6 +20,7 @@
 #include "transport/geometry/render_space.h"
 #include "transport/geometry/surface_point.h"
 #include "transport/math/real.h"
+#include "transport/scene/loading_progress.h"
 #include "transport/scene/scene_description.h"
 
 namespace raylex::transport {
@@ -38,8 +39,9 @@ struct TexturePoint {
 
 class TextureTable {
   public:
-    /// `space`: where TexturePoint::position stands.
-    static Result<TextureTable> build(const SceneDescription& scene, const RenderSpace& space = {});
+    /// `space`: where TexturePoint::position stands. `threads` (0: all) read images; `progress`, if any, is told.
+    static Result<TextureTable> build(const SceneDescription& scene, const RenderSpace& space = {}, int threads = 0,
+                                      LoadingProgress* progress = nullptr);
 
     TextureTable();
     ~TextureTable();

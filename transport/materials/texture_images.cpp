@@ -1,15 +1,38 @@
 // Image textures: their files, read once however many textures and roles use them, and what becomes of their values.
 #include <filesystem>
 
+#include "transport/import/read_in_parallel.h"
 #include "transport/materials/parameter_reader.h"
 #include "transport/materials/texture_storage.h"
 
 namespace raylex::transport {
 
-Result<const Image*> TextureTable::Storage::load_image(const std::string& name, const std::string& encoding,
-                                                       bool by_file_rules, const SourceLocation& where) {
+namespace {
+
+constexpr const char* by_rules = "by file rules";  // in place of an encoding
+
+ReadImage read(const std::pair<std::string, std::string>& key) {
+    ReadImage result;
+    result.image = read_image(key.first, key.second == by_rules ? "linear" : key.second);
+    Result<Image>& image = result.image;
+    if (image && image->width > 0 && image->height > 0 && image->channels > 0)
+        result.warning = clear_invalid_texels(*image);
+    return result;
+}
+
+/// The one value of a parameter that is a string, or nothing.
+std::string string_of(const ParameterSet& set, std::string_view name) {
+    const Parameter* parameter = set.find(name);
+    return parameter != nullptr && parameter->strings.size() == 1 ? parameter->strings.front() : std::string();
+}
+
+}  // namespace
+
+/// Files are relative to the scene file, as in pbrt-v4; else to the file that names them.
+TextureTable::Storage::ImageKey TextureTable::Storage::image_key(const std::string& name, const std::string& encoding,
+                                                                 bool by_file_rules,
+                                                                 const SourceLocation& where) const {
     namespace fs = std::filesystem;
-    // Relative to the scene file, as in pbrt-v4; else to the file that names it.
     std::error_code ignored;
     fs::path path(name);
     if (path.is_relative()) {
@@ -17,24 +40,63 @@ Result<const Image*> TextureTable::Storage::load_image(const std::string& name, 
         const fs::path beside = fs::path(where.file).parent_path() / name;
         if (!fs::exists(path, ignored) && fs::exists(beside, ignored)) path = beside;
     }
-    const std::pair key{path.lexically_normal().string(), by_file_rules ? "by file rules" : encoding};
+    return {path.lexically_normal().string(), by_file_rules ? by_rules : encoding};
+}
+
+// Numbers (roughness, alpha, eta) are never colours, and an encoding in the scene is the artist's word.
+bool TextureTable::Storage::by_file_rules(const SceneTexture& source, const std::string& encoding,
+                                          SpectrumRole role) const {
+    return color.file_color && source.spectrum && role != SpectrumRole::unbounded && encoding.empty();
+}
+
+void TextureTable::Storage::read_ahead(const SceneDescription& scene, int threads, LoadingProgress* progress) {
+    std::map<ImageKey, bool> wanted;  // and whether it is filtered
+    for (const SceneTexture& source : sources) {
+        const std::string file = string_of(source.parameters, "filename"),
+                          encoding = string_of(source.parameters, "encoding"),
+                          filter = string_of(source.parameters, "filter");
+        if (source.type != "imagemap" || file.empty()) continue;
+        const bool rules = by_file_rules(source, encoding, SpectrumRole::albedo);
+        bool& filtered = wanted[image_key(file, encoding, rules, source.parameters.location)];
+        filtered = filtered || (filter != "unfiltered" && !rules);  // colours are converted before they are averaged
+    }
+    for (const SceneEntity& material : scene.materials)
+        if (const std::string map = string_of(material.parameters, "normalmap"); !map.empty())
+            wanted.try_emplace(image_key(map, "linear", false, material.location), false);
+    if (progress != nullptr) progress->begin("images", wanted.size());
+    std::vector<std::pair<const ImageKey*, ReadImage*>> work;
+    for (const auto& [key, filtered] : wanted) work.emplace_back(&key, &images_ahead[key]);
+    read_in_parallel(work.size(), threads, [&](std::size_t i) {
+        ReadImage& result = *work[i].second;
+        result = read(*work[i].first);
+        const Result<Image>& image = result.image;
+        if (wanted.at(*work[i].first) && image && !image->pixels.empty()) result.pyramid = ImagePyramid::of(*image);
+        if (progress != nullptr) progress->count();
+    });
+}
+
+Result<const Image*> TextureTable::Storage::load_image(const std::string& name, const std::string& encoding,
+                                                       bool by_file_rules, const SourceLocation& where) {
+    const ImageKey key = image_key(name, encoding, by_file_rules, where);
     if (const auto known = image_by_file.find(key); known != image_by_file.end()) return known->second;
-    Result<Image> image = read_image(path.string(), by_file_rules ? "linear" : encoding);
+    auto ahead = images_ahead.extract(key);
+    ReadImage result = ahead.empty() ? read(key) : std::move(ahead.mapped());
+    Result<Image>& image = result.image;
     if (!image) {
         const Error& inner = image.error();
         return error_at(where, "image texture '" + name + "': " + inner.message, inner.hint);
     }
     if (image->width <= 0 || image->height <= 0 || image->channels <= 0)
         return error_at(where, "image texture '" + name + "' holds no pixels");
-    if (const auto invalid = clear_invalid_texels(*image))
-        warnings.push_back(error_at(where, "image texture '" + name + "': " + *invalid));
+    if (result.warning) warnings.push_back(error_at(where, "image texture '" + name + "': " + *result.warning));
     if (by_file_rules) {
-        auto convert = color.file_color(path.string());
+        auto convert = color.file_color(key.first);
         if (!convert) return error_at(where, "image texture '" + name + "': " + convert.error().message);
         convert_colors(*image, *convert);
     }
     images.push_back(*std::move(image));
     image_by_file[key] = &images.back();
+    if (result.pyramid) pyramids.emplace(&images.back(), *std::move(result.pyramid));
     return &images.back();
 }
 
@@ -59,10 +121,7 @@ Result<TextureNode> TextureTable::Storage::compile_image(const SceneTexture& sou
     stage.invert = reader.boolean("invert", false);
     const TextureMapping mapping = read_mapping(reader, source.to_world);
     if (reader.error()) return *reader.error();
-    // Numbers (roughness, alpha, eta) are never colours, and an encoding in the scene is the artist's word.
-    const bool by_file_rules =
-        color.file_color && source.spectrum && role != SpectrumRole::unbounded && encoding.empty();
-    Result<const Image*> image = load_image(name, encoding, by_file_rules, reader.where(*file));
+    Result<const Image*> image = load_image(name, encoding, by_file_rules(source, encoding, role), reader.where(*file));
     if (!image) return std::move(image).error();
     stage.sampler.image = *image;
     stage.sampler.alpha_varies = alpha_varies(**image);

@@ -7,6 +7,7 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -78,6 +79,13 @@ inline bool odd(Real x) {
     return half != std::floor(half);
 }
 
+/// An image as it was read, before anybody asked for it.
+struct ReadImage {
+    Result<Image> image = Image{};
+    std::optional<std::string> warning;
+    std::optional<ImagePyramid> pyramid;  ///< of images that are filtered
+};
+
 struct TextureTable::Storage final : TextureLookup {
     std::vector<TextureNode> nodes;
     std::vector<LookupCost> costs;  // parallel to nodes
@@ -86,9 +94,11 @@ struct TextureTable::Storage final : TextureLookup {
     bool looks_ahead = false;               // some pattern does
     std::vector<TextureMapping> mappings;
     std::vector<ImageStage> stages;
-    std::deque<Image> images;                                                   // addresses stay
-    std::map<std::pair<std::string, std::string>, const Image*> image_by_file;  // (path, encoding)
-    std::map<const Image*, ImagePyramid> pyramids;                              // of those that are filtered
+    using ImageKey = std::pair<std::string, std::string>;  // path, encoding
+    std::deque<Image> images;                              // addresses stay
+    std::map<ImageKey, const Image*> image_by_file;
+    std::map<ImageKey, ReadImage> images_ahead;     // taken out when they are asked for
+    std::map<const Image*, ImagePyramid> pyramids;  // of those that are filtered
 
     std::vector<SceneTexture> sources;                                             // to_world: to render space
     std::map<std::string, std::vector<std::size_t>, std::less<>> sources_by_name;  // ascending
@@ -109,6 +119,12 @@ struct TextureTable::Storage final : TextureLookup {
                                         std::size_t visible);
     Result<const Image*> load_image(const std::string& name, const std::string& encoding, bool by_file_rules,
                                     const SourceLocation& where);
+    [[nodiscard]] ImageKey image_key(const std::string& name, const std::string& encoding, bool by_file_rules,
+                                     const SourceLocation& where) const;
+    /// Whether the colours of an image texture's file are read by rules (ColorContext::file_color).
+    [[nodiscard]] bool by_file_rules(const SceneTexture& source, const std::string& encoding, SpectrumRole role) const;
+    /// Reads what textures and normal maps name, in parallel.
+    void read_ahead(const SceneDescription& scene, int threads, LoadingProgress* progress);
 
     TextureId add(const TextureNode& node) {
         nodes.push_back(node);

@@ -5,9 +5,11 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <type_traits>
 
 #include "display/services/elementary.h"
 #include "transport/math/vec.h"
@@ -41,17 +43,24 @@ inline Vec2 polar_point(Real radius, Real turn) {
     return {radius * cosine, radius * sine};
 }
 
+/// `a` where `condition` holds, else `b`, without a branch: for conditions that cannot be predicted. (Compilers make
+/// branches of a ? : of floats where there is no instruction for it.)
+inline Real select(bool condition, Real a, Real b) {
+    using Bits = std::conditional_t<real_is_double, std::uint64_t, std::uint32_t>;
+    const Bits mask = Bits{0} - static_cast<Bits>(condition);
+    return std::bit_cast<Real>((std::bit_cast<Bits>(a) & mask) | (std::bit_cast<Bits>(b) & ~mask));
+}
+
 /// Unit disk, concentric: squares map to rings, so strata stay compact (Shirley and Chiu 1997, "A Low Distortion Map
 /// Between Disk and Square"). Density 1/pi per unit area.
 inline Vec2 sample_disk(const Vec2& u) {
-    const Real a = 2 * u.x - 1, b = 2 * u.y - 1;
-    // Within a quarter of the ring the angle is measured from the nearer axis: at most pi/4. Selections, not branches:
-    // which quarter it is cannot be predicted.
-    const bool wide = std::abs(a) > std::abs(b);
-    const Real radius = wide ? a : b, other = wide ? b : a;
+    const Real a = 2 * u.x - 1, b = 2 * u.y - 1, radius = std::max(std::abs(a), std::abs(b)),
+               other = std::min(std::abs(a), std::abs(b));
+    // The angle is measured from the nearer axis: at most pi/4.
     const auto angle = sin_cos_of_eighth(radius == 0 ? 0.0f : (pi / 4) * (other / radius));
     const Real along = radius * angle.cos, across = radius * angle.sin;
-    return {wide ? along : across, wide ? across : along};
+    const bool wide = std::abs(a) > std::abs(b);
+    return {std::copysign(select(wide, along, across), a), std::copysign(select(wide, across, along), b)};
 }
 
 /// Unit disk by polar coordinates: u.x is the squared radius, u.y the angle. Density 1/pi.
@@ -102,8 +111,8 @@ inline Real one_minus_cos_of_sin2(Real sin2) {
 /// Barycentrics (b0, b1), b2 = 1 - b0 - b1, uniform over a triangle by folding, which keeps strata compact
 /// (Heitz 2019, "A Low-Distortion Map Between Triangle and Square").
 inline Vec2 sample_uniform_triangle(const Vec2& u) {
-    if (u.x < u.y) return {u.x * 0.5f, u.y - u.x * 0.5f};
-    return {u.x - u.y * 0.5f, u.y * 0.5f};
+    const Real half = std::min(u.x, u.y) * 0.5f;  // the smaller one less its half is its half, to the bit
+    return {u.x - half, u.y - half};
 }
 
 /// Density proportional to lerp(x, a, b) on [0, 1]; a, b >= 0, not both 0.

@@ -62,8 +62,8 @@ void CameraSubpaths::report_surfaces() {
         const std::uint32_t row = v.rows[j];
         const SurfacePoint& point = v.points[j];
         const std::int32_t label = v.sources[j].label;
-        record_.say(row, label, UserLobe::albedo, path(row).beta, [&] { return v.bsdfs[j].albedo(point.wo); });
-        record_.say(row, label, UserLobe::normal, path(row).beta, [&] {
+        record_.say(row, label, UserLobe::albedo, throughput(row), [&] { return v.bsdfs[j].albedo(point.wo); });
+        record_.say(row, label, UserLobe::normal, throughput(row), [&] {
             const Vec3 n = face_forward(point.shading_normal, point.wo);
             Rgb value;
             for (int i = 0; i < 3; ++i) {
@@ -99,7 +99,7 @@ void CameraSubpaths::report_hidden_environments(const LightChooser& sampled, std
         if (lights.environment_density(sampled, light, subpath.from, direction) > 0) continue;
         const Rgb emitted = lights.environment_radiance(light, subpath.from, direction);
         record_.arrive(row, record_.events().terminal(light), {0, subpath.depth + 2},
-                       {Rgb(), emitted, subpath.beta * emitted, 0});
+                       {Rgb(), emitted, throughput(row) * emitted, 0});
     }
 }
 

@@ -74,6 +74,8 @@ class CameraSubpaths {
     [[nodiscard]] const VertexBatch& vertices() const { return walk_.vertices(); }
     [[nodiscard]] std::span<const std::uint32_t> first_entries() const { return walk_.first_entries(); }
     [[nodiscard]] const Subpath& path(std::uint32_t row) const { return walk_.path(row); }
+    /// Walk's.
+    [[nodiscard]] Rgb throughput(std::uint32_t row) const { return walk_.throughput(row); }
     /// How a row looks for light from its vertex; see Subpath.
     void choose_techniques(std::uint32_t row, std::uint8_t lights, Real light_share, Real ray_share) {
         Subpath& path = walk_.path(row);

@@ -18,9 +18,10 @@ void Connections::add_light_sample(const CameraSubpaths& subpaths, std::size_t j
     const std::uint32_t row = v.rows[j];
     const Subpath& path = subpaths.path(row);
     const Record& record = subpaths.record();
-    const Rgb value = path.beta * f.value * sample.radiance * (weight / sample.pdf);
+    const Rgb throughput = subpaths.throughput(row);
+    const Rgb value = throughput * f.value * sample.radiance * (weight / sample.pdf);
     if (record.wants_blocked_light()) {
-        const Rgb unweighted = path.beta * f.value * sample.radiance * (1 / sample.pdf);
+        const Rgb unweighted = throughput * f.value * sample.radiance * (1 / sample.pdf);
         if (unweighted.is_black()) return;
         blockable_.push_back({scene_.lights->emitted(sample, v.points[j].position), unweighted});
     } else if (value.is_black()) {

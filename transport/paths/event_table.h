@@ -26,6 +26,8 @@ struct SceneView {
     const MediumTable* media = nullptr;
     EffectSet general_code{};  ///< SceneDescription::general_code
     bool moves = false;        ///< is_moving(): camera rays draw a time
+    /// Of which each sample draws one; null where no index of refraction depends on it.
+    const WavelengthDistribution* wavelengths = nullptr;
 
     /// Whether each sample draws a time for its rays.
     [[nodiscard]] bool asks_for_times() const { return moves || general_code.contains(Effect::motion); }

@@ -44,6 +44,10 @@ class LightSubpaths {
     [[nodiscard]] const VertexBatch& vertices() const { return walk_.vertices(); }
     [[nodiscard]] const Subpath& path(std::uint32_t row) const { return walk_.path(row); }
     [[nodiscard]] const PixelSampler& sampler(std::uint32_t row) const { return walk_.sampler(row); }
+    /// Walk's: the power, and the weight of its wavelength if it is of one.
+    [[nodiscard]] Rgb throughput(std::uint32_t row) const { return walk_.throughput(row); }
+    /// Of paths that are of one wavelength: its weight.
+    [[nodiscard]] const Rgb& wavelength_weight(std::uint32_t row) const { return walk_.wavelengths().weight(row); }
     /// For joins at vertex j: its lobes are to be filled in.
     [[nodiscard]] LightEnd end(std::size_t j) const {
         return record_.end(vertices().rows[j], vertices().sources[j].label);

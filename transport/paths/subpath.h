@@ -14,8 +14,9 @@ namespace raylex::transport {
 /// measured.md), and from 0.1 to 0.5 the product of both changes little.
 inline constexpr Real default_roulette_below = Real(0.25);
 
-/// Sampler dimensions that the engine uses itself: pixel filter, lens, shutter time.
-inline constexpr std::uint32_t filter_dimension = 0, lens_dimension = 1, time_dimension = 2, first_free_dimension = 8;
+/// Sampler dimensions that the engine uses itself: pixel filter, lens, shutter time, wavelength.
+inline constexpr std::uint32_t filter_dimension = 0, lens_dimension = 1, time_dimension = 2, wavelength_dimension = 3,
+                               first_free_dimension = 8;
 
 struct Subpath {
     Rgb beta{1};  ///< throughput: product of scattering weights; of a light subpath the power it carries
@@ -43,6 +44,7 @@ struct Subpath {
     Real ray_share = 1;         ///< and the next ray, where that is not specular
     bool specular = true;       ///< the last direction could not have been found in another way (camera, delta lobes)
     bool from_infinity = false;
+    bool one_wavelength = false;  ///< has met an interface whose index depends on it (path_wavelengths.h)
 
     /// What "maxdepth" bounds.
     [[nodiscard]] std::uint32_t counted_depth() const { return depth > uncounted ? depth - uncounted : 0; }

@@ -21,6 +21,7 @@
 #include "transport/paths/counters.h"
 #include "transport/paths/event_table.h"
 #include "transport/paths/footprints.h"
+#include "transport/paths/path_wavelengths.h"
 #include "transport/paths/scattering.h"
 #include "transport/paths/splits.h"
 #include "transport/paths/strategies.h"
@@ -79,7 +80,8 @@ class Walk {
           options_(options),
           in_media_(scene.asks_for_media()),
           has_footprints_(mode == TransportMode::radiance && scene.materials->filters_images()),
-          paths_(capacity) {
+          paths_(capacity),
+          wavelengths_(scene, capacity) {
         if (options.densities) sums_.resize(capacity);
         queue_.reserve(capacity);
         vertices_.reserve(capacity);
@@ -93,6 +95,7 @@ class Walk {
         samplers_ = samplers;
         counters_ = &counters;
         queue_.count = 0;
+        if (wavelengths_.any()) wavelengths_.draw(samplers);
     }
     void push(std::uint32_t row, const Ray& ray) {
         queue_.push(row, ray);
@@ -113,6 +116,9 @@ class Walk {
     [[nodiscard]] std::span<const std::uint32_t> first_entries() const { return {first_entries_.data(), first_count_}; }
     [[nodiscard]] Subpath& path(std::uint32_t row) { return paths_[row]; }
     [[nodiscard]] const Subpath& path(std::uint32_t row) const { return paths_[row]; }
+    /// By what light counts that meets the subpath of a row: beta, and the weight of its wavelength if it is of one.
+    [[nodiscard]] Rgb throughput(std::uint32_t row) const { return wavelengths_.throughput(row, paths_[row]); }
+    [[nodiscard]] const PathWavelengths& wavelengths() const { return wavelengths_; }
     /// At the current vertex; options.densities only.
     [[nodiscard]] StrategySums& sums(std::uint32_t row) { return sums_[row]; }
     [[nodiscard]] const StrategySums& sums(std::uint32_t row) const { return sums_[row]; }
@@ -160,7 +166,8 @@ class Walk {
     const bool in_media_, has_footprints_;
     std::span<const PixelSampler> samplers_;  // by row
     IntegratorCounters* counters_ = nullptr;
-    std::vector<Subpath> paths_;      // by row
+    std::vector<Subpath> paths_;  // by row
+    PathWavelengths wavelengths_;
     std::vector<StrategySums> sums_;  // by row
     RayQueue queue_;                  // of the next vertices
     VertexBatch vertices_;
@@ -376,6 +383,7 @@ void Walk<mode>::advance(display::DisplayServices& display, Visitor& visitor) {
     if (has_footprints_) lay_footprints();
     if (scene_.materials->turns_normals()) turn_normals(scene_, {v.hits.data(), v.surfaces}, v.points);
     if (kept > 0) scene_.materials->shade(*scene_.textures, {v.points.data(), kept}, {v.bsdfs.data(), kept}, &display);
+    if (wavelengths_.any()) wavelengths_.meet(v, paths_);
     if (in_media_) append_collisions(visitor);
 }
 
@@ -444,8 +452,9 @@ void Walk<mode>::scatter(Visitor& visitor) {
         Real u_lobe = bsdf.chooses_lobes() ? sampler.get_1d(dimensions.of(depth, dimensions.lobe)) : 0.0f;
         if constexpr (Visitor::splits)
             if (path.all_lobes) u_lobe = lobe_number(visitor.branch);
-        const BsdfSample s =
+        BsdfSample s =
             sample_scattering<mode>(bsdf, point, u_lobe, sampler.get_2d(dimensions.of(depth, dimensions.scatter)));
+        if (wavelengths_.any()) wavelengths_.leave<mode>(v, j, path, s);
         if (!(s.pdf > 0) || s.weight.is_black()) {
             finish(row);
             continue;

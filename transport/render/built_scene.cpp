@@ -36,7 +36,7 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
     if (!patterns) return patterns.error();
     scene->pattern_channels_ = *std::move(patterns);
     const RenderSpace space = RenderSpace::of(description);
-    auto textures = TextureTable::build(description, space);
+    auto textures = TextureTable::build(description, space, options.threads, options.progress);
     if (!textures) return textures.error();
     scene->textures_ = std::move(*textures);
     auto materials = MaterialTable::build(description, scene->textures_);
@@ -44,6 +44,10 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
     scene->materials_ = std::move(*materials);
     const auto shutter = shutter_span(description);
     if (!shutter) return shutter.error();
+    const auto begin = [&](const char* what) {
+        if (options.progress != nullptr) options.progress->begin(what);
+    };
+    begin("acceleration structure");
     auto geometry = EmbreeScene::build(description, scene->textures_, {options.isa, options.threads, space, *shutter});
     if (!geometry) return geometry.error();
     scene->geometry_ = std::make_unique<EmbreeScene>(*std::move(geometry));
@@ -53,6 +57,7 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
     if (scene->materials_.size() == 0)
         return error_at({description.file, 0, 0},
                         "the scene has no material; expected at least the default one at index 0");
+    begin("media");
     auto media = MediumTable::build(description, scene->warnings, &space);
     if (!media) return media.error();
     scene->media_ = *std::move(media);
@@ -60,10 +65,13 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
     for (ShapeGeometry& shape : scene->geometry_->shapes())
         if (const std::int32_t interior = interiors[static_cast<std::size_t>(shape.material)]; interior >= 0)
             shape.inside_medium = interior;
+    begin("lights");
     auto lights = LightTable::build(description, *scene->geometry_, scene->warnings);
     if (!lights) return lights.error();
     scene->lights_ = *std::move(lights);
     scene->general_code_ = description.general_code;
+    if (scene->materials_.disperses() || description.general_code.contains(Effect::dispersion))
+        scene->wavelengths_ = std::make_unique<const WavelengthDistribution>(description.color);
 
     scene->surface_names_ = SurfaceNames(description);
     scene->camera = description.camera;
@@ -139,24 +147,15 @@ struct SurfaceWords {
 
 }  // namespace
 
-Result<SceneAlphabet> scene_alphabet(const SceneDescription& scene, const lpe::LobeSlots& slots) {
-    auto textures = TextureTable::build(scene);
-    if (!textures) return textures.error();
-    auto materials = MaterialTable::build(scene, *textures);
-    if (!materials) return materials.error();
+namespace {
 
-    std::vector<Error> unused;  // warnings are the render's business
-    auto media = MediumTable::build(scene, unused);
-    if (!media) return media.error();
-    add_interiors(scene, *materials, *media);
-
-    const SurfaceWords surfaces(scene, *materials);
+SceneAlphabet alphabet_of(const SceneDescription& scene, const MaterialTable& materials, const MediumTable& media,
+                          std::vector<display::ChannelDefinition> pattern_channels, const lpe::LobeSlots& slots) {
+    const SurfaceWords surfaces(scene, materials);
     std::set<std::string> groups;
 
     SceneAlphabet alphabet;
-    auto patterns = tee_channels(scene);
-    if (!patterns) return patterns.error();
-    alphabet.pattern_channels = *std::move(patterns);
+    alphabet.pattern_channels = std::move(pattern_channels);
     std::set<std::pair<bool, std::string>> terminals;
     for (std::size_t i = 0; i < scene.area_lights.size(); ++i)
         if (surfaces.used_area_lights[i]) terminals.insert({false, scene.area_lights[i].group});
@@ -167,9 +166,9 @@ Result<SceneAlphabet> scene_alphabet(const SceneDescription& scene, const lpe::L
         alphabet.terminals.push_back(terminal_event(infinite, group));
     }
     bool medium_emits = false;
-    for (std::size_t i = 0; i < media->size(); ++i) {
-        const Medium& medium = (*media)[static_cast<std::int32_t>(i)];
-        if (medium.scatters) alphabet.scattering.push_back(phase_event(media->names()[i]));
+    for (std::size_t i = 0; i < media.size(); ++i) {
+        const Medium& medium = media[static_cast<std::int32_t>(i)];
+        if (medium.scatters) alphabet.scattering.push_back(phase_event(media.names()[i]));
         medium_emits = medium_emits || medium.emits;
     }
     if (medium_emits) alphabet.terminals.push_back(emission_event());
@@ -180,6 +179,29 @@ Result<SceneAlphabet> scene_alphabet(const SceneDescription& scene, const lpe::L
     alphabet.object_labels.assign(surfaces.labels.begin(), surfaces.labels.end());
     alphabet.light_groups.assign(groups.begin(), groups.end());
     return alphabet;
+}
+
+}  // namespace
+
+Result<SceneAlphabet> scene_alphabet(const SceneDescription& scene, const lpe::LobeSlots& slots) {
+    auto textures = TextureTable::build(scene);
+    if (!textures) return textures.error();
+    auto materials = MaterialTable::build(scene, *textures);
+    if (!materials) return materials.error();
+    std::vector<Error> unused;  // warnings are the render's business
+    auto media = MediumTable::build(scene, unused);
+    if (!media) return media.error();
+    add_interiors(scene, *materials, *media);
+    auto patterns = tee_channels(scene);
+    if (!patterns) return patterns.error();
+    return alphabet_of(scene, *materials, *media, *std::move(patterns), slots);
+}
+
+SceneAlphabet scene_alphabet(const SceneDescription& description, const BuiltScene& built,
+                             const lpe::LobeSlots& slots) {
+    const SceneView view = built.view();
+    const auto patterns = built.pattern_channels();
+    return alphabet_of(description, *view.materials, *view.media, {patterns.begin(), patterns.end()}, slots);
 }
 
 }  // namespace raylex::transport

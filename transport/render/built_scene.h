@@ -8,13 +8,15 @@
 #include "transport/cameras/camera_motion.h"
 #include "transport/integrators/integrator.h"
 #include "transport/render/render.h"
+#include "transport/scene/loading_progress.h"
 #include "transport/scene/surface_names.h"
 
 namespace raylex::transport {
 
 struct BuildOptions {
-    std::string isa;  ///< what Embree may use; see RenderSettings
-    int threads = 0;  ///< for the acceleration structure; 0 = all
+    std::string isa;                      ///< what Embree may use; see RenderSettings
+    int threads = 0;                      ///< that read images and build the acceleration structure; 0 = all
+    LoadingProgress* progress = nullptr;  ///< told of what is read and built, if any
 };
 
 class BuiltScene {
@@ -24,7 +26,7 @@ class BuiltScene {
                                                            const BuildOptions& options = {});
 
     [[nodiscard]] SceneView view() const {
-        return {geometry_.get(), &textures_, &materials_, &lights_, &media_, general_code_, moves_};
+        return {geometry_.get(), &textures_, &materials_, &lights_, &media_, general_code_, moves_, wavelengths_.get()};
     }
     [[nodiscard]] const std::string& isa() const { return geometry_->isa(); }
     /// Channels that patterns write to.
@@ -49,12 +51,24 @@ class BuiltScene {
     MediumTable media_;
     EffectSet general_code_;
     bool moves_ = false;
+    std::unique_ptr<const WavelengthDistribution> wavelengths_;  // null: paths have none
     std::unique_ptr<EmbreeScene> geometry_;
     SurfaceNames surface_names_;
     std::vector<display::ChannelDefinition> pattern_channels_;
 };
 
-/// As render(description, ...), on a scene built before: bit for bit the same image.
+/// As scene_alphabet(description), by the tables that are there.
+[[nodiscard]] SceneAlphabet scene_alphabet(const SceneDescription& description, const BuiltScene& built,
+                                           const lpe::LobeSlots& slots = {});
+
+/// As render(description, ...), on a scene built from it before: bit for bit the same image, and checkpoints that know
+/// their scene.
+Result<RenderOutput> render(const SceneDescription& description, const BuiltScene& scene,
+                            const RenderSettings& settings,
+                            const std::function<void(const RenderProgress&)>& progress = {},
+                            const std::atomic<bool>* stop = nullptr);
+
+/// The same without the description: checkpoints are of any scene.
 Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& settings,
                             const std::function<void(const RenderProgress&)>& progress = {},
                             const std::atomic<bool>* stop = nullptr);

@@ -115,14 +115,15 @@ constexpr const char* start_again = "to begin again, remove this file and leave 
 RecordIdentity render_identity(const ResolvedJob& job) {
     const RenderSettings& settings = job.settings;
     const CameraSampling& sampling = job.sampling;
-    RecordIdentity identity = settings.checkpoint ? settings.checkpoint->identity : RecordIdentity();
+    RecordIdentity identity = job.checkpoint ? job.checkpoint->identity : RecordIdentity();
     const auto add = [&](std::string name, std::string value) {
         identity.emplace_back(std::move(name), std::move(value));
     };
     add("resolution", std::to_string(job.grid.width) + "x" + std::to_string(job.grid.height));
-    if (sampling.film.crop)
-        add("crop", std::to_string(job.grid.region.x0) + "," + std::to_string(job.grid.region.y0) + "," +
-                        std::to_string(job.grid.region.x1) + "," + std::to_string(job.grid.region.y1));
+    if (const auto& crop = sampling.film.crop)
+        add("crop", std::to_string(crop->x0) + "," + std::to_string(crop->y0) + "," + std::to_string(crop->x1) + "," +
+                        std::to_string(crop->y1));
+    if (job.bucket) add("rows", std::to_string(job.bucket->first) + " to " + std::to_string(job.bucket->end));
     add("seed", std::to_string(sampling.seed));
     add("samples per pixel", std::to_string(job.budget.samples_per_pixel));
     add("sampler", sampling.sampler_name);
@@ -191,6 +192,9 @@ Result<RenderPosition> restore_checkpoint(const CheckpointSettings& settings, co
                                           RenderState& state) {
     const std::string& file = settings.file;
     std::error_code failed;
+    if (std::filesystem::is_directory(file, failed))
+        return resume_error(file, "cannot resume: these are the buckets of a render with --memory or --bucket-rows",
+                            "render as it was begun, or, to begin again, remove this folder and leave out --resume");
     if (!std::filesystem::exists(file, failed))
         return resume_error(file, "there is no checkpoint to resume from; expected this file",
                             "leave out --resume to begin");
@@ -250,6 +254,7 @@ void CheckpointWriter::start(display::RecordFile record) {
     busy_.store(true);
     thread_ = std::thread([this, content = std::move(record)] {
         const Status status = display::write_record_file(file_, content);
+        last_written_ = status.ok();
         if (status) ++written_;
         else fail(status.error());
         busy_.store(false);
@@ -257,6 +262,7 @@ void CheckpointWriter::start(display::RecordFile record) {
 }
 
 void CheckpointWriter::fail(Error error) {
+    last_written_ = false;
     if (failures_.empty() || failures_.back().message != error.message) failures_.push_back(std::move(error));
 }
 

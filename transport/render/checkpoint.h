@@ -56,6 +56,8 @@ class CheckpointWriter {
     void wait();
     /// Takes note of a record that could not even be made.
     void fail(Error error);
+    /// After wait(): whether the last record that start() was given is safe on disk.
+    [[nodiscard]] bool last_written() const { return last_written_; }
     /// After wait(): records that are safe on disk, and what went wrong with the others, said once for each reason.
     [[nodiscard]] std::uint64_t written() const { return written_.load(); }
     [[nodiscard]] const std::vector<Error>& failures() const { return failures_; }
@@ -66,6 +68,7 @@ class CheckpointWriter {
     std::atomic<bool> busy_{false};
     std::atomic<std::uint64_t> written_{0};
     std::vector<Error> failures_;
+    bool last_written_ = false;
 };
 
 }  // namespace raylex::transport

@@ -6,54 +6,33 @@
 //   RenderTarget     the caller has seen the plan, memory is taken
 //   RenderLoop       samples by a Schedule, from the beginning or a checkpoint
 //   FinishedLoop     what is told of the image
+//
+// A render in buckets goes through the last three for one band of rows after another (buckets.h).
 #include "transport/render/render.h"
 
+#include <cmath>
+
 #include "display/services/hash64.h"
-#include "transport/render/render_loop.h"
+#include "transport/render/buckets.h"
+#include "transport/render/render_output.h"
 #include "transport/scene/scene_hash.h"
 
 namespace raylex::transport {
-namespace {
-
-/// Takes the image out of `target`.
-RenderOutput output_of(const ResolvedJob& job, RenderTarget target, FinishedLoop finished) {
-    RenderOutput output{.frame_buffer = std::move(target.frame_buffer),
-                        .cryptomatte = std::move(target.mattes),
-                        .beauty = job.channels.beauty,
-                        .statistics = std::move(finished.statistics),
-                        .complete = finished.complete,
-                        .width = job.grid.width,
-                        .height = job.grid.height,
-                        .threads = job.threads,
-                        .crop = job.sampling.film.crop,
-                        .samples_per_pixel = finished.samples_per_pixel,
-                        .adaptive = std::move(finished.error),
-                        .unconverged_pixels = finished.unconverged_pixels,
-                        .resumed_samples = finished.resumed_samples,
-                        .seed = job.settings.seed,
-                        .splat = job.sampling.splat,
-                        .integrator = job.chosen.name,
-                        .sampler = job.sampling.sampler_name,
-                        .filter = job.sampling.filter->name(),
-                        .isa = job.scene.isa(),
-                        .world_to_camera = job.scene.space().from_world(job.sampling.camera->world_to_camera()),
-                        .world_to_screen = job.scene.space().from_world(job.sampling.camera->world_to_screen()),
-                        .warnings = job.warnings};
-    for (const std::vector<Error>* more : {&target.warnings, &finished.warnings})
-        output.warnings.insert(output.warnings.end(), more->begin(), more->end());
-    return output;
-}
-
-}  // namespace
-
 Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& settings,
                             const std::function<void(const RenderProgress&)>& progress, const std::atomic<bool>* stop) {
     const Stopwatch since_call;
     auto resolved = ResolvedJob::resolve(scene, settings);
     if (!resolved) return resolved.error();
-    const auto prepared = PreparedJob::prepare(*std::move(resolved));
+    auto prepared = PreparedJob::prepare(*std::move(resolved));
     if (!prepared) return prepared.error();
-    auto target = RenderTarget::allocate(*prepared);
+    auto buckets = plan_buckets(*prepared);
+    if (!buckets) return buckets.error();
+    if (*buckets) return render_buckets(*prepared, **buckets, since_call, progress, stop);
+    if (prepared->job.checkpoint && std::isinf(prepared->job.checkpoint->seconds)) prepared->job.checkpoint.reset();
+    std::vector<display::SampleSink*> sinks;
+    if (settings.before_rendering)
+        if (Status s = settings.before_rendering(plan_of(prepared->job), sinks); !s) return s.error();
+    auto target = RenderTarget::allocate(*prepared, std::move(sinks));
     if (!target) return target.error();
     const auto loop = RenderLoop::begin(*prepared, *target, since_call);
     if (!loop) return loop.error();
@@ -66,10 +45,16 @@ Result<RenderOutput> render(const SceneDescription& scene, const RenderSettings&
                             const std::function<void(const RenderProgress&)>& progress, const std::atomic<bool>* stop) {
     auto built = BuiltScene::build(scene, {settings.isa, settings.threads});
     if (!built) return built.error();
-    if (!settings.checkpoint) return render(**built, settings, progress, stop);
+    return render(scene, **built, settings, progress, stop);
+}
+
+Result<RenderOutput> render(const SceneDescription& description, const BuiltScene& scene,
+                            const RenderSettings& settings, const std::function<void(const RenderProgress&)>& progress,
+                            const std::atomic<bool>* stop) {
+    if (!settings.checkpoint) return render(scene, settings, progress, stop);
     RenderSettings identified = settings;
-    identified.checkpoint->identity.emplace_back("scene", hash_text(scene_hash(scene)));
-    return render(**built, identified, progress, stop);
+    identified.checkpoint->identity.emplace_back("scene", hash_text(scene_hash(description)));
+    return render(scene, identified, progress, stop);
 }
 
 }  // namespace raylex::transport

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "display/buffer/adaptive_sampler.h"
+#include "display/buffer/banded_image.h"
 #include "display/buffer/frame_buffer.h"
 #include "display/buffer/memory_estimate.h"
 #include "display/buffer/pixel_filter.h"
@@ -43,14 +44,28 @@ struct RenderPlan {
     std::shared_ptr<const display::WordAlphabet> words;  ///< what RenderSettings::words came to
     std::vector<display::ChannelId> altered;             ///< by sample filters: partitions with these do not sum
     std::vector<display::MemoryItem> memory;             ///< of the frame buffer, layer by layer, and cryptomattes
+    int bucket_rows = 0;                                 ///< at most, of a render in buckets, whose memory is of one
+    std::size_t buckets = 0;                             ///< how many; 0: the image is in memory as a whole
     /// What a checkpoint of this render says that it is of, the caller's fields before the render's own.
     display::RecordIdentity identity{};
 };
 
+/// An image larger than memory: it is rendered a bucket, a band of its rows, after another, and each finished bucket is
+/// saved and its memory given back. Same bits. See render/buckets.h for how, and what cannot be rendered so.
+struct BucketSettings {
+    /// What the process may take in all, until the image is written; 0: no limit. An image that fits is rendered as a
+    /// whole.
+    std::uint64_t memory = 0;
+    int rows = 0;  ///< of a bucket, whether or not the image fits; 0: as `memory` allows
+};
+
 /// Saving the render now and then, so that it can go on after a crash. See render/checkpoint.h for how.
 struct CheckpointSettings {
-    std::string file;     ///< replaced whole or not at all; the caller removes it in the end
-    double seconds = 60;  ///< from one to the next; the last is saved when `*stop` ends the render
+    /// Replaced whole or not at all; the caller removes it in the end. Of a render in buckets, a folder with a file for
+    /// each.
+    std::string file;
+    /// From one to the next; the last is saved when `*stop` ends the render. Infinity: nothing is saved but buckets.
+    double seconds = 60;
     bool resume = false;  ///< go on from `file`; an Error when it does not fit
     /// What the render is of beyond what render() sees: another value refuses to resume. The scene, when a description
     /// is rendered, need not be here.
@@ -107,7 +122,8 @@ struct RenderSettings {
     /// Samples go where the error is above a tolerance, instead of samples_per_pixel everywhere.
     std::optional<display::AdaptiveSettings> adaptive;
     std::optional<CheckpointSettings> checkpoint;
-    std::optional<SampleLimit> limit;  ///< samples_per_pixel unset means any number then
+    std::optional<BucketSettings> buckets;  ///< with `checkpoint`, which says where they are saved
+    std::optional<SampleLimit> limit;       ///< samples_per_pixel unset means any number then
     /// Samples [first_sample, samples_per_pixel) of each pixel alone, a shard: a multiple of the frame buffer's block
     /// size. Shards that share none merge to the bits of the whole (FrameBuffer::merge).
     std::uint64_t first_sample = 0;
@@ -154,7 +170,11 @@ struct RenderStatistics {
 };
 
 struct RenderOutput {
-    display::FrameBuffer frame_buffer;
+    display::FrameBuffer frame_buffer;  ///< of a render in buckets, the last one's
+    /// All of a render in buckets, read from where they were saved; null of others.
+    std::unique_ptr<const display::BandedImage> bands;
+    std::vector<display::RowRange> buckets;                ///< whose files are there
+    std::uint64_t rejected_block_sums = 0;                 ///< FrameBuffer::rejected_count(), of all buckets
     std::vector<geoaovs::Cryptomatte> cryptomatte;         ///< as RenderSettings::cryptomatte asks for
     display::ChannelId beauty = display::invalid_channel;  ///< id in frame_buffer.channels(); LPEs and AOVs follow it
     RenderStatistics statistics;
@@ -170,6 +190,10 @@ struct RenderOutput {
     std::string integrator, sampler, filter, isa;  ///< what was really used
     Matrix4 world_to_camera, world_to_screen;
     std::vector<Error> warnings;  ///< fallbacks (integrator not there yet), unused parameters
+
+    [[nodiscard]] const display::PixelImage& image() const {
+        return bands ? static_cast<const display::PixelImage&>(*bands) : frame_buffer;
+    }
 };
 
 /// Renders. `progress` is called from one thread, a few times a second. Setting `*stop` ends the render after the
@@ -177,6 +201,9 @@ struct RenderOutput {
 Result<RenderOutput> render(const SceneDescription& scene, const RenderSettings& settings,
                             const std::function<void(const RenderProgress&)>& progress = {},
                             const std::atomic<bool>* stop = nullptr);
+
+/// Removes what a render in buckets has saved in its folder, and the folder when nothing else is in it.
+Status remove_buckets(const std::string& folder);
 
 /// Labels, light groups, lobes and terminals that this scene can produce: the words that proofs and near misses use.
 struct SceneAlphabet {

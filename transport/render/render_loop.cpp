@@ -5,12 +5,12 @@
 namespace raylex::transport {
 
 Result<std::unique_ptr<RenderLoop>> RenderLoop::begin(const PreparedJob& prepared, RenderTarget& target,
-                                                      const Stopwatch& since_call) {
+                                                      const Stopwatch& since_call, const RenderStatistics& earlier) {
     std::unique_ptr<RenderLoop> loop(new RenderLoop(prepared, target, make_schedule(prepared, target), since_call));
     auto saver = RenderSaver::make(loop->state_);
     if (!saver) return saver.error();
     loop->saver_ = *std::move(saver);
-    if (Status s = loop->saver_->set_out(loop->state_); !s) return s.error();
+    if (Status s = loop->saver_->set_out(loop->state_, earlier); !s) return s.error();
     loop->resumed_samples_ = loop->state_.position.statistics.camera_samples;
     loop->untraced_before_ = prepared.job.scene.view().geometry->untraced_rays();
     return loop;

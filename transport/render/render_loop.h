@@ -32,10 +32,14 @@ class FinishedLoop {
 class RenderLoop {
   public:
     /// Ready to run, where a checkpoint left off if one is to be resumed. Both must outlive the loop; `since_call`
-    /// began when the render was asked for.
+    /// began when the render was asked for; `earlier` is what buckets before it took.
     static Result<std::unique_ptr<RenderLoop>> begin(const PreparedJob& prepared, RenderTarget& target,
-                                                     const Stopwatch& since_call);
+                                                     const Stopwatch& since_call, const RenderStatistics& earlier = {});
 
+    /// Whether a checkpoint had all there is to do.
+    [[nodiscard]] bool finished() const { return schedule_->finished(state_.position); }
+    /// After run(): saves what it came to, as a checkpoint that has all.
+    Status keep() { return saver_->keep(state_); }
     /// Returns when the budget is spent, the time is over or `*stop` was seen; an Error when a thread ran out of
     /// memory. Once.
     Result<FinishedLoop> run(const std::function<void(const RenderProgress&)>& progress, const std::atomic<bool>* stop);

@@ -7,16 +7,17 @@ namespace raylex::transport {
 Result<RenderSaver> RenderSaver::make(const RenderState& state) {
     RenderSaver saver;
     const ResolvedJob& job = state.prepared.job;
-    if (!job.settings.checkpoint || job.budget.only) return saver;  // one sample has nothing to go on from
-    if (Status s = check_checkpoint(*job.settings.checkpoint, state); !s) return s.error();
-    saver.settings_ = &*job.settings.checkpoint;
+    if (!job.checkpoint || job.budget.only) return saver;  // one sample has nothing to go on from
+    if (Status s = check_checkpoint(*job.checkpoint, state); !s) return s.error();
+    saver.settings_ = &*job.checkpoint;
     saver.identity_ = render_identity(job);
     saver.writer_ = std::make_unique<CheckpointWriter>(saver.settings_->file);
     return saver;
 }
 
-Status RenderSaver::set_out(RenderState& state) const {
+Status RenderSaver::set_out(RenderState& state, const RenderStatistics& earlier) const {
     RenderPosition position = state.schedule.beginning();
+    position.statistics = earlier;
     if (enabled() && settings_->resume) {
         auto restored = restore_checkpoint(*settings_, identity_, state);
         if (!restored) return restored.error();
@@ -42,6 +43,16 @@ void RenderSaver::save(const RenderState& state) {
     }
     last_ = state.session_seconds();
     stall_ += last_ - begin;
+}
+
+Status RenderSaver::keep(const RenderState& state) {
+    save(state);
+    writer_->wait();
+    if (writer_->last_written()) return success();
+    Error error = writer_->failures().back();
+    error.message = "a finished bucket could not be saved: " + error.message;
+    error.hint = "the buckets before it are safe: make room and go on with --resume";
+    return error;
 }
 
 void RenderSaver::finish(RenderStatistics& statistics, std::vector<Error>& warnings) {

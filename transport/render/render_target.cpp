@@ -1,17 +1,26 @@
 #include "transport/render/render_target.h"
 
 #include <algorithm>
+#include <cmath>
 #include <new>
 
 #include "transport/render/checkpoint.h"
 
 namespace raylex::transport {
-namespace {
 
-/// What the caller learns before the first ray, memory included.
-RenderPlan plan_of(const ResolvedJob& job, const display::FrameBufferLayout& layout) {
+display::FrameBufferLayout layout_of(const ResolvedJob& job) {
+    display::FrameBufferLayout layout;
+    layout.width = job.grid.width;
+    layout.height = job.bucket ? job.bucket->end - job.bucket->first : job.grid.height;
+    layout.first_row = job.bucket ? job.bucket->first : 0;
+    layout.block_size = TileGrid::block_size;
+    return layout;
+}
+
+RenderPlan plan_of(const ResolvedJob& job) {
+    const display::FrameBufferLayout layout = layout_of(job);
     const RenderSettings& settings = job.settings;
-    const int width = layout.width, height = layout.height;
+    const int width = job.grid.width, height = job.grid.height;
     RenderPlan plan{.width = width,
                     .height = height,
                     .samples_per_pixel = job.budget.samples_per_pixel,
@@ -30,12 +39,10 @@ RenderPlan plan_of(const ResolvedJob& job, const display::FrameBufferLayout& lay
     if (settings.adaptive)  // an error and a decision a pixel
         plan.memory.push_back({"adaptive", 9 * static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height)});
     const std::uint64_t image_bytes = display::total_bytes(plan.memory);
-    if (settings.checkpoint) plan.memory.push_back({"checkpoint", image_bytes});
+    if (job.checkpoint && std::isfinite(job.checkpoint->seconds)) plan.memory.push_back({"checkpoint", image_bytes});
     if (settings.limit && settings.limit->seconds > 0) plan.memory.push_back({"image before the pass", image_bytes});
     return plan;
 }
-
-}  // namespace
 
 Status RenderTarget::make_mattes(const ResolvedJob& job) {
     try {
@@ -54,15 +61,9 @@ Status RenderTarget::make_mattes(const ResolvedJob& job) {
     return success();
 }
 
-Result<RenderTarget> RenderTarget::allocate(const PreparedJob& prepared) {
+Result<RenderTarget> RenderTarget::allocate(const PreparedJob& prepared, std::vector<display::SampleSink*> sinks) {
     const ResolvedJob& job = prepared.job;
-    display::FrameBufferLayout layout;
-    layout.width = job.grid.width;
-    layout.height = job.grid.height;
-    layout.block_size = TileGrid::block_size;
-    std::vector<display::SampleSink*> sinks;
-    if (job.settings.before_rendering)
-        if (Status s = job.settings.before_rendering(plan_of(job, layout), sinks); !s) return s.error();
+    const display::FrameBufferLayout layout = layout_of(job);
     const display::PixelFilter* filter = job.sampling.filter.get();
     auto frame_buffer = display::FrameBuffer::create(layout, job.channels.list, job.sampling.splat ? filter : nullptr,
                                                      job.raster() ? filter : nullptr);

@@ -9,11 +9,16 @@
 
 namespace raylex::transport {
 
+/// What the caller learns before the first ray, memory included: of the whole image.
+RenderPlan plan_of(const ResolvedJob& job);
+/// Of the image, or of the bucket that the job is in.
+display::FrameBufferLayout layout_of(const ResolvedJob& job);
+
 class RenderTarget {
   public:
-    /// Shows the caller the RenderPlan (RenderSettings::before_rendering) and allocates. Errors: the caller's, or that
-    /// memory does not suffice.
-    static Result<RenderTarget> allocate(const PreparedJob& prepared);
+    /// Of the image, or the bucket that the job is in: what takes in its samples, beside the caller's sinks. An Error
+    /// says that memory does not suffice.
+    static Result<RenderTarget> allocate(const PreparedJob& prepared, std::vector<display::SampleSink*> sinks);
 
     /// Whether some sink keeps raw samples, as deep images do: they cannot be saved, nor taken back.
     [[nodiscard]] bool has_sinks_of_others() const { return sinks.size() > mattes.size(); }

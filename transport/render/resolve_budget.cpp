@@ -118,6 +118,25 @@ Result<Budget> resolve_budget(const RenderSettings& settings, const CameraSampli
     return budget;
 }
 
+/// What looks at other pixels than its own.
+Status check_pixels_apart(const RenderSettings& settings, bool splat, const ChosenIntegrator& chosen,
+                          const std::string& what, const std::string& without) {
+    const std::string hint = "leave out " + without + ", or choose another integrator, such as path";
+    if (splat)
+        return error_at({},
+                        what + " in filter mode splat, where pixels share samples; expected filter mode importance");
+    if (ResolvedJob::splats_anywhere(chosen))
+        return error_at({}, what + " by integrator '" + chosen.name + "', whose light paths land anywhere on the image",
+                        hint);
+    if (chosen.integrator->synchronous())
+        return error_at({}, what + " by integrator '" + chosen.name + "', which learns from all pixels", hint);
+    if (settings.adaptive || (settings.limit && settings.limit->error > 0))
+        return error_at(settings.adaptive ? settings.adaptive->location : SourceLocation{},
+                        what + " that goes on until an error: which samples a pixel gets depends on the whole image",
+                        "expected a number of samples, or a time");
+    return success();
+}
+
 /// Which pixels get samples. What looks at other pixels than its own is refused with a crop, by name: the bits would
 /// differ from those of the whole image.
 Result<TileGrid> resolve_grid(const RenderSettings& settings, const CameraSampling& sampling,
@@ -132,19 +151,8 @@ Result<TileGrid> resolve_grid(const RenderSettings& settings, const CameraSampli
                                 std::to_string(crop.x1) + "," + std::to_string(crop.y1) +
                                 " is no part of an image of " + std::to_string(width) + " x " + std::to_string(height) +
                                 " pixels; expected X0,Y0,X1,Y1 with X0 < X1 and Y0 < Y1 inside it");
-    const std::string with = "a crop of a render ";
-    if (sampling.splat)
-        return error_at({}, with + "in filter mode splat, where pixels share samples; expected filter mode importance");
-    if (ResolvedJob::splats_anywhere(chosen))
-        return error_at({}, with + "by integrator '" + chosen.name + "', whose light paths land anywhere on the image",
-                        "leave out the crop, or choose another integrator, such as path");
-    if (chosen.integrator->synchronous())
-        return error_at({}, with + "by integrator '" + chosen.name + "', which learns from all pixels",
-                        "leave out the crop, or choose another integrator, such as path");
-    if (settings.adaptive || (settings.limit && settings.limit->error > 0))
-        return error_at(settings.adaptive ? settings.adaptive->location : SourceLocation{},
-                        with + "that goes on until an error: which samples a pixel gets depends on the whole image",
-                        "expected a number of samples, or a time");
+    if (Status s = check_pixels_apart(settings, sampling.splat, chosen, "a crop of a render", "the crop"); !s)
+        return s.error();
     grid.region = crop;
     return grid;
 }

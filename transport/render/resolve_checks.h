@@ -1,4 +1,4 @@
-// The steps of ResolvedJob::resolve(), each of which takes what the ones before it made: private to resolved_job.cpp.
+// The steps of ResolvedJob::resolve(), each of which takes what the ones before it made: private to transport/render.
 #pragma once
 
 #include "transport/render/resolved_job.h"
@@ -20,6 +20,10 @@ Status check_raster(const RenderSettings& settings, const ChosenIntegrator& chos
 /// Channels that an adaptive budget goes by keep statistics from now on.
 Result<Budget> resolve_budget(const RenderSettings& settings, const CameraSampling& sampling,
                               const ChosenIntegrator& chosen, JobChannels& channels, std::vector<Error>& warnings);
+
+/// Refuses what looks at other pixels than its own: `what` ("a crop of a render"), which one can do `without`, by name.
+Status check_pixels_apart(const RenderSettings& settings, bool splat, const ChosenIntegrator& chosen,
+                          const std::string& what, const std::string& without);
 
 /// Which pixels get samples. What looks at other pixels than its own is refused with a crop, by name: the bits would
 /// differ from those of the whole image.

@@ -69,17 +69,20 @@ class ResolvedJob {
 
     const BuiltScene& scene;
     const RenderSettings& settings;
+    std::optional<CheckpointSettings> checkpoint;  ///< as settings say, or a bucket's
     CameraSampling sampling;
     ChosenIntegrator chosen;
     JobChannels channels;
     Budget budget;
     TileGrid grid;
+    std::optional<display::RowRange> bucket;  ///< of the image, while a render in buckets is in it
     int threads = 1;
     bool has_extra_rows = false;  ///< camera rays may pass cutouts or media
     std::vector<Error> warnings;
 
   private:
-    ResolvedJob(const BuiltScene& of, const RenderSettings& by) : scene(of), settings(by), warnings(of.warnings) {}
+    ResolvedJob(const BuiltScene& of, const RenderSettings& by)
+        : scene(of), settings(by), checkpoint(by.checkpoint), warnings(of.warnings) {}
 };
 
 }  // namespace raylex::transport

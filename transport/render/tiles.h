@@ -47,12 +47,26 @@ struct TileGrid {
             if (x >= region.x0 && x < region.x1 && y >= region.y0 && y < region.y1) visit(x, y);
         }
     }
+    /// Tiles with pixels of the region, row by row: how many, and which.
+    [[nodiscard]] std::uint64_t region_count() const {
+        return static_cast<std::uint64_t>(region_columns()) *
+               static_cast<std::uint64_t>((region.y1 - 1 + padding_y) / tile_size - first_row() + 1);
+    }
+    [[nodiscard]] std::uint64_t region_tile(std::uint64_t i) const {
+        const auto across = static_cast<std::uint64_t>(region_columns());
+        return (static_cast<std::uint64_t>(first_row()) + i / across) * columns() +
+               static_cast<std::uint64_t>((region.x0 + padding_x) / tile_size) + i % across;
+    }
     /// How many blocks hold so many samples of a pixel.
     [[nodiscard]] static std::uint64_t blocks_for(std::uint64_t samples) {
         return (samples + block_size - 1) / block_size;
     }
 
   private:
+    [[nodiscard]] int first_row() const { return (region.y0 + padding_y) / tile_size; }
+    [[nodiscard]] int region_columns() const {
+        return (region.x1 - 1 + padding_x) / tile_size - (region.x0 + padding_x) / tile_size + 1;
+    }
     [[nodiscard]] static std::uint64_t along(int size, int padding) {
         return static_cast<std::uint64_t>((size + 2 * padding + tile_size - 1) / tile_size);
     }

@@ -22,9 +22,10 @@ enum class Effect : std::uint8_t {
     instances,
     motion,
     texture_filtering,
-    varying_media
+    varying_media,
+    dispersion
 };
-inline constexpr std::size_t effect_count = 16;
+inline constexpr std::size_t effect_count = 17;
 
 class EffectSet {
   public:

@@ -37,10 +37,13 @@ constexpr std::array<EffectInfo, effect_count> catalogue{{
      "its texels as they are", ""},
     {Effect::varying_media, "varying-media", "a medium in use differs from place to place",
      "the same everywhere, dark: a density of 1, of an rgbgrid the mean", ""},
+    {Effect::dispersion, "dispersion", "the index of refraction of a dielectric in use depends on the wavelength",
+     "one index for all colours, the mean of its spectrum", "each sample draws a wavelength, which nothing asks for"},
 }};
 
-constexpr std::array<AbsentEffect, 1> not_simulated{{
-    {"dispersion", "glass has one index of refraction for all colours, the mean of its spectrum"},
+constexpr std::array<AbsentEffect, 2> not_simulated{{
+    {"polarisation", "interfaces treat light as unpolarised, whatever it met before"},
+    {"fluorescence", "light keeps its colour where it is scattered but for what is absorbed"},
 }};
 
 std::string share(std::size_t count, std::size_t all, const char* things) {
@@ -210,6 +213,8 @@ EffectFindings analyse_effects(const SceneDescription& scene) {
     put(Effect::motion, find_motion(scene));
     put(Effect::texture_filtering, find_filters(used));
     put(Effect::varying_media, find_varying_media(scene, used));
+    put(Effect::dispersion,
+        find_materials(used, [](const SceneEntity& each) { return varying_index(each) != nullptr; }));
     return found;
 }
 

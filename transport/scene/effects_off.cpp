@@ -145,6 +145,22 @@ void leave_out_compensation(SceneDescription& scene) {
                       [](const Parameter& each) { return each.name == "raylex:compensate"; });
 }
 
+Status leave_out_dispersion(SceneDescription& scene) {
+    for (SceneEntity& material : scene.materials) {
+        const Parameter* varying = varying_index(material);
+        if (varying == nullptr) continue;
+        const Result<Real> mean = mean_of_spectrum(*varying, scene.color);
+        if (!mean) return mean.error();
+        for (Parameter& each : material.parameters.parameters) {
+            if (&each != varying) continue;
+            each.type = ParameterType::real;
+            each.numbers = {static_cast<double>(*mean)};
+            each.strings.clear();
+        }
+    }
+    return success();
+}
+
 void leave_out_emission(SceneDescription& scene) {
     for_each_shape(scene, [](SceneShape& shape) { shape.area_light = -1; });
     scene.area_lights.clear();
@@ -200,6 +216,8 @@ Status leave_out(SceneDescription& scene, Effect effect) {
             break;
         case Effect::motion:
             return stop_motion(scene);
+        case Effect::dispersion:
+            return leave_out_dispersion(scene);
     }
     return success();
 }

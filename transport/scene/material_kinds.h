@@ -1,6 +1,7 @@
 // What analysis and substitution of effects take materials, shapes and lights for. Types of plugins are none of these.
 #pragma once
 
+#include "transport/color/spectrum.h"
 #include "transport/scene/used_surfaces.h"
 
 namespace raylex::transport {
@@ -45,6 +46,18 @@ namespace raylex::transport {
 }
 [[nodiscard]] inline bool is_environment(const SceneEntity& light) {
     return light.type == "infinite";
+}
+
+/// The parameter for the index of refraction of a dielectric, where it is a spectrum that varies; null where it is
+/// not, or cannot be read, which the build says.
+[[nodiscard]] inline const Parameter* varying_index(const SceneEntity& material) {
+    if (material.type != "dielectric" && !is_subsurface(material)) return nullptr;
+    for (const Parameter& each : material.parameters.parameters) {
+        if (each.name != "eta") continue;
+        const auto spectrum = varying_spectrum(each);
+        return spectrum && *spectrum ? &each : nullptr;
+    }
+    return nullptr;
 }
 
 }  // namespace raylex::transport

@@ -5,10 +5,8 @@
 
 #include "transport/cameras/aperture.h"
 #include "transport/color/spectral_data.h"
-#include "transport/geometry/curve.h"
-#include "transport/import/curve_shapes.h"
-#include "transport/import/shapes.h"
 #include "transport/math/animated_transform.h"
+#include "transport/scene/settled_transform.h"
 
 namespace raylex::transport {
 
@@ -26,40 +24,10 @@ std::string material_type(const std::string& written) {
     return written.empty() || written == "none" ? "interface" : written;
 }
 
-const SourceLocation& place_of(const SceneName& name, const SourceLocation& where) {
-    return name.where.file.empty() ? where : name.where;
-}
-
 Error defined_twice(const std::string& what, const SceneName& name, const SourceLocation& where,
                     const SourceLocation& first) {
-    return error_at(place_of(name, where), what + " '" + name.text + "' is defined twice; the first is at " +
-                                               first.file + ":" + std::to_string(first.line));
-}
-
-/// As its matrix says. The inverse follows from it and from nothing else, so that a scene written to a file and read
-/// again has the same bits.
-Result<Transform> settled(const Transform& transform, const SourceLocation& where) {
-    if (transform.is_identity()) return Transform();
-    Transform result(transform.matrix());
-    if (!transform.invertible() || !result.invertible())
-        return error_at(where, "its transformation cannot be inverted");
-    return result;
-}
-
-bool is_affine(const Matrix4& m) {
-    return m[3][0] == 0 && m[3][1] == 0 && m[3][2] == 0 && m[3][3] == 1;
-}
-
-/// The same for cameras, whose place is exact however far away it is: a linear map after a translation.
-Result<Transform> settled_camera(const Transform& world_to_camera, const SourceLocation& where) {
-    const Matrix4 camera_to_world = world_to_camera.inverse().matrix();
-    if (!world_to_camera.invertible() || !is_affine(world_to_camera.matrix()) || !is_affine(camera_to_world))
-        return settled(world_to_camera, where);
-    Matrix4 linear = world_to_camera.matrix();
-    for (std::size_t i = 0; i < 3; ++i) linear[i][3] = 0;
-    const Result<Transform> turned = settled(Transform(linear), where);
-    if (!turned) return turned.error();
-    return *turned * Transform::translate(-camera_to_world[0][3], -camera_to_world[1][3], -camera_to_world[2][3]);
+    return error_at(name.place(where), what + " '" + name.text + "' is defined twice; the first is at " + first.file +
+                                           ":" + std::to_string(first.line));
 }
 
 }  // namespace
@@ -163,7 +131,7 @@ Status SceneBuilder::set_camera(const std::string& type, SceneParameters paramet
     if (Status s = resolve_files(scene_.camera.parameters); !s) return s;
     scene_.camera_to_world = transform->inverse();
     scene_.camera_moved_to.reset();
-    scene_.camera_medium = medium.index;
+    scene_.camera_medium = medium.reference;  // until finish()
     return success();
 }
 
@@ -184,6 +152,12 @@ Status SceneBuilder::set_transform_times(double start, double end, const SourceL
         return error_at(where, "the times of transformations are " + std::to_string(start) + " and " +
                                    std::to_string(end) + "; expected the earlier one first");
     scene_.transform_times = {start, end};
+    return success();
+}
+
+Status SceneBuilder::scale_displacement_edges(double factor, const SourceLocation& where) {
+    if (!(factor > 0)) return error_at(where, "the scale of displaced meshes' edges is not above 0");
+    edge_scale_ = factor;
     return success();
 }
 
@@ -210,7 +184,7 @@ Result<MaterialHandle> SceneBuilder::add_named_material(const SceneName& name, c
 }
 
 MaterialHandle SceneBuilder::material_named(const SceneName& name, const SourceLocation& where) {
-    material_references_.push_back({-1, name.text, place_of(name, where)});
+    material_references_.push_back({-1, name.text, name.place(where)});
     return {static_cast<int>(material_references_.size()) - 1};
 }
 
@@ -227,20 +201,15 @@ Result<MediumHandle> SceneBuilder::add_medium(const SceneName& name, const std::
     static_cast<SceneEntity&>(medium) = std::move(*entity);
     medium.name = name.text;
     medium.to_world = *transform;
-    const int index = static_cast<int>(scene_.media.size());
-    named_media_[name.text] = index;
+    named_media_[name.text] = static_cast<int>(scene_.media.size());
     scene_.media.push_back(std::move(medium));
-    return MediumHandle{index};
+    return medium_named(name, where);
 }
 
-Result<MediumHandle> SceneBuilder::medium_named(const SceneName& name, const SourceLocation& where) const {
-    if (const auto found = named_media_.find(name.text); found != named_media_.end())
-        return MediumHandle{found->second};
-    std::vector<std::string> known;
-    for (const auto& [medium, index] : named_media_) known.push_back(medium);
-    const std::string near = nearest_name(name.text, known);
-    return error_at(place_of(name, where), "no medium is called '" + name.text + "'",
-                    near.empty() ? "" : "did you mean '" + near + "'?");
+MediumHandle SceneBuilder::medium_named(const SceneName& name, const SourceLocation& where) {
+    const auto [found, fresh] = medium_reference_of_.emplace(name.text, static_cast<int>(media_references_.size()));
+    if (fresh) media_references_.push_back({-1, name.text, name.place(where)});
+    return {found->second};
 }
 
 Status SceneBuilder::add_texture(const SceneName& name, TextureValue value, const std::string& type,
@@ -287,173 +256,6 @@ Result<AreaLightHandle> SceneBuilder::add_area_light(const std::string& type, Sc
     light.group = group;
     scene_.area_lights.push_back(std::move(light));
     return AreaLightHandle{static_cast<int>(scene_.area_lights.size()) - 1};
-}
-
-/// Shapes resolve their own files: a plymesh keeps the name as written for label rules.
-Status SceneBuilder::add_shape(const std::string& type, SceneParameters parameters, const ShapePlacement& placement,
-                               const SourceLocation& where) {
-    if (placement.moved_to) {
-        const auto still = as_moving_object(placement, where);
-        if (!still) return still.error();
-        return add_shape(type, std::move(parameters), *still, where);
-    }
-    const Result<Transform> transform = settled(placement.to_world, where);
-    if (!transform) return transform.error();
-    const Result<ParameterSet> set = checked(type, EntityKind::shape, std::move(parameters), where);
-    if (!set) return set.error();
-    if (const Parameter* file = set->find("filename"); missing_ == MissingFiles::placeholders && type == "plymesh" &&
-                                                       file != nullptr && file->strings.size() == 1 &&
-                                                       !search_.find(file->strings.front(), file->location))
-        return place_missing_mesh(file->strings.front(), placement, where);
-    Result<std::vector<SceneShape>> shapes =
-        make_shapes(type, *set, {*transform, placement.reverse_orientation, search_}, scene_.warnings);
-    if (!shapes) return shapes.error();
-    return place(std::move(*shapes), placement, where);
-}
-
-Status SceneBuilder::add_mesh(const MeshData& mesh, const ShapePlacement& placement, const SourceLocation& where) {
-    if (placement.moved_to) {
-        const auto still = as_moving_object(placement, where);
-        if (!still) return still.error();
-        return add_mesh(mesh, *still, where);
-    }
-    const Result<Transform> transform = settled(placement.to_world, where);
-    if (!transform) return transform.error();
-    const std::size_t vertices = mesh.positions.size(), group = mesh.patches ? 4 : 3;
-    const auto fits = [&](std::size_t count) { return count == 0 || count == vertices; };
-    if (!fits(mesh.normals.size()) || !fits(mesh.uvs.size()))
-        return error_at(where, "mesh of " + std::to_string(vertices) + " vertices has " +
-                                   std::to_string(mesh.normals.size()) + " normals and " +
-                                   std::to_string(mesh.uvs.size()) + " uvs; expected as many as vertices, or none");
-    if (mesh.indices.size() % group != 0)
-        return error_at(where, "mesh has " + std::to_string(mesh.indices.size()) + " indices; expected a multiple of " +
-                                   std::to_string(group));
-    for (const std::uint32_t index : mesh.indices)
-        if (index >= vertices)
-            return error_at(where, "mesh index " + std::to_string(index) + " is out of range; there are " +
-                                       std::to_string(vertices) + " vertices");
-    SceneShape shape;
-    shape.kind = mesh.patches ? ShapeKind::bilinear_mesh : ShapeKind::triangle_mesh;
-    shape.location = where;
-    shape.positions = mesh.positions;
-    shape.normals = mesh.normals;
-    shape.uvs = mesh.uvs;
-    shape.indices = mesh.indices;
-    Result<std::vector<SceneShape>> shapes = finish_mesh(
-        std::move(shape), "the mesh", {*transform, placement.reverse_orientation, search_}, scene_.warnings);
-    if (!shapes) return shapes.error();
-    return place(std::move(*shapes), placement, where);
-}
-
-Status SceneBuilder::add_curves(const CurveData& curves, const ShapePlacement& placement, const SourceLocation& where) {
-    if (placement.moved_to) {
-        const auto still = as_moving_object(placement, where);
-        if (!still) return still.error();
-        return add_curves(curves, *still, where);
-    }
-    const Result<Transform> transform = settled(placement.to_world, where);
-    if (!transform) return transform.error();
-    SceneShape shape;
-    shape.kind = ShapeKind::curves;
-    shape.location = where;
-    shape.curve_type = curves.type;
-    shape.positions = curves.points;
-    shape.indices = curves.first_points;
-    shape.curve_widths = curves.widths;
-    shape.normals = curves.normals;
-    shape.object_to_world = *transform;
-    shape.flip_normal = placement.reverse_orientation != transform->swaps_handedness();
-    if (Status status = check_curves(shape); !status) return status.error();
-    return place({std::move(shape)}, placement, where);
-}
-
-/// A shape that moves is an object that has one instance: its placement in that object.
-Result<ShapePlacement> SceneBuilder::as_moving_object(const ShapePlacement& placement, const SourceLocation& where) {
-    if (placement.object.reference >= 0)
-        return error_at(where, "a shape moves inside an object; expected the object's instances to move",
-                        "ObjectInstance under a moving transformation places a moving object");
-    if (placement.area_light.index >= 0)
-        return error_at(where, "an area light moves; expected lights that stand still",
-                        "the camera and everything else can move past it");
-    std::string name;
-    do name = "moving shape " + std::to_string(++moving_shapes_);
-    while (named_objects_.count(name) != 0);
-    const Result<ObjectHandle> object = add_object({name}, where);
-    if (!object) return object.error();
-    if (Status s = add_moving_instance(*object, placement.to_world, *placement.moved_to, where); !s) return s.error();
-    ShapePlacement still = placement;
-    still.to_world = Transform();
-    still.moved_to.reset();
-    still.object = *object;
-    return still;
-}
-
-Status SceneBuilder::place(std::vector<SceneShape> shapes, const ShapePlacement& placement,
-                           const SourceLocation& where) {
-    const bool in_object = placement.object.reference >= 0;
-    if (in_object && placement.area_light.index >= 0)
-        warn(error_at(where, "area lights do not emit from object instances (pbrt's rule); this shape is dark"));
-    std::vector<SceneShape>* target = &scene_.shapes;
-    if (in_object) {
-        const Reference& object = object_references_[static_cast<std::size_t>(placement.object.reference)];
-        const auto found = named_objects_.find(object.name);
-        if (found == named_objects_.end())
-            return error_at(where, "the object '" + object.name + "' gets a shape before it is added");
-        target = &scene_.objects[static_cast<std::size_t>(found->second)].shapes;
-    }
-    for (SceneShape& shape : shapes) {
-        shape.material = placement.material.reference;  // a reference until finish()
-        shape.area_light = in_object ? -1 : placement.area_light.index;
-        shape.inside_medium = placement.inside.index;
-        shape.outside_medium = placement.outside.index;
-        shape.label = placement.label;
-        const auto named = [this](const SceneShape& of) -> const Reference& {
-            return material_references_[static_cast<std::size_t>(of.material)];
-        };
-        const auto same_material = [&](const SceneShape& other) {
-            return named(other).index == named(shape).index && named(other).name == named(shape).name;
-        };
-        if (!target->empty() && join_curves(target->back(), shape, same_material(target->back()))) continue;
-        target->push_back(std::move(shape));
-    }
-    return success();
-}
-
-Result<ObjectHandle> SceneBuilder::add_object(const SceneName& name, const SourceLocation& where) {
-    if (!named_objects_.emplace(name.text, static_cast<int>(scene_.objects.size())).second)
-        return error_at(place_of(name, where), "object '" + name.text + "' is defined twice");
-    scene_.objects.push_back({name.text, {}});
-    return object_named(name, where);
-}
-
-ObjectHandle SceneBuilder::object_named(const SceneName& name, const SourceLocation& where) {
-    // A million instances of a few objects need a few references.
-    const auto [found, fresh] = object_reference_of_.emplace(name.text, static_cast<int>(object_references_.size()));
-    if (fresh) object_references_.push_back({-1, name.text, place_of(name, where)});
-    return {found->second};
-}
-
-Status SceneBuilder::add_instance(ObjectHandle object, const Transform& to_world, const SourceLocation& where) {
-    if (object.reference < 0) return error_at(where, "an instance of no object; expected one that was added or named");
-    const Result<Transform> transform = settled(to_world, where);
-    if (!transform) return transform.error();
-    SceneInstance instance;
-    instance.object = object.reference;  // a reference until finish()
-    instance.to_world = *transform;
-    instance.location = where;
-    scene_.instances.push_back(std::move(instance));
-    return success();
-}
-
-Status SceneBuilder::add_moving_instance(ObjectHandle object, const Transform& to_world, const Transform& moved_to,
-                                         const SourceLocation& where) {
-    const Result<Transform> last = settled(moved_to, where);
-    if (!last) return last.error();
-    if (Status s = add_instance(object, to_world, where); !s) return s;
-    if (const auto way = AnimatedTransform::between(to_world, *last, where); !way) return way.error();
-    scene_.instances.back().motion = static_cast<std::int32_t>(scene_.moved_to.size());
-    scene_.moved_to.push_back(*last);
-    return success();
 }
 
 }  // namespace raylex::transport

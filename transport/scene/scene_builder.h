@@ -25,6 +25,7 @@
 
 #include "transport/import/input_file.h"
 #include "transport/import/known_parameters.h"
+#include "transport/scene/loading_progress.h"
 #include "transport/scene/missing_files.h"
 #include "transport/scene/scene_description.h"
 #include "transport/scene/typed_parameters.h"
@@ -36,6 +37,9 @@ struct SceneName {
     SceneName(const char* name) : text(name) {}             // NOLINT(google-explicit-constructor)
     SceneName(std::string name) : text(std::move(name)) {}  // NOLINT(google-explicit-constructor)
     SceneName(std::string name, SourceLocation at) : text(std::move(name)), where(std::move(at)) {}
+    [[nodiscard]] const SourceLocation& place(const SourceLocation& call) const {
+        return where.file.empty() ? call : where;
+    }
     std::string text;
     SourceLocation where;
 };
@@ -54,7 +58,7 @@ struct MaterialHandle {
     int reference = 0;  ///< by default the first material: diffuse, reflectance 0.5
 };
 struct MediumHandle {
-    int index = -1;  ///< vacuum
+    int reference = -1;  ///< vacuum
 };
 struct AreaLightHandle {
     int index = -1;  ///< dark
@@ -68,7 +72,8 @@ enum class TextureValue : std::uint8_t { real, spectrum };
 /// Where a shape stands, and what it is made of.
 struct ShapePlacement {
     Transform to_world{};  ///< in an object: to the object's space
-    /// Where it ends, if it moves: it becomes an object of its own, and an instance of that. Not in an object.
+    /// Where it ends, if it moves: it becomes an object of its own, and an instance of that. In an object, all
+    /// instances of that place it too, by transforms in which theirs and its own are one.
     std::optional<Transform> moved_to{};
     MaterialHandle material{};
     AreaLightHandle area_light{};  ///< not in an object: instances do not emit (pbrt's rule)
@@ -142,10 +147,9 @@ class SceneBuilder {
     Result<MediumHandle> add_medium(const SceneName& name, const std::string& type, SceneParameters parameters,
                                     const Transform& to_world = {},
                                     const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
-    /// A medium that has been added.
-    [[nodiscard]] Result<MediumHandle> medium_named(const SceneName& name,
-                                                    const SourceLocation& where = {__builtin_FILE(),
-                                                                                   __builtin_LINE()}) const;
+    /// A medium that is defined somewhere, perhaps later.
+    MediumHandle medium_named(const SceneName& name,
+                              const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
     /// `to_world` is what mappings other than uv stand in. Textures may use those before them; materials use any.
     Status add_texture(const SceneName& name, TextureValue value, const std::string& type, SceneParameters parameters,
                        const Transform& to_world = {},
@@ -176,11 +180,17 @@ class SceneBuilder {
 
     /// All images are read as they are, whatever their textures' "filter" says.
     void disable_texture_filtering() { unfiltered_ = true; }
+    /// Of all displaced meshes, whatever their own "edgelength" is.
+    Status scale_displacement_edges(double factor, const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
 
     /// What the scene's reader should hear of: SceneDescription::warnings.
     void warn(Error warning) { scene_.warnings.push_back(std::move(warning)); }
 
-    /// Resolves names and hands over the scene; the builder is spent. Errors: a name that nothing has.
+    /// How many threads read meshes; 0: all. `progress`, if any, is told how many there are and how many are read.
+    void set_loading(int threads, LoadingProgress* progress) { threads_ = threads, progress_ = progress; }
+
+    /// Reads mesh files, resolves names and hands over the scene; the builder is spent. Errors: a mesh that cannot be
+    /// read, a name that nothing has and a shape, the camera or another entity uses.
     Result<SceneDescription> finish();
 
   private:
@@ -204,24 +214,56 @@ class SceneBuilder {
     void count_placeholder(const std::string& file, const SourceLocation& where);
     /// A box of magenta from -0.5 to 0.5 where a mesh's file is missing.
     Status place_missing_mesh(const std::string& file, const ShapePlacement& placement, const SourceLocation& where);
+    // scene_builder_shapes.cpp
+    /// Where shapes go: the scene's own, or an object's.
+    Result<std::vector<SceneShape>*> shapes_of(const ShapePlacement& placement, const SourceLocation& where);
     Status place(std::vector<SceneShape> shapes, const ShapePlacement& placement, const SourceLocation& where);
+    void append(std::vector<SceneShape>& target, std::vector<SceneShape> shapes, const ShapePlacement& placement);
     Result<ShapePlacement> as_moving_object(const ShapePlacement& placement, const SourceLocation& where);
+    Status add_flattened(const std::string& type, const ParameterSet& set, const ShapePlacement& placement,
+                         const SourceLocation& where);
+    Status place_moving_parts();
+    // scene_builder_meshes.cpp
+    Status read_meshes();
     // scene_builder_names.cpp
     Status resolve_materials();
+    Status resolve_media();
     Status resolve_objects();
     Status check_textures() const;
     Status check_shape(const SceneShape& shape) const;
     [[nodiscard]] bool has_texture(const std::string& name, bool spectrum, bool any_kind, std::size_t before) const;
     Error no_such_texture(const std::string& name, const SourceLocation& where, const char* kind) const;
 
+    /// A mesh file that read_meshes() reads, with the place that its shapes and warnings have in the order of calls.
+    struct NamedMesh {
+        ParameterSet parameters;
+        Transform to_world;
+        ShapePlacement placement;
+        SearchPath search;
+        std::size_t shapes_before, warnings_before;
+    };
+    /// A shape that moves in the object whose reference is `object`: an object of its own.
+    struct MovingPart {
+        int object;
+        ObjectHandle part;
+        Transform first, last;
+        SourceLocation location;
+    };
+
     SceneDescription scene_;
     SearchPath search_;
     MissingFiles missing_ = MissingFiles::refused;
     ParameterChecker parameters_;
-    std::vector<Reference> material_references_, object_references_;
+    std::vector<Reference> material_references_, media_references_, object_references_;
+    std::vector<NamedMesh> meshes_;
+    std::vector<MovingPart> moving_parts_;
     std::size_t moving_shapes_ = 0;
     bool unfiltered_ = false;
-    std::map<std::string, int> named_materials_, named_media_, named_objects_, object_reference_of_;
+    double edge_scale_ = 1;
+    int threads_ = 0;
+    LoadingProgress* progress_ = nullptr;
+    std::map<std::string, int> named_materials_, named_media_, named_objects_, object_reference_of_,
+        medium_reference_of_;
     std::map<std::string, std::size_t> named_textures_[2];  // float, spectrum
 };
 

@@ -5,7 +5,9 @@ namespace raylex::transport {
 
 void SceneBuilder::count_placeholder(const std::string& file, const SourceLocation& where) {
     scene_.placeholders.push_back(file);
-    scene_.warnings.push_back(error_at(where, "cannot find file '" + file + "'; something magenta takes its place"));
+    const Result<std::string> found = search_.find(file, where);
+    warn(error_at(where, "cannot find file '" + file + "'; something magenta takes its place",
+                  found ? std::string() : found.error().hint));
 }
 
 Status SceneBuilder::resolve_entity(SceneEntity& entity, bool float_texture) {

@@ -13,11 +13,24 @@ std::string did_you_mean(const std::string& name, const std::vector<std::string>
     return known.empty() ? "none is defined" : "";
 }
 
+/// Up to the first failure.
+template <typename Function>
+Status for_each_shape(SceneDescription& scene, const Function& function) {
+    for (SceneShape& shape : scene.shapes)
+        if (Status status = function(shape); !status) return status;
+    for (SceneObject& object : scene.objects)
+        for (SceneShape& shape : object.shapes)
+            if (Status status = function(shape); !status) return status;
+    return success();
+}
+
 }  // namespace
 
 Result<SceneDescription> SceneBuilder::finish() {
-    if (Status status = resolve_materials(); !status) return status.error();
-    if (Status status = resolve_objects(); !status) return status.error();
+    for (Status (SceneBuilder::*step)() :
+         {&SceneBuilder::read_meshes, &SceneBuilder::place_moving_parts, &SceneBuilder::resolve_materials,
+          &SceneBuilder::resolve_media, &SceneBuilder::resolve_objects})
+        if (Status status = (this->*step)(); !status) return status.error();
     if (Status status = check_textures(); !status) return status.error();
     const auto sensor = read_sensor(scene_.film, scene_.camera, scene_.color.scene_space, scene_.warnings);
     if (!sensor) return sensor.error();
@@ -32,12 +45,6 @@ Status SceneBuilder::resolve_materials() {
     const auto missing = [&](const std::string& name, const SourceLocation& where) {
         return error_at(where, "no material is called '" + name + "'", did_you_mean(name, known));
     };
-    for (Reference& reference : material_references_) {
-        if (reference.index >= 0) continue;
-        const auto found = named_materials_.find(reference.name);
-        if (found == named_materials_.end()) return missing(reference.name, reference.location);
-        reference.index = found->second;
-    }
     for (const SceneEntity& material : scene_.materials) {
         if (material.type != "mix") continue;
         for (const Parameter& parameter : material.parameters.parameters) {
@@ -47,14 +54,39 @@ Status SceneBuilder::resolve_materials() {
                     return missing(name, parameter.location);
         }
     }
-    const auto settle = [this](SceneShape& shape) {
-        shape.material = material_references_[static_cast<std::size_t>(shape.material)].index;
+    // What no shape uses need not exist, as in pbrt.
+    return for_each_shape(scene_, [&](SceneShape& shape) -> Status {
+        Reference& reference = material_references_[static_cast<std::size_t>(shape.material)];
+        if (reference.index < 0) {
+            const auto found = named_materials_.find(reference.name);
+            if (found == named_materials_.end()) return missing(reference.name, reference.location);
+            reference.index = found->second;
+        }
+        shape.material = reference.index;
         if (shape.label.empty()) shape.label = scene_.materials[static_cast<std::size_t>(shape.material)].name;
+        return success();
+    });
+}
+
+Status SceneBuilder::resolve_media() {
+    const auto settle = [this](int& medium) -> Status {
+        if (medium < 0) return success();
+        const Reference& reference = media_references_[static_cast<std::size_t>(medium)];
+        const auto found = named_media_.find(reference.name);
+        if (found == named_media_.end()) {
+            std::vector<std::string> known;
+            for (const auto& [name, index] : named_media_) known.push_back(name);
+            return error_at(reference.location, "no medium is called '" + reference.name + "'",
+                            did_you_mean(reference.name, known));
+        }
+        medium = found->second;
+        return success();
     };
-    for (SceneShape& shape : scene_.shapes) settle(shape);
-    for (SceneObject& object : scene_.objects)
-        for (SceneShape& shape : object.shapes) settle(shape);
-    return success();
+    if (Status status = settle(scene_.camera_medium); !status) return status;
+    return for_each_shape(scene_, [&](SceneShape& shape) {
+        const Status status = settle(shape.inside_medium);
+        return status ? settle(shape.outside_medium) : status;
+    });
 }
 
 Status SceneBuilder::resolve_objects() {

@@ -5,9 +5,8 @@
 #include <utility>
 
 namespace raylex::transport {
-namespace {
 
-const char* kind_name(ShapeKind kind) {
+const char* shape_type_name(ShapeKind kind) {
     switch (kind) {
         case ShapeKind::triangle_mesh:
             return "trianglemesh";
@@ -24,6 +23,8 @@ const char* kind_name(ShapeKind kind) {
     }
     return "";
 }
+
+namespace {
 
 std::vector<std::string> material_names(const SceneDescription& scene) {
     std::map<std::string, int> count;
@@ -60,7 +61,7 @@ SurfaceNames::SurfaceNames(const SceneDescription& scene) {
         for (const SceneShape& shape : shapes) {
             const auto index = static_cast<std::size_t>(std::max(shape.material, 0));
             const std::string own = index < scene.materials.size() ? scene.materials[index].name : std::string();
-            std::string name = prefix + kind_name(shape.kind) + ":" + std::to_string(count[shape.kind]++);
+            std::string name = prefix + shape_type_name(shape.kind) + ":" + std::to_string(count[shape.kind]++);
             if (!shape.label.empty() && shape.label != own) name = shape.label;
             else if (!shape.source_file.empty()) name = shape.source_file;
             named.push_back({std::move(name), index < materials.size() ? materials[index] : "diffuse:0"});

@@ -17,6 +17,9 @@
 
 namespace raylex::transport {
 
+/// As pbrt's files call it: "trianglemesh", whatever it came from.
+[[nodiscard]] const char* shape_type_name(ShapeKind kind);
+
 class SurfaceNames {
   public:
     SurfaceNames() = default;

@@ -22,6 +22,7 @@ void add_lpe_relations(py::module_& module);
 void add_scene(py::module_& module);
 void add_scene_builder(py::module_& module);
 void add_image(py::module_& module);
+void add_atlas(py::module_& module);
 void add_judging(py::module_& module);
 void add_render(py::module_& module);
 void add_study(py::module_& module);

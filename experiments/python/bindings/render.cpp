@@ -113,13 +113,15 @@ class JobRender {
                          : take(experiments::load_job_scene(job_));
         warnings_ = loaded_->warnings;
         experiments::ask_for_film_layers(loaded_->scene.film, job_);
-        experiments::ChannelPlan plan =
-            take(experiments::plan_channels(job_, take(experiments::scene_words(job_, loaded_->scene))));
+        if (const auto ignored = experiments::ask_for_film_clamp(loaded_->scene, job_)) warnings_.push_back(*ignored);
+        const experiments::SceneWords words = take(experiments::scene_words(job_, loaded_->scene));
+        experiments::ChannelPlan plan = take(experiments::plan_channels(job_, words));
         if (!plan.refuted.empty()) fail(plan.refuted, "nothing was rendered");
         if (!job_.settings.beauty && plan.channels.empty())
             fail("beauty=False leaves nothing to render; expected at least one of lpe= or aovs= with it");
         warnings_.insert(warnings_.end(), plan.notes.begin(), plan.notes.end());
         job_.settings.channels = std::move(plan.channels);
+        take(outputs_.atlas().prepare(job_, words));
         partitions_ = std::move(plan.partitions);
         take(experiments::check_exr_requests(job_.outputs));
         take(outputs_.make(job_, loaded_->color));

@@ -8,7 +8,7 @@
 True
 
 All light is scene-linear in the rendering space of the scene; rows of images run from the top; lengths are world units.
-``raylex.lpe`` is the algebra of expressions, ``raylex.experiment`` runs studies, ``raylex.plugins`` says how
+``raylex.lpe`` is the algebra of expressions, ``raylex.Atlas`` answers them after the render, ``raylex.experiment`` runs studies, ``raylex.plugins`` says how
 integrators, textures and sample filters are written in Python.
 """
 
@@ -24,13 +24,13 @@ try:
 finally:
     _sys.setdlopenflags(_flags)
 
-from . import experiment, lpe, notebook, plugins  # noqa: E402
-from ._raylex import Image, Progress, Scene, SceneBuilder, Verdict, load_plugin  # noqa: E402
+from . import atlases, experiment, lpe, notebook, plugins  # noqa: E402
+from ._raylex import Atlas, Image, Progress, Scene, SceneBuilder, Verdict, load_plugin  # noqa: E402
 from .images import Layer, compare, error_image, metrics, picture, read  # noqa: E402
 from .plugins import integrator, sample_filter, texture  # noqa: E402
 from .rendering import render  # noqa: E402
 
 __version__ = _raylex.version
-__all__ = ["Image", "Layer", "Progress", "RaylexError", "Scene", "SceneBuilder", "Verdict", "compare", "error_image",
+__all__ = ["Atlas", "Image", "Layer", "Progress", "RaylexError", "Scene", "SceneBuilder", "Verdict", "atlases", "compare", "error_image",
            "experiment", "integrator", "load_plugin", "lpe", "metrics", "picture", "plugins", "read", "render",
            "sample_filter", "texture"]

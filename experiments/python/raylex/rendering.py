@@ -35,7 +35,7 @@ def _seconds(time):
 def job_text(scene, *, spp=None, seed=None, threads=None, resolution=None, crop=None, max_depth=None, integrator=None,
              sampler=None, filter=None, lpe=None, dialect="renderman", aovs=(), light_groups=False, shipped=False,
              partitions=None, beauty=None, statistics=None, sample_filters=(), cryptomatte=(), time=None,
-             until_error=None, plugins=(), output=None, job=None):
+             until_error=None, plugins=(), output=None, atlas=None, job=None):
     """The job, as TOML, that :func:`render` reads; the same arguments. ``raylex render`` takes this text in a file."""
     file = scene.file if isinstance(scene, _raylex.Scene) else os.fspath(scene)
     tables = {
@@ -49,7 +49,8 @@ def job_text(scene, *, spp=None, seed=None, threads=None, resolution=None, crop=
         "channels": {"aovs": list(aovs) or None, "cryptomatte": list(cryptomatte) or None,
                      "light_groups": light_groups or None, "shipped_partition": shipped or None,
                      "statistics": {k: list(v) for k, v in statistics.items()} if statistics else None},
-        "output": {"file": output},
+        "output": {"file": None if output is None else os.fspath(output)},
+        "atlas": atlas if atlas is None or isinstance(atlas, dict) else {"file": os.fspath(atlas)},
         "adaptive": None if until_error is None else {"error": until_error},
         "channel": _channels(lpe, dialect),
         "partition": _partitions(partitions),
@@ -87,6 +88,8 @@ def render(scene, *, progress=None, **arguments):
     :param until_error: 0.01: each pixel until its standard error is 1 % of its value
     :param plugins: files of C++ plugins
     :param output: an OpenEXR file to write as well
+    :param atlas: a file for the path atlas (:class:`raylex.Atlas`), or {"file": ..., "by": "label,lobe,group", "length": 12,
+        "budget": "2GiB"}
     :param job: further tables of a job, {"exr": {"light": "half zip"}, ...}; experiments/README.md lists every key
     :param progress: called a few times a second with a :class:`Progress`; returning False ends the render
     :raises RaylexError: input that cannot be used, with file and line; ``render()`` is the text of :func:`job_text`

@@ -6,7 +6,7 @@
 #include <functional>
 #include <future>
 
-#include "display/checkpoint/record_file.h"
+#include "display/checkpoint/banded_record.h"
 #include "display/output/exr_reader.h"
 #include "display/output/exr_writer.h"
 #include "display/output/split_check.h"
@@ -101,12 +101,7 @@ Result<std::vector<PartitionVerdict>> write_buffer_files(const std::string& dire
         for (int x = 0; x < width; ++x) samples.push_back(buffer.sample_count(x, y));
     std::vector<display::SplitVerdict> splits;
     std::vector<std::function<Status()>> files;  // the largest first
-    files.emplace_back([&] {
-        display::RecordFile record;
-        record.identity = std::move(identity);
-        buffer.append_record(record.add("frame buffer"));
-        return display::write_record_file(directory + "/record.bin", record, display::FileSync::later);
-    });
+    files.emplace_back([&] { return write_sums(directory + "/record.bin", identity, buffer); });
     files.emplace_back([&] { return display::write_exr(image, buffer, beauty, description, &splits); });
     const auto channels = buffer.channels();
     for (std::size_t i = 0; i < channels.size(); ++i) {
@@ -172,19 +167,24 @@ Status write_image_files(const std::string& directory, const std::string& path, 
 
 Result<display::FrameBuffer> read_record(const std::string& directory) {
     const std::string path = directory + "/record.bin";
-    auto record = display::read_record_file(path);
+    auto file = display::RecordFileReader::open(path);
+    if (!file) return file.error();
+    const auto record = display::BandedRecord::open(*std::move(file));
     if (!record) return record.error();
-    return frame_buffer_of(*record, path);
+    return display::sum_of_records({&*record, 1});
 }
 
-Result<display::FrameBuffer> frame_buffer_of(const display::RecordFile& record, const std::string& path) {
-    const display::RecordSection* section = record.find("frame buffer");
-    if (section == nullptr) return error_at({path, 0, 0}, "the record holds no frame buffer");
-    auto buffer = display::FrameBuffer::from_record(section->content);
-    if (buffer) return buffer;
-    Error error = buffer.error();
-    error.file = path;
-    return error;
+Status write_sums(const std::string& path, const display::RecordIdentity& identity, const display::FrameBuffer& buffer,
+                  const std::string& image) {
+    const std::size_t bands =
+        display::record_bands(buffer.layout(), buffer.channels(), buffer.takes_raster_splats()).size();
+    auto writer =
+        display::RecordFileWriter::create(path, identity, bands + (image.empty() ? 0 : 1), display::FileSync::later);
+    if (!writer) return writer.error();
+    if (Status added = display::add_bands(*writer, buffer); !added) return added;
+    if (!image.empty())
+        if (Status added = writer->add("image", image); !added) return added;
+    return writer->commit();
 }
 
 }  // namespace raylex::experiments

@@ -32,8 +32,9 @@ Status write_image_files(const std::string& directory, const std::string& image,
 
 /// The frame buffer of record.bin.
 Result<display::FrameBuffer> read_record(const std::string& directory);
-/// That of a record which was read from `path`.
-Result<display::FrameBuffer> frame_buffer_of(const display::RecordFile& record, const std::string& path);
+/// A record of a frame buffer in bands, not synced yet; with a section `image` where its text is not empty.
+Status write_sums(const std::string& path, const display::RecordIdentity& identity, const display::FrameBuffer& buffer,
+                  const std::string& image = {});
 
 /// The channels of light of a render, the beauty first.
 std::vector<ChannelInfo> channel_infos(const ChannelPlan& plan);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "display/checkpoint/record_file.h"
+#include "display/checkpoint/banded_record.h"
 #include "display/services/parameters.h"
 #include "experiments/job/json.h"
 #include "experiments/shards/recorded_image.h"
@@ -89,14 +89,11 @@ WorkList split_cells(const ExperimentConfig& config, const Plan& plan, const Rea
 
 Status write_part_record(const std::string& directory, const Rendered& rendered, const JobScene& scene,
                          const std::map<std::string, std::string>& attributes) {
-    display::RecordFile record;
-    record.identity = record_identity(rendered);
-    rendered.output.frame_buffer.append_record(record.add("frame buffer"));
     RecordedImage image;
     image.description = image_description(rendered.job, scene, rendered.output, rendered.partitions, attributes);
     image.beauty = rendered.output.beauty;
-    record.add("image") = json_text(image_json(image));
-    return display::write_record_file(directory + "/record.bin", record, display::FileSync::later);
+    return write_sums(directory + "/record.bin", record_identity(rendered), rendered.output.frame_buffer,
+                      json_text(image_json(image)));
 }
 
 Status check_parts(const Cell& cell, std::vector<const Cell*>& parts) {
@@ -172,34 +169,30 @@ Cell merged_cell(const Cell& planned, const std::vector<const Cell*>& parts) {
 
 Result<std::vector<PartitionVerdict>> write_merged_files(const std::string& directory, const Cell& cell,
                                                          const std::vector<const Cell*>& parts) {
-    std::optional<display::FrameBuffer> sum;
-    display::RecordIdentity identity;
+    std::vector<display::BandedRecord> records;
     RecordedImage whole_image;
     std::uint64_t camera_samples = 0;
     for (const Cell* part : parts) {
         const std::string path = part->directory + "/record.bin";
-        auto record = display::read_record_file(path);
-        if (!record) return record.error();
-        auto buffer = frame_buffer_of(*record, path);
-        if (!buffer) return buffer.error();
-        const display::RecordSection* image = record->find("image");
-        if (image == nullptr) return error_at({path, 0, 0}, "this record is not of a part of a cell");
+        auto file = display::RecordFileReader::open(path);
+        if (!file) return file.error();
+        if (!file->has("image")) return error_at({path, 0, 0}, "this record is not of a part of a cell");
+        const auto image = file->read("image");
+        if (!image) return image.error();
         try {
-            const Json json = parse_json(image->content);
-            if (!sum) whole_image = image_of(json);
+            const Json json = parse_json(*image);
+            if (records.empty()) whole_image = image_of(json);
             camera_samples += std::stoull(json.at("attributes").at("raylex/camera_samples").get<std::string>());
         } catch (const std::exception& error) {
             return error_at({path, 0, 0}, std::string("the record's image is damaged: ") + error.what());
         }
-        if (!sum) {
-            sum = std::move(*buffer);
-            identity = std::move(record->identity);
-        } else if (Status s = sum->merge(*buffer); !s) {
-            Error error = s.error();
-            error.file = path;
-            return error;
-        }
+        auto record = display::BandedRecord::open(*std::move(file));
+        if (!record) return record.error();
+        records.push_back(*std::move(record));
     }
+    const auto sum = display::sum_of_records(records);
+    if (!sum) return sum.error();
+    display::RecordIdentity identity = records.front().file().identity();
     const std::string samples = std::to_string(cell.samples_per_pixel);
     for (auto& [name, value] : identity)
         if (name == "samples per pixel") value = samples;

@@ -94,7 +94,7 @@ Result<const ChannelPlan*> SceneStore::channels(std::size_t scene_index, std::si
     auto job = job_of(scene_index, variant);
     if (!job) return job.error();
     const transport::Stopwatch planning;
-    auto words = scene_words(*job, (*made)->loaded->scene);
+    auto words = scene_words(*job, (*made)->loaded->scene, (*made)->built.get());
     if (!words) return words.error();
     auto plan = plan_channels(*job, *words);
     if (!plan) return plan.error();

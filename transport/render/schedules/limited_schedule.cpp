@@ -18,7 +18,7 @@ constexpr double time_grace_seconds = 0.4;
 
 LimitedSchedule::LimitedSchedule(const ResolvedJob& job, const display::FrameBuffer& frame_buffer)
     : grid_(job.grid),
-      tiles_(job.grid.count()),
+      tiles_(job.grid.region_count()),
       first_sample_(job.budget.first_sample),
       most_(job.budget.samples_per_pixel),
       limit_(*job.budget.limit),
@@ -39,7 +39,7 @@ std::uint64_t LimitedSchedule::begin_phase(RenderPosition& /*position*/) {
 }
 
 void LimitedSchedule::render(std::uint64_t task, RenderWorker& worker) const {
-    render_block(task, tiles_, end_, worker);
+    render_block(task, grid_, end_, worker);
 }
 
 void LimitedSchedule::end_phase(RenderState& state) {

@@ -6,9 +6,10 @@
 
 namespace raylex::transport {
 
-void render_block(std::uint64_t task, std::uint64_t tiles, std::uint64_t end, RenderWorker& worker) {
-    const std::uint64_t first = task / tiles * TileGrid::block_size;
-    worker.add_tile(task % tiles, first, static_cast<int>(std::min<std::uint64_t>(TileGrid::block_size, end - first)));
+void render_block(std::uint64_t task, const TileGrid& grid, std::uint64_t end, RenderWorker& worker) {
+    const std::uint64_t tiles = grid.region_count(), first = task / tiles * TileGrid::block_size;
+    worker.add_tile(grid.region_tile(task % tiles), first,
+                    static_cast<int>(std::min<std::uint64_t>(TileGrid::block_size, end - first)));
 }
 
 RenderPosition PlainSchedule::beginning() const {
@@ -22,7 +23,7 @@ std::uint64_t PlainSchedule::begin_phase(RenderPosition& /*position*/) {
 }
 
 void PlainSchedule::render(std::uint64_t task, RenderWorker& worker) const {
-    render_block(task, tiles_, budget_.samples_per_pixel, worker);
+    render_block(task, grid_, budget_.samples_per_pixel, worker);
 }
 
 display::Forecast PlainSchedule::expected_samples(std::uint64_t /*done*/, const RenderState& /*state*/) const {

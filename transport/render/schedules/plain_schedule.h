@@ -8,7 +8,8 @@ namespace raylex::transport {
 /// A shard is one that does not begin with sample 0.
 class PlainSchedule : public Schedule {
   public:
-    explicit PlainSchedule(const ResolvedJob& job) : grid_(job.grid), tiles_(job.grid.count()), budget_(job.budget) {}
+    explicit PlainSchedule(const ResolvedJob& job)
+        : grid_(job.grid), tiles_(job.grid.region_count()), budget_(job.budget) {}
 
     [[nodiscard]] RenderPosition beginning() const override;
     [[nodiscard]] bool finished(const RenderPosition& position) const override { return position.phase > 0; }
@@ -23,8 +24,8 @@ class PlainSchedule : public Schedule {
     const Budget& budget_;
 };
 
-/// Has the worker add the block of samples of a tile that `task` is, when tasks are numbered block by block; none at or
-/// past sample `end`.
-void render_block(std::uint64_t task, std::uint64_t tiles, std::uint64_t end, RenderWorker& worker);
+/// Has the worker add the block of samples of a tile that `task` is, when tasks are numbered block by block over the
+/// tiles of the region; none at or past sample `end`.
+void render_block(std::uint64_t task, const TileGrid& grid, std::uint64_t end, RenderWorker& worker);
 
 }  // namespace raylex::transport

@@ -1,0 +1,53 @@
+#include "experiments/atlas/answer.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "experiments/atlas/scene_record.h"
+
+namespace raylex::experiments {
+namespace {
+
+/// A layer that became an interval is in no sum.
+void keep_exact_partitions(AtlasAnswer& answer) {
+    const std::vector<std::string>& undecided = answer.layers.undecided();
+    std::erase_if(answer.description.partitions, [&](const display::PartitionDeclaration& partition) {
+        const bool broken =
+            std::any_of(partition.layers.begin(), partition.layers.end(), [&](const std::string& layer) {
+                return std::find(undecided.begin(), undecided.end(), layer) != undecided.end();
+            });
+        if (broken)
+            answer.notes.push_back("partition '" + partition.name +
+                                   "' is left out of the file: the atlas answers a layer of it by an interval");
+        return broken;
+    });
+}
+
+}  // namespace
+
+Result<AtlasAnswer> answer_question(display::AtlasFile& atlas, const Job& job, const AskSettings& settings) {
+    const auto& attributes = atlas.description().attributes;
+    const auto record = attributes.find("atlas/scene");
+    auto scene = read_scene_record(record == attributes.end() ? "" : record->second, atlas.path());
+    if (!scene) return scene.error();
+    auto plan = plan_channels(job, *scene);
+    if (!plan) return plan.error();
+    AtlasAnswer answer;
+    answer.notes = plan->notes;
+    answer.refuted = plan->refuted;
+    if (!answer.refuted.empty()) return answer;
+    auto layers = AskedLayers::make(atlas, *plan, settings);
+    if (!layers) return layers.error();
+    answer.layers = *std::move(layers);
+    answer.description = atlas.description();
+    answer.description.attributes["raylex/atlas"] = atlas.path();
+    answer.description.partitions = plan->partitions;
+    keep_exact_partitions(answer);
+    if (Status fits =
+            display::check_exr_layout(answer.layers.channels(), AskedLayers::beauty, answer.description.partitions);
+        !fits)
+        return fits.error();
+    return answer;
+}
+
+}  // namespace raylex::experiments

@@ -1,0 +1,241 @@
+// raylex.Atlas: the light of every word of a render, asked from Python as `raylex ask` asks it.
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <array>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "display/output/memory_image.h"
+#include "experiments/atlas/answer.h"
+#include "experiments/atlas/bright_words.h"
+#include "experiments/atlas/merged_atlas.h"
+#include "experiments/cli/judge.h"
+#include "experiments/python/bindings/arrays.h"
+#include "experiments/python/bindings/image.h"
+
+namespace raylex::python {
+
+using namespace pybind11::literals;
+
+namespace {
+
+/// (name, expression, dialect).
+using Question = std::tuple<std::string, std::string, std::string>;
+
+/// Numbers of all pixels and words, as NumPy has them.
+struct Entries {
+    std::vector<std::int64_t> begin;  ///< [pixel + 1]
+    std::vector<std::int32_t> word;
+    std::vector<float> rgb, parts, samples;
+};
+
+class Atlas {
+  public:
+    explicit Atlas(const std::filesystem::path& path)
+        : file_(unlocked([&] { return take(display::AtlasFile::open(path.string())); })) {}
+
+    [[nodiscard]] const display::AtlasFile& file() const { return *file_; }
+    [[nodiscard]] const display::WordTable& table() const { return file_->table(); }
+
+    /// Rows of a file are read one after the other, by one thread at a time.
+    template <class Work>
+    auto read(Work&& work) {
+        return unlocked([&] {
+            const std::lock_guard lock(reading_);
+            file_->read_parts(true);
+            return work(*file_);
+        });
+    }
+
+  private:
+    std::unique_ptr<display::AtlasFile> file_;
+    std::mutex reading_;
+};
+
+std::vector<std::string> word_texts(const Atlas& atlas) {
+    std::vector<std::string> texts;
+    for (std::uint32_t word = 0; word < atlas.table().words.size(); ++word)
+        texts.push_back(experiments::word_text(atlas.table(), word));
+    return texts;
+}
+
+experiments::Job job_of(const std::vector<Question>& channels, bool shipped, bool light_groups) {
+    experiments::Job job;
+    for (const auto& [name, expression, dialect] : channels) {
+        experiments::ExpressionRequest& request = job.expressions.emplace_back();
+        request.name = name;
+        request.expression = expression;
+        request.location = {"lpe '" + name + "'", 0, 0};
+        request.dialect = take(experiments::parse_dialect(dialect, request.location));
+    }
+    job.shipped_partition = shipped;
+    job.light_groups = light_groups;
+    return job;
+}
+
+std::shared_ptr<Image> ask(Atlas& atlas, const std::vector<Question>& channels, bool shipped, bool light_groups,
+                           bool intervals, bool errors) {
+    const experiments::Job job = job_of(channels, shipped, light_groups);
+    if (channels.empty() && !shipped && !light_groups)
+        fail("nothing is asked for; expected lpe={name: expression}, shipped=True or light_groups=True");
+    return atlas.read([&](display::AtlasFile& file) {
+        const auto answer = std::make_shared<const experiments::AtlasAnswer>(
+            take(experiments::answer_question(file, job, {intervals, errors})));
+        if (!answer->refuted.empty()) fail(answer->refuted);
+        auto image = std::make_shared<Image>(
+            display::image_in_memory(answer->layers, experiments::AskedLayers::beauty, answer->description));
+        image->warnings = answer->notes;
+        image->complete = answer->description.complete;
+        image->write = [answer](const std::string& path) {
+            return display::write_exr(path, answer->layers, experiments::AskedLayers::beauty, answer->description);
+        };
+        return image;
+    });
+}
+
+experiments::BrightPixel words_at(Atlas& atlas, int x, int y, int top) {
+    if (top < 1) fail("top is " + std::to_string(top) + "; expected 1 or more");
+    return atlas.read([&](display::AtlasFile& file) {
+        return take(experiments::bright_words(file, x, y, static_cast<std::size_t>(top)));
+    });
+}
+
+std::vector<experiments::SuggestedLayer> suggest(Atlas& atlas, int count) {
+    if (count < 1) fail("count is " + std::to_string(count) + "; expected 1 or more");
+    return atlas.read([&](display::AtlasFile& file) {
+        return take(experiments::suggest_partition(file, static_cast<std::size_t>(count)));
+    });
+}
+
+Entries entries_of(Atlas& atlas) {
+    return atlas.read([](display::AtlasFile& file) {
+        Entries all;
+        all.begin.push_back(0);
+        display::AtlasRow row;
+        for (int y = 0; y < file.height(); ++y) {
+            take(file.row(y, row));
+            const auto before = static_cast<std::int64_t>(all.word.size());
+            for (std::size_t x = 1; x < row.begin.size(); ++x) all.begin.push_back(before + row.begin[x]);
+            for (const auto& counts : row.counts) all.samples.insert(all.samples.end(), counts.begin(), counts.end());
+            for (const display::WordSample& sample : row.samples) {
+                all.word.push_back(static_cast<std::int32_t>(sample.word));
+                all.rgb.insert(all.rgb.end(), sample.rgb.begin(), sample.rgb.end());
+                all.parts.insert(all.parts.end(), sample.parts.begin(), sample.parts.end());
+            }
+        }
+        return all;
+    });
+}
+
+py::dict entries(Atlas& atlas) {
+    Entries all = entries_of(atlas);
+    constexpr auto parts = static_cast<py::ssize_t>(display::PathAtlas::parts);
+    const auto count = static_cast<py::ssize_t>(all.word.size());
+    py::dict arrays;
+    arrays["begin"] =
+        owning_array(std::move(all.begin), {py::ssize_t{atlas.file().width()} * atlas.file().height() + 1});
+    arrays["word"] = owning_array(std::move(all.word), {count});
+    arrays["rgb"] = owning_array(std::move(all.rgb), {count, 3});
+    arrays["parts"] = owning_array(std::move(all.parts), {count, parts});
+    arrays["samples"] = owning_array(std::move(all.samples), {atlas.file().height(), atlas.file().width(), parts});
+    return arrays;
+}
+
+void merge(const std::vector<std::string>& paths, const std::string& output) {
+    if (paths.size() < 2) fail("one atlas cannot be merged; expected at least two");
+    for (const std::string& path : paths) {
+        std::error_code failed;
+        if (std::filesystem::equivalent(path, output, failed))
+            fail("'" + path + "' is merged and would be replaced; expected a file of its own");
+    }
+    unlocked([&] {
+        const auto merged = take(experiments::MergedAtlas::open(paths));
+        take(display::write_atlas(output, *merged, merged->description()));
+    });
+}
+
+void add_answers(py::module_& module) {
+    using experiments::BrightPixel;
+    using experiments::BrightWord;
+    using experiments::SuggestedLayer;
+    py::class_<BrightPixel>(module, "PixelWords", "The words that make a pixel bright, the brightest first.")
+        .def_property_readonly(
+            "rgba", [](const BrightPixel& p) { return py::make_tuple(p.rgba[0], p.rgba[1], p.rgba[2], p.rgba[3]); },
+            "of the render: scene-linear red, green, blue, and alpha")
+        .def_readonly("luminance", &BrightPixel::luminance, "(R + G + B) / 3")
+        .def_readonly("error", &BrightPixel::error, "its standard error; inf when there is no telling")
+        .def_readonly("samples", &BrightPixel::samples, "camera samples of the pixel")
+        .def_readonly("more", &BrightPixel::more, "words beside these")
+        .def_readonly("words", &BrightPixel::words, "list of AtlasWord");
+    py::class_<BrightWord>(module, "AtlasWord", "The light of one word in one pixel.")
+        .def_readonly("number", &BrightWord::word, "in Atlas.words")
+        .def_property_readonly(
+            "rgb", [](const BrightWord& w) { return py::make_tuple(w.rgb[0], w.rgb[1], w.rgb[2]); }, "scene-linear")
+        .def_readonly("luminance", &BrightWord::luminance, "(R + G + B) / 3")
+        .def_readonly("error", &BrightWord::error, "its standard error; inf when there is no telling");
+    py::class_<SuggestedLayer>(module, "SuggestedLayer", "A layer that isolates a kind of noise.")
+        .def_readonly("name", &SuggestedLayer::name)
+        .def_readonly("expression", &SuggestedLayer::expression, "renderman; '' of the rest")
+        .def_readonly("light", &SuggestedLayer::light, "share of the image's luminance, 0 to 1")
+        .def_readonly("noise", &SuggestedLayer::noise, "share of the image's variance, 0 to 1")
+        .def("__repr__", [](const SuggestedLayer& layer) {
+            return "SuggestedLayer(" + layer.name + ": " + (layer.expression.empty() ? "rest" : layer.expression) +
+                   ", noise " + std::to_string(layer.noise) + ", light " + std::to_string(layer.light) + ")";
+        });
+    py::class_<display::AtlasVerdict>(module, "AtlasVerdict", "Whether all words sum to the beauty, pixel by pixel.")
+        .def_readonly("holds", &display::AtlasVerdict::holds)
+        .def_readonly("largest_relative", &display::AtlasVerdict::largest,
+                      "largest |sum - beauty| / (sum of |words| + |beauty|) of a pixel; at most 2^-23 where it holds")
+        .def_readonly("exceeding", &display::AtlasVerdict::exceeding, "pixels beyond that")
+        .def_readonly("entries", &display::AtlasVerdict::samples, "words of all pixels together")
+        .def("__bool__", [](const display::AtlasVerdict& verdict) { return verdict.holds; });
+}
+
+}  // namespace
+
+void add_atlas(py::module_& module) {
+    add_answers(module);
+    py::class_<Atlas>(
+        module, "Atlas",
+        "What `raylex render --atlas` or render(atlas=) wrote: per pixel the light of each distinct word.")
+        .def(py::init<const std::filesystem::path&>(), "path"_a)
+        .def_property_readonly("path", [](const Atlas& atlas) { return atlas.file().path(); })
+        .def_property_readonly(
+            "width", [](const Atlas& atlas) { return atlas.file().width(); }, "pixels")
+        .def_property_readonly(
+            "height", [](const Atlas& atlas) { return atlas.file().height(); }, "pixels")
+        .def_property_readonly("words", &word_texts,
+                               "what each word is, by number: 'C <R.D.'floor'> ... L'; '...' is one scattering or more")
+        .def_property_readonly(
+            "by", [](const Atlas& atlas) { return to_string(atlas.table().rules); }, "what words are told apart by")
+        .def_property_readonly(
+            "length", [](const Atlas& atlas) { return atlas.table().rules.length; },
+            "scatterings of the longest word kept whole")
+        .def_property_readonly(
+            "merged", [](const Atlas& atlas) { return atlas.table().merged; },
+            "words that gave up a scattering for the budget")
+        .def_property_readonly(
+            "attributes", [](const Atlas& atlas) { return atlas.file().description().attributes; },
+            "what the header says of the render: dict of str")
+        .def_property_readonly(
+            "complete", [](const Atlas& atlas) { return atlas.file().description().complete; },
+            "False when the render was stopped early")
+        .def("_at", &words_at, "x"_a, "y"_a, "top"_a)
+        .def("_suggest", &suggest, "count"_a)
+        .def("_ask", &ask, "channels"_a, "shipped"_a, "light_groups"_a, "intervals"_a, "errors"_a)
+        .def("_entries", &entries)
+        .def("_verify",
+             [](Atlas& atlas) {
+                 return atlas.read([](display::AtlasFile& file) { return take(display::check_atlas(file)); });
+             })
+        .def("__repr__", [](const Atlas& atlas) {
+            return "Atlas('" + atlas.file().path() + "': " + std::to_string(atlas.file().width()) + "x" +
+                   std::to_string(atlas.file().height()) + ", " + std::to_string(atlas.table().words.size()) +
+                   " words)";
+        });
+    module.def("_merge_atlases", &merge, "paths"_a, "output"_a);
+}
+
+}  // namespace raylex::python

@@ -1,0 +1,121 @@
+"""raylex.Atlas: layers, reasons and suggestions after the render; as the program's own, and as a render had given."""
+
+import unittest
+
+import numpy as np
+
+import raylex
+from support import CORNELL, Case, run_program
+
+SETTINGS = dict(spp=8, resolution=(20, 14), max_depth=4)
+SPLIT = {"direct": "C<RD>L", "indirect": "C<RD>[DS]+L"}
+ROUNDING = 2.0 ** -23  # a word, their sum and the rendered layer are rounded to float once each, 2^-24 at most
+
+
+class Asked(Case):
+    def render(self, name="a.atlas.exr", **more):
+        """An image, and its atlas."""
+        file = self.folder / name
+        scene = raylex.Scene(CORNELL).label("light", "area:0", "key")
+        image = raylex.render(scene, **{**SETTINGS, "atlas": {"file": str(file), "length": 6}, **more})
+        return image, raylex.Atlas(more["atlas"]["file"] if "atlas" in more else file)
+
+    def test_layers_are_what_a_render_had_given(self):
+        image, atlas = self.render(lpe=SPLIT, shipped=True, light_groups=True)
+        asked = atlas.ask(SPLIT, shipped=True, light_groups=True)
+        self.assertEqual(asked.names, image.names)
+        self.assertEqual(asked.partitions, image.partitions)
+        self.assertTrue(all(asked.verify()))
+        self.assertSameBits(asked["beauty"], image["beauty"])
+        whole = sum(np.abs(image[name].astype(float)) for name in image.names if name not in ("beauty", "alpha"))
+        for name in image.names:
+            if name != "alpha":
+                difference = np.abs(asked[name].astype(float) - image[name])
+                self.assertTrue((difference <= ROUNDING * whole).all(), name)
+        # And what the program says of the same file.
+        layers = self.folder / "layers.exr"
+        done = run_program("ask", atlas.path, "--lpe", "direct=C<RD>L", "-o", layers)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertSameBits(np.ascontiguousarray(raylex.read(layers)["direct"]), asked["direct"])
+        asked.write(self.folder / "written.exr")
+        self.assertEqual(run_program("verify", self.folder / "written.exr").returncode, 0)
+
+    def test_beauty_has_the_same_bits_and_the_words_sum_to_it(self):
+        image, atlas = self.render()
+        self.assertSameBits(image["beauty"], raylex.render(raylex.Scene(CORNELL), **SETTINGS)["beauty"])
+        verdict = atlas.verify()
+        self.assertTrue(verdict)
+        self.assertLessEqual(verdict.largest_relative, ROUNDING)
+        self.assertEqual((atlas.width, atlas.height, atlas.length, atlas.by), (20, 14, 6, "label,lobe,group"))
+
+    def test_why_a_pixel_is_bright(self):
+        image, atlas = self.render()
+        pixel = atlas.at(9, 7, top=3)
+        self.assertEqual(len(pixel), 3)
+        self.assertTrue(np.allclose(pixel.rgba[:3], image["beauty"][7, 9]))
+        self.assertEqual(pixel.samples, 8)
+        light = [word.luminance for _, word in pixel]
+        self.assertEqual(light, sorted(light, reverse=True))
+        self.assertTrue(all(text.startswith("C ") for text, _ in pixel))
+        self.assertIn(" R,D", repr(pixel))
+        self.assertIn("<code>C ", pixel._repr_html_())
+        everything = atlas.at(9, 7, top=100000)
+        self.assertEqual(everything.more, 0)
+        self.assertTrue(np.isclose(sum(w.luminance for _, w in everything), everything.luminance, rtol=1e-5))
+        self.assertRaylexError("outside the image", atlas.at, 20, 0)
+        self.assertRaylexError("expected 1 or more", atlas.at, 0, 0, 0)
+
+    def test_errors_and_suggestions(self):
+        _, atlas = self.render()
+        asked = atlas.ask({"direct": "C<RD>L"}, errors=True)
+        self.assertEqual(asked["direct_error"].shape, (14, 20))
+        layers = atlas.suggest(2)
+        self.assertEqual((len(layers), layers[-1].name, layers[-1].expression), (3, "rest", ""))
+        self.assertTrue(np.isclose(sum(each.noise for each in layers), 1))
+        self.assertTrue(np.isclose(sum(each.light for each in layers), 1, rtol=1e-5))
+        split = atlas.ask({each.name: each.expression for each in layers if each.expression})
+        self.assertTrue(all(split.verify()))
+
+    def test_entries(self):
+        image, atlas = self.render()
+        entries = atlas.entries()
+        pixels = np.repeat(np.arange(14 * 20), np.diff(entries["begin"]))
+        sums = np.zeros((14 * 20, 3))
+        np.add.at(sums, pixels, entries["rgb"].astype(float))
+        bound = ROUNDING * (sums + image["beauty"].reshape(-1, 3))
+        self.assertTrue((np.abs(sums - image["beauty"].reshape(-1, 3)) <= bound).all())
+        self.assertLess(entries["word"].max(), len(atlas.words))
+        self.assertEqual(entries["samples"].sum(), 8 * 14 * 20)
+
+    def test_merging(self):
+        self.render("a.atlas.exr", seed=1)
+        self.render("b.atlas.exr", seed=2)
+        files = [self.folder / "a.atlas.exr", self.folder / "b.atlas.exr"]
+        both = raylex.atlases.merge(files, self.folder / "both.atlas.exr")
+        self.assertTrue(both.verify())
+        self.assertEqual(both.at(3, 3).samples, 16)
+        self.assertRaylexError("both have seed 1", raylex.atlases.merge, [files[0], files[0]], self.folder / "c.exr")
+        self.assertRaylexError("would be replaced", raylex.atlases.merge, files, files[0])
+
+    def test_what_cannot_be_answered(self):
+        _, atlas = self.render(atlas={"file": str(self.folder / "g.atlas.exr"), "by": "group", "length": 1})
+        error = self.assertRaylexError("cannot be answered exactly", atlas.ask, {"two": "CDDL"})
+        self.assertIn("lpe 'two'", error.file)
+        between = atlas.ask({"two": "CDDL"}, intervals=True)
+        self.assertTrue((between["two_least"] <= between["two_most"]).all())
+        self.assertRaylexError("found 'X'", atlas.ask, {"bad": "C<RX>L"})
+        self.assertRaylexError("nothing is asked for", atlas.ask)
+        self.assertRaylexError("has the prefix 's1t3'", atlas.ask, {"t": "s1t3;C.*"})
+        self.assertRaylexError("no path atlas", raylex.Atlas, self.rendered_file())
+        self.assertRaylexError("no-such", raylex.Atlas, "no-such.exr")
+        self.assertRaylexError("without an atlas|beauty", raylex.render, CORNELL, spp=1, beauty=False,
+                               lpe={"a": "CDL"}, atlas=self.folder / "n.atlas.exr")
+
+    def rendered_file(self):
+        file = self.folder / "plain.exr"
+        raylex.render(CORNELL, spp=1, resolution=(8, 8), output=file)
+        return file
+
+
+if __name__ == "__main__":
+    unittest.main()
