@@ -43,12 +43,12 @@ class RenderRun {
 
     int run() {
         at_once_.emplace("raylex: interrupted before anything was rendered; no file was written\n");
+        if (job_.shard) return run_shard();
         if (job_.settings.only) {
             for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::build, &RenderRun::plan})
                 if (const std::optional<int> code = (this->*step)()) return *code;
             return replay();
         }
-        if (job_.shard) return run_shard();
         for (std::optional<int> (RenderRun::*step)() :
              {&RenderRun::check_outputs, &RenderRun::load, &RenderRun::build, &RenderRun::plan, &RenderRun::render,
               &RenderRun::write_image, &RenderRun::judge, &RenderRun::write_statistics})
