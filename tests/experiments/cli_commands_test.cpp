@@ -208,7 +208,8 @@ TEST_CASE("a worker killed half way: GNU parallel, Make and Snakemake end in the
     for (const char* tool : {"parallel", "make", "snakemake"})
         if (!has_tool(folder, tool)) RAYLEX_SKIP(std::string("needs the package ") + tool);
     done(folder,
-         "sed -i 's/^samples = .*/samples = [4096]/' c.toml && exec \"$RAYLEX\" experiment run \"$PWD/c.toml\" -o local");
+         "sed -i 's/^samples = .*/samples = [4096]/' c.toml && exec \"$RAYLEX\" experiment run \"$PWD/c.toml\" -o "
+         "local");
     const std::string local = folder.bits("local");
     // The folder's name is of this test alone.
     const std::string worker = "pgrep -f '" + folder.path("all/parts/2") + " '";
