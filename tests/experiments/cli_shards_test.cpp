@@ -8,7 +8,7 @@ using namespace raylex::test;
 
 namespace {
 
-Outcome succeed(const Folder& folder, const std::string& arguments) {
+Outcome run_well(const Folder& folder, const std::string& arguments) {
     Outcome outcome = run_raylex(folder, arguments);
     INFO(arguments << "\n" << outcome.out << outcome.err);
     REQUIRE(outcome.code == 0);
@@ -63,9 +63,9 @@ group = "key"
         CAPTURE(render);
         const Folder place;
         const std::string command = "render '" + folder.path() + "/'" + render;
-        const Outcome whole = succeed(place, command + " -o whole.exr");
-        for (const int part : {3, 1, 2}) succeed(place, command + " -o out.exr --threads 2" + part_of(part, 3));
-        const Outcome merged = succeed(place, "merge" + records(3) + " -o out.exr");
+        const Outcome whole = run_well(place, command + " -o whole.exr");
+        for (const int part : {3, 1, 2}) run_well(place, command + " -o out.exr --threads 2" + part_of(part, 3));
+        const Outcome merged = run_well(place, "merge" + records(3) + " -o out.exr");
         CHECK(image_bits(place.path("whole.exr")) == image_bits(place.path("out.exr")));
         // What is judged is judged alike.
         for (const auto& line : all_matches(whole.out, "partition '[^\n]*")) CHECK(contains(merged.out, line.front()));
@@ -83,9 +83,9 @@ group = "key"
 TEST_CASE("a shard that is done is not rendered again, and one of another render is not taken for it [law7]") {
     const SceneFolder folder;
     const std::string shard = "render room.pbrt -o out.exr --spp 32 --lpe direct=CDL", record = "out.exr.shard-1-of-2";
-    CHECK(contains(succeed(folder, shard + part_of(1, 2)).out, record + ": shard 1/2, samples 0 to 15 of 32"));
+    CHECK(contains(run_well(folder, shard + part_of(1, 2)).out, record + ": shard 1/2, samples 0 to 15 of 32"));
     const std::string bits = folder.read(record);
-    CHECK(contains(succeed(folder, shard + part_of(1, 2)).out, "samples 0 to 15 of 32 is done already"));
+    CHECK(contains(run_well(folder, shard + part_of(1, 2)).out, "samples 0 to 15 of 32 is done already"));
     CHECK((folder.read(record) == bits));
     check_refused(folder, shard + part_of(1, 2) + " --seed 1",
                   {record, "the record of another render", "seed: 0 there, 1 here", "remove this one"});
@@ -96,17 +96,17 @@ TEST_CASE("a shard that is done is not rendered again, and one of another render
     damaged[damaged.size() / 2] ^= 1;
     folder.write(record, damaged);
     check_refused(folder, "merge " + record + " -o out.exr", {record, "damaged"});
-    CHECK(contains(succeed(folder, shard + part_of(1, 2)).err, "this shard is rendered again"));
-    succeed(folder, shard + part_of(2, 2));
-    succeed(folder, "merge" + records(2) + " -o out.exr");
+    CHECK(contains(run_well(folder, shard + part_of(1, 2)).err, "this shard is rendered again"));
+    run_well(folder, shard + part_of(2, 2));
+    run_well(folder, "merge" + records(2) + " -o out.exr");
 }
 
 TEST_CASE("what is no whole render is not merged, by name, and what has no shards is refused [law7]") {
     const SceneFolder folder;
     const std::string shard = "render room.pbrt -o out.exr --spp 48";
-    for (const int part : {1, 2, 3}) succeed(folder, shard + part_of(part, 3));
-    succeed(folder, shard + part_of(2, 2));
-    succeed(folder, shard + " --seed 7 -o other.exr" + part_of(3, 3));
+    for (const int part : {1, 2, 3}) run_well(folder, shard + part_of(part, 3));
+    run_well(folder, shard + part_of(2, 2));
+    run_well(folder, shard + " --seed 7 -o other.exr" + part_of(3, 3));
     const std::string first = "out.exr.shard-1-of-3", second = "out.exr.shard-2-of-3", third = "out.exr.shard-3-of-3";
     const std::string to = " -o sum.exr";
     check_refused(folder, "merge " + first + " " + third + to,
@@ -120,9 +120,9 @@ TEST_CASE("what is no whole render is not merged, by name, and what has no shard
     check_refused(folder, "merge gone" + to, {"gone"});
     check_refused(folder, "merge" + records(3) + " -o sum.png", {"sum.png", ".exr"});
     // Halves and thirds of one render go together where they fit.
-    succeed(folder, shard + part_of(1, 2));
+    run_well(folder, shard + part_of(1, 2));
     check_refused(folder, "merge out.exr.shard-1-of-2 " + third + to, {"samples 16 to 31"});
-    succeed(folder, "merge out.exr.shard-2-of-2 " + first + to);
+    run_well(folder, "merge out.exr.shard-2-of-2 " + first + to);
 
     check_refused(folder, shard + part_of(1, 4), {"4 shards of 48 samples per pixel; expected at most 3"});
     check_refused(folder, shard + " --shard 4/3", {"--shard", "PART from 1 to PARTS"});
@@ -138,7 +138,7 @@ TEST_CASE("a shard that was killed at any time ends in the same bits [law3]") {
     const SceneFolder folder;
     const std::string shard =
         "render room.pbrt -o out.exr --spp 4096 --lpe direct=CDL --cryptomatte object --threads 2";
-    succeed(folder, shard);
+    run_well(folder, shard);
     const std::string whole = image_bits(folder.path("out.exr"));
     for (const char* ending : {"-KILL", "-TERM"}) {
         CAPTURE(ending);
@@ -151,17 +151,17 @@ TEST_CASE("a shard that was killed at any time ends in the same bits [law3]") {
         CHECK_FALSE(folder.has(record));
         REQUIRE(folder.has(record + ".checkpoint"));
         check_refused(folder, shard + part_of(1, 2) + " --seed 3", {"the checkpoint is of another render", "seed"});
-        succeed(folder, shard + part_of(1, 2));
+        run_well(folder, shard + part_of(1, 2));
         CHECK_FALSE(folder.has(record + ".checkpoint"));
-        succeed(folder, shard + part_of(2, 2));
-        succeed(folder, "merge" + records(2) + " -o out.exr");
+        run_well(folder, shard + part_of(2, 2));
+        run_well(folder, "merge" + records(2) + " -o out.exr");
         CHECK((image_bits(folder.path("out.exr")) == whole));
     }
 }
 
 TEST_CASE("shards of another build, scene, seed or config are refused by that name [law7]") {
     const SceneFolder folder;
-    for (const int part : {1, 2}) succeed(folder, "render room.pbrt -o out.exr --spp 32" + part_of(part, 2));
+    for (const int part : {1, 2}) run_well(folder, "render room.pbrt -o out.exr --spp 32" + part_of(part, 2));
     const std::string first = "out.exr.shard-1-of-2", second = "out.exr.shard-2-of-2";
     const auto record = raylex::display::read_record_file(folder.path(second));
     REQUIRE(record.ok());
@@ -184,9 +184,9 @@ TEST_CASE("shards of another build, scene, seed or config are refused by that na
     }
     // As they are mixed up in fact.
     folder.write("other.pbrt", folder.read("room.pbrt") + "\nLightSource \"point\"\n");
-    succeed(folder, "render other.pbrt -o scene.exr --spp 32" + part_of(2, 2));
+    run_well(folder, "render other.pbrt -o scene.exr --spp 32" + part_of(2, 2));
     check_refused(folder, "merge " + first + " scene.exr.shard-2-of-2 -o sum.exr", {"of another scene:", "scene: "});
-    succeed(folder, "render room.pbrt -o config.exr --spp 32 --max-depth 2" + part_of(2, 2));
+    run_well(folder, "render room.pbrt -o config.exr --spp 32 --max-depth 2" + part_of(2, 2));
     check_refused(folder, "merge " + first + " config.exr.shard-2-of-2 -o sum.exr",
                   {"of another config:", "max depth: 2"});
     // One that was cut on its way.
@@ -204,11 +204,11 @@ TEST_CASE("shards in buckets of any size merge to the very image of one render [
     const SceneFolder folder;
     const std::string what =
         "render room.pbrt --spp 56 --resolution 40x37 --lpe direct=CDL --aov z --statistics beauty=mse";
-    succeed(folder, what + " -o whole.exr");
+    run_well(folder, what + " -o whole.exr");
     for (const int part : {1, 2, 3})
-        succeed(folder, what + " -o out.exr --bucket-rows " + std::to_string(5 * part) + part_of(part, 3));
+        run_well(folder, what + " -o out.exr --bucket-rows " + std::to_string(5 * part) + part_of(part, 3));
     for (const int part : {1, 2, 3})
         CHECK_FALSE(folder.has("out.exr.shard-" + std::to_string(part) + "-of-3.checkpoint"));
-    succeed(folder, "merge" + records(3) + " -o out.exr");
+    run_well(folder, "merge" + records(3) + " -o out.exr");
     CHECK((image_bits(folder.path("whole.exr")) == image_bits(folder.path("out.exr"))));
 }

@@ -29,7 +29,7 @@ void with_schedule(const transport::RenderSettings& settings, const Look& look) 
     REQUIRE(job.ok());
     const auto prepared = transport::PreparedJob::prepare(*std::move(job));
     REQUIRE(prepared.ok());
-    const auto target = transport::RenderTarget::allocate(*prepared);
+    const auto target = transport::RenderTarget::allocate(*prepared, {});
     REQUIRE(target.ok());
     look(*transport::make_schedule(*prepared, *target));
 }

@@ -24,7 +24,10 @@ py::dict run(const std::string& config, const std::string& directory, const std:
         const auto read = take(experiments::read_experiment_config(config, overrides));
         // In this process: a copy of it would have Python's lock and the threads of earlier renders in an unknown
         // state.
-        experiments::RunRequest request{directory, resume, retry, {}};
+        experiments::RunRequest request;
+        request.directory = directory;
+        request.resume = resume;
+        request.retry = retry;
         request.isolated = false;
         request.quiet = !verbose;
         return take(experiments::run_experiment(read, request, &control->stop_flag()));
