@@ -129,21 +129,34 @@ Status RenderOutputs::make_deep(const transport::RenderPlan& plan) {
     return display::check_writable(request.file);
 }
 
+namespace {
+
+constexpr const char* beside_buckets = " with a render in buckets (--memory, --bucket-rows): ";
+constexpr const char* without_it = "leave it out, or render without buckets";
+
+Error live_viewer_in_buckets() {
+    return error_at({},
+                    std::string("a live viewer") + beside_buckets + "it may be shown any part of the image at any time",
+                    without_it);
+}
+
+}  // namespace
+
 /// What wants the whole image at any time is refused where no more than a bucket of it is in memory.
 Status RenderOutputs::check_buckets(const transport::RenderPlan& plan) {
     buckets_ = plan.buckets;
     bucket_rows_ = plan.bucket_rows;
     if (plan.buckets == 0) return success();
-    const std::string why = " with a render in buckets (--memory, --bucket-rows): ";
-    const char* const hint = "leave it out, or render without buckets";
+    const std::string why = beside_buckets;
     if (!job_->outputs.deep.file.empty())
         return error_at(job_->outputs.deep.location,
-                        "a deep image" + why + "its samples are kept in memory for the whole image", hint);
+                        "a deep image" + why + "its samples are kept in memory for the whole image", without_it);
     if (!job_->outputs.atlas.file.empty())
         return error_at(job_->outputs.atlas.location,
-                        "a path atlas" + why + "its words are kept in memory for the whole image", hint);
-    if (drivers_.any_live())
-        return error_at({}, "a live viewer" + why + "it may be shown any part of the image at any time", hint);
+                        "a path atlas" + why + "its words are kept in memory for the whole image", without_it);
+    if (std::any_of(job_->outputs.drivers.begin(), job_->outputs.drivers.end(),
+                    [](const display::DriverRequest& each) { return each.name == "tev"; }))
+        return live_viewer_in_buckets();
     return success();
 }
 
@@ -179,7 +192,9 @@ Status RenderOutputs::begin(const transport::RenderPlan& plan, std::vector<displ
     image.beauty = plan.beauty;
     image.chromaticities = primaries;
     image.partitions = partitions;
-    return drivers_.open(image);
+    if (Status opened = drivers_.open(image); !opened) return opened;
+    if (buckets_ > 0 && drivers_.any_live()) return live_viewer_in_buckets();  // a plugin's
+    return success();
 }
 
 /// Partitions whose layers no longer sum because a filter changes one of them, or the beauty, by itself.

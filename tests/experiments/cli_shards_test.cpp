@@ -89,7 +89,8 @@ TEST_CASE("a shard that is done is not rendered again, and one of another render
     CHECK((folder.read(record) == bits));
     check_refused(folder, shard + part_of(1, 2) + " --seed 1",
                   {record, "the record of another render", "seed: 0 there, 1 here", "remove this one"});
-    check_refused(folder, shard + part_of(1, 2) + " --spp 64", {"samples per pixel: 32 there, 64 here"});
+    check_refused(folder, "render room.pbrt -o out.exr --spp 64 --lpe direct=CDL" + part_of(1, 2),
+                  {"samples per pixel: 32 there, 64 here"});
     check_refused(folder, shard + part_of(1, 2) + " --lpe more=CSL", {"channel more"});
     // Damage is seen, and mended.
     std::string damaged = bits;
@@ -106,7 +107,7 @@ TEST_CASE("what is no whole render is not merged, by name, and what has no shard
     const std::string shard = "render room.pbrt -o out.exr --spp 48";
     for (const int part : {1, 2, 3}) run_well(folder, shard + part_of(part, 3));
     run_well(folder, shard + part_of(2, 2));
-    run_well(folder, shard + " --seed 7 -o other.exr" + part_of(3, 3));
+    run_well(folder, "render room.pbrt -o other.exr --spp 48 --seed 7" + part_of(3, 3));
     const std::string first = "out.exr.shard-1-of-3", second = "out.exr.shard-2-of-3", third = "out.exr.shard-3-of-3";
     const std::string to = " -o sum.exr";
     check_refused(folder, "merge " + first + " " + third + to,
@@ -150,7 +151,11 @@ TEST_CASE("a shard that was killed at any time ends in the same bits [law3]") {
         CHECK(killed.code == (std::string(ending) == "-KILL" ? 137 : 130));
         CHECK_FALSE(folder.has(record));
         REQUIRE(folder.has(record + ".checkpoint"));
-        check_refused(folder, shard + part_of(1, 2) + " --seed 3", {"the checkpoint is of another render", "seed"});
+        const Outcome other = run_raylex(folder, shard + part_of(1, 2) + " --seed 3");
+        CHECK(other.code == 2);
+        CHECK(contains(other.err, "the checkpoint is of another render"));
+        CHECK(contains(other.err, "seed: 0 there, 3 here"));
+        REQUIRE(folder.has(record + ".checkpoint"));
         run_well(folder, shard + part_of(1, 2));
         CHECK_FALSE(folder.has(record + ".checkpoint"));
         run_well(folder, shard + part_of(2, 2));
