@@ -1,6 +1,7 @@
 """raylex.render: the program's own bits, layers by name, callbacks that stop and fail."""
 
 import _thread
+import signal
 import threading
 import time
 import unittest
@@ -131,6 +132,9 @@ class WhileItGoesOn(Case):
         self.assertFalse(caught.exception.image.complete)
 
     def test_control_c_ends_it_with_the_image(self):
+        # What a shell starts in the background is deaf to it, and would render to the end.
+        before = signal.signal(signal.SIGINT, signal.default_int_handler)
+        self.addCleanup(signal.signal, signal.SIGINT, before)
         timer = threading.Timer(0.3, _thread.interrupt_main)
         timer.start()
         with self.assertRaises(KeyboardInterrupt) as caught:
