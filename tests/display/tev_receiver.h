@@ -35,8 +35,8 @@ class TevReceiver {
         address.sin_family = AF_INET;
         address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
         socklen_t size = sizeof address;
-        const int small = 4096;  // so that a viewer that does not read is felt soon
-        setsockopt(listener_, SOL_SOCKET, SO_RCVBUF, &small, sizeof small);
+        const int small = 4096;  // so that a viewer that does not read is felt soon; one that reads would be slow by it
+        if (manner_ != Manner::reads) setsockopt(listener_, SOL_SOCKET, SO_RCVBUF, &small, sizeof small);
         if (bind(listener_, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0 || listen(listener_, 1) != 0 ||
             getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size) != 0)
             std::abort();
