@@ -80,7 +80,8 @@ LightWord LpeServices::prepend_states(LightWords& words, const LightWord& word, 
     const std::size_t at = words.states_.size();
     longer.state_ = static_cast<std::uint32_t>(at);
     words.states_.resize(at + words.language_->word_count());
-    longer.branches_ = words.language_->prepend(words.states(word), event, &words.states_[at]);
+    // A language without words, where an atlas alone is asked for, has no states to point at.
+    longer.branches_ = words.language_->prepend(words.states(word), event, words.states_.data() + at);
     return longer;
 }
 
