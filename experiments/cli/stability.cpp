@@ -138,7 +138,9 @@ void add_stability_command(CLI::App& app, CommandContext& context) {
         ->add_option("-o,--output", options->output,
                      "folder for results.json, results.csv, pictures and page.html, which has it all")
         ->option_text("FOLDER");
-    command->add_flag("--fast", options->suite.fast, "leaves out the cases that say they are slow");
+    command->add_flag(
+        "--fast", options->suite.fast,
+        "leaves out the cases that say they are slow, and values that are not among the 'fast' of others");
     command->add_option("--case", options->suite.names, "only the cases of this name; * and ? match; may be repeated")
         ->option_text("NAME")
         ->expected(1)

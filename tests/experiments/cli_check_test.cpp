@@ -197,7 +197,7 @@ TEST_CASE("a bare file of channels is taken as one") {
     CHECK(run_raylex(folder, "lpe graph show.rib").code == 0);
 }
 
-TEST_CASE("a file of five hundred channels is checked quickly, and its overlaps are folded") {
+TEST_CASE("a file of five hundred channels is checked quickly, and its overlaps are folded", "[release-only]") {
     const Folder folder;
     std::string text;
     for (int group = 0; group < 125; ++group)

@@ -103,7 +103,7 @@ TEST_CASE("commands as JSON say what each needs") {
     CHECK(commands[2]["arguments"][1] == "merge");
 }
 
-TEST_CASE("commands that cannot be are refused, and templates with a slip name its line [law7]") {
+TEST_CASE("commands that cannot be are refused, and templates with a slip name its line", "[law7]") {
     const StudyFolder folder;
     const std::string render = "render room.pbrt --spp 64 --no-calibration ";
     check_refused(folder, render + "--shards 2", {"--shards without --commands"});
@@ -121,7 +121,7 @@ TEST_CASE("commands that cannot be are refused, and templates with a slip name i
     check_refused(folder, study + "--commands --shards 7 -o all", {"7 shards of 6 cells", "--split-cells"});
 }
 
-TEST_CASE("the commands of a study end in the cells of one run, whatever was killed [law3]") {
+TEST_CASE("the commands of a study end in the cells of one run, whatever was killed", "[law3]") {
     const StudyFolder folder;
     done(folder, "exec \"$RAYLEX\" experiment run \"$PWD/c.toml\" -o local");
     folder.write("commands", done(folder, plan + "--shards 3 --split-cells 2 --commands").out);
@@ -174,7 +174,7 @@ TEST_CASE("a Makefile and a Snakefile have rules for every command, and template
     CHECK(contains(kubernetes, "UNTESTED"));
 }
 
-TEST_CASE("without a queue a submission leaves files to be used by hand, and loses nothing [law7]") {
+TEST_CASE("without a queue a submission leaves files to be used by hand, and loses nothing", "[law7]") {
     const StudyFolder folder;
     const std::string submit = "PATH=/nowhere \"$RAYLEX\" submit --slurm c.toml -o all --shards 2 --no-calibration";
     const Outcome outcome = run_shell(folder, submit);
@@ -204,7 +204,7 @@ TEST_CASE("without a queue a submission leaves files to be used by hand, and los
     CHECK(contains(folder.read("timed/slurm/shards.sh"), "#SBATCH --partition=quiet\n"));
 }
 
-TEST_CASE("a worker killed half way: GNU parallel, Make and Snakemake end in the same bits [.full][law3]") {
+TEST_CASE("a worker killed half way: GNU parallel, Make and Snakemake end in the same bits", "[.full][law3]") {
     const StudyFolder folder;
     for (const char* tool : {"parallel", "make", "snakemake"})
         if (!has_tool(folder, tool)) RAYLEX_SKIP(std::string("needs the package ") + tool);

@@ -214,7 +214,7 @@ TEST_CASE("a study measures what people see on the beauty, as raylex compare doe
     CHECK(seen == 4);
 }
 
-TEST_CASE("shards merge to the unsharded run bit for bit, in any order; what overlaps is refused [law3]") {
+TEST_CASE("shards merge to the unsharded run bit for bit, in any order; what overlaps is refused", "[law3]") {
     const Folder folder;
     prepare(folder);
     succeed(folder, "experiment run c.toml -o whole");
@@ -255,7 +255,7 @@ TEST_CASE("shards merge to the unsharded run bit for bit, in any order; what ove
     CHECK_FALSE(folder.has("bad"));
 }
 
-TEST_CASE("a killed experiment goes on inside the cell, to the same bits [law3]", "[release-only]") {
+TEST_CASE("a killed experiment goes on inside the cell, to the same bits", "[release-only][law3]") {
     const Folder folder;
     prepare(folder, "checkpoint = '0.02s'\n" + config);
     const std::string budget = " --set budget.samples=20000 --set replicates=1 --set reference.spp=16";

@@ -20,7 +20,7 @@ TEST_CASE("lpe match prints the verdict and ends with 0 or 1") {
     CHECK(run_raylex(folder, "lpe match '[C]' 'C,-'").code == 0);
 }
 
-TEST_CASE("an expression that does not parse is shown with a caret, and ends with 2 [law7]") {
+TEST_CASE("an expression that does not parse is shown with a caret, and ends with 2", "[law7]") {
     const Folder folder;
     Outcome outcome = run_raylex(folder, "lpe match 'CD(L' 'C,- R,D L,-'");
     CHECK(outcome.code == 2);

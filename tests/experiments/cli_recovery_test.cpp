@@ -77,7 +77,7 @@ std::vector<std::string> short_run(const Folder& folder, bool resume) {
 
 }  // namespace
 
-TEST_CASE("a render that is killed goes on to the same bits [law3]", "[release-only]") {
+TEST_CASE("a render that is killed goes on to the same bits", "[release-only][law3]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     // Long enough to be killed in: half a second and more.
@@ -131,7 +131,7 @@ TEST_CASE("Ctrl-C leaves an image of what there is and a checkpoint to go on fro
     CHECK_FALSE(folder.has("out.exr.checkpoint"));
 }
 
-TEST_CASE("what cannot be resumed is refused with exit 2 and left alone [law7]") {
+TEST_CASE("what cannot be resumed is refused with exit 2 and left alone", "[law7]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     const auto refused = [&](const std::string& arguments, const std::string& word) {
@@ -241,7 +241,7 @@ TEST_CASE("--until-error says what it reached, and --spp is the most") {
     CHECK(run_raylex(folder, "verify room.exr").code == 2);  // nothing was split
 }
 
-TEST_CASE("--time ends a render by the clock, and --spp with the samples it reached gives the same bits [law3]") {
+TEST_CASE("--time ends a render by the clock, and --spp with the samples it reached gives the same bits", "[law3]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     const Outcome timed = run_raylex(folder, "render room.pbrt -o timed.exr --time 0.2s");
@@ -270,7 +270,7 @@ TEST_CASE("--time ends a render by the clock, and --spp with the samples it reac
     CHECK(bad.err.find("bad.toml:4:9: '0s' is no time to render for") != std::string::npos);
 }
 
-TEST_CASE("a fault in any write, sync or rename of a run costs no bit [law7]", "[release-only]") {
+TEST_CASE("a fault in any write, sync or rename of a run costs no bit", "[release-only][law7]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     const std::string out = folder.path("out.exr"), checkpoint = out + ".checkpoint";
@@ -340,7 +340,7 @@ TEST_CASE("this program as one that dies at a file call", "[.][recovery-child]")
     std::_Exit(raylex::experiments::run_command_line(static_cast<int>(words.size()), words.data()));
 }
 
-TEST_CASE("a death at any file call of a run costs no bit [law7]", "[.full][recovery]") {
+TEST_CASE("a death at any file call of a run costs no bit", "[.full][recovery][law7]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     REQUIRE(run_here(short_run(folder, false)) == 0);
@@ -368,7 +368,7 @@ TEST_CASE("a death at any file call of a run costs no bit [law7]", "[.full][reco
     CHECK(resumed > 5);
 }
 
-TEST_CASE("a hundred random kills cost no bit [law3]", "[.full][recovery]") {
+TEST_CASE("a hundred random kills cost no bit", "[.full][recovery][law3]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     std::mt19937 random(20);

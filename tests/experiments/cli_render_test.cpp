@@ -71,7 +71,7 @@ TEST_CASE("a render writes a verified file, a preview and statistics") {
     CHECK(json["warnings"].is_array());
 }
 
-TEST_CASE("asking for channels leaves the beauty's bits alone [law2]") {
+TEST_CASE("asking for channels leaves the beauty's bits alone", "[law2]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     REQUIRE(run_raylex(folder, "render room.pbrt -o a.exr --threads 1").code == 0);
@@ -87,7 +87,7 @@ TEST_CASE("asking for channels leaves the beauty's bits alone [law2]") {
         CHECK((a->layer("beauty")->plane(plane)->values == b->layer("beauty")->plane(plane)->values));
 }
 
-TEST_CASE("an image of one tile adds up, with the same bits, on any number of threads [law1][law3]") {
+TEST_CASE("an image of one tile adds up, with the same bits, on any number of threads", "[law1][law3]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     // 256 blocks of the same few pixels: threads meet there all the time.
@@ -197,7 +197,7 @@ TEST_CASE("--dialect rules the --lpe that follow it") {
     check_refused(folder, "render room.pbrt -o b.exr --dialect french --lpe a=CDL", {"french", "renderman or osl"});
 }
 
-TEST_CASE("bad scenes end with file, line and what was expected [law7]") {
+TEST_CASE("bad scenes end with file, line and what was expected", "[law7]") {
     const Folder folder;
     check_refused(folder, "render absent.pbrt", {"absent.pbrt"});
     check_refused(folder, "render absent.toml", {"absent.toml"});
@@ -220,7 +220,7 @@ TEST_CASE("bad scenes end with file, line and what was expected [law7]") {
     check_refused(folder, "render a.pbrt", {"a.pbrt:1"});
 }
 
-TEST_CASE("bad flags end with what was expected [law7]") {
+TEST_CASE("bad flags end with what was expected", "[law7]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     check_refused(folder, "render room.pbrt --lpe x='CD(L'", {"--lpe x", "CD(L", "^"});
@@ -242,7 +242,7 @@ TEST_CASE("bad flags end with what was expected [law7]") {
     check_refused(folder, "render room.pbrt --rendering-space NoSuchSpace", {"NoSuchSpace"});
 }
 
-TEST_CASE("outputs that cannot be written are refused before rendering, and earlier results stay [law7]") {
+TEST_CASE("outputs that cannot be written are refused before rendering, and earlier results stay", "[law7]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     check_refused(folder, "render room.pbrt -o absent/out.exr", {"absent"});
@@ -257,7 +257,7 @@ TEST_CASE("outputs that cannot be written are refused before rendering, and earl
     CHECK(folder.read("out.exr") == earlier);
 }
 
-TEST_CASE("a full disk loses neither the program nor the earlier result [law7]") {
+TEST_CASE("a full disk loses neither the program nor the earlier result", "[law7]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     REQUIRE(run_raylex(folder, "render room.pbrt -o out.exr").code == 0);
@@ -273,7 +273,7 @@ TEST_CASE("a full disk loses neither the program nor the earlier result [law7]")
     CHECK(folder.names() == std::vector<std::string>{"out.exr", "room.pbrt"});
 }
 
-TEST_CASE("Ctrl-C writes what is there, marked incomplete, and ends with 130 [law7]") {
+TEST_CASE("Ctrl-C writes what is there, marked incomplete, and ends with 130", "[law7]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     for (const char* signal : {"INT", "TERM"}) {
@@ -319,7 +319,7 @@ TEST_CASE("a seed that is no whole number of 64 bits is refused, not turned into
     CHECK(run_raylex(folder, "render room.pbrt --spp 1 --seed 18446744073709551615").code == 0);
 }
 
-TEST_CASE("a job's parameter that its type does not have is refused before rendering, with its place [law7]") {
+TEST_CASE("a job's parameter that its type does not have is refused before rendering, with its place", "[law7]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     const std::string scene = "[scene]\nfile = 'room.pbrt'\n";

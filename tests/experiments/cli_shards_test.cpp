@@ -29,7 +29,7 @@ std::string records(int parts, const std::string& image = "out.exr") {
 
 }  // namespace
 
-TEST_CASE("shards merge to the very image of one render, with layers of every kind [law3]") {
+TEST_CASE("shards merge to the very image of one render, with layers of every kind", "[law3]") {
     const SceneFolder folder;
     folder.write("job.toml", R"(
 [scene]
@@ -80,7 +80,7 @@ group = "key"
     }
 }
 
-TEST_CASE("a shard that is done is not rendered again, and one of another render is not taken for it [law7]") {
+TEST_CASE("a shard that is done is not rendered again, and one of another render is not taken for it", "[law7]") {
     const SceneFolder folder;
     const std::string shard = "render room.pbrt -o out.exr --spp 32 --lpe direct=CDL", record = "out.exr.shard-1-of-2";
     CHECK(contains(run_well(folder, shard + part_of(1, 2)).out, record + ": shard 1/2, samples 0 to 15 of 32"));
@@ -102,7 +102,7 @@ TEST_CASE("a shard that is done is not rendered again, and one of another render
     run_well(folder, "merge" + records(2) + " -o out.exr");
 }
 
-TEST_CASE("what is no whole render is not merged, by name, and what has no shards is refused [law7]") {
+TEST_CASE("what is no whole render is not merged, by name, and what has no shards is refused", "[law7]") {
     const SceneFolder folder;
     const std::string shard = "render room.pbrt -o out.exr --spp 48";
     for (const int part : {1, 2, 3}) run_well(folder, shard + part_of(part, 3));
@@ -135,7 +135,7 @@ TEST_CASE("what is no whole render is not merged, by name, and what has no shard
     check_refused(folder, shard + part_of(1, 3) + " --integrator pssmlt", {"Markov chains of integrator 'pssmlt'"});
 }
 
-TEST_CASE("a shard that was killed at any time ends in the same bits [law3]") {
+TEST_CASE("a shard that was killed at any time ends in the same bits", "[law3]") {
     const SceneFolder folder;
     const std::string shard =
         "render room.pbrt -o out.exr --spp 4096 --lpe direct=CDL --cryptomatte object --threads 2";
@@ -164,7 +164,7 @@ TEST_CASE("a shard that was killed at any time ends in the same bits [law3]") {
     }
 }
 
-TEST_CASE("shards of another build, scene, seed or config are refused by that name [law7]") {
+TEST_CASE("shards of another build, scene, seed or config are refused by that name", "[law7]") {
     const SceneFolder folder;
     for (const int part : {1, 2}) run_well(folder, "render room.pbrt -o out.exr --spp 32" + part_of(part, 2));
     const std::string first = "out.exr.shard-1-of-2", second = "out.exr.shard-2-of-2";
@@ -205,7 +205,7 @@ TEST_CASE("shards of another build, scene, seed or config are refused by that na
     check_refused(folder, "merge " + first + " -o sum.exr", {"samples 16 to 31 of 32 are in none of the records"});
 }
 
-TEST_CASE("shards in buckets of any size merge to the very image of one render [buckets][law3]") {
+TEST_CASE("shards in buckets of any size merge to the very image of one render", "[buckets][law3]") {
     const SceneFolder folder;
     const std::string what =
         "render room.pbrt --spp 56 --resolution 40x37 --lpe direct=CDL --aov z --statistics beauty=mse";

@@ -60,7 +60,7 @@ const std::vector<display::PartitionDeclaration> halves{{"halves", "", {"a", "b"
 
 }  // namespace
 
-TEST_CASE("verify accepts a split that sums, with numbers [law1]") {
+TEST_CASE("verify accepts a split that sums, with numbers", "[law1]") {
     const Folder folder;
     write_image(folder.path("good.exr"), 0, halves);
     Outcome outcome = run_raylex(folder, "verify good.exr");
@@ -72,7 +72,7 @@ TEST_CASE("verify accepts a split that sums, with numbers [law1]") {
     CHECK(folder.names() == std::vector<std::string>{"good.exr"});
 }
 
-TEST_CASE("verify refuses a doctored file, names the pixel and leaves a heat map [law1]") {
+TEST_CASE("verify refuses a doctored file, names the pixel and leaves a heat map", "[law1]") {
     const Folder folder;
     write_image(folder.path("bad.exr"), 1e-3, halves);
     Outcome outcome = run_raylex(folder, "verify bad.exr");

@@ -118,7 +118,7 @@ group = "key"
     CHECK(job->label_rules[1].label == "key");
 }
 
-TEST_CASE("an unknown key is refused with its place and near miss [law7]") {
+TEST_CASE("an unknown key is refused with its place and near miss", "[law7]") {
     const Error error = error_of(std::string(scene) + "[render]\nssp = 4\n");
     check_place(error, 4, 1);
     CHECK(error.message.find("'ssp'") != std::string::npos);
@@ -128,7 +128,7 @@ TEST_CASE("an unknown key is refused with its place and near miss [law7]") {
     check_place(error_of(std::string(scene) + "[[label]]\nmaterial = 'a'\nlabel = 'b'\nmash = 'c'\n"), 6, 1);
 }
 
-TEST_CASE("a wrong type is refused with what was found and expected [law7]") {
+TEST_CASE("a wrong type is refused with what was found and expected", "[law7]") {
     const Error error = error_of(std::string(scene) + "[render]\nspp = \"many\"\n");
     check_place(error, 4, 7);
     CHECK(error.message.find("a string") != std::string::npos);
@@ -138,7 +138,7 @@ TEST_CASE("a wrong type is refused with what was found and expected [law7]") {
     check_place(error_of(std::string(scene) + "[label]\nmaterial = 'a'\n"), 3, 1);
 }
 
-TEST_CASE("values out of range are refused [law7]") {
+TEST_CASE("values out of range are refused", "[law7]") {
     for (const char* line : {"spp = 0", "seed = -1", "threads = -2", "resolution = [0, 4]", "resolution = [4]",
                              "resolution = '10y20'", "resolution = [4, 100000]", "max_depth = -1", "lobes = 'some'"}) {
         CAPTURE(line);

@@ -168,8 +168,8 @@ TEST_CASE("every channel that keeps statistics gets its turn on the live line, t
     CHECK(errors.errors().back().error == Approx(0.2));
 }
 
-TEST_CASE("measuring errors while rendering changes no bit, and they are the finished render's within a tenth [law2]",
-          "[release-only]") {
+TEST_CASE("measuring errors while rendering changes no bit, and they are the finished render's within a tenth",
+          "[release-only][law2]") {
     auto scene = transport::import_pbrt(raylex::test::source_dir() + "/experiments/scenes/cornell-color/scene.pbrt");
     REQUIRE(scene);
     transport::RenderSettings settings;

@@ -180,7 +180,8 @@ TEST_CASE("the matcher of pages agrees with Open Shading Language on every confo
     CHECK(agree == 1616);
 }
 
-TEST_CASE("the matcher of pages agrees with the compiler on random expressions, and on what is none", "[words]") {
+TEST_CASE("the matcher of pages agrees with the compiler on random expressions, and on what is none",
+          "[words][release-only]") {
     PageMatcher page;
     for (const lpe::Dialect dialect : {lpe::Dialect::renderman, lpe::Dialect::osl}) {
         oracle::Random random(31);

@@ -69,7 +69,7 @@ struct Differences {
 
 }  // namespace
 
-TEST_CASE("the samples to an error are predicted within a quarter [statistical]", "[.full][study]") {
+TEST_CASE("the samples to an error are predicted within a quarter", "[.full][study][statistical]") {
     constexpr Size size{96, 64};
     constexpr double pixels = size.width * size.height;
     Differences image, later, pixel;
@@ -127,8 +127,8 @@ TEST_CASE("the samples to an error are predicted within a quarter [statistical]"
     }
 }
 
-TEST_CASE("seconds to an error, two octaves beyond the measured budgets, are within a quarter [statistical]",
-          "[.full][study]") {
+TEST_CASE("seconds to an error, two octaves beyond the measured budgets, are within a quarter",
+          "[.full][study][statistical]") {
     constexpr std::uint64_t last = 1024;
     const Size size;
     Differences report;

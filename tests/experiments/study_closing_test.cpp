@@ -46,7 +46,8 @@ raylex::Result<RunOutcome> run(const Folder& folder, bool resume) {
 
 }  // namespace
 
-TEST_CASE("a cell gets its name when all its files are on disk; one that cannot be synced is rendered again [law7]") {
+TEST_CASE("a cell gets its name when all its files are on disk; one that cannot be synced is rendered again",
+          "[law7]") {
     const Folder folder;
     folder.write("room.pbrt", raylex::test::small_scene());
     folder.write("c.toml",

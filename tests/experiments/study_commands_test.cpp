@@ -16,7 +16,7 @@ using raylex::test::Outcome;
 using raylex::test::run_raylex;
 using raylex::test::small_scene;
 
-TEST_CASE("a value never becomes text that a shell reads, in whatever quotes its place stands [law7]") {
+TEST_CASE("a value never becomes text that a shell reads, in whatever quotes its place stands", "[law7]") {
     const std::vector<std::string> nasty{"a b.pbrt",
                                          "$(touch pwned).pbrt",
                                          "`touch pwned`.pbrt",
@@ -83,7 +83,7 @@ TEST_CASE("a value never becomes text that a shell reads, in whatever quotes its
     CHECK_FALSE(has_place("x $RAYLEX_SPPX", "spp"));
 }
 
-TEST_CASE("a scene's file name stays a name in the quotes of a study's command [law7]") {
+TEST_CASE("a scene's file name stays a name in the quotes of a study's command", "[law7]") {
     const Folder folder;
     const std::string name = "$(touch pwned) 'it' `touch pwned`";
     folder.write(name + ".pbrt", small_scene());
@@ -99,7 +99,7 @@ samples = 1
     CHECK_FALSE(folder.has("pwned"));
 }
 
-TEST_CASE("what a config, a job or a flag names and raylex lacks is an error with near misses [law7]") {
+TEST_CASE("what a config, a job or a flag names and raylex lacks is an error with near misses", "[law7]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     const auto study = [&](const std::string& key) {

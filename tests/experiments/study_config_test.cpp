@@ -121,7 +121,7 @@ TEST_CASE("a method's only sample filter can be swept, and its settings are told
           std::pair<std::string, std::string>("sample_filter.luminance", "3"));
 }
 
-TEST_CASE("what is wrong in a config is told with its place [law7]") {
+TEST_CASE("what is wrong in a config is told with its place", "[law7]") {
     const Made made;
     made.folder.write("c.toml", "");
     struct Case {

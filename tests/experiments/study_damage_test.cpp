@@ -16,7 +16,7 @@ using raylex::test::small_scene;
 
 namespace fs = std::filesystem;
 
-TEST_CASE("every file of a cell is checked: damage is named, rendered again, refused or left out [law7]") {
+TEST_CASE("every file of a cell is checked: damage is named, rendered again, refused or left out", "[law7]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     folder.write("c.toml", R"(threads = 1

@@ -120,7 +120,7 @@ TEST_CASE(
     CHECK_FALSE(folder.has("other/experiment.json"));
 }
 
-TEST_CASE("what never ends is ended by its timeout, and by an interrupt; no process is left [law7]", "[release-only]") {
+TEST_CASE("what never ends is ended by its timeout, and by an interrupt; no process is left", "[release-only][law7]") {
     const Folder folder;
     write_study(folder, {{"endless", "rendering", "timeout"}}, "timeout = \"2s\"\n");
     const Outcome run = run_raylex(folder, "experiment run c.toml -o out");

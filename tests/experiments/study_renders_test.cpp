@@ -71,7 +71,7 @@ Coverage measure(const std::string& name, std::uint64_t samples, std::size_t rep
 
 }  // namespace
 
-TEST_CASE("95 % intervals cover the errors of real renders [statistical]", "[.full][study]") {
+TEST_CASE("95 % intervals cover the errors of real renders", "[.full][study][statistical]") {
     // 200 sets: one binomial standard error is 1.5 %. 91 % is below 95 % by 2.6 of them.
     const Coverage room = measure("cornell-color", 16, 8);
     CHECK(room.heavy <= 10);  // diffuse surfaces under a lamp that is sampled
@@ -81,8 +81,8 @@ TEST_CASE("95 % intervals cover the errors of real renders [statistical]", "[.fu
     CHECK(glass.heavy >= 180);
 }
 
-TEST_CASE("the bias test of real renders against renders of the same method keeps its level [statistical]",
-          "[.full][study]") {
+TEST_CASE("the bias test of real renders against renders of the same method keeps its level",
+          "[.full][study][statistical]") {
     const auto scene =
         transport::import_pbrt(raylex::test::source_dir() + "/experiments/scenes/cornell-color/scene.pbrt");
     REQUIRE(scene);

@@ -56,7 +56,7 @@ TEST_CASE("quantiles are those of the tables", "[study]") {
     CHECK(sidak_adjusted(sidak_level(0.01, 345), 345) == Approx(0.01).epsilon(1e-9));
 }
 
-TEST_CASE("95 % intervals of errors cover, by t and by bootstrap [statistical]", "[study]") {
+TEST_CASE("95 % intervals of errors cover, by t and by bootstrap", "[study][statistical]") {
     const double truth = 0.02;
     for (const std::size_t n : {4, 8, 16, 40}) {
         CAPTURE(n);
@@ -77,7 +77,7 @@ TEST_CASE("95 % intervals of errors cover, by t and by bootstrap [statistical]",
     }
 }
 
-TEST_CASE("the reference's noise is taken off what was measured [statistical]", "[study]") {
+TEST_CASE("the reference's noise is taken off what was measured", "[study][statistical]") {
     const double truth = 0.01, excess = 0.004;
     Random random(5);
     int covered = 0;
@@ -91,7 +91,7 @@ TEST_CASE("the reference's noise is taken off what was measured [statistical]", 
     CHECK(error_interval(near, excess).note == "at the reference's own error");
 }
 
-TEST_CASE("speed-ups cover when errors and times vary together [statistical]", "[study]") {
+TEST_CASE("speed-ups cover when errors and times vary together", "[study][statistical]") {
     // B is 2.5 times as efficient. Within a replicate a slow run is also a more accurate one, so that a ratio that
     // ignored the covariance would be too wide, and one that took geometric means would be off.
     Random random(77);
@@ -115,7 +115,7 @@ TEST_CASE("speed-ups cover when errors and times vary together [statistical]", "
     CHECK(efficiency_interval(one, one).value == Approx(100));
 }
 
-TEST_CASE("slopes cover, and a shallow one is flagged where -1 is excluded [statistical]", "[study]") {
+TEST_CASE("slopes cover, and a shallow one is flagged where -1 is excluded", "[study][statistical]") {
     Random random(99);
     int covered = 0, accused = 0, caught = 0;
     for (int k = 0; k < repetitions; ++k) {
@@ -147,7 +147,7 @@ TEST_CASE("slopes cover, and a shallow one is flagged where -1 is excluded [stat
     CHECK(caught >= 990);
 }
 
-TEST_CASE("the time to an error covers inside and outside what was measured [statistical]", "[study]") {
+TEST_CASE("the time to an error covers inside and outside what was measured", "[study][statistical]") {
     // Relative error r at K / r^2 + setup with K = 0.01 and setup 2: 1 % at 102 s, 5 % at 6 s.
     Random random(123);
     int covered_inside = 0, covered_outside = 0, predicted = 0;
@@ -184,7 +184,7 @@ TEST_CASE("the time to an error covers inside and outside what was measured [sta
     CHECK(time_to_error(stuck, 0.01).seconds.note == "not reached: the error no longer falls");
 }
 
-TEST_CASE("a heavy tail is told from pixels that are always hard [statistical]", "[study]") {
+TEST_CASE("a heavy tail is told from pixels that are always hard", "[study][statistical]") {
     Random random(31);
     std::normal_distribution<double> normal;
     std::uniform_real_distribution<double> uniform;
@@ -211,7 +211,7 @@ TEST_CASE("a heavy tail is told from pixels that are always hard [statistical]",
     CHECK(found >= 190);
 }
 
-TEST_CASE("the bias test keeps its level and finds what it says it can [statistical]", "[study]") {
+TEST_CASE("the bias test keeps its level and finds what it says it can", "[study][statistical]") {
     // 12 blocks and the whole, eight replicates against a reference that is itself noisy.
     constexpr std::size_t blocks = 12, replicates = 8;
     const double mean = 2, sigma = 0.1, reference_sigma = 0.01;
@@ -257,7 +257,7 @@ TEST_CASE("the bias test keeps its level and finds what it says it can [statisti
           Approx(bias / mean).epsilon(0.1));  // the estimate of a deviation from eight values varies, its mean hardly
 }
 
-TEST_CASE("the bias test keeps its level with three replicates and a good reference [statistical]", "[study]") {
+TEST_CASE("the bias test keeps its level with three replicates and a good reference", "[study][statistical]") {
     // Among 300 blocks some triples agree by chance to a hundredth of their deviation: the trap for variances with two
     // degrees.
     constexpr std::size_t blocks = 300;

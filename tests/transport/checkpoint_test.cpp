@@ -282,7 +282,7 @@ TEST_CASE("an integrator's own state is saved, or the integrator is named and re
     CHECK(refused.error().message.find("integrator 'silent' does not say how its state is saved") != std::string::npos);
 }
 
-TEST_CASE("an interrupted render that ends by its error goes on to the same bits [law3]") {
+TEST_CASE("an interrupted render that ends by its error goes on to the same bits", "[law3]") {
     const auto scene = scene_of(room);
     const ScratchFile file;
     transport::RenderSettings settings;

@@ -31,7 +31,7 @@ void check_replay(const transport::SceneDescription& scene, const transport::Ren
 
 }  // namespace
 
-TEST_CASE("a render that ends by the clock is the render with the samples it reached [law3]") {
+TEST_CASE("a render that ends by the clock is the render with the samples it reached", "[law3]") {
     const auto scene = scene_of(room);
     for (const double seconds : {1e-9, 0.15}) {
         transport::RenderSettings settings = settings_with(1);
@@ -80,7 +80,7 @@ TEST_CASE("a render that ends by its error has it, and not for one pass less") {
     CHECK_FALSE(transport::render(scene, settings).ok());
 }
 
-TEST_CASE("aligned shards merge to the bits of the whole, in any order [law3]") {
+TEST_CASE("aligned shards merge to the bits of the whole, in any order", "[law3]") {
     const auto scene = scene_of(room);
     const auto whole = render_of(scene, settings_with(100));
     std::vector<transport::RenderOutput> shards;

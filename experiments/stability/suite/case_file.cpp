@@ -150,6 +150,13 @@ void read_subject(TomlTable& table, StabilityCase& each) {
     }
     each.constants = read_axes(table, "with", true);
     each.varied = read_axes(table, "vary", false);
+    each.fast = read_axes(table, "fast", false);
+    for (const CaseAxis& axis : each.fast) {
+        const auto same = [&](const CaseAxis& other) { return other.name == axis.name; };
+        if (std::none_of(each.varied.begin(), each.varied.end(), same))
+            table.source().fail(axis.location, "'fast." + axis.name + "', but nothing is varied by that name",
+                                "'fast' has fewer values of what 'vary' goes through");
+    }
     read_text(table, "expected", each.expected);
     read_text(table, "ulp_of", each.ulp_of);
     read_text(table, "tolerance", each.tolerance);

@@ -21,21 +21,27 @@ void put(const std::string& name, const AxisValue& value, const SourceLocation& 
 
 }  // namespace
 
-Result<std::vector<Setting>> StabilityCase::settings() const {
+Result<std::vector<Setting>> StabilityCase::settings(bool only_fast) const {
+    std::vector<const CaseAxis*> axes;
+    for (const CaseAxis& axis : varied) axes.push_back(&axis);
+    if (only_fast)
+        for (const CaseAxis& kept : fast)
+            for (const CaseAxis*& axis : axes)
+                if (axis->name == kept.name) axis = &kept;
     std::size_t lines = 1;
-    for (const CaseAxis& axis : varied) {
-        lines *= axis.values.size();
-        if (lines > most_lines) return error_at(axis.location, "'" + name + "' has more than 10000 lines");
+    for (const CaseAxis* axis : axes) {
+        lines *= axis->values.size();
+        if (lines > most_lines) return error_at(axis->location, "'" + name + "' has more than 10000 lines");
     }
     std::vector<Setting> result;
     for (std::size_t line = 0; line < lines; ++line) {
         Setting setting;
-        std::vector<const AxisValue*> values(varied.size());
-        for (std::size_t i = varied.size(), rest = line; i-- > 0; rest /= varied[i].values.size())
-            values[i] = &varied[i].values[rest % varied[i].values.size()];
-        for (std::size_t i = 0; i < varied.size(); ++i) {
-            put(varied[i].name, *values[i], varied[i].location, setting);
-            setting.text += (setting.text.empty() ? "" : ", ") + varied[i].name + " = " + values[i]->text();
+        std::vector<const AxisValue*> values(axes.size());
+        for (std::size_t i = axes.size(), rest = line; i-- > 0; rest /= axes[i]->values.size())
+            values[i] = &axes[i]->values[rest % axes[i]->values.size()];
+        for (std::size_t i = 0; i < axes.size(); ++i) {
+            put(axes[i]->name, *values[i], axes[i]->location, setting);
+            setting.text += (setting.text.empty() ? "" : ", ") + axes[i]->name + " = " + values[i]->text();
         }
         for (const CaseAxis& axis : constants) put(axis.name, axis.values.front(), axis.location, setting);
         result.push_back(std::move(setting));

@@ -59,12 +59,13 @@ struct StabilityCase {
     std::string probe;  ///< its name; empty: `scene` is set
     std::optional<SceneSubject> scene;
     std::vector<CaseAxis> constants, varied;  ///< in the order of the file; constants have one value
+    std::vector<CaseAxis> fast;               ///< what --fast keeps to of those of `varied`
     CaseText expected, tolerance, ulp_of;
     Comparison comparison = Comparison::equal;
 
     /// Every combination of what varies, the last axis fastest. Strings that are formulas of numbers are numbers,
     /// others words.
-    [[nodiscard]] Result<std::vector<Setting>> settings() const;
+    [[nodiscard]] Result<std::vector<Setting>> settings(bool only_fast = false) const;
 };
 
 /// A file of cases.

@@ -41,8 +41,8 @@ struct PlannedLine {
     }
 };
 
-std::vector<PlannedLine> planned_lines(const CaseFamily& family, const StabilityCase& what) {
-    auto settings = what.settings();
+std::vector<PlannedLine> planned_lines(const CaseFamily& family, const StabilityCase& what, bool only_fast) {
+    auto settings = what.settings(only_fast);
     if (!settings) return {{&family, &what, {}, 0, settings.error()}};
     const std::size_t integrators = what.scene ? std::max<std::size_t>(1, what.scene->integrators.size()) : 1;
     std::vector<PlannedLine> lines;
@@ -154,7 +154,9 @@ class SuiteRun {
               };
           }) {}
 
-    void plan(const CaseFamily& family, const StabilityCase& what) { cases_.push_back(planned_lines(family, what)); }
+    void plan(const CaseFamily& family, const StabilityCase& what) {
+        cases_.push_back(planned_lines(family, what, options_.fast));
+    }
     [[nodiscard]] std::size_t size() const { return cases_.size(); }
 
     /// A case whose process died is asked for line by line, to know which it was.

@@ -13,7 +13,7 @@
 namespace raylex::experiments {
 
 struct SuiteOptions {
-    bool fast = false;               ///< without the cases that say they are slow
+    bool fast = false;               ///< without the cases and values that are slow
     std::vector<std::string> names;  ///< of cases, with * and ?; empty: all
     std::vector<int> rows;           ///< of the hard cases; empty: all
     int threads = 0;                 ///< 0: all the machine offers
