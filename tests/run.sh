@@ -4,8 +4,8 @@
 #
 #   bash tests/run.sh                 everything short
 #   bash tests/run.sh NAME            only what matches, Release; builds only the programs that hold it. NAME is
-#                                       a part: lpe, services, display, geoaovs, transport, experiments, endtoend,
-#                                       python
+#                                       a part: lpe, services, display, geoaovs, transport, experiments, cli,
+#                                       endtoend, python
 #                                       a test file: tests/lpe/rest_test.cpp, lpe/rest_test, rest_test, test_render.py
 #                                       a tag: [law5]
 #                                       words of a test case's name; * is a wildcard
@@ -126,7 +126,7 @@ parts=() cases=() python_tests="test_*.py"
 choose() {
     local part stem=${name##*/}
     stem=${stem%.cpp}
-    for part in lpe services display geoaovs transport experiments endtoend python; do
+    for part in lpe services display geoaovs transport experiments cli endtoend python; do
         [ "$name" = "$part" ] && { parts=("$part"); return; }
     done
     if [ -f "tests/python/${stem%.py}.py" ]; then
@@ -148,7 +148,7 @@ choose() {
         files=$(awk '/^(TEMPLATE_)?TEST_CASE/ { text = ""; on = 1 }
                      on { text = text $0 }
                      on && /\{ *$/ { gsub(/" +"/, "", text); print FILENAME "\t" text; on = 0 }' \
-                tests/{lpe,services,display,geoaovs,transport,experiments,endtoend}/*.cpp |
+                tests/{lpe,services,display,geoaovs,transport,experiments,cli,endtoend}/*.cpp |
                 grep -iE -- $'\t'".*$pattern" | cut -f1)
     fi
     [ -n "$files" ] || usage "'$name' is no part, no test file, and no test case has it in its name or tags"

@@ -115,6 +115,8 @@ std::optional<int> done_before(const ExperimentOptions& options, const RunMark& 
 int run_cells(const ExperimentOptions& options, bool resume) {
     return with_config(options, [&](const ExperimentConfig& config, const Shard& shard) {
         const bool begin = options.resume || options.only_references;
+        if (options.retry && !begin && !resume)
+            return report_error("--retry without --resume; expected both: what failed before is run again");
         RunMark mark{config.hash, shard, options.only_references};
         if (begin) {
             if (const auto code = done_before(options, mark)) return *code;
@@ -233,6 +235,36 @@ void add_shard(CLI::App& command, ExperimentOptions& options) {
         ->check(CLI::Range(1U, 4096U));
 }
 
+void add_plan_options(CLI::App& command, ExperimentOptions& options) {
+    add_config(command, options);
+    add_output(command, options, false);
+    add_shard(command, options);
+    command
+        .add_option("--shards", options.shards, "with --commands: shards that the cells are shared out to; default 1")
+        ->option_text("N")
+        ->check(CLI::Range(1U, 1000000U));
+    add_threads(command, options);
+    command.add_flag("--no-calibration", options.commands.no_calibration,
+                     "renders nothing: times that only a render can tell are not known");
+    add_command_output_options(command, options.commands, "");
+}
+
+void add_run_options(CLI::App& command, ExperimentOptions& options) {
+    add_config(command, options);
+    add_output(command, options, true);
+    add_shard(command, options);
+    command.add_flag("--report", options.report, "and then the report, as 'raylex experiment report' does");
+    add_threads(command, options);
+    command
+        .add_option("--references", options.references,
+                    "folder of references that runs share: one makes each, the others wait; default: as the config "
+                    "says, else in the results")
+        ->option_text("DIR");
+    command.add_flag("--retry", options.retry, "runs failed cells again");
+    command.footer(
+        "Exit codes: 0 all cells done; 1 a split does not sum; 2 bad input, or cells failed; 130 after Ctrl-C.");
+}
+
 }  // namespace
 
 void add_experiment_command(CLI::App& app, CommandContext& context) {
@@ -249,36 +281,14 @@ void add_experiment_command(CLI::App& app, CommandContext& context) {
     CLI::App* plan =
         add("plan", "Prints the cells, the expected time and how it was got, and the memory; writes nothing.", {});
     plan->callback([plan, options, &context] { context.exit_code = run_plan(*plan, *options, context.arguments); });
-    add_config(*plan, *options);
-    add_output(*plan, *options, false);
-    add_shard(*plan, *options);
-    plan->add_option("--shards", options->shards, "with --commands: shards that the cells are shared out to; default 1")
-        ->option_text("N")
-        ->check(CLI::Range(1U, 1000000U));
-    add_threads(*plan, *options);
-    plan->add_flag("--no-calibration", options->commands.no_calibration,
-                   "renders nothing: times that only a render can tell are not known");
-    add_command_output_options(*plan, options->commands, "");
+    add_plan_options(*plan, *options);
     CLI::App* run =
         add("run", "Makes the references, then runs the cells.", [options] { return run_cells(*options, false); });
     CLI::App* resume = add("resume", "Goes on with results that are there, at the cell and inside it.",
                            [options] { return run_cells(*options, true); });
-    for (CLI::App* each : {run, resume}) {
-        add_config(*each, *options);
-        add_output(*each, *options, true);
-        add_shard(*each, *options);
-        each->add_flag("--report", options->report, "and then the report, as 'raylex experiment report' does");
-        add_threads(*each, *options);
-        each->add_option("--references", options->references,
-                         "folder of references that runs share: one makes each, the others wait; default: as the "
-                         "config says, else in the results")
-            ->option_text("DIR");
-        each->footer(
-            "Exit codes: 0 all cells done; 1 a split does not sum; 2 bad input, or cells failed; 130 after Ctrl-C.");
-    }
+    for (CLI::App* each : {run, resume}) add_run_options(*each, *options);
     run->add_flag("--resume", options->resume, "begins, or goes on with what is there; does nothing when it is done");
     run->add_flag("--only-references", options->only_references, "makes the references alone; begins or goes on");
-    resume->add_flag("--retry", options->retry, "runs failed cells again");
     auto merging = std::make_shared<ExperimentMergeOptions>();
     CLI::App* merge = add("merge", "Makes one directory of several with cells of one config.",
                           [merging] { return merge_study(*merging); });

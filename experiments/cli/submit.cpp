@@ -50,7 +50,8 @@ Status check_first_submission(const SubmitOptions& options, const std::string& d
     return success();
 }
 
-/// The shards that are not done. An Error when one was begun from another config or in other parts.
+/// The shards that are not done, or have cells that failed. An Error when one was begun from another config or in other
+/// parts.
 Result<std::vector<unsigned>> shards_to_run(const ExperimentConfig& config, const SubmitOptions& options,
                                             const StudyFolders& folders) {
     std::vector<unsigned> wanted;
@@ -61,7 +62,7 @@ Result<std::vector<unsigned>> shards_to_run(const ExperimentConfig& config, cons
             return error_at({folders.part(part), 0, 0},
                             "this shard was begun from another config, with another --set, --shards or --split-cells",
                             "choose another directory with -o, or give what it was begun with");
-        if (!finished_mark(folders.part(part))) wanted.push_back(part);
+        if (!is_done(folders.part(part))) wanted.push_back(part);
     }
     return wanted;
 }
@@ -99,12 +100,13 @@ int submit(const CLI::App& command, const SubmitOptions& options, const std::vec
                                        .threads = options.cores,
                                        .config = words,
                                        .calibrate = !options.no_calibration,
-                                       .report = !options.no_report};
+                                       .report = !options.no_report,
+                                       .retry = options.again};
     auto plan = study_commands(*config, request, &interrupt_flag());
     if (!plan) return report_error(plan.error());
     if (Status written = write_slurm_files({directory, options.form, options.slurm_options}, *plan, *wanted); !written)
         return report_error(written.error());
-    const bool references = plan->commands.front().name == "references" && !finished_mark(folders.reference_run);
+    const bool references = plan->commands.front().name == "references" && !is_done(folders.reference_run);
     auto submission = submit_to_slurm(directory, references, options.shards);
     if (!submission) return report_error(submission.error());
     if (Status written = write_submission(directory, *submission); !written) return report_error(written.error());
@@ -174,7 +176,8 @@ void add_submit_command(CLI::App& app, CommandContext& context) {
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     command->add_option("--template", options->form, "a job file's template of your own; default: slurm.sh of raylex")
         ->option_text("FILE");
-    command->add_flag("--again", options->again, "submits what is not done of an earlier submission");
+    command->add_flag("--again", options->again,
+                      "submits what is not done of an earlier submission, and runs failed cells again");
     command->add_flag("--no-calibration", options->no_calibration,
                       "renders nothing here: no memory is asked for, and times are not known");
     command->add_flag("--no-report", options->no_report, "merges without making the report");

@@ -131,6 +131,7 @@ PlannedCommand reference_command(const StudyCommandsRequest& request, const Stud
     command.arguments =
         joined(joined({program_path(), "experiment", "run"}, request.config),
                {"-o", folders.reference_run, "--references", folders.references, "--only-references", "--resume"});
+    if (request.retry) command.arguments.push_back("--retry");
     command.target = finished_file(folders.reference_run);
     survey.describe_references(command);
     return command;
@@ -148,6 +149,7 @@ PlannedCommand shard_command(const StudyCommandsRequest& request, const StudyFol
         command.arguments = joined(command.arguments, {"--split-cells", std::to_string(request.split_cells)});
     if (request.threads > 0)
         command.arguments = joined(command.arguments, {"--threads", std::to_string(request.threads)});
+    if (request.retry) command.arguments.push_back("--retry");
     command.target = finished_file(folders.part(part));
     survey.describe(part, command);
     return command;

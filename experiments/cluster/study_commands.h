@@ -17,6 +17,7 @@ struct StudyCommandsRequest {
     unsigned threads = 0;             ///< of each shard; 0: as the config says
     std::vector<std::string> config;  ///< CONFIG.toml and its --set, standing alone
     bool calibrate = true, report = true;
+    bool retry = false;  ///< cells that failed are run again
 };
 
 /// Where the parts of such a study are.

@@ -79,6 +79,11 @@ std::optional<RunMark> finished_mark(const std::string& directory) {
     return read_mark(finished_file(directory));
 }
 
+bool is_done(const std::string& directory) {
+    const auto mark = finished_mark(directory);
+    return mark && mark->failed == 0;
+}
+
 std::string error_mark(const std::string& directory) {
     std::error_code failed;
     if (!fs::exists(directory + "/error.txt", failed)) return {};

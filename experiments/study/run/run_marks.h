@@ -32,6 +32,8 @@ void mark_error(const std::string& directory, const Error& error);
 /// Nothing where there is none, or none that can be read.
 std::optional<RunMark> begun_mark(const std::string& directory);
 std::optional<RunMark> finished_mark(const std::string& directory);
+/// Whether it finished, and no cell failed.
+bool is_done(const std::string& directory);
 /// What ended the last run; empty where nothing did.
 std::string error_mark(const std::string& directory);
 

@@ -174,6 +174,24 @@ TEST_CASE("a Makefile and a Snakefile have rules for every command, and template
     CHECK(contains(kubernetes, "UNTESTED"));
 }
 
+TEST_CASE("a cell whose process was killed is failed; begun again it stays so, and with --retry it is run", "[law7]") {
+    const StudyFolder folder;
+    const std::string one = " c.toml --set replicates=1 --set budget.samples=30000 --set reference.spp=1 -o ";
+    done(folder, "\"$RAYLEX\" experiment run" + one + "local");
+    const Outcome killed = run_shell(folder, "\"$RAYLEX\" experiment run" + one + R"(killed --resume & program=$!
+for i in $(seq 1000); do [ -e killed/cells/*.partial ] && break; sleep 0.01; done
+kill -KILL $(pgrep -P $program); wait $program)");
+    CAPTURE(killed.out, killed.err);
+    CHECK(killed.code == 2);
+    CHECK(contains(killed.out + killed.err, "SIGKILL"));
+    const Outcome again = run_raylex(folder, "experiment run" + one + "killed --resume");
+    CHECK(again.code == 2);
+    CHECK(contains(again.out, "done already, 0 cells, 1 FAILED"));
+    done(folder, "\"$RAYLEX\" experiment run" + one + "killed --resume --retry");
+    CHECK((folder.bits("killed") == folder.bits("local")));
+    check_refused(folder, "experiment run" + one + "other --retry", {"--retry without --resume"});
+}
+
 TEST_CASE("without a queue a submission leaves files to be used by hand, and loses nothing", "[law7]") {
     const StudyFolder folder;
     const std::string submit = "PATH=/nowhere \"$RAYLEX\" submit --slurm c.toml -o all --shards 2 --no-calibration";
@@ -191,6 +209,11 @@ TEST_CASE("without a queue a submission leaves files to be used by hand, and los
          "bash all/slurm/references.sh && SLURM_ARRAY_TASK_ID=2 bash all/slurm/shards.sh && "
          "SLURM_ARRAY_TASK_ID=1 bash all/slurm/shards.sh && bash all/slurm/merge.sh");
     CHECK(run_raylex(folder, "status all").code == 0);
+    // Again: nothing but what is not done, with another try for cells that failed.
+    done(folder, R"(sed -i 's/"failed": *0/"failed": 1/' all/parts/2/finished.json)");
+    CHECK(run_shell(folder, submit + " --again").code == 2);
+    CHECK(contains(folder.read("all/slurm/shards.sh"), "#SBATCH --array=2\n"));
+    CHECK(contains(folder.read("all/slurm/commands.txt"), " --retry\n"));
     check_refused(folder, "submit c.toml -o other --shards 2", {"expected --slurm"});
     check_refused(folder, "submit --slurm c.toml -o other", {"--shards N"});
     check_refused(folder, "status other", {"nothing was submitted or begun"});

@@ -2,6 +2,8 @@
 // checked out of tree, by tests/outside/check_plugins.cpp.
 #include <algorithm>
 #include <catch2/catch.hpp>
+
+#include <fstream>
 #include <string>
 
 #include "support.h"
@@ -102,8 +104,13 @@ TEST_CASE("what is no plugin is refused before it is opened", "[cli][plugins][la
     says("missing.so", "No such file");
     says("text.so", "is no shared library");
     says("empty.so", "is no shared library");
-    // The program itself holds no stamp section.
-    says(quoted(binary_dir() + "/raylex"), "no raylex plugin");
+    // A shared library without a section for the stamp: the one of C that this very process has loaded.
+    std::ifstream maps("/proc/self/maps");
+    std::string library;
+    for (std::string line; library.empty() && std::getline(maps, line);)
+        if (line.find("/libc.so") != std::string::npos) library = line.substr(line.find('/'));
+    REQUIRE_FALSE(library.empty());
+    says(quoted(library), "no raylex plugin");
 }
 
 TEST_CASE("a plugin whose stamp differs in anything is refused with what differs", "[cli][plugins][law7]") {
