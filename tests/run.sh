@@ -190,13 +190,13 @@ configure_and_build() {
     fi
 }
 
-# run_programs <preset> <label> <catch arguments...>: every test program of the build, as many at once as there are cores, with
-# counts from Catch2's own report.
+# run_programs <preset> <label> <catch arguments...>: every test program of the build, as many at once as there are cores
+# and the largest first, which takes longest; with counts from Catch2's own report.
 run_programs() {
     local preset=$1 label=$2
     shift 2
     local program name report log cases ok bad status programs=()
-    for program in "build/$preset"/test_*; do
+    for program in $(ls -S "build/$preset"/test_* 2>/dev/null); do
         [ -x "$program" ] || continue
         [ ${#parts[@]} = 0 ] || [[ " ${parts[*]} " == *" ${program##*/test_} "* ]] || continue
         programs+=("$program")

@@ -14,13 +14,16 @@ void PathAtlas::end_phase() {
 /// The class that takes a word in: without its last scattering, with "one or more" in its place. Itself where there is
 /// none to give up.
 std::uint32_t PathAtlas::class_above(std::uint32_t word) {
-    const WordTree::Node terminal = words_.node(word);
+    const WordTree::Node last = words_.node(word);
+    const bool found_by = WordAlphabet::is_technique(last.letter);
+    const WordTree::Node terminal = found_by ? words_.node(last.parent) : last;
     std::uint32_t before = terminal.parent;
     if (before == WordTree::root) return word;
     if (words_.node(before).letter == WordAlphabet::open) before = words_.node(before).parent;
     if (before == WordTree::root) return word;
     const std::uint32_t prefix = words_.node(before).parent;
-    const std::uint32_t merged = words_.child(words_.child(prefix, WordAlphabet::open), terminal.letter);
+    std::uint32_t merged = words_.child(words_.child(prefix, WordAlphabet::open), terminal.letter);
+    if (found_by) merged = words_.child(merged, last.letter);
     for (auto next = static_cast<std::uint32_t>(merged_into_.size()); next < words_.size(); ++next)
         merged_into_.push_back(next);
     return merged;

@@ -8,12 +8,13 @@
 // Deep parts without Z: samples are no surfaces. The header of `words` holds the table, as text:
 //
 //   atlas/version  1
-//   atlas/by       what words are told apart by: label,lobe,group,straight
+//   atlas/by       what words are told apart by: label,lobe,group,straight,technique
 //   atlas/length   scatterings of the longest word kept whole
 //   atlas/events   events of the scene that had light, as lpe/match.h writes them
 //   atlas/letters  for each of these its letter; events of one letter were not told apart
 //   atlas/words    a line a word, the first is number 0: letters from the camera on, the last a terminal; `*` stands
-//                  for one scattering or more, of any of the events
+//                  for one scattering or more, of any of the events; told apart by techniques, each ends in its own,
+//                  as s1t3, where 127 vertices stand for as many or more
 //   atlas/straight `dropped` where light passed cutouts that the words do not tell of
 //   atlas/signed   `yes` where a word's light may be negative: a pixel filter with negative lobes
 //   atlas/merged   how many words gave up a scattering for the budget
@@ -44,6 +45,7 @@ struct WordTable {
     std::vector<lpe::Event> events;
     std::vector<Letter> letters;             ///< [event]
     std::vector<std::vector<Letter>> words;  ///< WordAlphabet::open: one scattering or more
+    std::vector<Technique> techniques;       ///< [word] how its light was found; empty where words do not tell
     bool dropped_straight = false;
     bool is_signed = false;
     std::uint64_t merged = 0;

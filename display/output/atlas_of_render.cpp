@@ -28,6 +28,10 @@ class RenderAtlas final : public AtlasSource {
         number_.assign(light.size(), none);
         for (const std::uint32_t word : order) {
             number_[word] = static_cast<std::uint32_t>(table_.words.size());
+            if (alphabet.rules().techniques) {
+                table_.techniques.push_back(WordAlphabet::technique_of(letters[word].back()));
+                letters[word].pop_back();
+            }
             table_.words.push_back(std::move(letters[word]));
         }
         table_.rules = alphabet.rules();

@@ -4,6 +4,7 @@
 #include <set>
 #include <string_view>
 
+#include "lpe/language/prefixes.h"
 #include "lpe/match.h"
 
 namespace raylex::display {
@@ -32,6 +33,17 @@ bool read_letters(std::string_view text, std::vector<WordTable::Letter>& letters
         letters.push_back(letter);
         text.remove_prefix(std::min(end + 1, text.size()));
     }
+    return true;
+}
+
+/// Cuts off what stands behind the last blank, "s1t3".
+bool take_technique(std::string_view& line, Technique& technique) {
+    const std::size_t blank = line.rfind(' ');
+    if (blank == std::string_view::npos) return false;
+    const auto read = lpe::technique_prefix(line.substr(blank + 1));
+    if (!read || read->t == 0) return false;
+    technique = {read->s, read->t};
+    line = line.substr(0, blank);
     return true;
 }
 
@@ -78,7 +90,9 @@ std::map<std::string, std::string> table_attributes(const WordTable& table) {
     attributes["atlas/events"] = lpe::to_text(table.events);
     attributes["atlas/letters"] = letters_text(table.letters);
     std::string words;
-    for (const std::vector<WordTable::Letter>& word : table.words) words += letters_text(word) + '\n';
+    for (std::size_t i = 0; i < table.words.size(); ++i)
+        words += letters_text(table.words[i]) + (table.techniques.empty() ? "" : ' ' + to_string(table.techniques[i])) +
+                 '\n';
     attributes["atlas/words"] = std::move(words);
     if (table.dropped_straight) attributes["atlas/straight"] = "dropped";
     if (table.is_signed) attributes["atlas/signed"] = "yes";
@@ -114,7 +128,9 @@ Result<WordTable> read_table(const std::map<std::string, std::string>& attribute
     for (std::size_t begin = 0; begin < words.size();) {
         const std::size_t end = words.find('\n', begin);
         if (end == std::string::npos) return damaged_table(path, "atlas/words does not end in the end of a line");
-        if (!read_letters(std::string_view(words).substr(begin, end - begin), table.words.emplace_back()))
+        std::string_view line = std::string_view(words).substr(begin, end - begin);
+        if ((table.rules.techniques && !take_technique(line, table.techniques.emplace_back())) ||
+            !read_letters(line, table.words.emplace_back()))
             return damaged_table(path, "'" + words.substr(begin, end - begin) + "' in atlas/words is no word");
         begin = end + 1;
     }

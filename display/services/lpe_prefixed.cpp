@@ -128,7 +128,7 @@ void LpeServices::contribute_apart(const Report& report, const Tracker& tracker)
     };
     if (valid && !black && report.technique != nullptr && takes_all(tracker)) {
         splat(setup_.beauty_, whole);
-        if (path_words_ != nullptr) keep_light(value, tracker);
+        if (path_words_ != nullptr) keep_light(value, *report.technique, tracker);
     }
     const std::size_t groups = tracker.groups_;
     for (std::size_t branch = 0; branch < tracker.count_; ++branch) {

@@ -258,7 +258,7 @@ class LpeServices {
                                            std::uint64_t key);
     void keep_move(Tracker& tracker, std::span<const LobePart> parts) const;
     void keep_move(Tracker& tracker, lpe::EventClass event) const;
-    void keep_light(const Rgb& value, const Tracker& tracker) const;
+    void keep_light(const Rgb& value, Technique technique, const Tracker& tracker) const;
     void split(Tracker& tracker, std::span<const LobePart> parts);
     void reject(const Rgb& value, const Tracker& tracker);
     void splat_apart(std::span<const ChannelId> channels, const RgbD& value, int row);

@@ -109,7 +109,7 @@ inline void LpeServices::contribute(const Rgb& value, Technique technique, const
         table_.touch_in_passing(setup_.beauty_, tracker.row_);
     }
     if (path_words_ != nullptr) [[unlikely]]
-        keep_light(value, tracker);
+        keep_light(value, technique, tracker);
     const std::size_t words = tracker.groups_;
     const lpe::ProgramView& program = setup_.program_.view();
     for (std::size_t branch = 0; branch < tracker.count_; ++branch) {

@@ -34,8 +34,8 @@ void LpeServices::keep_move(Tracker& tracker, std::span<const LobePart> parts) c
     tracker.path_ = path_words_->move(tracker.path_, parts);
 }
 
-void LpeServices::keep_light(const Rgb& value, const Tracker& tracker) const {
-    path_words_->add(tracker.row_, tracker.path_, value);
+void LpeServices::keep_light(const Rgb& value, Technique technique, const Tracker& tracker) const {
+    path_words_->add(tracker.row_, tracker.path_, value, technique);
 }
 
 }  // namespace raylex::display

@@ -30,14 +30,17 @@ PathWords::Path PathWords::move(Path from, std::span<const LobePart> parts) {
     return static_cast<Path>(nodes_.size() - 1);
 }
 
-void PathWords::add(int row, Path path, const Rgb& value) {
+void PathWords::add(int row, Path path, const Rgb& value, Technique technique) {
     find_pairs(path);
     const Node& node = nodes_[path];
     const RgbD whole(value);
     for (std::uint32_t k = node.first_pair; k < node.first_pair + node.pairs; ++k) {
         const RgbD part = whole * pairs_[k].share;
         if (part.r == 0 && part.g == 0 && part.b == 0) continue;
-        entries_.push_back({static_cast<std::uint32_t>(row), pairs_[k].word, part.r, part.g, part.b});
+        const std::uint32_t word = alphabet_.rules().techniques
+                                       ? words_.child(pairs_[k].word, WordAlphabet::letter_of(technique))
+                                       : pairs_[k].word;
+        entries_.push_back({static_cast<std::uint32_t>(row), word, part.r, part.g, part.b});
     }
 }
 

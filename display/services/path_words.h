@@ -43,7 +43,7 @@ class PathWords {
     /// The same of a scattering by several lobes; no parts: a path that brings nothing.
     [[nodiscard]] Path move(Path from, std::span<const LobePart> parts);
     /// Light that `path`, which ends in its terminal, brings to a row.
-    void add(int row, Path path, const Rgb& value);
+    void add(int row, Path path, const Rgb& value, Technique technique);
 
     /// In the order of contributions.
     [[nodiscard]] std::span<const Entry> entries() const { return entries_; }

@@ -16,7 +16,8 @@ struct RuleName {
 constexpr RuleName rule_names[] = {{"label", &WordRules::labels},
                                    {"lobe", &WordRules::lobes},
                                    {"group", &WordRules::groups},
-                                   {"straight", &WordRules::straight}};
+                                   {"straight", &WordRules::straight},
+                                   {"technique", &WordRules::techniques}};
 
 WordAlphabet::Kind kind_of(const lpe::Event& event) {
     switch (event.type) {
@@ -53,7 +54,7 @@ lpe::Event projected(lpe::Event event, const WordRules& rules) {
 }  // namespace
 
 Result<WordRules> parse_word_rules(const std::string& text, const SourceLocation& where) {
-    WordRules rules{false, false, false, false};
+    WordRules rules{false, false, false, false, false};
     std::istringstream words(text);
     for (std::string word; std::getline(words, word, ',');) {
         bool known = false;
@@ -68,8 +69,8 @@ Result<WordRules> parse_word_rules(const std::string& text, const SourceLocation
         const std::string near = nearest_name(word, names);
         return error_at(where,
                         "'" + word +
-                            "' is nothing that words are told apart by; expected label, lobe, group or "
-                            "straight, or several with commas between",
+                            "' is nothing that words are told apart by; expected label, lobe, group, "
+                            "straight or technique, or several with commas between",
                         near.empty() ? std::string() : "did you mean '" + near + "'?");
     }
     return rules;
@@ -89,7 +90,7 @@ Result<WordAlphabet> WordAlphabet::build(std::span<const lpe::Event> events, con
     alphabet.letters_.push_back(open);
     alphabet.kinds_.push_back(Kind::scattering);
     std::map<std::string, Letter> letter_of;
-    constexpr std::size_t most = open;
+    constexpr std::size_t most = first_technique;
     for (const lpe::Event& event : events) {
         const auto column = static_cast<lpe::EventClass>(alphabet.events_.size());
         if (!alphabet.columns_.emplace(key_of(event), column).second) continue;

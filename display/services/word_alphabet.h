@@ -5,6 +5,7 @@
 // apart in nothing that is kept share a letter, and whoever reads the atlas learns which events a letter stands for.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -12,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "display/services/channel.h"
 #include "display/services/parameters.h"
 #include "lpe/event.h"
 #include "lpe/program_view.h"
@@ -19,17 +21,23 @@
 
 namespace raylex::display {
 
+/// "s1t3".
+inline std::string to_string(const Technique& technique) {
+    return "s" + std::to_string(technique.s) + "t" + std::to_string(technique.t);
+}
+
 /// What words are told apart by, and how long they get.
 struct WordRules {
-    bool labels = true;     ///< of objects and media
-    bool lobes = true;      ///< names and numbers of lobes; type and scatter letter always are
-    bool groups = true;     ///< of lights; L, B and O always are
-    bool straight = false;  ///< light straight through cutouts, which only the osl dialect sees
+    bool labels = true;       ///< of objects and media
+    bool lobes = true;        ///< names and numbers of lobes; type and scatter letter always are
+    bool groups = true;       ///< of lights; L, B and O always are
+    bool straight = false;    ///< light straight through cutouts, which only the osl dialect sees
+    bool techniques = false;  ///< how light was found, which no expression sees but by its prefix
     static constexpr int most_length = 1000;
     int length = 8;  ///< scatterings of the longest word kept whole
 };
 
-/// "label,lobe,group,straight", any of them. Errors at `where`.
+/// "label,lobe,group,straight,technique", any of them. Errors at `where`.
 Result<WordRules> parse_word_rules(const std::string& text, const SourceLocation& where);
 /// What parse_word_rules() reads; empty where words are told apart by nothing but types.
 [[nodiscard]] std::string to_string(const WordRules& rules);
@@ -39,6 +47,19 @@ class WordAlphabet {
     using Letter = std::uint16_t;
     /// Takes the place of one scattering or more, whatever they are: words beyond the length, and merged ones.
     static constexpr Letter open = 0xffff;
+    /// Techniques are letters as well, behind the terminal, where words are told apart by them: from this one on.
+    static constexpr Letter first_technique = 0x8000;
+    /// A technique's s or t is known up to this, which stands for itself and whatever is more.
+    static constexpr std::uint32_t most_vertices = 127;
+    [[nodiscard]] static bool is_technique(Letter letter) { return letter >= first_technique && letter != open; }
+    [[nodiscard]] static Letter letter_of(Technique technique) {
+        const std::uint32_t s = std::min(technique.s, most_vertices), t = std::min(technique.t, most_vertices);
+        return static_cast<Letter>(first_technique + s * (most_vertices + 1) + t);
+    }
+    [[nodiscard]] static Technique technique_of(Letter letter) {
+        const std::uint32_t number = letter - std::uint32_t{first_technique};
+        return {number / (most_vertices + 1), number % (most_vertices + 1)};
+    }
     enum class Kind : std::uint8_t { scattering, straight, terminal };
 
     /// `events`: what the scene can produce, without the camera's. Errors: more than an automaton has columns for.

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "lpe/algebra/check.h"
+#include "lpe/language/prefixes.h"
 #include "lpe/program.h"
 
 namespace raylex::experiments {
@@ -23,7 +25,13 @@ Status check_channel(const display::ChannelDefinition& channel, const display::A
     const auto prefixes = channel.rest_of.empty() ? lpe::expression_prefixes(source)
                                                   : Result<std::vector<std::string>>(std::vector<std::string>());
     if (!prefixes) return prefixes.error();
-    if (!prefixes->empty())
+    const bool by_technique = prefixes->size() == 1 && lpe::technique_prefix(prefixes->front());
+    if (by_technique && !atlas.table().rules.techniques)
+        return error_at(where,
+                        "channel '" + channel.name + "' is what '" + prefixes->front() + "' found, and the words of " +
+                            atlas.path() + " do not tell techniques apart",
+                        "render the atlas with --atlas-by label,lobe,group,technique");
+    if (!prefixes->empty() && !by_technique)
         return error_at(where,
                         "channel '" + channel.name + "' has the prefix '" + prefixes->front() +
                             "', and an atlas keeps the light of words, which prefixes change",
@@ -93,7 +101,7 @@ class AskedLayers::Builder {
         std::vector<std::int32_t> program_channel;
         auto program = compile_plan(plan_, program_channel);
         if (!program) return program.error();
-        const WordAnswers answers(atlas_.table(), *program);
+        const WordAnswers answers(atlas_.table(), *program, techniques());
         if (Status planned = plan_layers(answers, program_channel); !planned) return planned;
         atlas_.read_parts(settings_.errors);
         display::AtlasRow row;
@@ -113,6 +121,21 @@ class AskedLayers::Builder {
         std::array<double, 3> sure{}, possible{};
         Parts luminance{};
     };
+
+    /// What the channels' prefixes say of techniques. They were read before.
+    [[nodiscard]] WordAnswers::Techniques techniques() const {
+        WordAnswers::Techniques wanted;
+        for (const display::ChannelDefinition& channel : plan_.channels) {
+            std::optional<lpe::TechniquePrefix>& of_channel = wanted.emplace_back();
+            if (!channel.rest_of.empty()) continue;
+            lpe::ChannelSource source;
+            source.expression = channel.expression;
+            source.dialect = channel.dialect;
+            const auto prefixes = lpe::expression_prefixes(source);
+            if (prefixes && !prefixes->empty()) of_channel = lpe::technique_prefix(prefixes->front());
+        }
+        return wanted;
+    }
 
     int add_layer(const std::string& name, const display::ChannelDefinition& like, bool light) {
         display::ChannelDefinition channel = like;

@@ -78,6 +78,13 @@ double mean_luminance(const display::WordSample& sample) {
            3;
 }
 
+/// Its letters, and how its light was found.
+std::vector<WordTable::Letter> whole_word(const WordTable& table, std::uint32_t word) {
+    std::vector<WordTable::Letter> letters = table.words[word];
+    if (!table.techniques.empty()) letters.push_back(display::WordAlphabet::letter_of(table.techniques[word]));
+    return letters;
+}
+
 /// In an order of their own, so that it does not matter which file came first.
 double sum_of(std::vector<double>& terms) {
     std::sort(terms.begin(), terms.end());
@@ -120,7 +127,7 @@ Status MergedAtlas::join_tables() {
                 return error_at({file->path(), 0, 0}, "cannot be merged with " + files_.front()->path() +
                                                           ": their letters stand for other events");
         }
-        for (const auto& word : table.words) words.try_emplace(word, 0);
+        for (std::uint32_t word = 0; word < table.words.size(); ++word) words.try_emplace(whole_word(table, word), 0);
         table_.dropped_straight = table_.dropped_straight || table.dropped_straight;
         table_.merged += table.merged;
     }
@@ -131,10 +138,14 @@ Status MergedAtlas::join_tables() {
     for (auto& [word, number] : words) {
         number = static_cast<std::uint32_t>(table_.words.size());
         table_.words.push_back(word);
+        if (!table_.rules.techniques) continue;
+        table_.techniques.push_back(display::WordAlphabet::technique_of(word.back()));
+        table_.words.back().pop_back();
     }
     for (const auto& file : files_) {
         std::vector<std::uint32_t>& number_of = number_of_.emplace_back();
-        for (const auto& word : file->table().words) number_of.push_back(words.at(word));
+        for (std::uint32_t word = 0; word < file->table().words.size(); ++word)
+            number_of.push_back(words.at(whole_word(file->table(), word)));
     }
     return success();
 }

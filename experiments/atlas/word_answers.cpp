@@ -79,6 +79,20 @@ class SetWalk {
     std::vector<States> first_;
 };
 
+enum class Answer { none, some, all };
+
+/// Whether a count that is known up to WordAlphabet::most_vertices is the one that is wanted.
+Answer is_count(std::uint32_t wanted, std::uint32_t found) {
+    if (found < WordAlphabet::most_vertices) return found == wanted ? Answer::all : Answer::none;
+    return wanted < WordAlphabet::most_vertices ? Answer::none : Answer::some;
+}
+
+Answer takes(const lpe::TechniquePrefix& wanted, const display::Technique& found) {
+    if (wanted.t != 0) return std::min(is_count(wanted.s, found.s), is_count(wanted.t, found.t));
+    if (found.s + found.t > wanted.beyond) return Answer::all;
+    return std::max(found.s, found.t) < WordAlphabet::most_vertices ? Answer::none : Answer::some;
+}
+
 /// Channels by how many of the states accept.
 struct Acceptance {
     std::vector<std::uint16_t> all, some;
@@ -89,11 +103,22 @@ struct Acceptance {
             program.for_each_accepted(each.data(), [&](std::uint16_t channel) { ++count[channel]; });
         for (const auto& [channel, times] : count) (times == states.size() ? all : some).push_back(channel);
     }
+    /// What of it was found as the channels want it.
+    void keep(const WordAnswers::Techniques& wanted, const display::Technique& found) {
+        const auto answer = [&](std::uint16_t channel) {
+            return wanted[channel] ? takes(*wanted[channel], found) : Answer::all;
+        };
+        std::erase_if(some, [&](std::uint16_t channel) { return answer(channel) == Answer::none; });
+        for (const std::uint16_t channel : all)
+            if (answer(channel) == Answer::some) some.push_back(channel);
+        std::erase_if(all, [&](std::uint16_t channel) { return answer(channel) != Answer::all; });
+        std::sort(some.begin(), some.end());
+    }
 };
 
 }  // namespace
 
-WordAnswers::WordAnswers(const display::WordTable& table, const lpe::Program& program)
+WordAnswers::WordAnswers(const display::WordTable& table, const lpe::Program& program, const Techniques& techniques)
     : undecided_(program.channel_count(), -1) {
     SetWalk walk(table, program);
     // Words share their beginnings: states behind each are worked out once.
@@ -108,7 +133,8 @@ WordAnswers::WordAnswers(const display::WordTable& table, const lpe::Program& pr
             if (fresh) place->second = walk.move(*states, letters[i]);
             states = &place->second;
         }
-        const Acceptance accepted(program, walk.move(*states, letters.back()));
+        Acceptance accepted(program, walk.move(*states, letters.back()));
+        if (!techniques.empty() && !table.techniques.empty()) accepted.keep(techniques, table.techniques[word]);
         all_.insert(all_.end(), accepted.all.begin(), accepted.all.end());
         some_.insert(some_.end(), accepted.some.begin(), accepted.some.end());
         all_begin_.push_back(static_cast<std::uint32_t>(all_.size()));
@@ -133,6 +159,7 @@ std::string word_text(const display::WordTable& table, std::uint32_t word) {
             first = false;
         }
     }
+    if (!table.techniques.empty()) text += " (" + to_string(table.techniques[word]) + ")";
     return text;
 }
 

@@ -110,7 +110,7 @@ void add_file_options(const OptionGroup& group, OutputOptions& options) {
               "half or float colours, and none, rle or zips");
     group.add("--atlas", options.atlas, "OUT.atlas.exr",
               "also keeps the light of every word, so that 'raylex ask' answers expressions after the render");
-    group.add("--atlas-by", options.atlas_by, "label,lobe,group,straight",
+    group.add("--atlas-by", options.atlas_by, "label,lobe,group,straight,technique",
               "what the atlas's words are told apart by, beside their types; default label,lobe,group");
     group
         .add("--atlas-length", options.atlas_length, "N",

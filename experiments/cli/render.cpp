@@ -141,6 +141,20 @@ Result<transport::SampleChoice> parse_replay(const std::string& text) {
     return error_at(flag("--replay"), "'" + text + "' is no sample of a pixel; expected X,Y,SAMPLE, such as 12,7,3");
 }
 
+Status read_framing(const RenderOptions& options, transport::RenderSettings& settings) {
+    if (!options.resolution.empty()) {
+        auto size = parse_resolution(options.resolution, flag("--resolution"));
+        if (!size) return size.error();
+        settings.resolution = *size;
+    }
+    if (!options.crop.empty()) {
+        auto crop = parse_crop(options.crop, flag("--crop"));
+        if (!crop) return crop.error();
+        settings.crop = *crop;
+    }
+    return success();
+}
+
 /// Flags override the job file.
 Result<Job> assemble(const CLI::App& command, const RenderOptions& options) {
     auto base = base_job(options.input);
@@ -166,16 +180,7 @@ Result<Job> assemble(const CLI::App& command, const RenderOptions& options) {
         if (Status added = add_effect_choice(text, flag("--effect"), job.effects); !added) return added.error();
     job.show_effects = options.show_effects;
     if (!options.filter_mode.empty()) job.settings.splat = options.filter_mode == "splat";
-    if (!options.resolution.empty()) {
-        auto size = parse_resolution(options.resolution, flag("--resolution"));
-        if (!size) return size.error();
-        job.settings.resolution = *size;
-    }
-    if (!options.crop.empty()) {
-        auto crop = parse_crop(options.crop, flag("--crop"));
-        if (!crop) return crop.error();
-        job.settings.crop = *crop;
-    }
+    if (Status framed = read_framing(options, job.settings); !framed) return framed.error();
     if (!options.missing.empty()) {
         auto missing = parse_missing(options.missing, flag("--missing"));
         if (!missing) return missing.error();

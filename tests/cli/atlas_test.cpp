@@ -151,6 +151,44 @@ TEST_CASE("what is asked afterwards is what a render had given: random expressio
     }
 }
 
+TEST_CASE("an atlas by technique answers what each found, and words tell it", "[atlas]") {
+    const AtlasFolder folder;
+    const std::string wishes =
+        " --partition shipped --lpe 'met=s0t3;C<RD>*L' --lpe 'sampled=s1t3;C.*L' --lpe 'splat=s3t1;C.*' "
+        "--lpe 'long=beyond4;C.*' --lpe all=C.*";
+    const std::string how = "--integrator bdpt --spp 16 --atlas-by label,lobe,group,technique --atlas-length ";
+    folder.render_atlas("kept", how + "6");
+    const Outcome rendered = run_raylex(folder, "render job.toml --integrator bdpt --spp 16 -o rendered.exr" + wishes);
+    INFO(rendered.err);
+    REQUIRE(rendered.code == 0);
+    const Outcome asked = run_raylex(folder, "ask kept.atlas.exr -o asked.exr" + wishes);
+    INFO(asked.err);
+    REQUIRE(asked.code == 0);
+    const ExrImage a = image_of(folder, "asked.exr"), b = image_of(folder, "rendered.exr");
+    CHECK(largest_difference(a, b) <= 0x1p-23);  // the bound of the case above
+    for (const char* layer : {"met", "sampled", "splat", "long"}) {
+        const std::vector<float> values = plane(b, layer, "G");
+        CAPTURE(layer);
+        CHECK(std::any_of(values.begin(), values.end(), [](float value) { return value > 0; }));
+    }
+    check_verified(folder, "kept.atlas.exr");
+    CHECK(matches(run_raylex(folder, "ask kept.atlas.exr --top 5 --at 7,5").out, "[^]*\\(s[0-9]+t[0-9]+\\)[^]*"));
+    // Merged words keep theirs, and so do merged files.
+    folder.render_atlas("short", how + "1 --seed 1");
+    CHECK(
+        run_raylex(folder, "ask short.atlas.exr -o asked.exr --lpe 'sampled=s1t3;C.*' --lpe 'long=beyond4;C.*'").code ==
+        0);
+    folder.render_atlas("other", how + "6 --seed 2");
+    CHECK(run_raylex(folder, "ask --merge kept.atlas.exr other.atlas.exr -o both.atlas.exr").code == 0);
+    CHECK(run_raylex(folder, "ask both.atlas.exr -o asked.exr --lpe 'sampled=s1t3;C.*L'").code == 0);
+    folder.render_atlas("plain", "--integrator bdpt");
+    check_refused(folder, "ask plain.atlas.exr -o asked.exr --lpe 'sampled=s1t3;C.*L'",
+                  {"do not tell techniques apart", "--atlas-by label,lobe,group,technique"});
+    const Outcome page = run_raylex(folder, "report kept.atlas.exr -o page.html");
+    INFO(page.err);
+    CHECK(page.code == 0);
+}
+
 TEST_CASE("on whole scenes, what is asked afterwards is what a render had given: a hundred expressions each",
           "[.full][atlas]") {
     namespace fs = std::filesystem;

@@ -110,7 +110,7 @@ TEST_CASE("what is no plugin is refused before it is opened", "[cli][plugins][la
     for (std::string line; library.empty() && std::getline(maps, line);)
         if (line.find("/libc.so") != std::string::npos) library = line.substr(line.find('/'));
     REQUIRE_FALSE(library.empty());
-    says(quoted(library), "no raylex plugin");
+    says(test::quoted(library), "no raylex plugin");
 }
 
 TEST_CASE("a plugin whose stamp differs in anything is refused with what differs", "[cli][plugins][law7]") {

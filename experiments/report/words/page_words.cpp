@@ -132,6 +132,7 @@ Json table_json(const WordTable& table) {
                                       {"labels", event.labels},
                                       {"text", lpe::to_text(event)}});
     for (const auto& word : table.words) json["words"].push_back(letters_json(word));
+    for (const display::Technique& each : table.techniques) json["techniques"].push_back({each.s, each.t});
     return json;
 }
 
@@ -192,6 +193,8 @@ Result<std::string> words_html(display::AtlasFile& atlas, std::size_t number, st
                     {"scale", scale},
                     {"errorScale", error_scale},
                     {"straightDropped", table.dropped_straight},
+                    {"techniques", table.rules.techniques},
+                    {"mostVertices", WordAlphabet::most_vertices},
                     {"signed", table.is_signed}};
     return "<script type=\"application/json\" class=\"words\">" + script_json(json_text(data)) + "</script>\n" +
            element(id + "-table",
