@@ -50,7 +50,6 @@ cat >"$folder/study.toml" <<END
 name = "slurm"
 replicates = $((cells / 2))
 threads = 2
-checkpoint = "0.2s"
 [[scene]]
 name = "box"
 file = "$root/experiments/scenes/cornell-grey/scene.pbrt"
@@ -74,7 +73,7 @@ cd "$folder" || exit 2
 begin_slurm "$folder/slurm" 2 || { tail -n 20 "$folder"/slurm/*.out "$folder"/slurm/*.log; echo "0 passed, 1 failed"; exit 1; }
 
 all_done() { [ -z "$(squeue -h)" ]; }
-submit() { "$raylex" submit --slurm study.toml -o "$1" --shards 8 --no-report "${@:2}" 2>&1; }
+submit() { "$raylex" submit --slurm "${study:-study.toml}" -o "$1" --shards 8 --no-report "${@:2}" 2>&1; }
 
 # As it goes, beside the local runner.
 start=$(seconds)
@@ -97,7 +96,9 @@ check "all tasks are done" says "$said" "10 done"
 check "the bits are those of the local runner" test "$(bits local)" = "$(bits calm/results)"
 check "cells name their processor" grep -q '"machine"' calm/results/cells/box.path*.r0/cell.json
 
-# Tasks are killed, requeued and cancelled while they run, again and again.
+# Tasks are killed, requeued and cancelled while they run, again and again, which should hit cells with checkpoints.
+{ echo 'checkpoint = "0.2s"'; cat study.toml; } >often.toml
+study=often.toml
 submit wild >/dev/null
 job=$(sed -n 's/.*"shards": "\([0-9]*\)".*/\1/p' wild/submission.json)
 done_kills=0
