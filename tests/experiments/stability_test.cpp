@@ -147,6 +147,22 @@ TEST_CASE("a case of a scene is rendered for every combination and judged", "[st
     CHECK(run_raylex(folder, "stability same.toml").code == 0);
 }
 
+TEST_CASE("--fast keeps to the fast values of what is varied, which are among all", "[stability][cli]") {
+    const Folder folder;
+    const auto text = [](const std::string& fast) {
+        return head + environment_case("vary.L = [1, 2, 4]\n" + fast + "expected = \"3.5*L/3\"\ntolerance = \"2 ulp\"");
+    };
+    folder.write("c.toml", text("fast.L = [4, 1]\n"));
+    CHECK(contains(run_raylex(folder, "stability c.toml").out, "3 lines hold, 0 not"));
+    const Outcome fast = run_raylex(folder, "stability c.toml --fast");
+    CHECK(contains(fast.out, "2 lines hold, 0 not"));
+    CHECK_FALSE(contains(fast.out, "L = 2"));
+    folder.write("c.toml", text("fast.L = [1, 3]\n"));
+    check_refused(folder, "stability c.toml", {"c.toml:", "'fast.L' has 3, which 'vary' does not have"});
+    folder.write("c.toml", text("fast.M = [1]\n"));
+    check_refused(folder, "stability c.toml", {"c.toml:", "'fast.M', but nothing is varied by that name"});
+}
+
 TEST_CASE("an outcome is an image or a message, never a signal", "[stability][cli]") {
     const Folder folder;
     folder.write("message.toml", head + environment_case("vary.L = [1, \"word\"]\nmeasure = \"outcome\"\n"

@@ -13,6 +13,7 @@
 #include <cmath>
 
 #include "transport/materials/closure.h"
+#include "transport/paths/subpath.h"
 
 namespace raylex::transport {
 
@@ -22,6 +23,19 @@ struct JoinedScattering {
     BsdfEvaluation f;      ///< its pdf: with which the subpath would have gone there, per steradian
     Real pdf_reverse = 0;  ///< with which one from there would have gone back
 };
+
+/// What a subpath remembers of the vertex that it leaves; its throughput is the caller's.
+template <TransportMode mode>
+inline void leave_vertex(Subpath& path, const SurfacePoint& point, const BsdfSample& s) {
+    ++path.depth;
+    ++path.segment;
+    if (mode == TransportMode::radiance && s.transmitted) path.roulette_scale *= s.eta * s.eta;
+    path.specular = s.delta;
+    path.pdf = s.pdf;
+    path.from = point.position;
+    path.from_normal = point.shading_normal;
+    path.from_infinity = false;
+}
 
 /// One sample of a closure for a subpath that came from point.wo, `pdf` being the density whatever the closure. u_lobe
 /// and u in [0, 1). The radiance's 1 / eta^2 is in a camera subpath's weight and not in a light subpath's.

@@ -159,7 +159,6 @@ class Walk {
     void lay_footprints();
     bool survives_roulette(std::uint32_t row, std::uint32_t dimension);
     static std::uint32_t take_branch(Subpath& path, const BsdfSample& s);
-    static void leave(Subpath& path, const SurfacePoint& point, const BsdfSample& s);
 
     const SceneView scene_;
     const EventTable& events_;
@@ -427,19 +426,6 @@ std::uint32_t Walk<mode>::take_branch(Subpath& path, const BsdfSample& s) {
     return rays;
 }
 
-/// The path leaves a vertex, all but its throughput.
-template <TransportMode mode>
-void Walk<mode>::leave(Subpath& path, const SurfacePoint& point, const BsdfSample& s) {
-    ++path.depth;
-    ++path.segment;
-    if (mode == TransportMode::radiance && s.transmitted) path.roulette_scale *= s.eta * s.eta;
-    path.specular = s.delta;
-    path.pdf = s.pdf;
-    path.from = point.position;
-    path.from_normal = point.shading_normal;
-    path.from_infinity = false;
-}
-
 template <TransportMode mode>
 template <class Visitor>
 void Walk<mode>::scatter(Visitor& visitor) {
@@ -476,7 +462,7 @@ void Walk<mode>::scatter(Visitor& visitor) {
         path.beta *= s.weight;
         std::uint32_t rays = 1;
         if constexpr (Visitor::splits) rays = take_branch(path, s);
-        leave(path, point, s);
+        leave_vertex<mode>(path, point, s);
         visitor.scatters(j, s.lobes);
         if (!is_finite(path.beta)) {
             visitor.invalid(row);
