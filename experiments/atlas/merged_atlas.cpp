@@ -25,6 +25,41 @@ std::uint64_t number_attribute(const display::AtlasFile& file, const char* name)
     return std::strtoull(attribute(file, name).c_str(), nullptr, 10);
 }
 
+/// Samples [first, end) of a seed.
+struct Sampled {
+    std::uint64_t seed = 0, first = 0, end = 0;
+    auto operator<=>(const Sampled&) const = default;
+};
+constexpr std::uint64_t all_samples = ~std::uint64_t{0};  // as the end of what is no shard
+
+/// Header attribute of what is not all samples of its seeds: "7:0-15,7:32-47".
+constexpr const char* sampled_attribute = "raylex/sampled";
+
+std::string to_text(const Sampled& range) {
+    return std::to_string(range.seed) + ":" + std::to_string(range.first) + "-" + std::to_string(range.end - 1);
+}
+
+std::vector<Sampled> sampled(const display::AtlasFile& file) {
+    std::vector<Sampled> list;
+    const std::string shards = attribute(file, sampled_attribute);
+    std::istringstream text(shards.empty() ? attribute(file, "raylex/seed") : shards);
+    char mark = 0;
+    for (Sampled each; text >> each.seed; text >> mark) {
+        each.end = all_samples;
+        if (!shards.empty()) text >> mark >> each.first >> mark >> each.end, ++each.end;
+        list.push_back(each);
+    }
+    return list;
+}
+
+/// What two that overlap both have.
+std::string text_of(const Sampled& a, const Sampled& b) {
+    const std::uint64_t end = std::min(a.end, b.end);
+    const std::string seed = "seed " + std::to_string(a.seed);
+    if (end == all_samples) return seed;
+    return seed + ", samples " + std::to_string(std::max(a.first, b.first)) + " to " + std::to_string(end - 1);
+}
+
 /// The job without what two renders of one image may differ in: how many samples of which seed, on how many threads;
 /// what was asked for beside the beauty, and where it was written.
 std::string job_of_image(const display::AtlasFile& file) {
@@ -64,11 +99,13 @@ Status check_pair(const display::AtlasFile& a, const display::AtlasFile& b) {
     if (const std::string what = difference(a, b); !what.empty())
         return error_at({b.path(), 0, 0}, "cannot be merged with " + a.path() + ": the two " + what +
                                               "; expected atlases of one scene, rendered alike");
-    if (attribute(a, "raylex/seed") == attribute(b, "raylex/seed"))
-        return error_at({b.path(), 0, 0},
-                        "cannot be merged with " + a.path() + ": both have seed " + attribute(a, "raylex/seed") +
-                            ", so the same samples would count twice",
-                        "render one of them with another --seed");
+    for (const Sampled& of_a : sampled(a))
+        for (const Sampled& of_b : sampled(b))
+            if (of_a.seed == of_b.seed && of_a.first < of_b.end && of_b.first < of_a.end)
+                return error_at({b.path(), 0, 0},
+                                "cannot be merged with " + a.path() + ": both have " + text_of(of_a, of_b) +
+                                    ", so the same samples would count twice",
+                                "render one of them with another --seed, or as another --shard");
     return success();
 }
 
@@ -95,6 +132,14 @@ double sum_of(std::vector<double>& terms) {
 }
 
 }  // namespace
+
+display::ImageDescription of_samples(display::ImageDescription description, const ShardRange& range) {
+    std::map<std::string, std::string>& attributes = description.attributes;
+    attributes["raylex/samples_per_pixel"] = std::to_string(range.end - range.first);
+    attributes[sampled_attribute] =
+        to_text({std::strtoull(attributes["raylex/seed"].c_str(), nullptr, 10), range.first, range.end});
+    return description;
+}
 
 Result<std::unique_ptr<MergedAtlas>> MergedAtlas::open(const std::vector<std::string>& paths) {
     std::unique_ptr<MergedAtlas> merged(new MergedAtlas());
@@ -206,17 +251,30 @@ void MergedAtlas::merge_pixel(std::size_t x, display::AtlasRow& row) {
 
 display::ImageDescription MergedAtlas::description() const {
     display::ImageDescription description = files_.front()->description();
-    std::set<std::uint64_t> seeds;
+    std::set<Sampled> all;
     std::uint64_t per_pixel = 0, in_all = 0;
     for (const auto& file : files_) {
-        seeds.insert(number_attribute(*file, "raylex/seed"));
+        for (const Sampled& each : sampled(*file)) all.insert(each);
         per_pixel += number_attribute(*file, "raylex/samples_per_pixel");
         in_all += number_attribute(*file, "raylex/camera_samples");
         description.complete = description.complete && file->description().complete;
     }
-    std::string list;
-    for (const std::uint64_t seed : seeds) list += (list.empty() ? "" : ",") + std::to_string(seed);
-    description.attributes["raylex/seed"] = list;
+    std::set<std::uint64_t> seeds;
+    std::vector<Sampled> joined;
+    bool in_shards = false;
+    for (const Sampled& each : all) {
+        seeds.insert(each.seed);
+        in_shards = in_shards || each.end != all_samples;
+        if (!joined.empty() && joined.back().seed == each.seed && joined.back().end == each.first)
+            joined.back().end = each.end;
+        else joined.push_back(each);
+    }
+    std::string seed_list, shard_list;
+    for (const std::uint64_t seed : seeds) seed_list += (seed_list.empty() ? "" : ",") + std::to_string(seed);
+    for (const Sampled& each : joined) shard_list += (shard_list.empty() ? "" : ",") + to_text(each);
+    description.attributes["raylex/seed"] = seed_list;
+    description.attributes.erase(sampled_attribute);
+    if (in_shards) description.attributes[sampled_attribute] = shard_list;
     description.attributes["raylex/samples_per_pixel"] = std::to_string(per_pixel);
     description.attributes["raylex/camera_samples"] = std::to_string(in_all);
     for (const char* of_one : {"raylex/time", "raylex/host", "raylex/command"}) description.attributes.erase(of_one);

@@ -6,9 +6,13 @@
 #include <vector>
 
 #include "display/output/atlas_file.h"
+#include "experiments/shards/shard_render.h"
 #include "lpe/result.h"
 
 namespace raylex::experiments {
+
+/// What the header of a shard's atlas says: that it is of samples [first, end) alone.
+display::ImageDescription of_samples(display::ImageDescription description, const ShardRange& range);
 
 /// Every pixel and word is the mean over the files, weighted by the pixel's samples, as is the beauty. Words of one
 /// pixel are added in an order that depends on their values alone, so the order of the files does not matter, bit for
@@ -16,8 +20,8 @@ namespace raylex::experiments {
 class MergedAtlas final : public display::AtlasSource {
   public:
     /// Errors name two files and what differs: size, what words are told apart by, what the scene can produce,
-    /// integrator, filter, colours, the job but for samples, seed, threads and outputs; the same seed twice, which
-    /// would count the same samples twice; signed atlases.
+    /// integrator, filter, colours, the job but for samples, seed, threads and outputs; samples that two have; signed
+    /// atlases.
     static Result<std::unique_ptr<MergedAtlas>> open(const std::vector<std::string>& paths);
 
     [[nodiscard]] int width() const override { return files_.front()->width(); }

@@ -198,7 +198,8 @@ void add_ask_command(CLI::App& app, CommandContext& context) {
     why.add("--suggest", options->suggest, "N",
             "proposes a partition whose layers are the N kinds of words with most noise, and a rest")
         ->check(CLI::Range(1, 200));
-    files.add_flag("--merge", options->merge, "makes one atlas of several: renders of one scene with different seeds");
+    files.add_flag("--merge", options->merge,
+                   "makes one atlas of several: renders of one scene with different seeds, or shards of one");
     files.add("-o,--output", options->output, "OUT.exr", "the file with the layers, or the merged atlas");
     command->footer(
         "Layers have the names, headers and partitions that a render with the same options gives them, and its values "

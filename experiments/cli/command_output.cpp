@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Options whose values are files or folders. A plugin, or a colour config, may go by a name that is no file's.
-const std::set<std::string> path_options{"-o",       "--output",   "--stats", "--ocio",
+const std::set<std::string> path_options{"-o",       "--output",   "--stats", "--ocio",      "--atlas",
                                          "--plugin", "--channels", "--to",    "--references"};
 
 bool is_path_option(const CLI::Option& option) {

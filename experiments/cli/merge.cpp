@@ -1,10 +1,12 @@
 // raylex merge: the image that the shards of a render add up to.
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 
 #include "display/output/atomic_file.h"
 #include "display/output/exr_reader.h"
 #include "display/output/split_check.h"
+#include "experiments/atlas/merged_atlas.h"
 #include "experiments/cli/commands.h"
 #include "experiments/cli/judge.h"
 #include "experiments/cli/plugin_options.h"
@@ -20,7 +22,7 @@ namespace {
 
 struct ImageMergeOptions {
     std::vector<std::string> records, plugins;
-    std::string output;
+    std::string output, atlas;
     unsigned shards = 0;
     bool wait = false;
 };
@@ -51,6 +53,29 @@ int judge_merged(const std::string& path) {
     return code;
 }
 
+/// The atlases that stand beside the records, as one; the exit code.
+int merge_atlases(const std::string& output, const MergedRender& merged) {
+    std::vector<std::string> files;
+    for (const auto& [part, parts] : merged.parts) files.push_back(shard_file(output, part, parts));
+    auto atlas = MergedAtlas::open(files);
+    if (!atlas) return report_error(atlas.error());
+    const display::ImageDescription description = (*atlas)->description();
+    const auto& of_atlas = description.attributes;
+    const auto& of_image = merged.image.description.attributes;
+    for (const char* name : {"raylex/scene", "raylex/job", "raylex/seed", "raylex/samples_per_pixel"})
+        if (of_atlas.at(name) != of_image.at(name))
+            return report_error(error_at({files.front(), 0, 0},
+                                         "this atlas is of another render than the records: it has '" +
+                                             of_atlas.at(name) + "' as " + name + ", and they have '" +
+                                             of_image.at(name) + "'",
+                                         "expected the atlases that 'raylex render --shard' left with the records"));
+    if (Status written = display::write_atlas(output, **atlas, description); !written)
+        return report_error(written.error());
+    auto file = display::AtlasFile::open(output);
+    if (!file) return report_error(file.error());
+    return judge_atlas(**file);
+}
+
 int merge_records(const ImageMergeOptions& options, const std::vector<std::string>& arguments) {
     if (std::filesystem::path(options.output).extension() != ".exr")
         return report_error("the output '" + options.output +
@@ -58,6 +83,8 @@ int merge_records(const ImageMergeOptions& options, const std::vector<std::strin
     if (Status loaded = load_plugins(options.plugins); !loaded) return report_error(loaded.error());
     if (Status writable = display::check_writable(options.output); !writable) return report_error(writable.error());
     const std::vector<std::string> records = records_of(options);
+    if (!options.atlas.empty())
+        if (Status writable = display::check_writable(options.atlas); !writable) return report_error(writable.error());
     if (records.empty())
         return report_error("no records to merge; expected their names, or --shards N for OUT.exr.shard-1-of-N ...");
     constexpr double patience = 10;  // a shard's process is sooner at its lock
@@ -67,8 +94,15 @@ int merge_records(const ImageMergeOptions& options, const std::vector<std::strin
     if (!merged) return report_error(merged.error());
     merged->image.description.attributes["raylex/merge_command"] = shell_command(arguments);
     if (Status written = write_merged_image(options.output, *merged); !written) return report_error(written.error());
-    const int code = judge_merged(options.output);
+    int code = judge_merged(options.output);
     if (code == exit_bad_input) return code;
+    if (!options.atlas.empty()) {
+        const int of_atlas = merge_atlases(options.atlas, *merged);
+        if (of_atlas == exit_bad_input) return of_atlas;
+        code = std::max(code, of_atlas);
+    } else if (merged->has_atlas) {
+        print_note("the shards left path atlases, which --atlas FILE.atlas.exr makes one of: the name they were given");
+    }
     if (merged->facts.invalid_samples > 0)
         print_warning(std::to_string(merged->facts.invalid_samples) +
                       " contributions or values were not finite, or too large to be summed, and were left out of "
@@ -97,6 +131,10 @@ void add_merge_command(CLI::App& app, CommandContext& context) {
     command->add_option("-o,--output", options->output, "image to write")
         ->required()
         ->option_text("OUT.exr (required)");
+    command
+        ->add_option("--atlas", options->atlas,
+                     "merges the path atlases of the shards too, FILE.shard-1-of-N to FILE.shard-N-of-N")
+        ->option_text("FILE.atlas.exr");
     add_plugin_option(*command, options->plugins);
     command->footer(
         "Records stay as they are. Those of another build, seed, scene or setting are refused by name, as are samples "

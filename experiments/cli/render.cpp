@@ -95,7 +95,8 @@ Status read_sampling(const RenderOptions& options, Job& job) {
     }
     if (options.bucket_rows) bucket_settings(job).rows = *options.bucket_rows;
     job.resume = options.resume;
-    if ((job.resume || job.shard) && job.checkpoint_seconds == 0) job.checkpoint_seconds = 60;
+    const bool is_saved = job.resume || (job.shard && job.outputs.atlas.file.empty());  // atlases are not
+    if (is_saved && job.checkpoint_seconds == 0) job.checkpoint_seconds = 60;
     return success();
 }
 
@@ -105,6 +106,8 @@ Status read_shard(const RenderOptions& options, Job& job) {
     auto shard = parse_shard(options.shard, flag("--shard"));
     if (!shard) return shard.error();
     job.shard = ShardRequest{shard->part, shard->parts, shard_file(job.output, shard->part, shard->parts)};
+    std::string& atlas = job.outputs.atlas.file;
+    if (!atlas.empty()) atlas = shard_file(atlas, shard->part, shard->parts);
     return success();
 }
 

@@ -43,6 +43,7 @@ int print_render_commands(const CLI::App& command, const RenderOptions& options,
     const std::string output = absolute_path(job.output), note = left_out_note(job);
     const std::vector<std::string> base = shard_arguments(command, job, arguments, output);
     const int threads = job.settings.threads;
+    const std::string atlas = job.outputs.atlas.file.empty() ? "" : absolute_path(job.outputs.atlas.file);
     RenderEstimate estimate;
     if (auto code = estimate_render(std::move(job), arguments, !options.commands.no_calibration, estimate))
         return *code;
@@ -54,6 +55,7 @@ int print_render_commands(const CLI::App& command, const RenderOptions& options,
     PlannedCommand merge;
     merge.name = "merge";
     merge.arguments = {base.front(), "merge", "--shards", std::to_string(options.shards), "--wait", "-o", output};
+    if (!atlas.empty()) merge.arguments.insert(merge.arguments.end(), {"--atlas", atlas});
     merge.target = output;
     merge.memory_bytes = estimate.memory_bytes;
     const unsigned cores = threads > 0 ? static_cast<unsigned>(threads) : std::thread::hardware_concurrency();

@@ -12,6 +12,7 @@
 #include "display/output/exr_reader.h"
 #include "display/output/exr_writer.h"
 #include "display/output/split_check.h"
+#include "experiments/atlas/merged_atlas.h"
 #include "experiments/cli/judge.h"
 #include "experiments/cli/loading_line.h"
 #include "experiments/cli/progress.h"
@@ -333,8 +334,11 @@ class RenderRun {
             print_line(shard_->record() + ": " + shard_->text() + ", INTERRUPTED; the same command goes on from here");
             return exit_interrupted;
         }
-        if (Status s = shard_->write(*output_, describe_image(), job_.outputs.filters); !s)
+        const display::ImageDescription description = describe_image();
+        // The record comes last: where it is, all of the shard is.
+        if (Status s = outputs_.atlas().write(*output_, of_samples(description, shard_->range())); !s)
             return report_error(s.error());
+        if (Status s = shard_->write(*output_, description, job_.outputs.filters); !s) return report_error(s.error());
         remove_checkpoint();
         phases_["write"] = clock.elapsed();
         return go_on;

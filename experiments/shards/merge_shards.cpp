@@ -174,6 +174,8 @@ Result<MergedRender> merge_shards(const std::vector<std::string>& records) {
         if (Status fits = ranges.add(shard->facts.range, path); !fits) return fits.error();
         attributes[shard->facts.range.first] = shard->image.description.attributes;
         light_paths += shard->sums.light_path_count();
+        merged.parts.emplace_back(shard->facts.part, shard->facts.parts);
+        merged.has_atlas = merged.has_atlas || shard->facts.has_atlas;
         if (shards.empty()) merged.facts = shard->facts;
         else add_facts(merged.facts, shard->facts);
         shards.push_back(*std::move(shard));

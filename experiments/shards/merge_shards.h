@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "display/buffer/banded_image.h"
@@ -19,6 +20,8 @@ struct MergedRender {
     RecordedImage image;  ///< its attributes are those of the first samples' shard, counts being sums
     ShardFacts facts;     ///< sums; the range is the whole
     std::size_t shards = 0;
+    std::vector<std::pair<unsigned, unsigned>> parts;  ///< which of how many each record was, in their order
+    bool has_atlas = false;                            ///< some came with an atlas
 };
 
 /// The sum of the records, in any order the same bits. Errors name the file: no record, one that is cut or damaged, one

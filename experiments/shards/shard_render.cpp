@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "display/checkpoint/banded_record.h"
+#include "display/output/atlas_file.h"
 #include "experiments/job/sampling_requests.h"
 #include "transport/integrators/integrator.h"
 #include "transport/render/tiles.h"
@@ -21,7 +22,8 @@ Result<transport::ChosenIntegrator> integrator_of(const Job& job, const transpor
                                         job.settings.max_depth);
 }
 
-Json shard_json(const ShardRange& range, const ShardRequest& request, const transport::RenderOutput& output) {
+Json shard_json(const ShardRange& range, const ShardRequest& request, const transport::RenderOutput& output,
+                bool has_atlas) {
     const transport::RenderStatistics& statistics = output.statistics;
     return {{"part", request.part},
             {"parts", request.parts},
@@ -30,6 +32,7 @@ Json shard_json(const ShardRange& range, const ShardRequest& request, const tran
             {"samples_per_pixel", range.total},
             {"camera_samples", statistics.camera_samples},
             {"invalid_samples", statistics.invalid_samples},
+            {"atlas", has_atlas},
             {"wall_seconds", statistics.render_seconds},
             {"cpu_seconds", statistics.render_cpu_seconds}};
 }
@@ -79,11 +82,6 @@ Status check_shardable(const Job& job, const transport::SceneDescription& scene)
         return error_at(job.outputs.deep.location,
                         "a deep image in shards: deep samples are merged as they come and are no sums",
                         "leave out the deep image, or --shard and --shards");
-    if (!job.outputs.atlas.file.empty())
-        return error_at(job.outputs.atlas.location,
-                        "a path atlas in shards: it is no part of the records that are merged",
-                        "leave out the atlas, or --shard and --shards; atlases of renders with other seeds can be "
-                        "merged: raylex ask --merge");
     auto chosen = integrator_of(job, scene);
     if (!chosen) return chosen.error();
     if (chosen->integrator->starts_up())
@@ -104,6 +102,7 @@ Result<ShardRender> ShardRender::make(Job& job, const transport::SceneDescriptio
     if (!total) return total.error();
     ShardRender shard;
     shard.request_ = *job.shard;
+    shard.atlas_ = job.outputs.atlas.file;
     auto range = shard_range(shard.request_.part, shard.request_.parts, *total);
     if (!range) return range.error();
     shard.range_ = *range;
@@ -121,6 +120,7 @@ Result<bool> ShardRender::is_done(const transport::RenderPlan& plan, std::string
         if (name == "samples per pixel") value = std::to_string(range_.total);
     std::error_code failed;
     if (!std::filesystem::exists(request_.record, failed)) return false;
+    if (!atlas_.empty() && !display::is_atlas(atlas_)) return false;
     const auto record = display::RecordFileReader::open(request_.record);
     const Status sound = record ? record->check() : Status(record.error());
     if (!sound) {
@@ -156,7 +156,7 @@ Status ShardRender::write(const transport::RenderOutput& output, const display::
     for (const geoaovs::Cryptomatte& matte : output.cryptomatte)
         image.mattes.push_back({matte.kind(), matte.ranks(), matte.names()});
     Json json = image_json(image);
-    json["shard"] = shard_json(range_, request_, output);
+    json["shard"] = shard_json(range_, request_, output, !atlas_.empty());
     const display::PixelImage& pixels = output.image();
     const auto bands =
         display::record_bands(pixels.layout(), pixels.channels(), output.frame_buffer.takes_raster_splats());
@@ -185,6 +185,9 @@ std::string ShardRender::text() const {
 ShardFacts shard_facts(const Json& json) {
     const Json& shard = json.at("shard");
     ShardFacts facts;
+    facts.part = shard.at("part");
+    facts.parts = shard.at("parts");
+    facts.has_atlas = shard.at("atlas");
     facts.range = {whole(shard.at("first_sample")), whole(shard.at("end_sample")),
                    whole(shard.at("samples_per_pixel"))};
     facts.camera_samples = whole(shard.at("camera_samples"));

@@ -52,17 +52,21 @@ class ShardRender {
                  const std::vector<ObjectRequest>& filters) const;
 
     [[nodiscard]] const std::string& record() const { return request_.record; }
+    [[nodiscard]] const ShardRange& range() const { return range_; }
     /// "shard 2/4, samples 16 to 31 of 64".
     [[nodiscard]] std::string text() const;
 
   private:
     ShardRequest request_;
+    std::string atlas_;  ///< beside the record; empty: none
     ShardRange range_;
     display::RecordIdentity identity_;
 };
 
 /// What a shard's record says beside its image: member "shard" of the JSON.
 struct ShardFacts {
+    unsigned part = 1, parts = 1;
+    bool has_atlas = false;  ///< render wrote one beside the record, before it
     ShardRange range;
     std::uint64_t camera_samples = 0, invalid_samples = 0;
     double wall_seconds = 0, cpu_seconds = 0;

@@ -393,6 +393,49 @@ TEST_CASE("atlases of several seeds are one, in any order", "[atlas]") {
     check_refused(folder, "ask --merge c7.atlas.exr c8.atlas.exr -o n.exr", {"c8.atlas.exr", "jobs that differ"});
 }
 
+TEST_CASE("atlases of shards are merged with their image, or by themselves, and answer what one render's does",
+          "[atlas][law3]") {
+    const std::string integrator = GENERATE("path", "bdpt", "lighttracer");
+    CAPTURE(integrator);
+    const AtlasFolder folder;
+    const std::string more = "--spp 48 --integrator " + integrator;
+    folder.render_atlas("whole", more);
+    for (const char* part : {"1", "2", "3"}) folder.render_atlas("out", more + " --shard " + part + "/3");
+    const std::string first = "out.atlas.exr.shard-1-of-3", second = "out.atlas.exr.shard-2-of-3",
+                      third = "out.atlas.exr.shard-3-of-3";
+    const Outcome unasked = run_raylex(folder, "merge --shards 3 -o out.exr");
+    CHECK(unasked.code == 0);
+    CHECK((unasked.out + unasked.err).find("--atlas FILE.atlas.exr") != std::string::npos);
+    const Outcome merged = run_raylex(folder, "merge --shards 3 -o out.exr --atlas out.atlas.exr");
+    INFO(merged.out << merged.err);
+    REQUIRE(merged.code == 0);
+    check_verified(folder, "out.atlas.exr");
+    REQUIRE(run_raylex(folder, "ask --merge " + third + " " + first + " -o some.exr").code == 0);
+    REQUIRE(run_raylex(folder, "ask --merge some.exr " + second + " -o all.exr").code == 0);
+    for (const char* name : {"whole.atlas.exr", "out.atlas.exr", "all.exr"})
+        REQUIRE(run_raylex(folder, std::string("ask ") + name + " --partition shipped -o of_" + name).code == 0);
+    const ExrImage whole = image_of(folder, "of_whole.atlas.exr");
+    // Rounded to float: words and layers of the whole; words of shards, merged words (once more where they are merged
+    // twice), layers.
+    CHECK(largest_difference(image_of(folder, "of_out.atlas.exr"), whole) <= 5 * 0x1p-24);
+    CHECK(largest_difference(image_of(folder, "of_all.exr"), whole) <= 6 * 0x1p-24);
+
+    check_refused(folder, "ask --merge " + first + " " + first + " -o n.exr",
+                  {"both have seed", "samples 0 to 15", "--shard"});
+    check_refused(folder, "ask --merge some.exr " + third + " -o n.exr", {"samples 32 to 47"});
+    check_refused(folder, "ask --merge all.exr whole.atlas.exr -o n.exr", {"whole.atlas.exr", "samples 0 to 47"});
+    // A shard whose atlas is gone is not done.
+    std::filesystem::remove(folder.path(second));
+    check_refused(folder, "merge --shards 3 -o out.exr --atlas out.atlas.exr", {second});
+    folder.render_atlas("out", more + " --shard 2/3");
+    CHECK(folder.has(second));
+    // The atlas of another render beside the records.
+    folder.render_atlas("other", more + " --seed 9 --shard 2/3");
+    std::filesystem::rename(folder.path("other.atlas.exr.shard-2-of-3"), folder.path(second));
+    check_refused(folder, "merge --shards 3 -o out.exr --atlas out.atlas.exr",
+                  {first, "another render", "raylex/seed"});
+}
+
 TEST_CASE("questions to no atlas end in a message", "[atlas][law7]") {
     const AtlasFolder folder;
     folder.render_atlas("a");

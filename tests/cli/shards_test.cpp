@@ -130,7 +130,8 @@ TEST_CASE("what is no whole render is not merged, by name, and what has no shard
     check_refused(folder, shard + part_of(1, 3) + " --until-error 1%", {"adaptive sampling in shards"});
     check_refused(folder, shard + part_of(1, 3) + " --time 1s", {"--time", "expected --spp"});
     check_refused(folder, shard + part_of(1, 3) + " --deep d.exr", {"a deep image"});
-    check_refused(folder, shard + part_of(1, 3) + " --atlas a.atlas.exr", {"a path atlas"});
+    check_refused(folder, shard + part_of(1, 3) + " --atlas a.atlas.exr --checkpoint 9s",
+                  {"a path atlas", "checkpoint"});
     check_refused(folder, shard + part_of(1, 3) + " --replay 1,1,1", {"--replay"});
     check_refused(folder, shard + part_of(1, 3) + " --integrator pssmlt", {"Markov chains of integrator 'pssmlt'"});
 }

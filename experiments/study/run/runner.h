@@ -13,11 +13,12 @@
 
 namespace raylex::experiments {
 
-/// Cells, or parts of cells, whose index in the list of work is `part` - 1 modulo `parts`.
+/// Every `parts`-th of the list of work, one further on in each round: a study's methods take turns in the list, and
+/// a shard that had the same one every time would be the slowest or the fastest.
 struct Shard {
     unsigned part = 1, parts = 1;
     unsigned split_cells = 1;  ///< parts that each cell's samples are rendered in, as far as can be: cell_parts.h
-    [[nodiscard]] bool has(std::size_t index) const { return index % parts == part - 1; }
+    [[nodiscard]] bool has(std::size_t index) const { return (index + index / parts) % parts == part - 1; }
 };
 /// "2/4".
 Result<Shard> parse_shard(const std::string& text, const SourceLocation& where);
